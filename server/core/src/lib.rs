@@ -1,0 +1,53 @@
+//! One haptic tick, and nothing else.
+//!
+//! Everything that can be touched is a set of spheres with a compliance; one small problem in six
+//! unknowns per tool and tick says where the tool is, and its multipliers are the forces on
+//! everything. The method is that of Wang, Shi, Liu, Zhang and Xiao, *Haptic Simulation of Organ
+//! Deformation and Hybrid Contacts in Dental Operations*, IEEE Transactions on Haptics 2014,
+//! doi:10.1109/TOH.2014.2304734, with the tissue's compliance moved inside the optimisation.
+//!
+//! # Invariants
+//! - The core has no clock, no I/O, no randomness, no hash-map iteration, and a tick allocates
+//!   nothing. (Exception: the `clarabel` solver allocates and reads a clock for its own statistics;
+//!   it never lets the clock decide.)
+//! - Same [`Scene`], same [`State`], same [`TickInput`]: same bits out, in debug and release.
+//! - All solvers are bounded by iterations, never by time.
+//!
+//! # Units and frames
+//! SI throughout: metres, newtons, newton-metres, radians, seconds. World frame: x anterior, y to
+//! the patient's left, z up. A transform is named `a_from_b`.
+//!
+//! # Scope
+//! No friction, no gravity, tools do not collide with each other.
+
+pub mod contact;
+mod haptic;
+pub mod input;
+pub mod math;
+pub mod optimise;
+pub mod output;
+pub mod params;
+pub mod scene;
+pub mod stage;
+pub mod state;
+mod substep;
+pub mod tick;
+pub mod tissue;
+pub mod tree;
+mod wrench;
+
+pub use input::{RawPose, TickInput, ToolInput};
+pub use math::{Pose, Quat, Vec3, Wrench};
+pub use output::{TickOutput, ToolOutput};
+pub use params::Params;
+pub use scene::{DisplayMesh, Object, Scene, SceneError, Tool};
+pub use stage::{NoProbe, Stage, StageProbe};
+pub use state::State;
+pub use tick::{Workspace, tick};
+pub use tree::{Node, Sphere, SphereTree, TreeError};
+
+/// Most tools one scene can hold: one for each hand.
+pub const MAX_TOOLS: usize = 2;
+
+/// Length of one tick in seconds (1 kHz).
+pub const TICK_S: f64 = 1e-3;

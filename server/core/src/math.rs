@@ -1,0 +1,154 @@
+//! Fixed-size vectors, rotations and wrenches with bit-identical results on every build.
+//!
+//! Only `+ - * /`, IEEE square root and `libm` are used below the API: no platform `sin`, no fused
+//! multiply-add, no `f64::max` (whose treatment of `-0.0` differs between debug and release).
+
+use serde::{Deserialize, Serialize};
+
+/// Three-vector, metres or newtons as its name says.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// 3x3 matrix.
+pub type Mat3 = nalgebra::Matrix3<f64>;
+/// Unit quaternion (rotation).
+pub type Quat = nalgebra::UnitQuaternion<f64>;
+
+/// The larger of two numbers; the first when they compare equal or either is NaN.
+#[inline]
+pub fn fmax(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// The smaller of two numbers; the first when they compare equal or either is NaN.
+#[inline]
+pub fn fmin(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// `x` limited to `[low, high]`.
+#[inline]
+pub fn fclamp(x: f64, low: f64, high: f64) -> f64 {
+    fmin(fmax(x, low), high)
+}
+
+/// Euclidean length. Uses the IEEE square root only, so it is the same bits everywhere.
+#[inline]
+pub fn norm(v: &Vec3) -> f64 {
+    v.dot(v).sqrt()
+}
+
+/// Rigid transform `a_from_b`: rotation, then translation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Position of b's origin in a, metres.
+    pub position: Vec3,
+    /// Rotation of b's axes into a.
+    pub orientation: Quat,
+}
+
+impl Pose {
+    /// The identity transform.
+    pub fn identity() -> Self {
+        Self { position: Vec3::zeros(), orientation: Quat::identity() }
+    }
+
+    /// A pose from position and orientation.
+    pub fn new(position: Vec3, orientation: Quat) -> Self {
+        Self { position, orientation }
+    }
+
+    /// Point of b seen from a.
+    #[inline]
+    pub fn transform(&self, point: &Vec3) -> Vec3 {
+        self.position + self.orientation * point
+    }
+
+    /// Point of a seen from b.
+    #[inline]
+    pub fn inverse_transform(&self, point: &Vec3) -> Vec3 {
+        self.orientation.inverse() * (point - self.position)
+    }
+}
+
+/// Force and torque about a stated point, both in stated axes (world unless named otherwise).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wrench {
+    /// Force, newtons.
+    pub force: Vec3,
+    /// Torque, newton-metres.
+    pub torque: Vec3,
+}
+
+impl Wrench {
+    /// No force, no torque.
+    pub const ZERO: Wrench = Wrench { force: Vec3::new(0.0, 0.0, 0.0), torque: Vec3::new(0.0, 0.0, 0.0) };
+
+    /// The same load seen from another point: `lever = old_point - new_point`.
+    #[inline]
+    pub fn moved(&self, lever: &Vec3) -> Wrench {
+        Wrench { force: self.force, torque: self.torque + lever.cross(&self.force) }
+    }
+}
+
+/// Rotation by the rotation vector `w` (axis times angle, radians).
+pub fn exp_rotation(w: &Vec3) -> Quat {
+    let angle_squared = w.dot(w);
+    // Below 1e-4 rad the series is exact to double precision and has no 0/0.
+    let (scalar, scale) = if angle_squared < 1e-8 {
+        (1.0 - angle_squared * 0.125, 0.5 - angle_squared * (1.0 / 48.0))
+    } else {
+        let angle = angle_squared.sqrt();
+        (libm::cos(0.5 * angle), libm::sin(0.5 * angle) / angle)
+    };
+    normalised(scalar, w.x * scale, w.y * scale, w.z * scale)
+}
+
+/// Rotation vector of `q` (axis times angle), angle in `[0, pi]`.
+pub fn log_rotation(q: &Quat) -> Vec3 {
+    // q and -q are the same rotation; take the short way round.
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    let vector = Vec3::new(q.i * sign, q.j * sign, q.k * sign);
+    let scalar = q.w * sign;
+    let sine = norm(&vector);
+    if sine < 1e-10 {
+        return vector * 2.0;
+    }
+    vector * (2.0 * libm::atan2(sine, scalar) / sine)
+}
+
+/// Unit quaternion from four numbers of roughly unit length.
+pub fn normalised(w: f64, i: f64, j: f64, k: f64) -> Quat {
+    let inverse = 1.0 / (w * w + i * i + j * j + k * k).sqrt();
+    Quat::new_unchecked(nalgebra::Quaternion::new(w * inverse, i * inverse, j * inverse, k * inverse))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn log_undoes_exp_below_pi() {
+        for scale in [1e-12, 1e-6, 9.9e-5, 1.1e-4, 0.3, 1.5, 3.1] {
+            let w = Vec3::new(0.3, -0.8, 0.52).normalize() * scale;
+            let back = log_rotation(&exp_rotation(&w));
+            assert!(norm(&(back - w)) < 1e-14 + 1e-12 * scale, "{scale}: {back:?}");
+        }
+    }
+
+    #[test]
+    fn exp_is_the_rotation_that_rodrigues_names() {
+        let axis = Vec3::new(1.0, 2.0, -0.5).normalize();
+        let (angle, p) = (0.7, Vec3::new(0.2, -0.4, 0.9));
+        let rodrigues = p * libm::cos(angle)
+            + axis.cross(&p) * libm::sin(angle)
+            + axis * (axis.dot(&p) * (1.0 - libm::cos(angle)));
+        assert!(norm(&(exp_rotation(&(axis * angle)) * p - rodrigues)) < 1e-15);
+    }
+
+    #[test]
+    fn a_wrench_moved_there_and_back_is_the_same_load() {
+        let w = Wrench { force: Vec3::new(1.0, 2.0, 3.0), torque: Vec3::new(0.1, 0.0, -0.2) };
+        let lever = Vec3::new(0.01, -0.02, 0.09);
+        let back = w.moved(&lever).moved(&-lever);
+        assert!(norm(&(back.torque - w.torque)) < 1e-15);
+    }
+}

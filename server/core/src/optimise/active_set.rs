@@ -1,0 +1,229 @@
+//! Dual active set for the contact problem: no allocation, bounded, same bits everywhere.
+//!
+//! Goldfarb and Idnani (1983, doi:10.1007/BF02591962) with a unit Hessian is, on the dual, the
+//! non-negative least-squares scheme of Lawson and Hanson (1974, chapter 23): rows enter by the
+//! largest violation, `H_PP s = -b_P` is solved on the active set `P`, and rows whose multiplier
+//! would turn negative leave. The Cholesky factor of `H_PP` grows by a row and shrinks by Givens
+//! rotations. Until it ends an iterate violates rows, so only a `Solved` answer may be applied.
+
+use super::{ContactSolver, Problem, Solution, SolveStatus};
+use crate::math::fmax;
+
+/// Rows enter while their violation exceeds this share of the problem's scale.
+const ENTRY_TOLERANCE: f64 = 1e-11;
+/// Head-room for rounding in `w`, per unit of the largest `H_ii lambda_i`.
+const ROUNDING: f64 = 1e-14;
+
+/// Scratch of the solver.
+#[derive(Clone, Debug)]
+pub struct ActiveSet {
+    /// Row indices in the order in which they entered.
+    active: Vec<usize>,
+    /// Whether a row is active, or barred until the active set changes.
+    state: Vec<RowState>,
+    /// Lower Cholesky factor of `H` over `active`, row-major with stride `capacity`.
+    factor: Vec<f64>,
+    /// Right-hand side and solution over `active`.
+    work: Vec<f64>,
+    capacity: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum RowState {
+    Free,
+    Active,
+    /// Entered and left at once through rounding: not tried again until something else changes.
+    Barred,
+}
+
+impl ActiveSet {
+    /// Room for problems of up to `capacity` rows.
+    pub fn with_capacity(capacity: usize) -> Self {
+        Self {
+            active: Vec::with_capacity(capacity),
+            state: Vec::with_capacity(capacity),
+            factor: vec![0.0; capacity * capacity],
+            work: vec![0.0; capacity],
+            capacity,
+        }
+    }
+
+    /// Appends row `p` to the factor. False when the matrix is not positive definite in
+    /// these digits.
+    fn append(&mut self, problem: &Problem<'_>, p: usize) -> bool {
+        let n = self.active.len();
+        let mut pivot = problem.gram(p, p);
+        for k in 0..n {
+            let mut entry = problem.gram(p, self.active[k]);
+            let (above, row) = self.factor.split_at_mut(n * self.capacity);
+            let l_k = &above[k * self.capacity..][..=k];
+            for (x, y) in row[..k].iter().zip(l_k) {
+                entry -= x * y;
+            }
+            entry /= l_k[k];
+            row[k] = entry;
+            pivot -= entry * entry;
+        }
+        // Exactly, the pivot is at least eps; rounding may eat some of it, not all.
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        self.factor[n * self.capacity + n] = pivot.sqrt();
+        self.active.push(p);
+        self.state[p] = RowState::Active;
+        true
+    }
+
+    /// Removes the `k`-th active row from the factor by Givens rotations.
+    fn remove(&mut self, k: usize) {
+        let (n, stride) = (self.active.len(), self.capacity);
+        self.state[self.active[k]] = RowState::Free;
+        self.active.remove(k);
+        for row in k + 1..n {
+            self.factor.copy_within(row * stride..row * stride + row + 1, (row - 1) * stride);
+        }
+        // Row j (old j + 1) now has one entry right of the diagonal: rotate it away.
+        for j in k..n - 1 {
+            let (a, b) = (self.factor[j * stride + j], self.factor[j * stride + j + 1]);
+            let r = (a * a + b * b).sqrt();
+            let (c, s) = (a / r, b / r);
+            for row in j..n - 1 {
+                let at = row * stride + j;
+                let (x, y) = (self.factor[at], self.factor[at + 1]);
+                self.factor[at] = c * x + s * y;
+                self.factor[at + 1] = c * y - s * x;
+            }
+        }
+    }
+
+    /// Solves `H_PP s = work` in place.
+    fn substitute(&mut self) {
+        let (n, stride) = (self.active.len(), self.capacity);
+        for i in 0..n {
+            let row = &self.factor[i * stride..][..=i];
+            let mut x = self.work[i];
+            for (l, y) in row[..i].iter().zip(&self.work) {
+                x -= l * y;
+            }
+            self.work[i] = x / row[i];
+        }
+        for i in (0..n).rev() {
+            let mut x = self.work[i];
+            for k in i + 1..n {
+                x -= self.factor[k * stride + i] * self.work[k];
+            }
+            self.work[i] = x / self.factor[i * stride + i];
+        }
+    }
+
+    /// One step of iterative refinement on the active set: takes out what the factor's rounding
+    /// left, which matters for nearly parallel rows.
+    fn refine(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
+        let y = problem.primal(&solution.lambda);
+        for (k, &i) in self.active.iter().enumerate() {
+            self.work[k] = -problem.slack(i, &solution.lambda, &y);
+        }
+        self.substitute();
+        for (k, &i) in self.active.iter().enumerate() {
+            solution.lambda[i] = fmax(0.0, solution.lambda[i] + self.work[k]);
+        }
+    }
+
+    fn most_violated(&self, problem: &Problem<'_>, solution: &Solution, tolerance: f64) -> Option<usize> {
+        let mut worst = (None, -tolerance);
+        for i in 0..problem.rows.len() {
+            if self.state[i] == RowState::Free {
+                let w = problem.slack(i, &solution.lambda, &solution.y);
+                if w < worst.1 {
+                    worst = (Some(i), w);
+                }
+            }
+        }
+        worst.0
+    }
+}
+
+impl ContactSolver for ActiveSet {
+    fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
+        let m = problem.rows.len();
+        solution.lambda.clear();
+        solution.lambda.resize(m, 0.0);
+        solution.y.fill(0.0);
+        solution.iterations = 0;
+        solution.status = SolveStatus::NumericalError;
+        if m > self.capacity || problem.rows.iter().any(|row| !row.bias.is_finite()) {
+            return;
+        }
+        self.active.clear();
+        self.state.clear();
+        self.state.resize(m, RowState::Free);
+        let base_tolerance = ENTRY_TOLERANCE * problem.scale();
+        let mut largest = 0.0;
+        let mut refinements = 0;
+        loop {
+            let tolerance = base_tolerance + ROUNDING * largest;
+            let Some(entering) = self.most_violated(problem, solution, tolerance) else {
+                // Refine, and look once more with the cleaner numbers.
+                if refinements < 2 && !self.active.is_empty() {
+                    refinements += 1;
+                    self.refine(problem, solution);
+                    solution.y = problem.primal(&solution.lambda);
+                    continue;
+                }
+                solution.status = SolveStatus::Solved;
+                return;
+            };
+            if !self.append(problem, entering) {
+                solution.status = SolveStatus::NumericalError;
+                return;
+            }
+            loop {
+                solution.iterations += 1;
+                if solution.iterations as usize > problem.max_iterations {
+                    solution.status = SolveStatus::IterationLimit;
+                    return;
+                }
+                for (k, &i) in self.active.iter().enumerate() {
+                    self.work[k] = -problem.rows[i].bias;
+                }
+                self.substitute();
+                // How far towards `work` before the first multiplier reaches zero.
+                let (mut share, mut leaving) = (1.0, None);
+                for (k, &i) in self.active.iter().enumerate() {
+                    let (now, next) = (solution.lambda[i], self.work[k]);
+                    if next <= 0.0 {
+                        let reach = if now > next { now / (now - next) } else { 0.0 };
+                        if reach < share || leaving.is_none() {
+                            (share, leaving) = (reach, Some(k));
+                        }
+                    }
+                }
+                largest = 0.0;
+                for (k, &i) in self.active.iter().enumerate() {
+                    let now = solution.lambda[i];
+                    let moved = now + share * (self.work[k] - now);
+                    solution.lambda[i] = fmax(0.0, moved);
+                    largest = fmax(largest, problem.gram(i, i) * solution.lambda[i]);
+                }
+                let Some(k) = leaving else { break };
+                let row = self.active[k];
+                solution.lambda[row] = 0.0;
+                self.remove(k);
+                if row == entering {
+                    self.state[row] = RowState::Barred;
+                    break;
+                }
+            }
+            // Something moved: rows barred earlier may try again.
+            if self.state[entering] == RowState::Active {
+                for state in &mut self.state {
+                    if *state == RowState::Barred {
+                        *state = RowState::Free;
+                    }
+                }
+            }
+            solution.y = problem.primal(&solution.lambda);
+            refinements = 0;
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What one tick says. Trouble that is normal at 1 kHz (a full buffer, an exhausted budget) is
+//! data here, never an error.
+
+use crate::{MAX_TOOLS, Pose, Wrench};
+
+/// Status bits of one tool in one tick.
+pub mod status {
+    /// No hand holds the tool.
+    pub const ABSENT: u16 = 1;
+    /// The pose is too old (watchdog): force ramps to zero.
+    pub const STALE: u16 = 1 << 1;
+    /// Paused by the instructor: force ramps to zero.
+    pub const PAUSED: u16 = 1 << 2;
+    /// Force or torque was clamped to its limit.
+    pub const SATURATED: u16 = 1 << 3;
+    /// The wrench's change was limited in this tick.
+    pub const SLEW_LIMITED: u16 = 1 << 4;
+    /// Substeps ran out: the rest of the motion happens next tick.
+    pub const EXHAUSTED: u16 = 1 << 5;
+    /// The solver gave no usable answer: the pose was kept.
+    pub const SOLVER_FAILED: u16 = 1 << 6;
+    /// The input held a number that is not finite, or no rotation: the last good pose was used.
+    pub const BAD_INPUT: u16 = 1 << 7;
+    /// The hand moved faster than the clamp: the haptic pose was limited.
+    pub const SPEED_CLAMPED: u16 = 1 << 8;
+    /// The contact buffer was full at least once: contact prediction ran with a smaller distance.
+    pub const CONTACTS_FULL: u16 = 1 << 9;
+    /// The twist between hand and tool exceeds 90 degrees: torque no longer grows.
+    pub const TWIST_SATURATED: u16 = 1 << 10;
+    /// The wrench is below full strength because a ramp is running.
+    pub const RAMPING: u16 = 1 << 11;
+    /// A number that is not finite was about to reach the hand; zero was sent instead.
+    pub const FAULT: u16 = 1 << 12;
+}
+
+/// What a tick says of one tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolOutput {
+    /// For the hand: about the device point, world axes; after ramp, clamp and slew.
+    pub wrench: Wrench,
+    /// The same point and axes, before ramp, clamp and slew: minus the sum of the loads applied.
+    pub raw_wrench: Wrench,
+    /// Graphic tool: `world_from_tool`, constrained.
+    pub graphic: Pose,
+    /// Haptic tool after sanitising: `world_from_tool`.
+    pub haptic: Pose,
+    /// Bits of [`status`].
+    pub status: u16,
+    /// Collide-and-solve passes made.
+    pub substeps: u8,
+    /// Rows in the last problem.
+    pub rows: u16,
+    /// Rows that carry load.
+    pub active: u16,
+    /// Smallest true gap after the move over the pairs in the problem, metres (negative:
+    /// penetration); `f64::INFINITY` without rows.
+    pub min_gap: f64,
+    /// Whether the tick converged: last step small, every true gap at least -0.5 um.
+    pub converged: bool,
+}
+
+/// Output of one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickOutput {
+    /// Number of this tick: the clock's grid, so skipped ticks leave holes.
+    pub tick: u64,
+    /// Chained hash over the previous hash, the input's bytes and the state.
+    pub hash: u64,
+    /// Per tool slot.
+    pub tools: [ToolOutput; MAX_TOOLS],
+}

@@ -1,0 +1,147 @@
+//! Parameters of the tick, in one place. They travel in the scene and so in every recording.
+
+use serde::{Deserialize, Serialize};
+
+use crate::optimise::SolverKind;
+
+/// Parameters of contact prediction, optimisation and wrench. SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Params {
+    /// Smallest contact-prediction distance, metres. Default 5e-5, range 1e-5..1e-3. Larger: fewer
+    /// substeps, more rows. Source: notes of the prototype, section 2 (the paper's fixed 0.5 mm
+    /// is larger than the sphere spacing at level 3).
+    pub predict_min: f64,
+    /// Largest contact-prediction distance, metres. Default 5e-4 (the paper's d, section 3.2).
+    pub predict_max: f64,
+    /// Prediction distance per metre that the hand moved in this tick. Default 1.2.
+    pub predict_gain: f64,
+    /// Prediction distance added to the motion, metres. Default 3e-5.
+    pub predict_bias: f64,
+    /// Share of the prediction distance that the graphic tool may move between two collision
+    /// passes. Default 0.95, range 0.1..1 exclusive: at 1 or more the guarantee is lost.
+    pub trust: f64,
+    /// Most collide-and-solve passes in a tick. Default 8 (3 to 16). More: faster hands stay exact,
+    /// longer worst tick.
+    pub max_substeps: u8,
+    /// A pass whose step stays under this ends the tick, metres. Default 5e-5.
+    pub converged_step: f64,
+    /// Deepest true gap of a converged tick, metres. Default 5e-7.
+    pub converged_gap: f64,
+    /// Compliance on every row's diagonal, m/N. Default 1e-7 (1e-4 mm/N): keeps any row set
+    /// feasible; a wedge under 5 N gives 0.5 um.
+    pub contact_compliance: f64,
+    /// Which solver answers in the tick.
+    pub solver: SolverKind,
+    /// Iteration cap of the solver. Default 400.
+    pub max_iterations: u16,
+    /// Rows a tick can hold per tool. Default 512.
+    pub max_rows: u16,
+    /// Fastest believable hand, m/s; faster input is clamped and counted. Default 10.
+    pub max_hand_speed: f64,
+    /// Fastest believable turn, rad/s. Default 100.
+    pub max_hand_spin: f64,
+    /// Largest force sent to a hand, N. Default 3.3 (continuous force of common 6-DoF styluses).
+    pub max_force: f64,
+    /// Largest torque sent to a hand, N m. Default 0.2.
+    pub max_torque: f64,
+    /// Largest change of force per tick, N. Default 0.5; 1 N per tick is a wall at 2 m/s.
+    pub max_force_step: f64,
+    /// Largest change of torque per tick, N m. Default 0.03.
+    pub max_torque_step: f64,
+    /// Ticks in which the wrench ramps from zero to full after (re)entry. Default 100.
+    pub ramp_up_ticks: u16,
+    /// Ticks in which it ramps to zero on pause, stale pose or absence. Default 20.
+    pub ramp_down_ticks: u16,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            predict_min: 5e-5,
+            predict_max: 5e-4,
+            predict_gain: 1.2,
+            predict_bias: 3e-5,
+            trust: 0.95,
+            max_substeps: 8,
+            converged_step: 5e-5,
+            converged_gap: 5e-7,
+            contact_compliance: 1e-7,
+            solver: SolverKind::ActiveSet,
+            max_iterations: 400,
+            max_rows: 512,
+            max_hand_speed: 10.0,
+            max_hand_spin: 100.0,
+            max_force: 3.3,
+            max_torque: 0.2,
+            max_force_step: 0.5,
+            max_torque_step: 0.03,
+            ramp_up_ticks: 100,
+            ramp_down_ticks: 20,
+        }
+    }
+}
+
+/// A parameter outside its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("parameter `{field}` is {found}, expected {expected}")]
+pub struct ParamError {
+    /// Name of the field.
+    pub field: &'static str,
+    /// Value found.
+    pub found: f64,
+    /// What it must be.
+    pub expected: &'static str,
+}
+
+impl Params {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// Names the first field out of range, with the value found and the range expected.
+    pub fn validate(&self) -> Result<(), ParamError> {
+        let checks: [(&'static str, f64, bool, &'static str); 17] = [
+            ("predict_min", self.predict_min, within(self.predict_min, 1e-6, 1e-3), "1e-6 to 1e-3 m"),
+            (
+                "predict_max",
+                self.predict_max,
+                within(self.predict_max, self.predict_min, 1e-2),
+                "predict_min to 1e-2 m",
+            ),
+            ("predict_gain", self.predict_gain, within(self.predict_gain, 0.0, 10.0), "0 to 10"),
+            ("predict_bias", self.predict_bias, within(self.predict_bias, 0.0, 1e-3), "0 to 1e-3 m"),
+            ("trust", self.trust, within(self.trust, 0.1, 0.99), "0.1 to 0.99"),
+            ("max_substeps", f64::from(self.max_substeps), within(f64::from(self.max_substeps), 1.0, 64.0), "1 to 64"),
+            ("converged_step", self.converged_step, within(self.converged_step, 1e-9, 1e-3), "1e-9 to 1e-3 m"),
+            ("converged_gap", self.converged_gap, within(self.converged_gap, 1e-10, 1e-5), "1e-10 to 1e-5 m"),
+            (
+                "contact_compliance",
+                self.contact_compliance,
+                within(self.contact_compliance, 1e-12, 1e-3),
+                "1e-12 to 1e-3 m/N",
+            ),
+            (
+                "max_iterations",
+                f64::from(self.max_iterations),
+                within(f64::from(self.max_iterations), 10.0, 10_000.0),
+                "10 to 10000",
+            ),
+            ("max_rows", f64::from(self.max_rows), within(f64::from(self.max_rows), 16.0, 4096.0), "16 to 4096"),
+            ("max_hand_speed", self.max_hand_speed, within(self.max_hand_speed, 0.1, 100.0), "0.1 to 100 m/s"),
+            ("max_hand_spin", self.max_hand_spin, within(self.max_hand_spin, 1.0, 1000.0), "1 to 1000 rad/s"),
+            ("max_force", self.max_force, within(self.max_force, 0.01, 50.0), "0.01 to 50 N"),
+            ("max_torque", self.max_torque, within(self.max_torque, 1e-4, 5.0), "1e-4 to 5 N m"),
+            ("max_force_step", self.max_force_step, within(self.max_force_step, 1e-3, 50.0), "1e-3 to 50 N"),
+            ("max_torque_step", self.max_torque_step, within(self.max_torque_step, 1e-5, 5.0), "1e-5 to 5 N m"),
+        ];
+        match checks.into_iter().find(|check| !check.2) {
+            Some((field, found, _, expected)) => Err(ParamError { field, found, expected }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether a number lies in a closed range; false for NaN.
+pub(crate) fn within(x: f64, low: f64, high: f64) -> bool {
+    x >= low && x <= high
+}

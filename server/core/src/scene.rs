@@ -1,0 +1,241 @@
+//! The constant part of a simulation: trees, tissue models, parameters, display meshes.
+//!
+//! A compiled scene is bytes: built and hashed offline, validated once on load, carried by every
+//! recording.
+
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_64;
+
+use crate::math::{Pose, Vec3};
+use crate::params::{ParamError, Params, within};
+use crate::tissue::TissueModel;
+use crate::tree::SphereTree;
+use crate::MAX_TOOLS;
+
+/// Version of the compiled scene's byte layout.
+pub const SCENE_VERSION: u16 = 1;
+/// First bytes of a compiled scene.
+const MAGIC: [u8; 8] = *b"SULCSCN\0";
+/// Largest compiled scene that is read, bytes.
+const MAX_SCENE_BYTES: usize = 256 << 20;
+
+/// A triangle mesh to look at; the tick never reads it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DisplayMesh {
+    /// Vertices in the object's frame, metres.
+    pub vertices: Vec<[f32; 3]>,
+    /// Triangles as vertex indices, outward by the right hand.
+    pub triangles: Vec<[u32; 3]>,
+    /// Colour of the whole mesh, sRGB with alpha.
+    pub colour: [u8; 4],
+}
+
+/// A band on a periodontal probe, measured from the tip.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Band {
+    /// Where the band begins, metres from the tip.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+    /// Whether it is dark.
+    pub dark: bool,
+}
+
+/// A tool held by a hand. Its frame's origin is the device point (where the device holds it).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tool {
+    /// Name, for people.
+    pub name: String,
+    /// Spheres that touch, in the tool's frame.
+    pub tree: SphereTree,
+    /// Level of the tree in contact unless the input says otherwise.
+    pub level: u8,
+    /// Reference point of the optimisation: the working end, in the tool's frame, metres.
+    pub working_point: Vec3,
+    /// Very tip, in the tool's frame, metres.
+    pub tip: Vec3,
+    /// Unit vector along the working end, pointing out of the tip, in the tool's frame.
+    pub tip_axis: Vec3,
+    /// Coupling stiffness in translation `k_t`, N/m. Default 500 (the paper's limit for a
+    /// Phantom Premium: 900).
+    pub stiffness_n_per_m: f64,
+    /// Coupling stiffness in rotation `k_r`, N m/rad. Default 0.5 for a probe.
+    pub stiffness_nm_per_rad: f64,
+    /// Where the graphic tool waits before its first entry, outside everything: `world_from_tool`.
+    pub park: Pose,
+    /// Bands of a probe; empty for other tools.
+    pub bands: Vec<Band>,
+    /// To look at.
+    pub mesh: DisplayMesh,
+}
+
+/// Something that can be touched.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Object {
+    /// Name, for people.
+    pub name: String,
+    /// FDI number of a tooth; 0 for anything else.
+    pub fdi: u8,
+    /// Spheres, in **world** axes at rest, metres.
+    pub tree: SphereTree,
+    /// Level of the tree in contact unless the input says otherwise.
+    pub level: u8,
+    /// How it yields.
+    pub tissue: TissueModel,
+    /// To look at, world axes at rest.
+    pub mesh: DisplayMesh,
+}
+
+/// Everything constant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Name, for people.
+    pub name: String,
+    /// Hash of what this was compiled from (scene file and meshes), hexadecimal.
+    pub source_hash: String,
+    /// Parameters of the tick.
+    pub params: Params,
+    /// One or two tools.
+    pub tools: Vec<Tool>,
+    /// What can be touched, in a fixed order.
+    pub objects: Vec<Object>,
+}
+
+/// Why bytes are not a scene, or a scene is not usable.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// The bytes do not begin as a compiled scene does.
+    #[error("not a compiled scene: {0}")]
+    Format(String),
+    /// Another version of the layout.
+    #[error("compiled scene has version {found}, expected {SCENE_VERSION}; build it again")]
+    Version {
+        /// Version found.
+        found: u16,
+    },
+    /// The bytes were damaged.
+    #[error("compiled scene is damaged: checksum is {found:016x}, expected {expected:016x}")]
+    Checksum {
+        /// Checksum of the bytes.
+        found: u64,
+        /// Checksum the file claims.
+        expected: u64,
+    },
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Params(#[from] ParamError),
+    /// A field is wrong.
+    #[error("{part}: {field} is {found}, expected {expected}")]
+    Field {
+        /// Tool or object.
+        part: String,
+        /// Field.
+        field: &'static str,
+        /// Value found.
+        found: String,
+        /// What it must be.
+        expected: &'static str,
+    },
+}
+
+impl Scene {
+    /// Compiled bytes: magic, version, checksum, bincode.
+    ///
+    /// # Errors
+    /// Only when the scene is too large to encode.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, SceneError> {
+        let body = bincode::serde::encode_to_vec(self, bincode::config::standard())
+            .map_err(|error| SceneError::Format(error.to_string()))?;
+        let mut bytes = Vec::with_capacity(body.len() + 18);
+        bytes.extend_from_slice(&MAGIC);
+        bytes.extend_from_slice(&SCENE_VERSION.to_le_bytes());
+        bytes.extend_from_slice(&xxh3_64(&body).to_le_bytes());
+        bytes.extend_from_slice(&body);
+        Ok(bytes)
+    }
+
+    /// Reads compiled bytes and validates the scene.
+    ///
+    /// # Errors
+    /// Says what is wrong; never panics, whatever the bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SceneError> {
+        let Some((head, body)) = bytes.split_at_checked(18) else {
+            return Err(SceneError::Format(format!("only {} bytes long", bytes.len())));
+        };
+        if head[..8] != MAGIC {
+            return Err(SceneError::Format("it does not begin with SULCSCN".into()));
+        }
+        let version = u16::from_le_bytes([head[8], head[9]]);
+        if version != SCENE_VERSION {
+            return Err(SceneError::Version { found: version });
+        }
+        let expected = u64::from_le_bytes([head[10], head[11], head[12], head[13], head[14], head[15], head[16], head[17]]);
+        let found = xxh3_64(body);
+        if found != expected {
+            return Err(SceneError::Checksum { found, expected });
+        }
+        let config = bincode::config::standard().with_limit::<MAX_SCENE_BYTES>();
+        let (scene, used): (Scene, usize) =
+            bincode::serde::decode_from_slice(body, config).map_err(|error| SceneError::Format(error.to_string()))?;
+        if used != body.len() {
+            return Err(SceneError::Format(format!("{} trailing bytes", body.len() - used)));
+        }
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// Checks every part; a scene that passes cannot make a tick panic.
+    ///
+    /// # Errors
+    /// Names the part, the field, the value found and the value expected.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.params.validate()?;
+        let field = |part: &str, field, found: String, expected| {
+            Err(SceneError::Field { part: part.to_owned(), field, found, expected })
+        };
+        if self.tools.is_empty() || self.tools.len() > MAX_TOOLS {
+            return field("scene", "number of tools", self.tools.len().to_string(), "1 or 2");
+        }
+        if self.objects.len() > usize::from(u16::MAX) {
+            return field("scene", "number of objects", self.objects.len().to_string(), "at most 65535");
+        }
+        for tool in &self.tools {
+            let part = format!("tool `{}`", tool.name);
+            if !within(tool.stiffness_n_per_m, 1.0, 1e5) {
+                return field(&part, "stiffness_n_per_m", tool.stiffness_n_per_m.to_string(), "1 to 1e5 N/m");
+            }
+            if !within(tool.stiffness_nm_per_rad, 1e-4, 1e3) {
+                return field(&part, "stiffness_nm_per_rad", tool.stiffness_nm_per_rad.to_string(), "1e-4 to 1e3 N m/rad");
+            }
+            for (name, v) in [("working_point", tool.working_point), ("tip", tool.tip), ("park", tool.park.position)] {
+                if !v.iter().all(|x| within(*x, -10.0, 10.0)) {
+                    return field(&part, name, format!("{v:?}"), "within 10 m");
+                }
+            }
+            if !within(tool.park.orientation.norm(), 1.0 - 1e-9, 1.0 + 1e-9) {
+                return field(&part, "park orientation", format!("{:?}", tool.park.orientation), "a unit quaternion");
+            }
+            if !within(tool.tip_axis.norm(), 1.0 - 1e-9, 1.0 + 1e-9) {
+                return field(&part, "tip_axis", format!("{:?}", tool.tip_axis), "a unit vector");
+            }
+            check_mesh(&part, &tool.mesh)?;
+        }
+        for object in &self.objects {
+            check_mesh(&format!("object `{}`", object.name), &object.mesh)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_mesh(part: &str, mesh: &DisplayMesh) -> Result<(), SceneError> {
+    let n = mesh.vertices.len();
+    match mesh.triangles.iter().flatten().find(|&&v| v as usize >= n) {
+        Some(&v) => Err(SceneError::Field {
+            part: part.to_owned(),
+            field: "mesh triangle",
+            found: format!("vertex {v} of {n}"),
+            expected: "an index of an existing vertex",
+        }),
+        None => Ok(()),
+    }
+}

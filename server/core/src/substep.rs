@@ -1,0 +1,350 @@
+//! One tool, or both tools on one tissue, brought to where they can go: predict, optimise, move,
+//! look again, until the step is small and every true gap is closed to rounding.
+//!
+//! The trust region holds the motion of the graphic tool plus that of the tissue under the
+//! prediction distance, so nothing is passed through between two passes at any speed: the
+//! continuous collision detection that the paper left open.
+
+use crate::contact::{PosedTool, centre};
+use crate::haptic::{renormalised, twist};
+use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::optimise::{ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel};
+use crate::output::status;
+use crate::stage::{Stage, StageProbe};
+use crate::state::State;
+use crate::tick::Workspace;
+use crate::tissue::{Gram, Site, refit};
+use crate::{MAX_TOOLS, Scene};
+
+/// Below this prediction distance a full contact list is given up for this tick, metres.
+const SMALLEST_PREDICTION: f64 = 1e-6;
+
+/// What the group asks for, per tool slot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// Haptic pose.
+    pub haptic: Pose,
+    /// How far the hand moved in this tick at the farthest sphere, metres.
+    pub hand_motion: f64,
+    /// Level of the tool's tree in contact.
+    pub level: u8,
+}
+
+/// How it went, per tool slot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reached {
+    pub status: u16,
+    pub substeps: u8,
+    pub rows: u16,
+    pub active: u16,
+    pub min_gap: f64,
+    pub converged: bool,
+}
+
+impl Reached {
+    pub(crate) const NOTHING: Reached =
+        Reached { status: 0, substeps: 0, rows: 0, active: 0, min_gap: f64::INFINITY, converged: true };
+}
+
+/// Moves the tools of `group` (slots, ascending) as far as this tick allows.
+pub(crate) fn advance<P: StageProbe>(
+    scene: &Scene,
+    state: &mut State,
+    ws: &mut Workspace,
+    group: &[usize],
+    wanted: &[Wanted; MAX_TOOLS],
+    object_level: Option<u8>,
+    probe: &mut P,
+) -> [Reached; MAX_TOOLS] {
+    let params = &scene.params;
+    let mut reached = [Reached::NOTHING; MAX_TOOLS];
+    let mut status_bits = 0;
+    let mut converged = false;
+    let hand_motion = group.iter().fold(0.0, |most, &t| fmax(most, wanted[t].hand_motion));
+    let distance_for =
+        |motion: f64| fclamp(params.predict_gain * motion + params.predict_bias, params.predict_min, params.predict_max);
+    let mut d = distance_for(hand_motion);
+    let mut passes = 0;
+    while passes < params.max_substeps {
+        passes += 1;
+        probe.begin(Stage::Collide);
+        match collide(scene, state, ws, group, wanted, object_level, d) {
+            Some(used) if used < d => {
+                status_bits |= status::CONTACTS_FULL;
+                d = used;
+            }
+            Some(_) => {}
+            None => {
+                status_bits |= status::CONTACTS_FULL | status::SOLVER_FAILED;
+                break;
+            }
+        }
+        probe.begin(Stage::Optimise);
+        let target = optimise(scene, state, ws, group, wanted);
+        let Some(step) = target else {
+            // An unusable answer is never applied: pose and load stay as they are.
+            status_bits |= status::SOLVER_FAILED;
+            break;
+        };
+        let tissue_motion = yield_target(scene, ws);
+        let mut motion = 0.0;
+        for &t in group {
+            let (v, w) = step[t];
+            motion = fmax(motion, norm(&v) + norm(&w) * ws.levers[t]);
+        }
+        let motion = motion + tissue_motion;
+        let share = if motion > params.trust * d { params.trust * d / motion } else { 1.0 };
+        apply(scene, state, ws, group, &step, share);
+        for &t in group {
+            reached[t].min_gap = f64::INFINITY;
+        }
+        let mut deepest = f64::INFINITY;
+        for contact in &ws.contacts {
+            let gap = true_gap(scene, state, ws, contact);
+            let slot = usize::from(contact.tool);
+            reached[slot].min_gap = fmin(reached[slot].min_gap, gap);
+            deepest = fmin(deepest, gap);
+        }
+        let small = motion <= params.converged_step || ws.contacts.is_empty();
+        if share == 1.0 && small && deepest >= -params.converged_gap {
+            converged = true;
+            break;
+        }
+        d = distance_for(motion * (1.0 - share));
+    }
+    if !converged && status_bits & status::SOLVER_FAILED == 0 {
+        status_bits |= status::EXHAUSTED;
+    }
+    for &t in group {
+        let rows = ws.contacts.iter().filter(|contact| usize::from(contact.tool) == t);
+        let loads = ws.contacts.iter().zip(&ws.solution.lambda);
+        reached[t].rows = rows.count() as u16;
+        reached[t].active = loads.filter(|(c, load)| usize::from(c.tool) == t && **load > 0.0).count() as u16;
+        reached[t].status = status_bits;
+        reached[t].substeps = passes;
+        reached[t].converged = converged;
+    }
+    reached
+}
+
+/// Lists the contacts at the present poses and shapes. Halves `d` while the list is full and
+/// returns what it used; `None` when even the smallest does not fit.
+fn collide(
+    scene: &Scene,
+    state: &State,
+    ws: &mut Workspace,
+    group: &[usize],
+    wanted: &[Wanted; MAX_TOOLS],
+    object_level: Option<u8>,
+    mut d: f64,
+) -> Option<f64> {
+    for &k in &ws.yielding {
+        let object = &scene.objects[k];
+        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
+        refit(object.tissue.model(), &object.tree, shape, &ws.ids, &mut ws.centres, &mut ws.nodes[k]);
+    }
+    'again: while d >= SMALLEST_PREDICTION {
+        ws.contacts.clear();
+        for &t in group {
+            let tool = &scene.tools[t];
+            let posed = PosedTool {
+                nodes: tool.tree.nodes(),
+                pose: &state.tools[t].graphic,
+                level: wanted[t].level,
+                working_point: &tool.working_point,
+                slot: t as u8,
+            };
+            ws.predictor.begin();
+            for (k, object) in scene.objects.iter().enumerate() {
+                let nodes = if object.tissue.is_rigid() { object.tree.nodes() } else { &ws.nodes[k] };
+                let level = object_level.unwrap_or(object.level);
+                if ws.predictor.predict(&posed, (k as u16, nodes, level), d, &mut ws.contacts).is_err() {
+                    d *= 0.5;
+                    continue 'again;
+                }
+            }
+        }
+        ws.contacts.sort_unstable_by_key(|contact| contact.key());
+        return Some(d);
+    }
+    ws.contacts.clear();
+    ws.solution.lambda.clear();
+    None
+}
+
+/// Steps per tool: translation of the working point (metres) and rotation vector (radians).
+type Steps = [(Vec3, Vec3); MAX_TOOLS];
+
+/// Builds and solves the problem of this pass; `None` when the answer is unusable.
+fn optimise(
+    scene: &Scene,
+    state: &State,
+    ws: &mut Workspace,
+    group: &[usize],
+    wanted: &[Wanted; MAX_TOOLS],
+) -> Option<Steps> {
+    let mut free_step = [0.0; UNKNOWNS];
+    let mut roots = [(1.0, 1.0); MAX_TOOLS];
+    for &t in group {
+        let (tool, now) = (&scene.tools[t], &state.tools[t]);
+        let (root_t, root_r) = (tool.stiffness_n_per_m.sqrt(), tool.stiffness_nm_per_rad.sqrt());
+        let v = wanted[t].haptic.transform(&tool.working_point) - now.graphic.transform(&tool.working_point);
+        let (w, _) = twist(&wanted[t].haptic.orientation, &now.graphic.orientation, &now.twist_axis);
+        for axis in 0..3 {
+            free_step[6 * t + axis] = v[axis] * root_t;
+            free_step[6 * t + 3 + axis] = w[axis] * root_r;
+        }
+        roots[t] = (root_t, root_r);
+    }
+    ws.rows.clear();
+    for contact in &ws.contacts {
+        let t = usize::from(contact.tool);
+        let (root_t, root_r) = roots[t];
+        let (n, m) = (contact.normal / root_t, contact.arm.cross(&contact.normal) / root_r);
+        let a = [n.x, n.y, n.z, m.x, m.y, m.z];
+        let bias = contact.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
+        ws.rows.push(ProblemRow { a, tool: contact.tool, bias });
+    }
+    let tissue = fill_tissue(scene, ws);
+    let problem = Problem {
+        rows: &ws.rows,
+        tissue: tissue.then(|| &ws.gram[..ws.rows.len() * ws.rows.len()]),
+        contact_compliance: scene.params.contact_compliance,
+        max_iterations: usize::from(scene.params.max_iterations),
+    };
+    match scene.params.solver {
+        SolverKind::ActiveSet => ws.active_set.solve(&problem, &mut ws.solution),
+        SolverKind::Clarabel => Clarabel.solve(&problem, &mut ws.solution),
+    }
+    if ws.solution.status != SolveStatus::Solved {
+        return None;
+    }
+    let mut steps = [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS];
+    for &t in group {
+        let y = |k: usize| free_step[6 * t + k] + ws.solution.y[6 * t + k];
+        let (root_t, root_r) = roots[t];
+        steps[t] = (Vec3::new(y(0), y(1), y(2)) / root_t, Vec3::new(y(3), y(4), y(5)) / root_r);
+    }
+    let finite = steps.iter().all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
+    finite.then_some(steps)
+}
+
+/// Ranges of contacts on one object: they are sorted by object.
+fn runs(contacts: &[crate::contact::Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let first = next;
+        let object = contacts.get(first)?.object;
+        next = first + contacts[first..].iter().take_while(|c| c.object == object).count();
+        Some(first..next)
+    })
+}
+
+/// The tissue's part of the problem: compliance and the way from the free shape. False when
+/// nothing touched yields.
+fn fill_tissue(scene: &Scene, ws: &mut Workspace) -> bool {
+    let touched = |c: &crate::contact::Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
+    if ws.yielding.is_empty() || !ws.contacts.iter().any(touched) {
+        return false;
+    }
+    let m = ws.contacts.len();
+    ws.gram[..m * m].fill(0.0);
+    for run in runs(&ws.contacts) {
+        let k = usize::from(ws.contacts[run.start].object);
+        let object = &scene.objects[k];
+        if object.tissue.is_rigid() {
+            continue;
+        }
+        let model = object.tissue.model();
+        ws.sites.clear();
+        for contact in &ws.contacts[run.clone()] {
+            ws.sites.push(Site { sphere: contact.object_sphere, normal: contact.normal });
+        }
+        model.add_gram(&object.tree, &ws.sites, &mut Gram::new(&mut ws.gram, m, run.start));
+        // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
+        let free = &ws.free[ws.shape_at[k]..ws.shape_at[k + 1]];
+        for (row, contact) in ws.rows[run.clone()].iter_mut().zip(&ws.contacts[run]) {
+            let mut at_rest = [Vec3::zeros()];
+            model.centres(&object.tree, free, &[contact.object_sphere], &mut at_rest);
+            let now = ws.nodes[k][contact.object_sphere as usize].centre;
+            row.bias += contact.normal.dot(&(now - at_rest[0]));
+        }
+    }
+    true
+}
+
+/// Writes the configurations under the multipliers to `target`; returns the largest motion there.
+fn yield_target(scene: &Scene, ws: &mut Workspace) -> f64 {
+    let mut motion = 0.0;
+    for index in 0..ws.yielding.len() {
+        let k = ws.yielding[index];
+        let object = &scene.objects[k];
+        let model = object.tissue.model();
+        ws.sites.clear();
+        ws.site_loads.clear();
+        for (contact, load) in ws.contacts.iter().zip(&ws.solution.lambda) {
+            if usize::from(contact.object) == k {
+                ws.sites.push(Site { sphere: contact.object_sphere, normal: contact.normal });
+                ws.site_loads.push(*load);
+            }
+        }
+        let at = ws.shape_at[k]..ws.shape_at[k + 1];
+        let (free, target) = (&ws.free[at.clone()], &mut ws.target[at.clone()]);
+        model.apply(&object.tree, &ws.sites, &ws.site_loads, free, target);
+        motion = fmax(motion, model.motion(&object.tree, &ws.shape[at], target));
+    }
+    motion
+}
+
+/// Moves tools, tissue and loads by the same share of the step.
+fn apply(scene: &Scene, state: &mut State, ws: &mut Workspace, group: &[usize], steps: &Steps, share: f64) {
+    for (shape, target) in ws.shape.iter_mut().zip(&ws.target) {
+        *shape += share * (target - *shape);
+    }
+    let objects = scene.objects.len();
+    for &t in group {
+        let (v, w) = steps[t];
+        let tool = &scene.tools[t];
+        let graphic = &mut state.tools[t].graphic;
+        let at = graphic.transform(&tool.working_point) + v * share;
+        graphic.orientation = renormalised(&(exp_rotation(&(w * share)) * graphic.orientation));
+        graphic.position = at - graphic.orientation * tool.working_point;
+
+        // Loads on the objects about the working point first, then about the world's origin.
+        let targets = &mut ws.loads[t * objects..(t + 1) * objects];
+        targets.fill(Wrench::ZERO);
+        for (contact, lambda) in ws.contacts.iter().zip(&ws.solution.lambda) {
+            if usize::from(contact.tool) == t && *lambda > 0.0 {
+                let force = contact.normal * -*lambda;
+                let load = &mut targets[usize::from(contact.object)];
+                load.force += force;
+                load.torque += contact.arm.cross(&force);
+            }
+        }
+        for (load, target) in state.loads[t * objects..(t + 1) * objects].iter_mut().zip(&*targets) {
+            let target = target.moved(&at);
+            load.force += (target.force - load.force) * share;
+            load.torque += (target.torque - load.torque) * share;
+        }
+    }
+}
+
+/// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
+fn true_gap(scene: &Scene, state: &State, ws: &Workspace, contact: &crate::contact::Contact) -> f64 {
+    let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
+    let (tool, object) = (&scene.tools[t], &scene.objects[k]);
+    let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
+    let object_node = &object.tree.nodes()[contact.object_sphere as usize];
+    let object_centre = if object.tissue.is_rigid() {
+        object_node.centre
+    } else {
+        let mut moved = [Vec3::zeros()];
+        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
+        object.tissue.model().centres(&object.tree, shape, &[contact.object_sphere], &mut moved);
+        moved[0]
+    };
+    let pose = &state.tools[t].graphic;
+    let rotation = pose.orientation.to_rotation_matrix().into_inner();
+    let between = centre(&rotation, pose, &tool_node.centre) - object_centre;
+    norm(&between) - tool_node.contact_radius - object_node.contact_radius
+}

@@ -1,0 +1,295 @@
+//! The tick itself: input in, wrench out, state forward.
+
+use xxhash_rust::xxh3::xxh3_64;
+
+use crate::contact::{Contact, Predictor};
+use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
+use crate::input::TickInput;
+use crate::math::{Vec3, Wrench, log_rotation, norm};
+use crate::optimise::{Problem, ProblemRow, Solution, active_set::ActiveSet};
+use crate::output::{TickOutput, ToolOutput, status};
+use crate::scene::Scene;
+use crate::stage::{Stage, StageProbe};
+use crate::state::State;
+use crate::substep::{Reached, Wanted, advance};
+use crate::tissue::Site;
+use crate::tree::Node;
+use crate::wrench::{Conditions, limited};
+use crate::MAX_TOOLS;
+
+/// Scratch of a tick, sized when the scene loads. Nothing in it outlives a tick: a fresh one gives
+/// the same bits.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    pub(crate) predictor: Predictor,
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) rows: Vec<ProblemRow>,
+    pub(crate) gram: Vec<f64>,
+    pub(crate) active_set: ActiveSet,
+    pub(crate) solution: Solution,
+    pub(crate) sites: Vec<Site>,
+    pub(crate) site_loads: Vec<f64>,
+    pub(crate) free: Vec<f64>,
+    pub(crate) shape: Vec<f64>,
+    pub(crate) target: Vec<f64>,
+    pub(crate) loads: Vec<Wrench>,
+    /// Indices of objects that can yield.
+    pub(crate) yielding: Vec<usize>,
+    /// Where each object's configuration begins; one more entry than objects.
+    pub(crate) shape_at: Vec<usize>,
+    /// Where each object's state begins; one more entry than objects.
+    state_at: Vec<usize>,
+    /// Nodes of yielding objects at their present shape; empty for rigid ones.
+    pub(crate) nodes: Vec<Vec<Node>>,
+    /// 0, 1, 2, ... up to the largest yielding tree.
+    pub(crate) ids: Vec<u32>,
+    pub(crate) centres: Vec<Vec3>,
+    /// Largest distance of a sphere from the working point, per tool, metres.
+    pub(crate) levers: [f64; MAX_TOOLS],
+    bytes: Vec<u8>,
+}
+
+impl Workspace {
+    /// Scratch for `scene`.
+    pub fn new(scene: &Scene) -> Self {
+        let rows = usize::from(scene.params.max_rows) * scene.tools.len();
+        let yielding: Vec<usize> =
+            (0..scene.objects.len()).filter(|&k| !scene.objects[k].tissue.is_rigid()).collect();
+        let (mut shape_at, mut state_at) = (vec![0], vec![0]);
+        for object in &scene.objects {
+            let model = object.tissue.model();
+            shape_at.push(shape_at[shape_at.len() - 1] + model.shape_len(&object.tree));
+            state_at.push(state_at[state_at.len() - 1] + model.state_len(&object.tree));
+        }
+        let shape_len = shape_at[shape_at.len() - 1];
+        let nodes: Vec<Vec<Node>> = scene
+            .objects
+            .iter()
+            .map(|object| if object.tissue.is_rigid() { Vec::new() } else { object.tree.nodes().to_vec() })
+            .collect();
+        let largest = nodes.iter().map(Vec::len).max().unwrap_or(0);
+        let tool_nodes = scene.tools.iter().map(|tool| tool.tree.nodes().len()).max().unwrap_or(0);
+        let lever = |t: usize| scene.tools.get(t).map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point));
+        Self {
+            predictor: Predictor::new(tool_nodes),
+            contacts: Vec::with_capacity(rows),
+            rows: Vec::with_capacity(rows),
+            // Only tissue needs the dense matrix.
+            gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
+            active_set: ActiveSet::with_capacity(rows),
+            solution: Solution::with_capacity(rows),
+            sites: Vec::with_capacity(rows),
+            site_loads: Vec::with_capacity(rows),
+            free: vec![0.0; shape_len],
+            shape: vec![0.0; shape_len],
+            target: vec![0.0; shape_len],
+            loads: vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
+            yielding,
+            shape_at,
+            state_at,
+            nodes,
+            ids: (0..largest as u32).collect(),
+            centres: vec![Vec3::zeros(); largest],
+            levers: std::array::from_fn(lever),
+            bytes: Vec::with_capacity(TickInput::BYTES + State::bytes_len(scene)),
+        }
+    }
+
+    /// Contacts of the last problem solved, sorted, with their multipliers (newtons): what a test, a
+    /// view or an audit wants to know. Where two tools have separate problems, the last tool's.
+    pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
+        self.contacts.iter().zip(self.solution.lambda.iter().copied())
+    }
+
+    /// The last problem solved and its answer, for an independent solver to judge.
+    pub fn last_problem(&self, scene: &Scene) -> Option<(Problem<'_>, &Solution)> {
+        if self.rows.is_empty() || self.solution.lambda.len() != self.rows.len() {
+            return None;
+        }
+        let m = self.rows.len();
+        let touched = self.contacts.iter().any(|c| !scene.objects[usize::from(c.object)].tissue.is_rigid());
+        let problem = Problem {
+            rows: &self.rows,
+            tissue: touched.then(|| &self.gram[..m * m]),
+            contact_compliance: scene.params.contact_compliance,
+            max_iterations: usize::from(scene.params.max_iterations),
+        };
+        Some((problem, &self.solution))
+    }
+
+    /// Present configuration of object `k` at the end of the last tick (displacements), empty for
+    /// a rigid one.
+    pub fn shape_of(&self, k: usize) -> &[f64] {
+        &self.shape[self.shape_at[k]..self.shape_at[k + 1]]
+    }
+}
+
+/// Runs one tick: `state` becomes the state after it. Never panics on any input, allocates nothing
+/// (with [`crate::optimise::SolverKind::ActiveSet`]), takes bounded work.
+///
+/// `state` and `ws` must have been made for `scene`.
+pub fn tick<P: StageProbe>(
+    scene: &Scene,
+    state: &mut State,
+    ws: &mut Workspace,
+    input: &TickInput,
+    probe: &mut P,
+) -> TickOutput {
+    probe.begin(Stage::Prepare);
+    let ticks = 1 + u64::from(input.skipped);
+    state.tick += ticks;
+    ws.contacts.clear();
+    ws.rows.clear();
+    ws.solution.lambda.clear();
+    free_step(scene, state, ws);
+
+    let tools = scene.tools.len();
+    let mut bits = [0u16; MAX_TOOLS];
+    let mut wanted = [Wanted { haptic: state.tools[0].haptic, hand_motion: 0.0, level: 0 }; MAX_TOOLS];
+    let mut present = [0; MAX_TOOLS];
+    let mut n_present = 0;
+    let override_level = (input.level != TickInput::SCENE_LEVEL).then_some(input.level);
+    for t in 0..tools {
+        let last = &state.tools[t];
+        let slot = &input.tools[t];
+        let (haptic, found) = sanitise(&slot.pose, &scene.params, last, ticks);
+        bits[t] |= found;
+        // A tool whose very first pose is unusable has not come in yet.
+        if !slot.present || (found & status::BAD_INPUT != 0 && !last.entered) {
+            bits[t] |= status::ABSENT;
+            continue;
+        }
+        let tool = &scene.tools[t];
+        let moved = haptic.transform(&tool.working_point) - last.haptic.transform(&tool.working_point);
+        let turned = log_rotation(&(haptic.orientation * last.haptic.orientation.inverse()));
+        let hand_motion = norm(&moved) + norm(&turned) * ws.levers[t];
+        wanted[t] = Wanted { haptic, hand_motion, level: override_level.unwrap_or(tool.level) };
+        present[n_present] = t;
+        n_present += 1;
+    }
+
+    let mut reached = [Reached::NOTHING; MAX_TOOLS];
+    if ws.yielding.is_empty() {
+        // Rigid: nothing couples the tools, each has its own problem.
+        for &t in &present[..n_present] {
+            reached[t] = advance(scene, state, ws, &[t], &wanted, override_level, probe)[t];
+        }
+    } else {
+        reached = advance(scene, state, ws, &present[..n_present], &wanted, override_level, probe);
+    }
+
+    probe.begin(Stage::Apply);
+    commit(scene, state, ws);
+    let mut outputs = [idle_output(state, 0), idle_output(state, 1)];
+    for t in 0..tools {
+        outputs[t] = finish_tool(scene, state, input, t, bits[t], &wanted[t], &reached[t]);
+    }
+
+    probe.begin(Stage::Hash);
+    ws.bytes.clear();
+    ws.bytes.extend_from_slice(&input.to_bytes());
+    state.write_bytes(&mut ws.bytes);
+    state.hash = xxh3_64(&ws.bytes);
+    probe.end();
+    TickOutput { tick: state.tick, hash: state.hash, tools: outputs }
+}
+
+fn idle_output(state: &State, t: usize) -> ToolOutput {
+    ToolOutput {
+        wrench: Wrench::ZERO,
+        raw_wrench: Wrench::ZERO,
+        graphic: state.tools[t].graphic,
+        haptic: state.tools[t].haptic,
+        status: status::ABSENT,
+        substeps: 0,
+        rows: 0,
+        active: 0,
+        min_gap: f64::INFINITY,
+        converged: true,
+    }
+}
+
+/// Where each yielding thing is and would be without contact.
+fn free_step(scene: &Scene, state: &State, ws: &mut Workspace) {
+    for &k in &ws.yielding {
+        let object = &scene.objects[k];
+        let model = object.tissue.model();
+        let tissue = &state.tissue[ws.state_at[k]..ws.state_at[k + 1]];
+        let at = ws.shape_at[k]..ws.shape_at[k + 1];
+        model.shape(&object.tree, tissue, &mut ws.shape[at.clone()]);
+        model.free_step(&object.tree, tissue, &mut ws.free[at]);
+    }
+}
+
+fn commit(scene: &Scene, state: &mut State, ws: &Workspace) {
+    for &k in &ws.yielding {
+        let object = &scene.objects[k];
+        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
+        object.tissue.model().commit(&object.tree, shape, &mut state.tissue[ws.state_at[k]..ws.state_at[k + 1]]);
+    }
+}
+
+/// Wrench, ramps and what is kept of one tool.
+fn finish_tool(
+    scene: &Scene,
+    state: &mut State,
+    input: &TickInput,
+    t: usize,
+    mut bits: u16,
+    wanted: &Wanted,
+    reached: &Reached,
+) -> ToolOutput {
+    let (tool, slot, objects) = (&scene.tools[t], &input.tools[t], scene.objects.len());
+    let loads = &mut state.loads[t * objects..(t + 1) * objects];
+    let kept = &mut state.tools[t];
+    let present = bits & status::ABSENT == 0;
+    bits |= reached.status;
+    if present {
+        let mut sum = Wrench::ZERO;
+        for load in loads.iter() {
+            sum.force += load.force;
+            sum.torque += load.torque;
+        }
+        kept.raw = wrench_at_device(&sum, tool, &kept.graphic, &wanted.haptic);
+        if twist(&wanted.haptic.orientation, &kept.graphic.orientation, &kept.twist_axis).1 {
+            bits |= status::TWIST_SATURATED;
+        }
+        kept.twist_axis = kept_axis(&wanted.haptic.orientation, &kept.graphic.orientation, &kept.twist_axis);
+        kept.haptic = wanted.haptic;
+    } else {
+        // Nobody holds it: it loads nothing, while the last wrench ramps out.
+        loads.fill(Wrench::ZERO);
+    }
+    if slot.stale {
+        bits |= status::STALE;
+    }
+    if input.paused {
+        bits |= status::PAUSED;
+    }
+    let limit = f64::from(input.force_limit_n);
+    let most = scene.params.max_force;
+    let now = Conditions {
+        wanted: present && !slot.stale && !input.paused,
+        force_limit: if limit > 0.0 && limit < most { limit } else { most },
+    };
+    let (wrench, gain, limits) = limited(&kept.raw, &kept.sent, kept.gain, &now, &scene.params);
+    bits |= limits;
+    kept.sent = wrench;
+    kept.gain = gain;
+    kept.entered = present;
+    ToolOutput {
+        wrench,
+        raw_wrench: if present { kept.raw } else { Wrench::ZERO },
+        graphic: kept.graphic,
+        haptic: kept.haptic,
+        status: bits,
+        substeps: reached.substeps,
+        rows: reached.rows,
+        active: reached.active,
+        min_gap: reached.min_gap,
+        converged: reached.converged,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

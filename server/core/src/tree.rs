@@ -1,0 +1,390 @@
+//! Sphere trees: the one geometry of everything that touches or can be touched.
+//!
+//! A node has two radii: the *contact* radius is the shape at that level, the *bound* radius
+//! encloses the contact spheres of all its descendants and of the node itself (so a parent's shape may
+//! be tight while culling stays safe). Trees are ragged: a node has at most eight children, and a
+//! childless node above the level in use stands for itself at every finer level.
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::{Vec3, fmax, norm};
+
+/// Most children of a node.
+pub const MAX_CHILDREN: usize = 8;
+/// Deepest level a tree may have.
+pub const MAX_LEVEL: u8 = 7;
+
+/// A ball: centre and radius, metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sphere {
+    /// Centre.
+    pub centre: Vec3,
+    /// Radius.
+    pub radius: f64,
+}
+
+/// One node of a tree. Nodes are stored level by level, children of a node side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Node {
+    /// Centre in the object's frame, metres.
+    pub centre: Vec3,
+    /// Radius of the shape at this level, metres.
+    pub contact_radius: f64,
+    /// Radius about `centre` that encloses the contact spheres of this node and all below it, metres.
+    pub bound_radius: f64,
+    /// Index of the first child; meaningless without children.
+    pub first_child: u32,
+    /// Number of children, 0 to 8.
+    pub children: u8,
+    /// Level, the root's is 0.
+    pub level: u8,
+}
+
+/// A tree of spheres in its object's frame. Immutable once built; always valid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<Node>", into = "Vec<Node>")]
+pub struct SphereTree {
+    nodes: Vec<Node>,
+}
+
+/// Why nodes are not a sphere tree.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TreeError {
+    /// There is no node at all.
+    #[error("a sphere tree needs at least one node, found none")]
+    Empty,
+    /// A number is not finite or a radius not positive.
+    #[error("node {node}: {field} is {found}, expected a finite{} number", if *.positive { " positive" } else { "" })]
+    BadNumber {
+        /// Index of the node.
+        node: usize,
+        /// Which field.
+        field: &'static str,
+        /// Value found.
+        found: f64,
+        /// Whether it must be positive.
+        positive: bool,
+    },
+    /// Children or levels do not form a tree stored level by level.
+    #[error("node {node}: {what}")]
+    BadStructure {
+        /// Index of the node.
+        node: usize,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A node's bound does not enclose something below it.
+    #[error("node {node}: bound radius {bound:e} m does not enclose node {inner} (needs {needed:e} m)")]
+    Unbounded {
+        /// Index of the node.
+        node: usize,
+        /// Its bound radius.
+        bound: f64,
+        /// Node that sticks out.
+        inner: usize,
+        /// Radius that would do.
+        needed: f64,
+    },
+}
+
+impl TryFrom<Vec<Node>> for SphereTree {
+    type Error = TreeError;
+    fn try_from(nodes: Vec<Node>) -> Result<Self, TreeError> {
+        SphereTree::from_nodes(nodes)
+    }
+}
+
+impl From<SphereTree> for Vec<Node> {
+    fn from(tree: SphereTree) -> Self {
+        tree.nodes
+    }
+}
+
+impl SphereTree {
+    /// A tree from nodes stored level by level, root first, siblings adjacent, bounds already set.
+    ///
+    /// # Errors
+    /// Says which node breaks which rule.
+    pub fn from_nodes(nodes: Vec<Node>) -> Result<Self, TreeError> {
+        validate(&nodes)?;
+        Ok(Self { nodes })
+    }
+
+    /// As [`SphereTree::from_nodes`], but computes every bound radius (the given ones are ignored).
+    ///
+    /// # Errors
+    /// Says which node breaks which rule.
+    pub fn with_bounds(mut nodes: Vec<Node>) -> Result<Self, TreeError> {
+        refit_bounds(&mut nodes);
+        Self::from_nodes(nodes)
+    }
+
+    /// A tree whose finest spheres are exactly `leaves`, grouped eight by eight along the longest
+    /// axis. Inner nodes are bounding spheres (their contact radius is their bound): right for
+    /// analytic shapes whose leaves are the whole shape.
+    ///
+    /// # Errors
+    /// If there is no leaf, or a leaf is not finite and positive.
+    pub fn over_leaves(leaves: &[Sphere]) -> Result<Self, TreeError> {
+        if leaves.is_empty() {
+            return Err(TreeError::Empty);
+        }
+        // Level by level: each node owns a group of leaves; a group larger than one is cut into
+        // up to eight by halving three times at the median of its longest axis.
+        let mut nodes = vec![bounding_node(leaves, 0)];
+        let mut groups = vec![leaves.to_vec()];
+        let mut next = 0;
+        while next < nodes.len() {
+            let group = std::mem::take(&mut groups[next]);
+            if group.len() > 1 {
+                let level = nodes[next].level + 1;
+                if level > MAX_LEVEL {
+                    return Err(TreeError::BadStructure { node: next, what: "more leaves than seven levels hold" });
+                }
+                nodes[next].first_child = nodes.len() as u32;
+                for part in cut(group) {
+                    nodes.push(bounding_node(&part, level));
+                    nodes[next].children += 1;
+                    groups.push(part);
+                }
+            }
+            next += 1;
+        }
+        // Every leaf at its own depth is fine (ragged), breadth-first order keeps levels together.
+        Self::with_bounds(nodes)
+    }
+
+    /// All nodes, level by level; the root is the first.
+    #[inline]
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Finest level.
+    pub fn depth(&self) -> u8 {
+        self.nodes.last().map_or(0, |node| node.level)
+    }
+
+    /// Nodes that are the shape at `level`: those of that level and childless ones above it.
+    pub fn shape_at(&self, level: u8) -> impl Iterator<Item = (u32, &Node)> {
+        self.nodes
+            .iter()
+            .enumerate()
+            .filter(move |(_, node)| node.is_shape_at(level))
+            .map(|(index, node)| (index as u32, node))
+    }
+
+    /// Largest distance from `point` (object's frame) to the centre of any node, metres.
+    pub fn lever_from(&self, point: &Vec3) -> f64 {
+        self.nodes.iter().fold(0.0, |lever, node| fmax(lever, norm(&(node.centre - point))))
+    }
+}
+
+impl Node {
+    /// Whether this node stands for the shape at `level`.
+    #[inline]
+    pub fn is_shape_at(&self, level: u8) -> bool {
+        self.level == level || (self.children == 0 && self.level < level)
+    }
+
+    /// The contact sphere.
+    pub fn sphere(&self) -> Sphere {
+        Sphere { centre: self.centre, radius: self.contact_radius }
+    }
+
+    fn child_range(&self) -> std::ops::Range<usize> {
+        let first = self.first_child as usize;
+        first..first + usize::from(self.children)
+    }
+}
+
+/// Relative head-room of bounds over rounding.
+const BOUND_SLACK: f64 = 1e-12;
+
+/// Bound radii from the contact radii, children before parents.
+pub(crate) fn refit_bounds(nodes: &mut [Node]) {
+    for index in (0..nodes.len()).rev() {
+        let node = nodes[index];
+        let mut bound = node.contact_radius;
+        if node.children > 0 && node.child_range().end <= nodes.len() && node.child_range().start > index {
+            // Enclose descendants one by one through the children's bounds: safe and quick.
+            for child in &nodes[node.child_range()] {
+                bound = fmax(bound, (norm(&(child.centre - node.centre)) + child.bound_radius) * (1.0 + BOUND_SLACK));
+            }
+        }
+        nodes[index].bound_radius = bound;
+    }
+}
+
+fn validate(nodes: &[Node]) -> Result<(), TreeError> {
+    if nodes.is_empty() {
+        return Err(TreeError::Empty);
+    }
+    let mut next_child = 1;
+    for (index, node) in nodes.iter().enumerate() {
+        for (field, found) in [("centre x", node.centre.x), ("centre y", node.centre.y), ("centre z", node.centre.z)] {
+            if !found.is_finite() {
+                return Err(TreeError::BadNumber { node: index, field, found, positive: false });
+            }
+        }
+        for (field, found) in [("contact radius", node.contact_radius), ("bound radius", node.bound_radius)] {
+            if !(found.is_finite() && found > 0.0) {
+                return Err(TreeError::BadNumber { node: index, field, found, positive: true });
+            }
+        }
+        let bad = |what| Err(TreeError::BadStructure { node: index, what });
+        if node.level > MAX_LEVEL {
+            return bad("level is deeper than seven");
+        }
+        if usize::from(node.children) > MAX_CHILDREN {
+            return bad("more than eight children");
+        }
+        if node.bound_radius < node.contact_radius {
+            return bad("bound radius is smaller than contact radius");
+        }
+        if index == 0 && node.level != 0 {
+            return bad("the root is not at level 0");
+        }
+        if node.children == 0 {
+            continue;
+        }
+        // Breadth-first storage makes every child follow the previous one's, which also rules
+        // out cycles, sharing and orphans.
+        if node.first_child as usize != next_child {
+            return bad("children are not stored level by level");
+        }
+        next_child += usize::from(node.children);
+        if next_child > nodes.len() {
+            return bad("children lie past the end");
+        }
+        for inner in node.child_range() {
+            let child = &nodes[inner];
+            if child.level != node.level + 1 {
+                return bad("a child is not one level below");
+            }
+            let needed = norm(&(child.centre - node.centre)) + child.bound_radius;
+            if needed > node.bound_radius * (1.0 + 4.0 * BOUND_SLACK) {
+                return Err(TreeError::Unbounded { node: index, bound: node.bound_radius, inner, needed });
+            }
+        }
+    }
+    if next_child != nodes.len() {
+        return Err(TreeError::BadStructure { node: next_child, what: "is nobody's child" });
+    }
+    Ok(())
+}
+
+fn bounding_node(leaves: &[Sphere], level: u8) -> Node {
+    let (centre, radius) = match leaves {
+        [only] => (only.centre, only.radius),
+        _ => {
+            let (mut low, mut high) = (leaves[0].centre, leaves[0].centre);
+            for leaf in leaves {
+                low = low.zip_map(&leaf.centre, crate::math::fmin);
+                high = high.zip_map(&leaf.centre, fmax);
+            }
+            let centre = (low + high) * 0.5;
+            let radius = leaves.iter().fold(0.0, |r, leaf| fmax(r, norm(&(leaf.centre - centre)) + leaf.radius));
+            (centre, radius)
+        }
+    };
+    Node { centre, contact_radius: radius, bound_radius: radius, first_child: 0, children: 0, level }
+}
+
+/// Cuts a group into up to eight by halving it three times along its longest axis.
+fn cut(group: Vec<Sphere>) -> Vec<Vec<Sphere>> {
+    let mut parts = vec![group];
+    for _ in 0..3 {
+        let mut halves = Vec::with_capacity(parts.len() * 2);
+        for mut part in parts {
+            if part.len() < 2 {
+                halves.push(part);
+                continue;
+            }
+            let node = bounding_node(&part, 0);
+            let mut spread = Vec3::zeros();
+            for sphere in &part {
+                spread = spread.zip_map(&(sphere.centre - node.centre).abs(), fmax);
+            }
+            let axis = spread.imax();
+            part.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+            let upper = part.split_off(part.len() / 2);
+            halves.push(part);
+            halves.push(upper);
+        }
+        parts = halves;
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn leaves(n: usize) -> Vec<Sphere> {
+        (0..n)
+            .map(|k| {
+                let t = k as f64;
+                Sphere {
+                    centre: Vec3::new(libm::sin(t), libm::cos(1.7 * t), libm::sin(0.3 * t)) * 0.01,
+                    radius: 1e-3 + 1e-5 * t,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn over_leaves_keeps_every_leaf_once() {
+        for n in [1, 2, 7, 8, 9, 64, 100, 513] {
+            let given = leaves(n);
+            let tree = SphereTree::over_leaves(&given).expect("valid");
+            let mut kept: Vec<_> = tree.shape_at(MAX_LEVEL).map(|(_, node)| node.sphere()).collect();
+            let mut wanted = given.clone();
+            let key = |s: &Sphere| (s.radius.to_bits(), s.centre.x.to_bits());
+            kept.sort_by_key(key);
+            wanted.sort_by_key(key);
+            assert_eq!(kept, wanted, "{n} leaves");
+        }
+    }
+
+    #[test]
+    fn every_bound_encloses_every_descendant() {
+        let tree = SphereTree::over_leaves(&leaves(300)).expect("valid");
+        for (index, node) in tree.nodes().iter().enumerate() {
+            let mut stack = vec![index];
+            while let Some(top) = stack.pop() {
+                let inner = &tree.nodes()[top];
+                assert!(norm(&(inner.centre - node.centre)) + inner.contact_radius <= node.bound_radius * (1.0 + 1e-9));
+                stack.extend(inner.child_range().filter(|_| inner.children > 0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_broken_tree_is_named() {
+        let good = SphereTree::over_leaves(&leaves(20)).expect("valid").nodes().to_vec();
+        let mut nan = good.clone();
+        nan[3].centre.y = f64::NAN;
+        assert!(matches!(SphereTree::from_nodes(nan), Err(TreeError::BadNumber { node: 3, field: "centre y", .. })));
+        let mut tight = good.clone();
+        tight[0].bound_radius *= 0.5;
+        tight[0].contact_radius *= 0.5;
+        assert!(matches!(SphereTree::from_nodes(tight), Err(TreeError::Unbounded { node: 0, .. })));
+        let mut cyclic = good;
+        cyclic[1].first_child = 0;
+        assert!(matches!(SphereTree::from_nodes(cyclic), Err(TreeError::BadStructure { node: 1, .. })));
+        assert_eq!(SphereTree::from_nodes(vec![]), Err(TreeError::Empty));
+    }
+
+    proptest! {
+        #[test]
+        fn any_nodes_give_a_tree_or_an_error(raw in proptest::collection::vec(
+            (any::<f64>(), any::<f64>(), any::<u32>(), any::<u8>(), any::<u8>()), 0..20)) {
+            let nodes = raw.iter().map(|&(c, r, first_child, children, level)| Node {
+                centre: Vec3::new(c, 0.0, c), contact_radius: r, bound_radius: r, first_child, children, level,
+            }).collect();
+            let _ = SphereTree::from_nodes(nodes);
+        }
+    }
+}
