@@ -40,6 +40,10 @@ impl ContactSolver for Clarabel {
             max_iter: 200,
             direct_solve_method: "qdldl".to_owned(),
             presolve_enable: false,
+            // Its defaults (1e-8) leave 2e-2 mm on grossly infeasible sets; 1e-12 is out of its reach.
+            tol_gap_abs: 1e-11,
+            tol_gap_rel: 1e-11,
+            tol_feas: 1e-11,
             ..DefaultSettings::default()
         };
         let cones = [SupportedConeT::NonnegativeConeT(m)];

@@ -147,15 +147,14 @@ impl Problem<'_> {
     }
 
     /// How far `lambda` is from a solution: `max_i |min(H_ii lambda_i, w_i)|` relative to the
-    /// largest `|b_i|` (or `H_ii lambda_i` where that is larger). Zero exactly at the solution. `w` is evaluated from the rows, not from
+    /// largest `|b_i|`. Zero exactly at the solution. `w` is evaluated from the rows, not from
     /// anything a solver kept.
     pub fn kkt_residual(&self, lambda: &[f64]) -> f64 {
         let y = self.primal(lambda);
-        let (mut worst, mut scale) = (0.0, self.scale());
+        let (mut worst, scale) = (0.0, self.scale());
         for (i, load) in lambda.iter().enumerate() {
             let force = self.gram(i, i) * load;
             worst = fmax(worst, fmin(force, self.slack(i, lambda, &y)).abs());
-            scale = fmax(scale, force.abs());
         }
         if scale > 0.0 { worst / scale } else { worst }
     }

@@ -1,0 +1,62 @@
+//! The simulated hand and device: used by the demo, the hard cases and the tests.
+//!
+//! A *script* says where the hand means to be. The *hand* holds a *device* (mass, damping) by a
+//! spring and a damper, trembles at 8 to 12 Hz, and feels the wrench: so the loop of hand, device
+//! and simulation is closed, and an unstable simulation shows. Everything depends on the seed and
+//! the wrenches alone.
+//!
+//! SI units, world axes.
+
+pub mod crown;
+pub mod hand;
+pub mod script;
+pub mod tremor;
+
+use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Wrench};
+
+pub use hand::{Hand, HandParams};
+pub use script::Script;
+
+/// A person with up to two hands, performing a script.
+pub struct Operator {
+    script: Box<dyn Script + Send>,
+    hands: [Option<Hand>; MAX_TOOLS],
+    params: HandParams,
+    seed: u64,
+    tick: u64,
+}
+
+impl Operator {
+    /// An operator who performs `script`; the tremor comes from `seed`.
+    pub fn new(script: Box<dyn Script + Send>, params: HandParams, seed: u64) -> Self {
+        Self { script, hands: [const { None }; MAX_TOOLS], params, seed, tick: 0 }
+    }
+
+    /// Length of the script in ticks.
+    pub fn ticks(&self) -> u64 {
+        (self.script.duration_s() * 1e3) as u64
+    }
+
+    /// Advances one millisecond under the wrenches felt (about each device point, world axes) and
+    /// returns the poses that the devices report.
+    pub fn step(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
+        let t = self.tick as f64 * sulcus_core::TICK_S;
+        self.tick += 1;
+        let targets = self.script.targets(t);
+        std::array::from_fn(|slot| {
+            let Some(target) = targets[slot] else {
+                self.hands[slot] = None;
+                return ToolInput::ABSENT;
+            };
+            let seed = self.seed.wrapping_mul(2).wrapping_add(slot as u64);
+            let hand = self.hands[slot].get_or_insert_with(|| Hand::new(self.params, target, seed));
+            let pose = hand.step(&target, &felt[slot]);
+            present(&pose)
+        })
+    }
+}
+
+/// A present tool at `pose`, as the wire would carry it.
+pub fn present(pose: &Pose) -> ToolInput {
+    ToolInput { pose: RawPose::from(pose), present: true, ..ToolInput::ABSENT }
+}

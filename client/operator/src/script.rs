@@ -1,0 +1,35 @@
+//! Where a hand means to be over time.
+
+use sulcus_core::{MAX_TOOLS, Pose};
+
+/// A scripted intention, a pure function of time.
+pub trait Script {
+    /// Device poses (`world_from_tool`) that the hands mean to reach at `t` seconds; `None` where no
+    /// hand holds the tool.
+    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS];
+    /// Length, seconds.
+    fn duration_s(&self) -> f64;
+}
+
+/// A script from a closure for the first tool: what tests and hard cases want.
+pub struct OneTool<F> {
+    /// Pose at `t` seconds.
+    pub pose: F,
+    /// Length, seconds.
+    pub duration_s: f64,
+}
+
+impl<F: Fn(f64) -> Pose> Script for OneTool<F> {
+    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
+        [Some((self.pose)(t)), None]
+    }
+    fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+}
+
+/// 0 below 0, 1 above 1, smooth (zero slope at both ends) between.
+pub fn smoothstep(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}

@@ -1,0 +1,192 @@
+//! The tick's solver before its judge: the same problems through `active_set` and Clarabel, and
+//! each answer before the optimality conditions themselves.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use sulcus_core::Vec3;
+use sulcus_core::optimise::{
+    ContactSolver, Problem, ProblemRow, Solution, SolveStatus, active_set::ActiveSet, clarabel::Clarabel,
+};
+
+const KT: f64 = 500.0;
+const KR: f64 = 0.5;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    Random,
+    Clustered,
+    Duplicate,
+    NearlyParallel,
+    Opposing,
+    Infeasible,
+}
+
+const FAMILIES: [Family; 6] = [
+    Family::Random,
+    Family::Clustered,
+    Family::Duplicate,
+    Family::NearlyParallel,
+    Family::Opposing,
+    Family::Infeasible,
+];
+
+struct Dice(ChaCha8Rng);
+
+impl Dice {
+    fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+    fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+    fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
+            if v.norm() > 0.1 && v.norm() < 1.0 {
+                return v.normalize();
+            }
+        }
+    }
+}
+
+/// A row of a tool sphere at `arm` from the working point, touched along `normal`, whose gap at
+/// the unconstrained optimum is `bias`.
+fn row(normal: Vec3, arm: Vec3, bias: f64, tool: u8) -> ProblemRow {
+    let (n, m) = (normal / KT.sqrt(), arm.cross(&normal) / KR.sqrt());
+    ProblemRow { a: [n.x, n.y, n.z, m.x, m.y, m.z], tool, bias }
+}
+
+fn rows(family: Family, m: usize, dice: &mut Dice) -> Vec<ProblemRow> {
+    let axis = dice.direction();
+    let centre = dice.direction() * dice.range(0.0, 0.02);
+    let arm = |dice: &mut Dice| dice.direction() * dice.range(0.0, 0.02);
+    let press = dice.range(0.0, 3e-3);
+    let mut rows: Vec<ProblemRow> = Vec::with_capacity(m);
+    for k in 0..m {
+        let tool = u8::from(dice.unit() < 0.2);
+        rows.push(match family {
+            Family::Random => {
+                let (normal, at) = (dice.direction(), arm(dice));
+                row(normal, at, dice.range(-2e-3, 1e-3), tool)
+            }
+            Family::Clustered => {
+                let normal = (axis + dice.direction() * 0.3).normalize();
+                let at = centre + dice.direction() * 5e-4;
+                row(normal, at, dice.range(-1e-4, 1e-4) - press, 0)
+            }
+            Family::Duplicate if k % 3 != 0 => rows[k - k % 3],
+            Family::Duplicate => {
+                let (normal, at) = ((axis + dice.direction()).normalize(), arm(dice));
+                row(normal, at, dice.range(-2e-3, 5e-4), 0)
+            }
+            Family::NearlyParallel => {
+                let normal = (axis + dice.direction() * 1e-7).normalize();
+                let at = centre + dice.direction() * 1e-6;
+                row(normal, at, dice.range(-1e-7, 1e-7) - press, 0)
+            }
+            Family::Opposing => {
+                let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+                let normal = (axis * side + dice.direction() * 0.05).normalize();
+                row(normal, arm(dice), dice.range(-1e-4, 3e-4), 0)
+            }
+            Family::Infeasible => {
+                let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+                row(axis * side, centre, dice.range(-3e-4, -1e-5), 0)
+            }
+        });
+    }
+    rows
+}
+
+/// Compliance of soft tissue under the rows: an exponential kernel, positive definite.
+fn tissue(m: usize, dice: &mut Dice) -> Vec<f64> {
+    let at: Vec<f64> = (0..m).map(|_| dice.range(0.0, 4.0)).collect();
+    let compliance = dice.range(1e-5, 5e-3);
+    let entry = |k: usize| compliance * (-(at[k / m] - at[k % m]).abs()).exp();
+    (0..m * m).map(entry).collect()
+}
+
+/// Largest difference of the two answers' poses, millimetres of translation.
+fn pose_difference_mm(a: &Solution, b: &Solution) -> f64 {
+    let step = |s: &Solution, tool: usize| Vec3::new(s.y[6 * tool], s.y[6 * tool + 1], s.y[6 * tool + 2]) / KT.sqrt();
+    (0..2).map(|tool| (step(a, tool) - step(b, tool)).norm() * 1e3).fold(0.0, f64::max)
+}
+
+#[test]
+fn both_solvers_agree_on_ten_thousand_row_sets() {
+    const SETS: usize = 10_000;
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(2014));
+    let (mut own, mut judge) = (ActiveSet::with_capacity(256), Clarabel);
+    let (mut ours, mut theirs) = (Solution::with_capacity(256), Solution::with_capacity(256));
+    let mut differences = Vec::new();
+    let mut unusable = 0;
+    let mut worst_kkt = (0.0, Family::Random, 0);
+    for set in 0..SETS {
+        let family = FAMILIES[set % FAMILIES.len()];
+        let m = match set % 50 {
+            0 => 120,
+            k if k < 10 => 30,
+            _ => 1 + (dice.unit() * 15.0) as usize,
+        };
+        let rows = rows(family, m, &mut dice);
+        let compliance = (set % 4 == 3).then(|| tissue(m, &mut dice));
+        // The tick's eps, and the prototype's.
+        let contact_compliance = if set % 2 == 0 { 1e-7 } else { 1e-8 };
+        let problem =
+            Problem { rows: &rows, tissue: compliance.as_deref(), contact_compliance, max_iterations: 2000 };
+        own.solve(&problem, &mut ours);
+        assert_eq!(ours.status, SolveStatus::Solved, "set {set} {family:?} m {m}");
+        let kkt = problem.kkt_residual(&ours.lambda);
+        if kkt > worst_kkt.0 {
+            worst_kkt = (kkt, family, m);
+        }
+        judge.solve(&problem, &mut theirs);
+        if theirs.status == SolveStatus::Solved {
+            differences.push(pose_difference_mm(&ours, &theirs));
+        } else {
+            unusable += 1;
+        }
+    }
+    differences.sort_by(f64::total_cmp);
+    let (p999, most) = (differences[differences.len() * 999 / 1000], differences[differences.len() - 1]);
+    println!("KKT {worst_kkt:?}; poses p99.9 {p999:e} mm, max {most:e} mm; Clarabel unusable {unusable} of {SETS}");
+    assert!(worst_kkt.0 <= 1e-9, "KKT residual {worst_kkt:?}");
+    assert!(p999 <= 2e-4, "{p999:e} mm");
+    assert!(most <= 1e-3, "{most:e} mm");
+    assert!(unusable <= SETS / 100, "the judge must answer nearly always, it did not {unusable} times");
+}
+
+#[test]
+fn an_iteration_limit_is_said_and_not_an_answer() {
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(7));
+    let rows = rows(Family::Random, 40, &mut dice);
+    let problem = Problem { rows: &rows, tissue: None, contact_compliance: 1e-7, max_iterations: 1 };
+    let (mut solver, mut solution) = (ActiveSet::with_capacity(64), Solution::with_capacity(64));
+    solver.solve(&problem, &mut solution);
+    assert_eq!(solution.status, SolveStatus::IterationLimit);
+}
+
+#[test]
+fn numbers_that_are_not_finite_give_no_answer() {
+    let mut dice = Dice(ChaCha8Rng::seed_from_u64(8));
+    let mut rows = rows(Family::Random, 5, &mut dice);
+    rows[2].bias = f64::NAN;
+    let problem = Problem { rows: &rows, tissue: None, contact_compliance: 1e-7, max_iterations: 100 };
+    let mut solution = Solution::with_capacity(8);
+    ActiveSet::with_capacity(8).solve(&problem, &mut solution);
+    assert_ne!(solution.status, SolveStatus::Solved);
+    Clarabel.solve(&problem, &mut solution);
+    assert_ne!(solution.status, SolveStatus::Solved);
+}
+
+#[test]
+fn one_row_has_the_answer_on_paper() {
+    // Pressed 1 mm into a plane at the working point: F = k_t depth / (1 + k_t eps).
+    let rows = [row(Vec3::z(), Vec3::zeros(), -1e-3, 0)];
+    let problem = Problem { rows: &rows, tissue: None, contact_compliance: 1e-7, max_iterations: 100 };
+    let mut solution = Solution::with_capacity(1);
+    for solver in [&mut ActiveSet::with_capacity(1) as &mut dyn ContactSolver, &mut Clarabel] {
+        solver.solve(&problem, &mut solution);
+        assert!((solution.lambda[0] - 0.5 / (1.0 + KT * 1e-7)).abs() < 1e-6);
+    }
+}
