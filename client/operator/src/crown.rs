@@ -28,7 +28,14 @@ pub struct CrownParams {
 
 impl Default for CrownParams {
     fn default() -> Self {
-        Self { duration: 20.0, press: 2e-3, speed: 8e-3, below_top: [2e-3, 5e-3], lift_every: 2.5, lift: 2.5e-3 }
+        Self {
+            duration: 20.0,
+            press: 2e-3,
+            speed: 8e-3,
+            below_top: [2e-3, 5e-3],
+            lift_every: 2.5,
+            lift: 2.5e-3,
+        }
     }
 }
 
@@ -80,16 +87,25 @@ impl Crown {
     /// When the scene has no tooth.
     pub fn new(scene: &Scene, fdi: Option<u8>, params: CrownParams) -> Result<Self, NoCrown> {
         let wanted = |object: &&Object| fdi.map_or(object.fdi != 0, |fdi| object.fdi == fdi);
-        let tooth = scene
-            .objects
-            .iter()
-            .find(wanted)
-            .ok_or_else(|| NoCrown(format!("scene `{}` has no tooth to probe (an object with an FDI number)", scene.name)))?;
+        let tooth = scene.objects.iter().find(wanted).ok_or_else(|| {
+            NoCrown(format!(
+                "scene `{}` has no tooth to probe (an object with an FDI number)",
+                scene.name
+            ))
+        })?;
         let tool = &scene.tools[0];
-        let spheres: Vec<_> = tooth.tree.shape_at(tooth.level).map(|(_, node)| node.sphere()).collect();
-        let top = spheres.iter().map(|s| s.centre.z + s.radius).fold(f64::NEG_INFINITY, f64::max);
+        let spheres: Vec<_> = tooth
+            .tree
+            .shape_at(tooth.level)
+            .map(|(_, node)| node.sphere())
+            .collect();
+        let top = spheres
+            .iter()
+            .map(|s| s.centre.z + s.radius)
+            .fold(f64::NEG_INFINITY, f64::max);
         let crown: Vec<_> = spheres.iter().filter(|s| s.centre.z > top - 7e-3).collect();
-        let mut axis = crown.iter().fold(Vec3::zeros(), |sum, s| sum + s.centre) / crown.len() as f64;
+        let mut axis =
+            crown.iter().fold(Vec3::zeros(), |sum, s| sum + s.centre) / crown.len() as f64;
         axis.z = 0.0;
         let tip_radius = tip_radius(tool);
         let mut radius = Vec::with_capacity(HEIGHTS);
@@ -99,14 +115,29 @@ impl Crown {
             let sound = |bearing: usize| {
                 let out = bearing_vector(bearing as f64);
                 let centre = Vec3::new(axis.x, axis.y, z);
-                spheres.iter().filter_map(|s| first_touch(&centre, &out, &s.centre, s.radius + tip_radius)).fold(0.0, f64::max)
+                spheres
+                    .iter()
+                    .filter_map(|s| first_touch(&centre, &out, &s.centre, s.radius + tip_radius))
+                    .fold(0.0, f64::max)
             };
             let raw: [f64; BEARINGS] = std::array::from_fn(sound);
             // A hand does not follow every bump: mean over 11 degrees.
-            radius.push(std::array::from_fn(|b| (0..11).map(|j| raw[(b + BEARINGS + j - 5) % BEARINGS]).sum::<f64>() / 11.0));
+            radius.push(std::array::from_fn(|b| {
+                (0..11)
+                    .map(|j| raw[(b + BEARINGS + j - 5) % BEARINGS])
+                    .sum::<f64>()
+                    / 11.0
+            }));
         }
         let mean_radius = radius.iter().flatten().sum::<f64>() / (HEIGHTS * BEARINGS) as f64;
-        Ok(Self { params, tool: ToolFrame::of(tool), axis, top, radius, mean_radius })
+        Ok(Self {
+            params,
+            tool: ToolFrame::of(tool),
+            axis,
+            top,
+            radius,
+            mean_radius,
+        })
     }
 
     /// Radius of the surface (for the tip's centre) at a bearing in degrees and a height share 0..1.
@@ -128,13 +159,18 @@ impl Crown {
         let share = 0.5 - 0.5 * libm::cos(std::f64::consts::TAU * s / 9.0);
         // Lifts: half a second, smoothly, at the end of each period.
         let phase = s.rem_euclid(p.lift_every) - (p.lift_every - 0.5);
-        let lifted = if phase > 0.0 { smoothstep(phase / 0.2) * (1.0 - smoothstep((phase - 0.3) / 0.2)) } else { 0.0 };
+        let lifted = if phase > 0.0 {
+            smoothstep(phase / 0.2) * (1.0 - smoothstep((phase - 0.3) / 0.2))
+        } else {
+            0.0
+        };
         let away = 1.0 - smoothstep(t / TRANSIT) + smoothstep((t - p.duration + TRANSIT) / TRANSIT);
         let depth = p.press * (1.0 - lifted) - p.lift * lifted;
         let depth = depth * (1.0 - away) - STANDOFF * away;
         let out = bearing_vector(bearing);
         let z = self.top - p.below_top[0] - share * (p.below_top[1] - p.below_top[0]);
-        let tip = Vec3::new(self.axis.x, self.axis.y, z) + out * (self.surface(bearing, share) - depth);
+        let tip =
+            Vec3::new(self.axis.x, self.axis.y, z) + out * (self.surface(bearing, share) - depth);
         // The working end points down and inwards; the handle leans outwards.
         let down = (-Vec3::z() * 0.8 - out * 0.6).normalize();
         self.tool.at(&tip, &down, &out)
@@ -158,8 +194,15 @@ impl ToolFrame {
         let to_handle = -tool.tip;
         let across = to_handle - out * out.dot(&to_handle);
         // A straight tool has no side: any will do.
-        let across = if across.norm() > 1e-6 { across.normalize() } else { out.cross(&Vec3::x()).normalize() };
-        Self { tip: tool.tip, basis: Mat3::from_columns(&[out, across, out.cross(&across)]) }
+        let across = if across.norm() > 1e-6 {
+            across.normalize()
+        } else {
+            out.cross(&Vec3::x()).normalize()
+        };
+        Self {
+            tip: tool.tip,
+            basis: Mat3::from_columns(&[out, across, out.cross(&across)]),
+        }
     }
 
     /// Device pose that puts the tip at `tip`, pointing along `pointing`, the handle leaning
@@ -176,12 +219,35 @@ fn nalgebra_rotation(m: &Mat3) -> Quat {
     // Shepperd's method on the largest diagonal: no branch near a singularity.
     let trace = m[(0, 0)] + m[(1, 1)] + m[(2, 2)];
     let squares = [trace, m[(0, 0)], m[(1, 1)], m[(2, 2)]];
-    let largest = (0..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
+    let largest = (0..4).fold(
+        0,
+        |best, k| if squares[k] > squares[best] { k } else { best },
+    );
     let (w, x, y, z) = match largest {
-        0 => (1.0 + trace, m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]),
-        1 => (m[(2, 1)] - m[(1, 2)], 1.0 + 2.0 * m[(0, 0)] - trace, m[(0, 1)] + m[(1, 0)], m[(0, 2)] + m[(2, 0)]),
-        2 => (m[(0, 2)] - m[(2, 0)], m[(0, 1)] + m[(1, 0)], 1.0 + 2.0 * m[(1, 1)] - trace, m[(1, 2)] + m[(2, 1)]),
-        _ => (m[(1, 0)] - m[(0, 1)], m[(0, 2)] + m[(2, 0)], m[(1, 2)] + m[(2, 1)], 1.0 + 2.0 * m[(2, 2)] - trace),
+        0 => (
+            1.0 + trace,
+            m[(2, 1)] - m[(1, 2)],
+            m[(0, 2)] - m[(2, 0)],
+            m[(1, 0)] - m[(0, 1)],
+        ),
+        1 => (
+            m[(2, 1)] - m[(1, 2)],
+            1.0 + 2.0 * m[(0, 0)] - trace,
+            m[(0, 1)] + m[(1, 0)],
+            m[(0, 2)] + m[(2, 0)],
+        ),
+        2 => (
+            m[(0, 2)] - m[(2, 0)],
+            m[(0, 1)] + m[(1, 0)],
+            1.0 + 2.0 * m[(1, 1)] - trace,
+            m[(1, 2)] + m[(2, 1)],
+        ),
+        _ => (
+            m[(1, 0)] - m[(0, 1)],
+            m[(0, 2)] + m[(2, 0)],
+            m[(1, 2)] + m[(2, 1)],
+            1.0 + 2.0 * m[(2, 2)] - trace,
+        ),
     };
     sulcus_core::math::normalised(w, x, y, z)
 }
@@ -217,7 +283,11 @@ mod tests {
     #[test]
     fn any_rotation_matrix_becomes_its_quaternion() {
         for k in 0..200 {
-            let w = Vec3::new(libm::sin(f64::from(k)), libm::cos(2.3 * f64::from(k)), libm::sin(0.7 * f64::from(k))) * 3.0;
+            let w = Vec3::new(
+                libm::sin(f64::from(k)),
+                libm::cos(2.3 * f64::from(k)),
+                libm::sin(0.7 * f64::from(k)),
+            ) * 3.0;
             let q = exp_rotation(&w);
             let back = nalgebra_rotation(&q.to_rotation_matrix().into_inner());
             assert!(q.angle_to(&back) < 1e-7, "{w:?}");
@@ -228,6 +298,9 @@ mod tests {
     fn a_ray_meets_a_ball_at_its_near_side() {
         let hit = first_touch(&Vec3::zeros(), &Vec3::x(), &Vec3::new(2.0, 0.0, 0.0), 1.0);
         assert_eq!(hit, Some(3.0));
-        assert_eq!(first_touch(&Vec3::zeros(), &Vec3::x(), &Vec3::new(2.0, 1.5, 0.0), 1.0), None);
+        assert_eq!(
+            first_touch(&Vec3::zeros(), &Vec3::x(), &Vec3::new(2.0, 1.5, 0.0), 1.0),
+            None
+        );
     }
 }

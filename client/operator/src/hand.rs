@@ -91,9 +91,11 @@ impl Hand {
             let share = f64::from(k) / f64::from(STEPS);
             let t = self.time + share * TICK_S;
             let at = self.last_target.position + way * share + self.shake.at(t);
-            let facing = exp_rotation(&(turn * share + self.spin_shake.at(t))) * self.last_target.orientation;
+            let facing = exp_rotation(&(turn * share + self.spin_shake.at(t)))
+                * self.last_target.orientation;
             // Semi-implicit Euler: damping taken at the new velocity, so any damping is stable.
-            let pull = (at - self.device.position) * p.grip + meant_velocity * p.grip_damping + felt.force;
+            let pull =
+                (at - self.device.position) * p.grip + meant_velocity * p.grip_damping + felt.force;
             let damping = p.device_damping + p.grip_damping;
             self.velocity = (self.velocity + pull * (dt / p.mass)) / (1.0 + damping * dt / p.mass);
             self.device.position += self.velocity * dt;
@@ -116,9 +118,16 @@ mod tests {
 
     #[test]
     fn a_constant_force_moves_the_hand_by_its_grip() {
-        let params = HandParams { tremor: 0.0, spin_tremor: 0.0, ..HandParams::default() };
+        let params = HandParams {
+            tremor: 0.0,
+            spin_tremor: 0.0,
+            ..HandParams::default()
+        };
         let mut hand = Hand::new(params, Pose::identity(), 1);
-        let felt = Wrench { force: Vec3::new(0.6, 0.0, 0.0), torque: Vec3::new(0.0, 0.02, 0.0) };
+        let felt = Wrench {
+            force: Vec3::new(0.6, 0.0, 0.0),
+            torque: Vec3::new(0.0, 0.02, 0.0),
+        };
         let mut pose = Pose::identity();
         for _ in 0..3000 {
             pose = hand.step(&Pose::identity(), &felt);

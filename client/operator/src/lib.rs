@@ -29,7 +29,13 @@ pub struct Operator {
 impl Operator {
     /// An operator who performs `script`; the tremor comes from `seed`.
     pub fn new(script: Box<dyn Script + Send>, params: HandParams, seed: u64) -> Self {
-        Self { script, hands: [const { None }; MAX_TOOLS], params, seed, tick: 0 }
+        Self {
+            script,
+            hands: [const { None }; MAX_TOOLS],
+            params,
+            seed,
+            tick: 0,
+        }
     }
 
     /// Length of the script in ticks.
@@ -58,5 +64,9 @@ impl Operator {
 
 /// A present tool at `pose`, as the wire would carry it.
 pub fn present(pose: &Pose) -> ToolInput {
-    ToolInput { pose: RawPose::from(pose), present: true, ..ToolInput::ABSENT }
+    ToolInput {
+        pose: RawPose::from(pose),
+        present: true,
+        ..ToolInput::ABSENT
+    }
 }

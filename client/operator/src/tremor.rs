@@ -23,16 +23,27 @@ impl Tremor {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         let partials = std::array::from_fn(|_| {
-            std::array::from_fn(|_| (std::f64::consts::TAU * (8.0 + 4.0 * unit()), std::f64::consts::TAU * unit()))
+            std::array::from_fn(|_| {
+                (
+                    std::f64::consts::TAU * (8.0 + 4.0 * unit()),
+                    std::f64::consts::TAU * unit(),
+                )
+            })
         });
         // N sinusoids of amplitude a have an rms of a sqrt(N/2).
-        Self { partials, amplitude: rms / (PARTIALS as f64 / 2.0).sqrt() }
+        Self {
+            partials,
+            amplitude: rms / (PARTIALS as f64 / 2.0).sqrt(),
+        }
     }
 
     /// Displacement at `t` seconds.
     pub fn at(&self, t: f64) -> Vec3 {
         let axis = |k: usize| {
-            let sum: f64 = self.partials[k].iter().map(|(omega, phase)| libm::sin(omega * t + phase)).sum();
+            let sum: f64 = self.partials[k]
+                .iter()
+                .map(|(omega, phase)| libm::sin(omega * t + phase))
+                .sum();
             sum * self.amplitude
         };
         Vec3::new(axis(0), axis(1), axis(2))
@@ -49,7 +60,10 @@ mod tests {
         assert_ne!(a.at(0.3), b.at(0.3));
         assert_eq!(a.at(0.3), Tremor::new(1e-4, 1).at(0.3));
         let n = 60_000;
-        let mean_square: f64 = (0..n).map(|k| a.at(f64::from(k) * 1e-3).norm_squared()).sum::<f64>() / f64::from(n);
+        let mean_square: f64 = (0..n)
+            .map(|k| a.at(f64::from(k) * 1e-3).norm_squared())
+            .sum::<f64>()
+            / f64::from(n);
         assert!((mean_square.sqrt() / (1e-4 * 3f64.sqrt()) - 1.0).abs() < 0.1);
     }
 }

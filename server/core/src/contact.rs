@@ -109,8 +109,10 @@ impl Predictor {
             let (tool_node, object_node) = (&tool.nodes[t as usize], &objects[o as usize]);
             let at = self.centre_of(t, tool_node, &rotation, tool.pose);
             let between = at - object_node.centre;
-            let (tool_is_shape, object_is_shape) =
-                (tool_node.is_shape_at(tool.level), object_node.is_shape_at(object_level));
+            let (tool_is_shape, object_is_shape) = (
+                tool_node.is_shape_at(tool.level),
+                object_node.is_shape_at(object_level),
+            );
             if tool_is_shape && object_is_shape {
                 let reach = tool_node.contact_radius + object_node.contact_radius;
                 let squared = between.dot(&between);
@@ -122,7 +124,11 @@ impl Predictor {
                 }
                 let distance = squared.sqrt();
                 // Concentric spheres have no normal: any direction is as good, take up.
-                let normal = if distance > 1e-12 { between / distance } else { Vec3::z() };
+                let normal = if distance > 1e-12 {
+                    between / distance
+                } else {
+                    Vec3::z()
+                };
                 out.push(Contact {
                     tool: tool.slot,
                     object: object_index,
@@ -135,12 +141,16 @@ impl Predictor {
                 continue;
             }
             // Open the larger of the two that can be opened.
-            let open_tool = !tool_is_shape && (object_is_shape || tool_node.bound_radius > object_node.bound_radius);
+            let open_tool = !tool_is_shape
+                && (object_is_shape || tool_node.bound_radius > object_node.bound_radius);
             if open_tool {
                 let radius = reach_of(object_node, object_is_shape) + d;
-                for child in tool_node.first_child..tool_node.first_child + u32::from(tool_node.children) {
+                for child in
+                    tool_node.first_child..tool_node.first_child + u32::from(tool_node.children)
+                {
                     let node = &tool.nodes[child as usize];
-                    let between = self.centre_of(child, node, &rotation, tool.pose) - object_node.centre;
+                    let between =
+                        self.centre_of(child, node, &rotation, tool.pose) - object_node.centre;
                     let reach = reach_of(node, node.is_shape_at(tool.level)) + radius;
                     if between.dot(&between) < reach * reach {
                         self.stack.push((child, o));
@@ -148,7 +158,9 @@ impl Predictor {
                 }
             } else {
                 let radius = reach_of(tool_node, tool_is_shape) + d;
-                for child in object_node.first_child..object_node.first_child + u32::from(object_node.children) {
+                for child in object_node.first_child
+                    ..object_node.first_child + u32::from(object_node.children)
+                {
                     let node = &objects[child as usize];
                     let between = at - node.centre;
                     let reach = reach_of(node, node.is_shape_at(object_level)) + radius;
@@ -175,7 +187,11 @@ impl Predictor {
 /// What culling must allow for: a shape node only itself, an inner node all below it.
 #[inline]
 fn reach_of(node: &Node, is_shape: bool) -> f64 {
-    if is_shape { node.contact_radius } else { node.bound_radius }
+    if is_shape {
+        node.contact_radius
+    } else {
+        node.bound_radius
+    }
 }
 
 /// World position of a point of the tool.

@@ -20,12 +20,24 @@ fn checked(raw: &RawPose) -> Option<Pose> {
     let length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     // A hand is within 10 m of the mouth; a unit quaternion in f32 is within 1e-6 of unit length.
     let believable = p.iter().all(|x| x.abs() <= 10.0) && length > 0.81 && length < 1.21;
-    believable.then(|| Pose::new(Vec3::new(p[0], p[1], p[2]), normalised(q[0], q[1], q[2], q[3])))
+    believable.then(|| {
+        Pose::new(
+            Vec3::new(p[0], p[1], p[2]),
+            normalised(q[0], q[1], q[2], q[3]),
+        )
+    })
 }
 
 /// Haptic pose of this tick and status bits; the last pose when the input is unusable.
-pub(crate) fn sanitise(raw: &RawPose, params: &Params, last: &ToolState, ticks: u64) -> (Pose, u16) {
-    let Some(mut pose) = checked(raw) else { return (last.haptic, status::BAD_INPUT) };
+pub(crate) fn sanitise(
+    raw: &RawPose,
+    params: &Params,
+    last: &ToolState,
+    ticks: u64,
+) -> (Pose, u16) {
+    let Some(mut pose) = checked(raw) else {
+        return (last.haptic, status::BAD_INPUT);
+    };
     if !last.entered {
         return (pose, 0);
     }
@@ -40,7 +52,8 @@ pub(crate) fn sanitise(raw: &RawPose, params: &Params, last: &ToolState, ticks: 
     let turn = log_rotation(&(pose.orientation * last.haptic.orientation.inverse()));
     let (angle, most) = (norm(&turn), params.max_hand_spin * seconds);
     if angle > most {
-        pose.orientation = renormalised(&(exp_rotation(&(turn * (most / angle))) * last.haptic.orientation));
+        pose.orientation =
+            renormalised(&(exp_rotation(&(turn * (most / angle))) * last.haptic.orientation));
         bits = status::SPEED_CLAMPED;
     }
     (pose, bits)
@@ -61,22 +74,38 @@ pub(crate) fn twist(haptic: &Quat, graphic: &Quat, kept_axis: &Vec3) -> (Vec3, b
         w *= 1.0 - std::f64::consts::TAU / angle;
         angle = std::f64::consts::TAU - angle;
     }
-    if angle > TWIST_LIMIT { (w * (TWIST_LIMIT / angle), true) } else { (w, false) }
+    if angle > TWIST_LIMIT {
+        (w * (TWIST_LIMIT / angle), true)
+    } else {
+        (w, false)
+    }
 }
 
 /// Axis to keep for the next tick.
 pub(crate) fn kept_axis(haptic: &Quat, graphic: &Quat, before: &Vec3) -> Vec3 {
     let w = log_rotation(&(haptic * graphic.inverse()));
     let angle = norm(&w);
-    if angle > 1e-3 && angle <= AXIS_KEPT_BEYOND { w / angle } else { *before }
+    if angle > 1e-3 && angle <= AXIS_KEPT_BEYOND {
+        w / angle
+    } else {
+        *before
+    }
 }
 
 /// The raw wrench for the hand: minus the loads on everything, moved from the world's origin to
 /// the device point. The load acts on the graphic tool's working point and reaches the hand through
 /// the coupling, so the lever to the device point is the haptic tool's (which makes the wrench
 /// the exact gradient of the coupling's energy).
-pub(crate) fn wrench_at_device(load: &Wrench, tool: &Tool, graphic: &Pose, haptic: &Pose) -> Wrench {
-    let on_tool = Wrench { force: -load.force, torque: -load.torque };
+pub(crate) fn wrench_at_device(
+    load: &Wrench,
+    tool: &Tool,
+    graphic: &Pose,
+    haptic: &Pose,
+) -> Wrench {
+    let on_tool = Wrench {
+        force: -load.force,
+        torque: -load.torque,
+    };
     let at_working_point = on_tool.moved(&-graphic.transform(&tool.working_point));
     at_working_point.moved(&(haptic.orientation * tool.working_point))
 }
@@ -87,32 +116,68 @@ mod tests {
 
     fn entered(pose: Pose) -> ToolState {
         let zero = Wrench::ZERO;
-        ToolState { haptic: pose, graphic: pose, entered: true, gain: 1.0, sent: zero, raw: zero, twist_axis: Vec3::z() }
+        ToolState {
+            haptic: pose,
+            graphic: pose,
+            entered: true,
+            gain: 1.0,
+            sent: zero,
+            raw: zero,
+            twist_axis: Vec3::z(),
+        }
     }
 
     #[test]
     fn no_bad_number_passes() {
         let last = entered(Pose::new(Vec3::new(0.01, 0.0, 0.0), Quat::identity()));
-        let good = RawPose { position: [0.011, 0.0, -0.0], orientation: [1.0, 0.0, 0.0, 0.0] };
+        let good = RawPose {
+            position: [0.011, 0.0, -0.0],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+        };
         let (pose, bits) = sanitise(&good, &Params::default(), &last, 1);
         assert_eq!((bits, pose.position.z.to_bits()), (0, 0.0f64.to_bits()));
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30] {
             for slot in 0..7 {
                 let mut raw = good;
-                if slot < 3 { raw.position[slot] = bad } else { raw.orientation[slot - 3] = bad }
-                assert_eq!(sanitise(&raw, &Params::default(), &last, 1), (last.haptic, status::BAD_INPUT));
+                if slot < 3 {
+                    raw.position[slot] = bad
+                } else {
+                    raw.orientation[slot - 3] = bad
+                }
+                assert_eq!(
+                    sanitise(&raw, &Params::default(), &last, 1),
+                    (last.haptic, status::BAD_INPUT)
+                );
             }
         }
-        let no_rotation = RawPose { orientation: [0.0; 4], ..good };
-        assert_eq!(sanitise(&no_rotation, &Params::default(), &last, 1).1, status::BAD_INPUT);
-        let denormal = RawPose { position: [1e-42, 0.0, 0.0], ..good };
-        assert!(sanitise(&denormal, &Params::default(), &last, 1).0.position.x.is_finite());
+        let no_rotation = RawPose {
+            orientation: [0.0; 4],
+            ..good
+        };
+        assert_eq!(
+            sanitise(&no_rotation, &Params::default(), &last, 1).1,
+            status::BAD_INPUT
+        );
+        let denormal = RawPose {
+            position: [1e-42, 0.0, 0.0],
+            ..good
+        };
+        assert!(
+            sanitise(&denormal, &Params::default(), &last, 1)
+                .0
+                .position
+                .x
+                .is_finite()
+        );
     }
 
     #[test]
     fn a_hand_faster_than_believable_is_clamped() {
         let last = entered(Pose::identity());
-        let raw = RawPose { position: [0.5, 0.0, 0.0], ..RawPose::IDENTITY };
+        let raw = RawPose {
+            position: [0.5, 0.0, 0.0],
+            ..RawPose::IDENTITY
+        };
         let (pose, bits) = sanitise(&raw, &Params::default(), &last, 1);
         assert_eq!(bits, status::SPEED_CLAMPED);
         assert!((pose.position.x - 0.01).abs() < 1e-12);
@@ -124,7 +189,10 @@ mod tests {
         for degrees in [10.0, 89.0, 91.0, 175.0, 185.0, 189.0] {
             let (w, cut) = twist(&about_z(degrees), &Quat::identity(), &Vec3::z());
             let expected = if degrees > 90.0 { 90.0 } else { degrees };
-            assert!((w.z.to_degrees() - expected).abs() < 1e-9, "{degrees}: {w:?}");
+            assert!(
+                (w.z.to_degrees() - expected).abs() < 1e-9,
+                "{degrees}: {w:?}"
+            );
             assert_eq!(cut, degrees > 90.0);
         }
     }
@@ -134,8 +202,14 @@ mod tests {
         // E(q_h) = 1/2 kt |x_h - x_g|^2 + 1/2 kr |log(R_h R_g')|^2; the hand feels -dE/dq_h.
         let (kt, kr) = (500.0, 0.5);
         let working_point = Vec3::new(0.01, -0.02, -0.08);
-        let graphic = Pose::new(Vec3::new(0.0, 0.001, 0.0), exp_rotation(&Vec3::new(0.1, 0.2, -0.1)));
-        let haptic = Pose::new(Vec3::new(0.001, -0.001, 0.002), exp_rotation(&Vec3::new(0.2, 0.1, 0.05)));
+        let graphic = Pose::new(
+            Vec3::new(0.0, 0.001, 0.0),
+            exp_rotation(&Vec3::new(0.1, 0.2, -0.1)),
+        );
+        let haptic = Pose::new(
+            Vec3::new(0.001, -0.001, 0.002),
+            exp_rotation(&Vec3::new(0.2, 0.1, 0.05)),
+        );
         let energy = |h: &Pose| {
             let x = h.transform(&working_point) - graphic.transform(&working_point);
             let w = log_rotation(&(h.orientation * graphic.orientation.inverse()));
@@ -153,8 +227,18 @@ mod tests {
         for axis in 0..3 {
             let h = 1e-6;
             let unit = Vec3::ith(axis, 1.0);
-            let moved = |s: f64| energy(&Pose { position: haptic.position + unit * s, ..haptic });
-            let turned = |s: f64| energy(&Pose { orientation: exp_rotation(&(unit * s)) * haptic.orientation, ..haptic });
+            let moved = |s: f64| {
+                energy(&Pose {
+                    position: haptic.position + unit * s,
+                    ..haptic
+                })
+            };
+            let turned = |s: f64| {
+                energy(&Pose {
+                    orientation: exp_rotation(&(unit * s)) * haptic.orientation,
+                    ..haptic
+                })
+            };
             assert!((wrench.force[axis] + (moved(h) - moved(-h)) / (2.0 * h)).abs() < 1e-8);
             assert!((wrench.torque[axis] + (turned(h) - turned(-h)) / (2.0 * h)).abs() < 1e-8);
         }

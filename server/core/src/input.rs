@@ -14,7 +14,10 @@ pub struct RawPose {
 
 impl RawPose {
     /// At the origin, not turned.
-    pub const IDENTITY: RawPose = RawPose { position: [0.0; 3], orientation: [1.0, 0.0, 0.0, 0.0] };
+    pub const IDENTITY: RawPose = RawPose {
+        position: [0.0; 3],
+        orientation: [1.0, 0.0, 0.0, 0.0],
+    };
 }
 
 impl From<&crate::Pose> for RawPose {
@@ -44,8 +47,13 @@ pub struct ToolInput {
 
 impl ToolInput {
     /// No tool in this slot.
-    pub const ABSENT: ToolInput =
-        ToolInput { pose: RawPose::IDENTITY, present: false, stale: false, age_ticks: 0, buttons: 0 };
+    pub const ABSENT: ToolInput = ToolInput {
+        pose: RawPose::IDENTITY,
+        present: false,
+        stale: false,
+        age_ticks: 0,
+        buttons: 0,
+    };
 }
 
 /// Input of one tick.
@@ -86,7 +94,11 @@ impl TickInput {
         bytes[1] = u8::from(self.paused);
         bytes[2..4].copy_from_slice(&self.skipped.to_le_bytes());
         bytes[4..8].copy_from_slice(&self.force_limit_n.to_bits().to_le_bytes());
-        for (tool, out) in self.tools.iter().zip(bytes[8..].chunks_exact_mut(TOOL_BYTES)) {
+        for (tool, out) in self
+            .tools
+            .iter()
+            .zip(bytes[8..].chunks_exact_mut(TOOL_BYTES))
+        {
             out[0] = u8::from(tool.present) | u8::from(tool.stale) << 1;
             out[1..3].copy_from_slice(&tool.age_ticks.to_le_bytes());
             out[3..5].copy_from_slice(&tool.buttons.to_le_bytes());
@@ -109,7 +121,12 @@ impl TickInput {
                 return None;
             }
             let number = |k: usize| {
-                f32::from_bits(u32::from_le_bytes([raw[5 + 4 * k], raw[6 + 4 * k], raw[7 + 4 * k], raw[8 + 4 * k]]))
+                f32::from_bits(u32::from_le_bytes([
+                    raw[5 + 4 * k],
+                    raw[6 + 4 * k],
+                    raw[7 + 4 * k],
+                    raw[8 + 4 * k],
+                ]))
             };
             *tool = ToolInput {
                 pose: RawPose {
@@ -127,7 +144,9 @@ impl TickInput {
             level: bytes[0],
             paused: bytes[1] == 1,
             skipped: u16::from_le_bytes([bytes[2], bytes[3]]),
-            force_limit_n: f32::from_bits(u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]])),
+            force_limit_n: f32::from_bits(u32::from_le_bytes([
+                bytes[4], bytes[5], bytes[6], bytes[7],
+            ])),
         })
     }
 }

@@ -48,12 +48,18 @@ pub struct Pose {
 impl Pose {
     /// The identity transform.
     pub fn identity() -> Self {
-        Self { position: Vec3::zeros(), orientation: Quat::identity() }
+        Self {
+            position: Vec3::zeros(),
+            orientation: Quat::identity(),
+        }
     }
 
     /// A pose from position and orientation.
     pub fn new(position: Vec3, orientation: Quat) -> Self {
-        Self { position, orientation }
+        Self {
+            position,
+            orientation,
+        }
     }
 
     /// Point of b seen from a.
@@ -80,12 +86,18 @@ pub struct Wrench {
 
 impl Wrench {
     /// No force, no torque.
-    pub const ZERO: Wrench = Wrench { force: Vec3::new(0.0, 0.0, 0.0), torque: Vec3::new(0.0, 0.0, 0.0) };
+    pub const ZERO: Wrench = Wrench {
+        force: Vec3::new(0.0, 0.0, 0.0),
+        torque: Vec3::new(0.0, 0.0, 0.0),
+    };
 
     /// The same load seen from another point: `lever = old_point - new_point`.
     #[inline]
     pub fn moved(&self, lever: &Vec3) -> Wrench {
-        Wrench { force: self.force, torque: self.torque + lever.cross(&self.force) }
+        Wrench {
+            force: self.force,
+            torque: self.torque + lever.cross(&self.force),
+        }
     }
 }
 
@@ -94,7 +106,10 @@ pub fn exp_rotation(w: &Vec3) -> Quat {
     let angle_squared = w.dot(w);
     // Below 1e-4 rad the series is exact to double precision and has no 0/0.
     let (scalar, scale) = if angle_squared < 1e-8 {
-        (1.0 - angle_squared * 0.125, 0.5 - angle_squared * (1.0 / 48.0))
+        (
+            1.0 - angle_squared * 0.125,
+            0.5 - angle_squared * (1.0 / 48.0),
+        )
     } else {
         let angle = angle_squared.sqrt();
         (libm::cos(0.5 * angle), libm::sin(0.5 * angle) / angle)
@@ -118,7 +133,12 @@ pub fn log_rotation(q: &Quat) -> Vec3 {
 /// Unit quaternion from four numbers of roughly unit length.
 pub fn normalised(w: f64, i: f64, j: f64, k: f64) -> Quat {
     let inverse = 1.0 / (w * w + i * i + j * j + k * k).sqrt();
-    Quat::new_unchecked(nalgebra::Quaternion::new(w * inverse, i * inverse, j * inverse, k * inverse))
+    Quat::new_unchecked(nalgebra::Quaternion::new(
+        w * inverse,
+        i * inverse,
+        j * inverse,
+        k * inverse,
+    ))
 }
 
 #[cfg(test)]
@@ -130,7 +150,10 @@ mod tests {
         for scale in [1e-12, 1e-6, 9.9e-5, 1.1e-4, 0.3, 1.5, 3.1] {
             let w = Vec3::new(0.3, -0.8, 0.52).normalize() * scale;
             let back = log_rotation(&exp_rotation(&w));
-            assert!(norm(&(back - w)) < 1e-14 + 1e-12 * scale, "{scale}: {back:?}");
+            assert!(
+                norm(&(back - w)) < 1e-14 + 1e-12 * scale,
+                "{scale}: {back:?}"
+            );
         }
     }
 
@@ -146,7 +169,10 @@ mod tests {
 
     #[test]
     fn a_wrench_moved_there_and_back_is_the_same_load() {
-        let w = Wrench { force: Vec3::new(1.0, 2.0, 3.0), torque: Vec3::new(0.1, 0.0, -0.2) };
+        let w = Wrench {
+            force: Vec3::new(1.0, 2.0, 3.0),
+            torque: Vec3::new(0.1, 0.0, -0.2),
+        };
         let lever = Vec3::new(0.01, -0.02, 0.09);
         let back = w.moved(&lever).moved(&-lever);
         assert!(norm(&(back.torque - w.torque)) < 1e-15);

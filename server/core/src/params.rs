@@ -28,8 +28,9 @@ pub struct Params {
     pub converged_step: f64,
     /// Deepest true gap of a converged tick, metres. Default 5e-7.
     pub converged_gap: f64,
-    /// Compliance on every row's diagonal, m/N. Default 1e-7 (1e-4 mm/N): keeps any row set
-    /// feasible; a wedge under 5 N gives 0.5 um.
+    /// Compliance on every row's diagonal, m/N. Default 1e-8 (1e-5 mm/N): keeps any row set
+    /// feasible. The prototype's 1e-7 spends the whole allowed gap (0.5 um) on 5 N at one sphere,
+    /// after which no tick converges; at 1e-8 the solver's residual is still under 1e-9.
     pub contact_compliance: f64,
     /// Which solver answers in the tick.
     pub solver: SolverKind,
@@ -66,7 +67,7 @@ impl Default for Params {
             max_substeps: 8,
             converged_step: 5e-5,
             converged_gap: 5e-7,
-            contact_compliance: 1e-7,
+            contact_compliance: 1e-8,
             solver: SolverKind::ActiveSet,
             max_iterations: 400,
             max_rows: 512,
@@ -101,19 +102,54 @@ impl Params {
     /// Names the first field out of range, with the value found and the range expected.
     pub fn validate(&self) -> Result<(), ParamError> {
         let checks: [(&'static str, f64, bool, &'static str); 17] = [
-            ("predict_min", self.predict_min, within(self.predict_min, 1e-6, 1e-3), "1e-6 to 1e-3 m"),
+            (
+                "predict_min",
+                self.predict_min,
+                within(self.predict_min, 1e-6, 1e-3),
+                "1e-6 to 1e-3 m",
+            ),
             (
                 "predict_max",
                 self.predict_max,
                 within(self.predict_max, self.predict_min, 1e-2),
                 "predict_min to 1e-2 m",
             ),
-            ("predict_gain", self.predict_gain, within(self.predict_gain, 0.0, 10.0), "0 to 10"),
-            ("predict_bias", self.predict_bias, within(self.predict_bias, 0.0, 1e-3), "0 to 1e-3 m"),
-            ("trust", self.trust, within(self.trust, 0.1, 0.99), "0.1 to 0.99"),
-            ("max_substeps", f64::from(self.max_substeps), within(f64::from(self.max_substeps), 1.0, 64.0), "1 to 64"),
-            ("converged_step", self.converged_step, within(self.converged_step, 1e-9, 1e-3), "1e-9 to 1e-3 m"),
-            ("converged_gap", self.converged_gap, within(self.converged_gap, 1e-10, 1e-5), "1e-10 to 1e-5 m"),
+            (
+                "predict_gain",
+                self.predict_gain,
+                within(self.predict_gain, 0.0, 10.0),
+                "0 to 10",
+            ),
+            (
+                "predict_bias",
+                self.predict_bias,
+                within(self.predict_bias, 0.0, 1e-3),
+                "0 to 1e-3 m",
+            ),
+            (
+                "trust",
+                self.trust,
+                within(self.trust, 0.1, 0.99),
+                "0.1 to 0.99",
+            ),
+            (
+                "max_substeps",
+                f64::from(self.max_substeps),
+                within(f64::from(self.max_substeps), 1.0, 64.0),
+                "1 to 64",
+            ),
+            (
+                "converged_step",
+                self.converged_step,
+                within(self.converged_step, 1e-9, 1e-3),
+                "1e-9 to 1e-3 m",
+            ),
+            (
+                "converged_gap",
+                self.converged_gap,
+                within(self.converged_gap, 1e-10, 1e-5),
+                "1e-10 to 1e-5 m",
+            ),
             (
                 "contact_compliance",
                 self.contact_compliance,
@@ -126,16 +162,55 @@ impl Params {
                 within(f64::from(self.max_iterations), 10.0, 10_000.0),
                 "10 to 10000",
             ),
-            ("max_rows", f64::from(self.max_rows), within(f64::from(self.max_rows), 16.0, 4096.0), "16 to 4096"),
-            ("max_hand_speed", self.max_hand_speed, within(self.max_hand_speed, 0.1, 100.0), "0.1 to 100 m/s"),
-            ("max_hand_spin", self.max_hand_spin, within(self.max_hand_spin, 1.0, 1000.0), "1 to 1000 rad/s"),
-            ("max_force", self.max_force, within(self.max_force, 0.01, 50.0), "0.01 to 50 N"),
-            ("max_torque", self.max_torque, within(self.max_torque, 1e-4, 5.0), "1e-4 to 5 N m"),
-            ("max_force_step", self.max_force_step, within(self.max_force_step, 1e-3, 50.0), "1e-3 to 50 N"),
-            ("max_torque_step", self.max_torque_step, within(self.max_torque_step, 1e-5, 5.0), "1e-5 to 5 N m"),
+            (
+                "max_rows",
+                f64::from(self.max_rows),
+                within(f64::from(self.max_rows), 16.0, 4096.0),
+                "16 to 4096",
+            ),
+            (
+                "max_hand_speed",
+                self.max_hand_speed,
+                within(self.max_hand_speed, 0.1, 100.0),
+                "0.1 to 100 m/s",
+            ),
+            (
+                "max_hand_spin",
+                self.max_hand_spin,
+                within(self.max_hand_spin, 1.0, 1000.0),
+                "1 to 1000 rad/s",
+            ),
+            (
+                "max_force",
+                self.max_force,
+                within(self.max_force, 0.01, 50.0),
+                "0.01 to 50 N",
+            ),
+            (
+                "max_torque",
+                self.max_torque,
+                within(self.max_torque, 1e-4, 5.0),
+                "1e-4 to 5 N m",
+            ),
+            (
+                "max_force_step",
+                self.max_force_step,
+                within(self.max_force_step, 1e-3, 50.0),
+                "1e-3 to 50 N",
+            ),
+            (
+                "max_torque_step",
+                self.max_torque_step,
+                within(self.max_torque_step, 1e-5, 5.0),
+                "1e-5 to 5 N m",
+            ),
         ];
         match checks.into_iter().find(|check| !check.2) {
-            Some((field, found, _, expected)) => Err(ParamError { field, found, expected }),
+            Some((field, found, _, expected)) => Err(ParamError {
+                field,
+                found,
+                expected,
+            }),
             None => Ok(()),
         }
     }

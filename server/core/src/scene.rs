@@ -6,11 +6,11 @@
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
+use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3};
 use crate::params::{ParamError, Params, within};
 use crate::tissue::TissueModel;
 use crate::tree::SphereTree;
-use crate::MAX_TOOLS;
 
 /// Version of the compiled scene's byte layout.
 pub const SCENE_VERSION: u16 = 1;
@@ -160,7 +160,10 @@ impl Scene {
     /// Says what is wrong; never panics, whatever the bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SceneError> {
         let Some((head, body)) = bytes.split_at_checked(18) else {
-            return Err(SceneError::Format(format!("only {} bytes long", bytes.len())));
+            return Err(SceneError::Format(format!(
+                "only {} bytes long",
+                bytes.len()
+            )));
         };
         if head[..8] != MAGIC {
             return Err(SceneError::Format("it does not begin with SULCSCN".into()));
@@ -169,16 +172,21 @@ impl Scene {
         if version != SCENE_VERSION {
             return Err(SceneError::Version { found: version });
         }
-        let expected = u64::from_le_bytes([head[10], head[11], head[12], head[13], head[14], head[15], head[16], head[17]]);
+        let expected = u64::from_le_bytes([
+            head[10], head[11], head[12], head[13], head[14], head[15], head[16], head[17],
+        ]);
         let found = xxh3_64(body);
         if found != expected {
             return Err(SceneError::Checksum { found, expected });
         }
         let config = bincode::config::standard().with_limit::<MAX_SCENE_BYTES>();
-        let (scene, used): (Scene, usize) =
-            bincode::serde::decode_from_slice(body, config).map_err(|error| SceneError::Format(error.to_string()))?;
+        let (scene, used): (Scene, usize) = bincode::serde::decode_from_slice(body, config)
+            .map_err(|error| SceneError::Format(error.to_string()))?;
         if used != body.len() {
-            return Err(SceneError::Format(format!("{} trailing bytes", body.len() - used)));
+            return Err(SceneError::Format(format!(
+                "{} trailing bytes",
+                body.len() - used
+            )));
         }
         scene.validate()?;
         Ok(scene)
@@ -191,32 +199,71 @@ impl Scene {
     pub fn validate(&self) -> Result<(), SceneError> {
         self.params.validate()?;
         let field = |part: &str, field, found: String, expected| {
-            Err(SceneError::Field { part: part.to_owned(), field, found, expected })
+            Err(SceneError::Field {
+                part: part.to_owned(),
+                field,
+                found,
+                expected,
+            })
         };
         if self.tools.is_empty() || self.tools.len() > MAX_TOOLS {
-            return field("scene", "number of tools", self.tools.len().to_string(), "1 or 2");
+            return field(
+                "scene",
+                "number of tools",
+                self.tools.len().to_string(),
+                "1 or 2",
+            );
         }
         if self.objects.len() > usize::from(u16::MAX) {
-            return field("scene", "number of objects", self.objects.len().to_string(), "at most 65535");
+            return field(
+                "scene",
+                "number of objects",
+                self.objects.len().to_string(),
+                "at most 65535",
+            );
         }
         for tool in &self.tools {
             let part = format!("tool `{}`", tool.name);
             if !within(tool.stiffness_n_per_m, 1.0, 1e5) {
-                return field(&part, "stiffness_n_per_m", tool.stiffness_n_per_m.to_string(), "1 to 1e5 N/m");
+                return field(
+                    &part,
+                    "stiffness_n_per_m",
+                    tool.stiffness_n_per_m.to_string(),
+                    "1 to 1e5 N/m",
+                );
             }
             if !within(tool.stiffness_nm_per_rad, 1e-4, 1e3) {
-                return field(&part, "stiffness_nm_per_rad", tool.stiffness_nm_per_rad.to_string(), "1e-4 to 1e3 N m/rad");
+                return field(
+                    &part,
+                    "stiffness_nm_per_rad",
+                    tool.stiffness_nm_per_rad.to_string(),
+                    "1e-4 to 1e3 N m/rad",
+                );
             }
-            for (name, v) in [("working_point", tool.working_point), ("tip", tool.tip), ("park", tool.park.position)] {
+            for (name, v) in [
+                ("working_point", tool.working_point),
+                ("tip", tool.tip),
+                ("park", tool.park.position),
+            ] {
                 if !v.iter().all(|x| within(*x, -10.0, 10.0)) {
                     return field(&part, name, format!("{v:?}"), "within 10 m");
                 }
             }
             if !within(tool.park.orientation.norm(), 1.0 - 1e-9, 1.0 + 1e-9) {
-                return field(&part, "park orientation", format!("{:?}", tool.park.orientation), "a unit quaternion");
+                return field(
+                    &part,
+                    "park orientation",
+                    format!("{:?}", tool.park.orientation),
+                    "a unit quaternion",
+                );
             }
             if !within(tool.tip_axis.norm(), 1.0 - 1e-9, 1.0 + 1e-9) {
-                return field(&part, "tip_axis", format!("{:?}", tool.tip_axis), "a unit vector");
+                return field(
+                    &part,
+                    "tip_axis",
+                    format!("{:?}", tool.tip_axis),
+                    "a unit vector",
+                );
             }
             check_mesh(&part, &tool.mesh)?;
         }

@@ -17,7 +17,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Stage; 5] = [Stage::Prepare, Stage::Collide, Stage::Optimise, Stage::Apply, Stage::Hash];
+    pub const ALL: [Stage; 5] = [
+        Stage::Prepare,
+        Stage::Collide,
+        Stage::Optimise,
+        Stage::Apply,
+        Stage::Hash,
+    ];
 }
 
 /// Told when a stage begins; the previous one ends there.

@@ -66,7 +66,10 @@ impl State {
     /// The state before the first tick: tools parked, tissue at rest.
     pub fn new(scene: &Scene) -> Self {
         let parked = |slot: usize| {
-            let park = scene.tools.get(slot).map_or(Pose::identity(), |tool| tool.park);
+            let park = scene
+                .tools
+                .get(slot)
+                .map_or(Pose::identity(), |tool| tool.park);
             ToolState {
                 haptic: park,
                 graphic: park,
@@ -88,7 +91,9 @@ impl State {
 
     /// Length of the bytes of a state of `scene`.
     pub fn bytes_len(scene: &Scene) -> usize {
-        16 + MAX_TOOLS * TOOL_BYTES + scene.tools.len() * scene.objects.len() * 48 + tissue_len(scene) * 8
+        16 + MAX_TOOLS * TOOL_BYTES
+            + scene.tools.len() * scene.objects.len() * 48
+            + tissue_len(scene) * 8
     }
 
     /// Exact little-endian bytes.
@@ -131,7 +136,10 @@ impl State {
     pub fn from_bytes(scene: &Scene, bytes: &[u8]) -> Result<Self, StateError> {
         let expected = Self::bytes_len(scene);
         if bytes.len() != expected {
-            return Err(StateError::Length { found: bytes.len(), expected });
+            return Err(StateError::Length {
+                found: bytes.len(),
+                expected,
+            });
         }
         let mut reader = Reader { bytes, at: 0 };
         let mut state = Self::new(scene);
@@ -155,7 +163,12 @@ impl State {
             tool.entered = match bytes[reader.at] {
                 0 => false,
                 1 => true,
-                _ => return Err(StateError::Value { offset: reader.at, what: "a flag that is neither 0 nor 1" }),
+                _ => {
+                    return Err(StateError::Value {
+                        offset: reader.at,
+                        what: "a flag that is neither 0 nor 1",
+                    });
+                }
             };
             reader.at += 1;
         }
@@ -164,12 +177,20 @@ impl State {
 }
 
 fn put_wrench(wrench: &Wrench, put: &mut impl FnMut(f64)) {
-    wrench.force.iter().chain(wrench.torque.iter()).for_each(|x| put(*x));
+    wrench
+        .force
+        .iter()
+        .chain(wrench.torque.iter())
+        .for_each(|x| put(*x));
 }
 
 /// Numbers of tissue state in a scene.
 pub(crate) fn tissue_len(scene: &Scene) -> usize {
-    scene.objects.iter().map(|object| object.tissue.model().state_len(&object.tree)).sum()
+    scene
+        .objects
+        .iter()
+        .map(|object| object.tissue.model().state_len(&object.tree))
+        .sum()
 }
 
 struct Reader<'a> {
@@ -188,7 +209,14 @@ impl Reader<'_> {
     fn number(&mut self) -> Result<f64, StateError> {
         let offset = self.at;
         let x = f64::from_bits(self.word());
-        if x.is_finite() { Ok(x) } else { Err(StateError::Value { offset, what: "a number that is not finite" }) }
+        if x.is_finite() {
+            Ok(x)
+        } else {
+            Err(StateError::Value {
+                offset,
+                what: "a number that is not finite",
+            })
+        }
     }
 
     fn vector(&mut self) -> Result<Vec3, StateError> {
@@ -196,20 +224,34 @@ impl Reader<'_> {
     }
 
     fn wrench(&mut self) -> Result<Wrench, StateError> {
-        Ok(Wrench { force: self.vector()?, torque: self.vector()? })
+        Ok(Wrench {
+            force: self.vector()?,
+            torque: self.vector()?,
+        })
     }
 
     fn pose(&mut self) -> Result<Pose, StateError> {
         let position = self.vector()?;
         let offset = self.at;
-        let (w, i, j, k) = (self.number()?, self.number()?, self.number()?, self.number()?);
+        let (w, i, j, k) = (
+            self.number()?,
+            self.number()?,
+            self.number()?,
+            self.number()?,
+        );
         let length = w * w + i * i + j * j + k * k;
         if !(length > 0.999 && length < 1.001) {
-            return Err(StateError::Value { offset, what: "a quaternion that is not of unit length" });
+            return Err(StateError::Value {
+                offset,
+                what: "a quaternion that is not of unit length",
+            });
         }
         // Bit-exact: not normalised again, a unit quaternion only by construction.
         let mut orientation = normalised(1.0, 0.0, 0.0, 0.0);
         *orientation.as_mut_unchecked() = nalgebra::Quaternion::new(w, i, j, k);
-        Ok(Pose { position, orientation })
+        Ok(Pose {
+            position,
+            orientation,
+        })
     }
 }

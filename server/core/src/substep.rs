@@ -8,7 +8,9 @@
 use crate::contact::{PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
-use crate::optimise::{ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel};
+use crate::optimise::{
+    ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
+};
 use crate::output::status;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
@@ -42,8 +44,14 @@ pub(crate) struct Reached {
 }
 
 impl Reached {
-    pub(crate) const NOTHING: Reached =
-        Reached { status: 0, substeps: 0, rows: 0, active: 0, min_gap: f64::INFINITY, converged: true };
+    pub(crate) const NOTHING: Reached = Reached {
+        status: 0,
+        substeps: 0,
+        rows: 0,
+        active: 0,
+        min_gap: f64::INFINITY,
+        converged: true,
+    };
 }
 
 /// Moves the tools of `group` (slots, ascending) as far as this tick allows.
@@ -60,9 +68,16 @@ pub(crate) fn advance<P: StageProbe>(
     let mut reached = [Reached::NOTHING; MAX_TOOLS];
     let mut status_bits = 0;
     let mut converged = false;
-    let hand_motion = group.iter().fold(0.0, |most, &t| fmax(most, wanted[t].hand_motion));
-    let distance_for =
-        |motion: f64| fclamp(params.predict_gain * motion + params.predict_bias, params.predict_min, params.predict_max);
+    let hand_motion = group
+        .iter()
+        .fold(0.0, |most, &t| fmax(most, wanted[t].hand_motion));
+    let distance_for = |motion: f64| {
+        fclamp(
+            params.predict_gain * motion + params.predict_bias,
+            params.predict_min,
+            params.predict_max,
+        )
+    };
     let mut d = distance_for(hand_motion);
     let mut passes = 0;
     while passes < params.max_substeps {
@@ -93,7 +108,11 @@ pub(crate) fn advance<P: StageProbe>(
             motion = fmax(motion, norm(&v) + norm(&w) * ws.levers[t]);
         }
         let motion = motion + tissue_motion;
-        let share = if motion > params.trust * d { params.trust * d / motion } else { 1.0 };
+        let share = if motion > params.trust * d {
+            params.trust * d / motion
+        } else {
+            1.0
+        };
         apply(scene, state, ws, group, &step, share);
         for &t in group {
             reached[t].min_gap = f64::INFINITY;
@@ -116,10 +135,15 @@ pub(crate) fn advance<P: StageProbe>(
         status_bits |= status::EXHAUSTED;
     }
     for &t in group {
-        let rows = ws.contacts.iter().filter(|contact| usize::from(contact.tool) == t);
+        let rows = ws
+            .contacts
+            .iter()
+            .filter(|contact| usize::from(contact.tool) == t);
         let loads = ws.contacts.iter().zip(&ws.solution.lambda);
         reached[t].rows = rows.count() as u16;
-        reached[t].active = loads.filter(|(c, load)| usize::from(c.tool) == t && **load > 0.0).count() as u16;
+        reached[t].active = loads
+            .filter(|(c, load)| usize::from(c.tool) == t && **load > 0.0)
+            .count() as u16;
         reached[t].status = status_bits;
         reached[t].substeps = passes;
         reached[t].converged = converged;
@@ -141,7 +165,14 @@ fn collide(
     for &k in &ws.yielding {
         let object = &scene.objects[k];
         let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        refit(object.tissue.model(), &object.tree, shape, &ws.ids, &mut ws.centres, &mut ws.nodes[k]);
+        refit(
+            object.tissue.model(),
+            &object.tree,
+            shape,
+            &ws.ids,
+            &mut ws.centres,
+            &mut ws.nodes[k],
+        );
     }
     'again: while d >= SMALLEST_PREDICTION {
         ws.contacts.clear();
@@ -156,9 +187,17 @@ fn collide(
             };
             ws.predictor.begin();
             for (k, object) in scene.objects.iter().enumerate() {
-                let nodes = if object.tissue.is_rigid() { object.tree.nodes() } else { &ws.nodes[k] };
+                let nodes = if object.tissue.is_rigid() {
+                    object.tree.nodes()
+                } else {
+                    &ws.nodes[k]
+                };
                 let level = object_level.unwrap_or(object.level);
-                if ws.predictor.predict(&posed, (k as u16, nodes, level), d, &mut ws.contacts).is_err() {
+                if ws
+                    .predictor
+                    .predict(&posed, (k as u16, nodes, level), d, &mut ws.contacts)
+                    .is_err()
+                {
                     d *= 0.5;
                     continue 'again;
                 }
@@ -187,9 +226,17 @@ fn optimise(
     let mut roots = [(1.0, 1.0); MAX_TOOLS];
     for &t in group {
         let (tool, now) = (&scene.tools[t], &state.tools[t]);
-        let (root_t, root_r) = (tool.stiffness_n_per_m.sqrt(), tool.stiffness_nm_per_rad.sqrt());
-        let v = wanted[t].haptic.transform(&tool.working_point) - now.graphic.transform(&tool.working_point);
-        let (w, _) = twist(&wanted[t].haptic.orientation, &now.graphic.orientation, &now.twist_axis);
+        let (root_t, root_r) = (
+            tool.stiffness_n_per_m.sqrt(),
+            tool.stiffness_nm_per_rad.sqrt(),
+        );
+        let v = wanted[t].haptic.transform(&tool.working_point)
+            - now.graphic.transform(&tool.working_point);
+        let (w, _) = twist(
+            &wanted[t].haptic.orientation,
+            &now.graphic.orientation,
+            &now.twist_axis,
+        );
         for axis in 0..3 {
             free_step[6 * t + axis] = v[axis] * root_t;
             free_step[6 * t + 3 + axis] = w[axis] * root_r;
@@ -200,10 +247,17 @@ fn optimise(
     for contact in &ws.contacts {
         let t = usize::from(contact.tool);
         let (root_t, root_r) = roots[t];
-        let (n, m) = (contact.normal / root_t, contact.arm.cross(&contact.normal) / root_r);
+        let (n, m) = (
+            contact.normal / root_t,
+            contact.arm.cross(&contact.normal) / root_r,
+        );
         let a = [n.x, n.y, n.z, m.x, m.y, m.z];
         let bias = contact.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
-        ws.rows.push(ProblemRow { a, tool: contact.tool, bias });
+        ws.rows.push(ProblemRow {
+            a,
+            tool: contact.tool,
+            bias,
+        });
     }
     let tissue = fill_tissue(scene, ws);
     let problem = Problem {
@@ -223,9 +277,14 @@ fn optimise(
     for &t in group {
         let y = |k: usize| free_step[6 * t + k] + ws.solution.y[6 * t + k];
         let (root_t, root_r) = roots[t];
-        steps[t] = (Vec3::new(y(0), y(1), y(2)) / root_t, Vec3::new(y(3), y(4), y(5)) / root_r);
+        steps[t] = (
+            Vec3::new(y(0), y(1), y(2)) / root_t,
+            Vec3::new(y(3), y(4), y(5)) / root_r,
+        );
     }
-    let finite = steps.iter().all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
+    let finite = steps
+        .iter()
+        .all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
     finite.then_some(steps)
 }
 
@@ -235,7 +294,11 @@ fn runs(contacts: &[crate::contact::Contact]) -> impl Iterator<Item = std::ops::
     std::iter::from_fn(move || {
         let first = next;
         let object = contacts.get(first)?.object;
-        next = first + contacts[first..].iter().take_while(|c| c.object == object).count();
+        next = first
+            + contacts[first..]
+                .iter()
+                .take_while(|c| c.object == object)
+                .count();
         Some(first..next)
     })
 }
@@ -243,7 +306,8 @@ fn runs(contacts: &[crate::contact::Contact]) -> impl Iterator<Item = std::ops::
 /// The tissue's part of the problem: compliance and the way from the free shape. False when
 /// nothing touched yields.
 fn fill_tissue(scene: &Scene, ws: &mut Workspace) -> bool {
-    let touched = |c: &crate::contact::Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
+    let touched =
+        |c: &crate::contact::Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
     if ws.yielding.is_empty() || !ws.contacts.iter().any(touched) {
         return false;
     }
@@ -258,9 +322,16 @@ fn fill_tissue(scene: &Scene, ws: &mut Workspace) -> bool {
         let model = object.tissue.model();
         ws.sites.clear();
         for contact in &ws.contacts[run.clone()] {
-            ws.sites.push(Site { sphere: contact.object_sphere, normal: contact.normal });
+            ws.sites.push(Site {
+                sphere: contact.object_sphere,
+                normal: contact.normal,
+            });
         }
-        model.add_gram(&object.tree, &ws.sites, &mut Gram::new(&mut ws.gram, m, run.start));
+        model.add_gram(
+            &object.tree,
+            &ws.sites,
+            &mut Gram::new(&mut ws.gram, m, run.start),
+        );
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
         let free = &ws.free[ws.shape_at[k]..ws.shape_at[k + 1]];
         for (row, contact) in ws.rows[run.clone()].iter_mut().zip(&ws.contacts[run]) {
@@ -284,7 +355,10 @@ fn yield_target(scene: &Scene, ws: &mut Workspace) -> f64 {
         ws.site_loads.clear();
         for (contact, load) in ws.contacts.iter().zip(&ws.solution.lambda) {
             if usize::from(contact.object) == k {
-                ws.sites.push(Site { sphere: contact.object_sphere, normal: contact.normal });
+                ws.sites.push(Site {
+                    sphere: contact.object_sphere,
+                    normal: contact.normal,
+                });
                 ws.site_loads.push(*load);
             }
         }
@@ -297,7 +371,14 @@ fn yield_target(scene: &Scene, ws: &mut Workspace) -> f64 {
 }
 
 /// Moves tools, tissue and loads by the same share of the step.
-fn apply(scene: &Scene, state: &mut State, ws: &mut Workspace, group: &[usize], steps: &Steps, share: f64) {
+fn apply(
+    scene: &Scene,
+    state: &mut State,
+    ws: &mut Workspace,
+    group: &[usize],
+    steps: &Steps,
+    share: f64,
+) {
     for (shape, target) in ws.shape.iter_mut().zip(&ws.target) {
         *shape += share * (target - *shape);
     }
@@ -321,7 +402,10 @@ fn apply(scene: &Scene, state: &mut State, ws: &mut Workspace, group: &[usize], 
                 load.torque += contact.arm.cross(&force);
             }
         }
-        for (load, target) in state.loads[t * objects..(t + 1) * objects].iter_mut().zip(&*targets) {
+        for (load, target) in state.loads[t * objects..(t + 1) * objects]
+            .iter_mut()
+            .zip(&*targets)
+        {
             let target = target.moved(&at);
             load.force += (target.force - load.force) * share;
             load.torque += (target.torque - load.torque) * share;
@@ -330,7 +414,12 @@ fn apply(scene: &Scene, state: &mut State, ws: &mut Workspace, group: &[usize], 
 }
 
 /// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
-fn true_gap(scene: &Scene, state: &State, ws: &Workspace, contact: &crate::contact::Contact) -> f64 {
+fn true_gap(
+    scene: &Scene,
+    state: &State,
+    ws: &Workspace,
+    contact: &crate::contact::Contact,
+) -> f64 {
     let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
     let (tool, object) = (&scene.tools[t], &scene.objects[k]);
     let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
@@ -340,7 +429,10 @@ fn true_gap(scene: &Scene, state: &State, ws: &Workspace, contact: &crate::conta
     } else {
         let mut moved = [Vec3::zeros()];
         let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        object.tissue.model().centres(&object.tree, shape, &[contact.object_sphere], &mut moved);
+        object
+            .tissue
+            .model()
+            .centres(&object.tree, shape, &[contact.object_sphere], &mut moved);
         moved[0]
     };
     let pose = &state.tools[t].graphic;

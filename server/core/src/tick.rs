@@ -2,6 +2,7 @@
 
 use xxhash_rust::xxh3::xxh3_64;
 
+use crate::MAX_TOOLS;
 use crate::contact::{Contact, Predictor};
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
@@ -15,7 +16,6 @@ use crate::substep::{Reached, Wanted, advance};
 use crate::tissue::Site;
 use crate::tree::Node;
 use crate::wrench::{Conditions, limited};
-use crate::MAX_TOOLS;
 
 /// Scratch of a tick, sized when the scene loads. Nothing in it outlives a tick: a fresh one gives
 /// the same bits.
@@ -53,8 +53,9 @@ impl Workspace {
     /// Scratch for `scene`.
     pub fn new(scene: &Scene) -> Self {
         let rows = usize::from(scene.params.max_rows) * scene.tools.len();
-        let yielding: Vec<usize> =
-            (0..scene.objects.len()).filter(|&k| !scene.objects[k].tissue.is_rigid()).collect();
+        let yielding: Vec<usize> = (0..scene.objects.len())
+            .filter(|&k| !scene.objects[k].tissue.is_rigid())
+            .collect();
         let (mut shape_at, mut state_at) = (vec![0], vec![0]);
         for object in &scene.objects {
             let model = object.tissue.model();
@@ -65,11 +66,27 @@ impl Workspace {
         let nodes: Vec<Vec<Node>> = scene
             .objects
             .iter()
-            .map(|object| if object.tissue.is_rigid() { Vec::new() } else { object.tree.nodes().to_vec() })
+            .map(|object| {
+                if object.tissue.is_rigid() {
+                    Vec::new()
+                } else {
+                    object.tree.nodes().to_vec()
+                }
+            })
             .collect();
         let largest = nodes.iter().map(Vec::len).max().unwrap_or(0);
-        let tool_nodes = scene.tools.iter().map(|tool| tool.tree.nodes().len()).max().unwrap_or(0);
-        let lever = |t: usize| scene.tools.get(t).map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point));
+        let tool_nodes = scene
+            .tools
+            .iter()
+            .map(|tool| tool.tree.nodes().len())
+            .max()
+            .unwrap_or(0);
+        let lever = |t: usize| {
+            scene
+                .tools
+                .get(t)
+                .map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point))
+        };
         Self {
             predictor: Predictor::new(tool_nodes),
             contacts: Vec::with_capacity(rows),
@@ -98,7 +115,9 @@ impl Workspace {
     /// Contacts of the last problem solved, sorted, with their multipliers (newtons): what a test, a
     /// view or an audit wants to know. Where two tools have separate problems, the last tool's.
     pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
-        self.contacts.iter().zip(self.solution.lambda.iter().copied())
+        self.contacts
+            .iter()
+            .zip(self.solution.lambda.iter().copied())
     }
 
     /// The last problem solved and its answer, for an independent solver to judge.
@@ -107,7 +126,10 @@ impl Workspace {
             return None;
         }
         let m = self.rows.len();
-        let touched = self.contacts.iter().any(|c| !scene.objects[usize::from(c.object)].tissue.is_rigid());
+        let touched = self
+            .contacts
+            .iter()
+            .any(|c| !scene.objects[usize::from(c.object)].tissue.is_rigid());
         let problem = Problem {
             rows: &self.rows,
             tissue: touched.then(|| &self.gram[..m * m]),
@@ -145,7 +167,11 @@ pub fn tick<P: StageProbe>(
 
     let tools = scene.tools.len();
     let mut bits = [0u16; MAX_TOOLS];
-    let mut wanted = [Wanted { haptic: state.tools[0].haptic, hand_motion: 0.0, level: 0 }; MAX_TOOLS];
+    let mut wanted = [Wanted {
+        haptic: state.tools[0].haptic,
+        hand_motion: 0.0,
+        level: 0,
+    }; MAX_TOOLS];
     let mut present = [0; MAX_TOOLS];
     let mut n_present = 0;
     let override_level = (input.level != TickInput::SCENE_LEVEL).then_some(input.level);
@@ -160,10 +186,15 @@ pub fn tick<P: StageProbe>(
             continue;
         }
         let tool = &scene.tools[t];
-        let moved = haptic.transform(&tool.working_point) - last.haptic.transform(&tool.working_point);
+        let moved =
+            haptic.transform(&tool.working_point) - last.haptic.transform(&tool.working_point);
         let turned = log_rotation(&(haptic.orientation * last.haptic.orientation.inverse()));
         let hand_motion = norm(&moved) + norm(&turned) * ws.levers[t];
-        wanted[t] = Wanted { haptic, hand_motion, level: override_level.unwrap_or(tool.level) };
+        wanted[t] = Wanted {
+            haptic,
+            hand_motion,
+            level: override_level.unwrap_or(tool.level),
+        };
         present[n_present] = t;
         n_present += 1;
     }
@@ -175,7 +206,15 @@ pub fn tick<P: StageProbe>(
             reached[t] = advance(scene, state, ws, &[t], &wanted, override_level, probe)[t];
         }
     } else {
-        reached = advance(scene, state, ws, &present[..n_present], &wanted, override_level, probe);
+        reached = advance(
+            scene,
+            state,
+            ws,
+            &present[..n_present],
+            &wanted,
+            override_level,
+            probe,
+        );
     }
 
     probe.begin(Stage::Apply);
@@ -191,7 +230,11 @@ pub fn tick<P: StageProbe>(
     state.write_bytes(&mut ws.bytes);
     state.hash = xxh3_64(&ws.bytes);
     probe.end();
-    TickOutput { tick: state.tick, hash: state.hash, tools: outputs }
+    TickOutput {
+        tick: state.tick,
+        hash: state.hash,
+        tools: outputs,
+    }
 }
 
 fn idle_output(state: &State, t: usize) -> ToolOutput {
@@ -225,7 +268,11 @@ fn commit(scene: &Scene, state: &mut State, ws: &Workspace) {
     for &k in &ws.yielding {
         let object = &scene.objects[k];
         let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        object.tissue.model().commit(&object.tree, shape, &mut state.tissue[ws.state_at[k]..ws.state_at[k + 1]]);
+        object.tissue.model().commit(
+            &object.tree,
+            shape,
+            &mut state.tissue[ws.state_at[k]..ws.state_at[k + 1]],
+        );
     }
 }
 
@@ -251,10 +298,20 @@ fn finish_tool(
             sum.torque += load.torque;
         }
         kept.raw = wrench_at_device(&sum, tool, &kept.graphic, &wanted.haptic);
-        if twist(&wanted.haptic.orientation, &kept.graphic.orientation, &kept.twist_axis).1 {
+        if twist(
+            &wanted.haptic.orientation,
+            &kept.graphic.orientation,
+            &kept.twist_axis,
+        )
+        .1
+        {
             bits |= status::TWIST_SATURATED;
         }
-        kept.twist_axis = kept_axis(&wanted.haptic.orientation, &kept.graphic.orientation, &kept.twist_axis);
+        kept.twist_axis = kept_axis(
+            &wanted.haptic.orientation,
+            &kept.graphic.orientation,
+            &kept.twist_axis,
+        );
         kept.haptic = wanted.haptic;
     } else {
         // Nobody holds it: it loads nothing, while the last wrench ramps out.
@@ -270,7 +327,11 @@ fn finish_tool(
     let most = scene.params.max_force;
     let now = Conditions {
         wanted: present && !slot.stale && !input.paused,
-        force_limit: if limit > 0.0 && limit < most { limit } else { most },
+        force_limit: if limit > 0.0 && limit < most {
+            limit
+        } else {
+            most
+        },
     };
     let (wrench, gain, limits) = limited(&kept.raw, &kept.sent, kept.gain, &now, &scene.params);
     bits |= limits;

@@ -34,7 +34,11 @@ impl<'a> Gram<'a> {
     /// A view on rows and columns from `first` on of a `stride` by `stride` matrix.
     pub fn new(entries: &'a mut [f64], stride: usize, first: usize) -> Self {
         debug_assert!(entries.len() >= stride * stride);
-        Self { entries, stride, first }
+        Self {
+            entries,
+            stride,
+            first,
+        }
     }
 
     /// Adds to entry `(i, j)`, counted from the object's first row, metres per newton.
@@ -62,7 +66,14 @@ pub trait Tissue {
     fn add_gram(&self, rest: &SphereTree, sites: &[Site], gram: &mut Gram<'_>);
     /// Writes the configuration under the load `-lambda_i n_i` (newtons) on each site:
     /// `shape = free - sum_j C_ij n_j lambda_j`.
-    fn apply(&self, rest: &SphereTree, sites: &[Site], lambda: &[f64], free: &[f64], shape: &mut [f64]);
+    fn apply(
+        &self,
+        rest: &SphereTree,
+        sites: &[Site],
+        lambda: &[f64],
+        free: &[f64],
+        shape: &mut [f64],
+    );
     /// Largest motion of any sphere between two configurations, metres: what the trust region
     /// must allow for.
     fn motion(&self, rest: &SphereTree, from: &[f64], to: &[f64]) -> f64;
@@ -171,7 +182,8 @@ pub(crate) mod tests {
         fn centres(&self, rest: &SphereTree, shape: &[f64], ids: &[u32], out: &mut [Vec3]) {
             for (id, centre) in ids.iter().zip(out) {
                 let at = 3 * *id as usize;
-                *centre = rest.nodes()[*id as usize].centre + Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
+                *centre = rest.nodes()[*id as usize].centre
+                    + Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
             }
         }
         fn add_gram(&self, _: &SphereTree, sites: &[Site], gram: &mut Gram<'_>) {
@@ -183,7 +195,14 @@ pub(crate) mod tests {
                 }
             }
         }
-        fn apply(&self, _: &SphereTree, sites: &[Site], lambda: &[f64], free: &[f64], shape: &mut [f64]) {
+        fn apply(
+            &self,
+            _: &SphereTree,
+            sites: &[Site],
+            lambda: &[f64],
+            free: &[f64],
+            shape: &mut [f64],
+        ) {
             shape.copy_from_slice(free);
             for (site, load) in sites.iter().zip(lambda) {
                 let moved = self.compliance * site.normal * *load;
@@ -193,9 +212,14 @@ pub(crate) mod tests {
             }
         }
         fn motion(&self, _: &SphereTree, from: &[f64], to: &[f64]) -> f64 {
-            from.chunks_exact(3).zip(to.chunks_exact(3)).fold(0.0, |most, (a, b)| {
-                crate::math::fmax(most, crate::math::norm(&Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2])))
-            })
+            from.chunks_exact(3)
+                .zip(to.chunks_exact(3))
+                .fold(0.0, |most, (a, b)| {
+                    crate::math::fmax(
+                        most,
+                        crate::math::norm(&Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2])),
+                    )
+                })
         }
         fn commit(&self, _: &SphereTree, shape: &[f64], state: &mut [f64]) {
             state.copy_from_slice(shape);

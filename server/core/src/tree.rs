@@ -74,7 +74,9 @@ pub enum TreeError {
         what: &'static str,
     },
     /// A node's bound does not enclose something below it.
-    #[error("node {node}: bound radius {bound:e} m does not enclose node {inner} (needs {needed:e} m)")]
+    #[error(
+        "node {node}: bound radius {bound:e} m does not enclose node {inner} (needs {needed:e} m)"
+    )]
     Unbounded {
         /// Index of the node.
         node: usize,
@@ -139,7 +141,10 @@ impl SphereTree {
             if group.len() > 1 {
                 let level = nodes[next].level + 1;
                 if level > MAX_LEVEL {
-                    return Err(TreeError::BadStructure { node: next, what: "more leaves than seven levels hold" });
+                    return Err(TreeError::BadStructure {
+                        node: next,
+                        what: "more leaves than seven levels hold",
+                    });
                 }
                 nodes[next].first_child = nodes.len() as u32;
                 for part in cut(group) {
@@ -176,7 +181,9 @@ impl SphereTree {
 
     /// Largest distance from `point` (object's frame) to the centre of any node, metres.
     pub fn lever_from(&self, point: &Vec3) -> f64 {
-        self.nodes.iter().fold(0.0, |lever, node| fmax(lever, norm(&(node.centre - point))))
+        self.nodes
+            .iter()
+            .fold(0.0, |lever, node| fmax(lever, norm(&(node.centre - point))))
     }
 }
 
@@ -189,7 +196,10 @@ impl Node {
 
     /// The contact sphere.
     pub fn sphere(&self) -> Sphere {
-        Sphere { centre: self.centre, radius: self.contact_radius }
+        Sphere {
+            centre: self.centre,
+            radius: self.contact_radius,
+        }
     }
 
     fn child_range(&self) -> std::ops::Range<usize> {
@@ -206,10 +216,17 @@ pub(crate) fn refit_bounds(nodes: &mut [Node]) {
     for index in (0..nodes.len()).rev() {
         let node = nodes[index];
         let mut bound = node.contact_radius;
-        if node.children > 0 && node.child_range().end <= nodes.len() && node.child_range().start > index {
+        if node.children > 0
+            && node.child_range().end <= nodes.len()
+            && node.child_range().start > index
+        {
             // Enclose descendants one by one through the children's bounds: safe and quick.
             for child in &nodes[node.child_range()] {
-                bound = fmax(bound, (norm(&(child.centre - node.centre)) + child.bound_radius) * (1.0 + BOUND_SLACK));
+                bound = fmax(
+                    bound,
+                    (norm(&(child.centre - node.centre)) + child.bound_radius)
+                        * (1.0 + BOUND_SLACK),
+                );
             }
         }
         nodes[index].bound_radius = bound;
@@ -222,14 +239,31 @@ fn validate(nodes: &[Node]) -> Result<(), TreeError> {
     }
     let mut next_child = 1;
     for (index, node) in nodes.iter().enumerate() {
-        for (field, found) in [("centre x", node.centre.x), ("centre y", node.centre.y), ("centre z", node.centre.z)] {
+        for (field, found) in [
+            ("centre x", node.centre.x),
+            ("centre y", node.centre.y),
+            ("centre z", node.centre.z),
+        ] {
             if !found.is_finite() {
-                return Err(TreeError::BadNumber { node: index, field, found, positive: false });
+                return Err(TreeError::BadNumber {
+                    node: index,
+                    field,
+                    found,
+                    positive: false,
+                });
             }
         }
-        for (field, found) in [("contact radius", node.contact_radius), ("bound radius", node.bound_radius)] {
+        for (field, found) in [
+            ("contact radius", node.contact_radius),
+            ("bound radius", node.bound_radius),
+        ] {
             if !(found.is_finite() && found > 0.0) {
-                return Err(TreeError::BadNumber { node: index, field, found, positive: true });
+                return Err(TreeError::BadNumber {
+                    node: index,
+                    field,
+                    found,
+                    positive: true,
+                });
             }
         }
         let bad = |what| Err(TreeError::BadStructure { node: index, what });
@@ -264,12 +298,20 @@ fn validate(nodes: &[Node]) -> Result<(), TreeError> {
             }
             let needed = norm(&(child.centre - node.centre)) + child.bound_radius;
             if needed > node.bound_radius * (1.0 + 4.0 * BOUND_SLACK) {
-                return Err(TreeError::Unbounded { node: index, bound: node.bound_radius, inner, needed });
+                return Err(TreeError::Unbounded {
+                    node: index,
+                    bound: node.bound_radius,
+                    inner,
+                    needed,
+                });
             }
         }
     }
     if next_child != nodes.len() {
-        return Err(TreeError::BadStructure { node: next_child, what: "is nobody's child" });
+        return Err(TreeError::BadStructure {
+            node: next_child,
+            what: "is nobody's child",
+        });
     }
     Ok(())
 }
@@ -284,11 +326,20 @@ fn bounding_node(leaves: &[Sphere], level: u8) -> Node {
                 high = high.zip_map(&leaf.centre, fmax);
             }
             let centre = (low + high) * 0.5;
-            let radius = leaves.iter().fold(0.0, |r, leaf| fmax(r, norm(&(leaf.centre - centre)) + leaf.radius));
+            let radius = leaves.iter().fold(0.0, |r, leaf| {
+                fmax(r, norm(&(leaf.centre - centre)) + leaf.radius)
+            });
             (centre, radius)
         }
     };
-    Node { centre, contact_radius: radius, bound_radius: radius, first_child: 0, children: 0, level }
+    Node {
+        centre,
+        contact_radius: radius,
+        bound_radius: radius,
+        first_child: 0,
+        children: 0,
+        level,
+    }
 }
 
 /// Cuts a group into up to eight by halving it three times along its longest axis.
@@ -339,7 +390,10 @@ mod tests {
         for n in [1, 2, 7, 8, 9, 64, 100, 513] {
             let given = leaves(n);
             let tree = SphereTree::over_leaves(&given).expect("valid");
-            let mut kept: Vec<_> = tree.shape_at(MAX_LEVEL).map(|(_, node)| node.sphere()).collect();
+            let mut kept: Vec<_> = tree
+                .shape_at(MAX_LEVEL)
+                .map(|(_, node)| node.sphere())
+                .collect();
             let mut wanted = given.clone();
             let key = |s: &Sphere| (s.radius.to_bits(), s.centre.x.to_bits());
             kept.sort_by_key(key);
@@ -355,7 +409,10 @@ mod tests {
             let mut stack = vec![index];
             while let Some(top) = stack.pop() {
                 let inner = &tree.nodes()[top];
-                assert!(norm(&(inner.centre - node.centre)) + inner.contact_radius <= node.bound_radius * (1.0 + 1e-9));
+                assert!(
+                    norm(&(inner.centre - node.centre)) + inner.contact_radius
+                        <= node.bound_radius * (1.0 + 1e-9)
+                );
                 stack.extend(inner.child_range().filter(|_| inner.children > 0));
             }
         }
@@ -363,17 +420,33 @@ mod tests {
 
     #[test]
     fn a_broken_tree_is_named() {
-        let good = SphereTree::over_leaves(&leaves(20)).expect("valid").nodes().to_vec();
+        let good = SphereTree::over_leaves(&leaves(20))
+            .expect("valid")
+            .nodes()
+            .to_vec();
         let mut nan = good.clone();
         nan[3].centre.y = f64::NAN;
-        assert!(matches!(SphereTree::from_nodes(nan), Err(TreeError::BadNumber { node: 3, field: "centre y", .. })));
+        assert!(matches!(
+            SphereTree::from_nodes(nan),
+            Err(TreeError::BadNumber {
+                node: 3,
+                field: "centre y",
+                ..
+            })
+        ));
         let mut tight = good.clone();
         tight[0].bound_radius *= 0.5;
         tight[0].contact_radius *= 0.5;
-        assert!(matches!(SphereTree::from_nodes(tight), Err(TreeError::Unbounded { node: 0, .. })));
+        assert!(matches!(
+            SphereTree::from_nodes(tight),
+            Err(TreeError::Unbounded { node: 0, .. })
+        ));
         let mut cyclic = good;
         cyclic[1].first_child = 0;
-        assert!(matches!(SphereTree::from_nodes(cyclic), Err(TreeError::BadStructure { node: 1, .. })));
+        assert!(matches!(
+            SphereTree::from_nodes(cyclic),
+            Err(TreeError::BadStructure { node: 1, .. })
+        ));
         assert_eq!(SphereTree::from_nodes(vec![]), Err(TreeError::Empty));
     }
 

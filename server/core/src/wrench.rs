@@ -15,7 +15,13 @@ pub(crate) struct Conditions {
 }
 
 /// Ramp, clamp and slew one wrench. Returns what to send, the new ramp value and status bits.
-pub(crate) fn limited(raw: &Wrench, sent: &Wrench, gain: f64, now: &Conditions, params: &Params) -> (Wrench, f64, u16) {
+pub(crate) fn limited(
+    raw: &Wrench,
+    sent: &Wrench,
+    gain: f64,
+    now: &Conditions,
+    params: &Params,
+) -> (Wrench, f64, u16) {
     let mut bits = 0;
     let gain = if now.wanted {
         fmin(1.0, gain + 1.0 / f64::from(params.ramp_up_ticks.max(1)))
@@ -36,8 +42,18 @@ pub(crate) fn limited(raw: &Wrench, sent: &Wrench, gain: f64, now: &Conditions, 
     };
     let force = clamp(raw.force * gain, now.force_limit, status::SATURATED);
     let torque = clamp(raw.torque * gain, params.max_torque, status::SATURATED);
-    let force = sent.force + clamp(force - sent.force, params.max_force_step, status::SLEW_LIMITED);
-    let torque = sent.torque + clamp(torque - sent.torque, params.max_torque_step, status::SLEW_LIMITED);
+    let force = sent.force
+        + clamp(
+            force - sent.force,
+            params.max_force_step,
+            status::SLEW_LIMITED,
+        );
+    let torque = sent.torque
+        + clamp(
+            torque - sent.torque,
+            params.max_torque_step,
+            status::SLEW_LIMITED,
+        );
     let wrench = Wrench { force, torque };
     if !force.iter().chain(torque.iter()).all(|x| x.is_finite()) {
         return (Wrench::ZERO, 0.0, bits | status::FAULT);
@@ -49,16 +65,25 @@ pub(crate) fn limited(raw: &Wrench, sent: &Wrench, gain: f64, now: &Conditions, 
 mod tests {
     use super::*;
 
-    const FREE: Conditions = Conditions { wanted: true, force_limit: 3.3 };
+    const FREE: Conditions = Conditions {
+        wanted: true,
+        force_limit: 3.3,
+    };
 
     fn force(x: f64) -> Wrench {
-        Wrench { force: Vec3::new(x, 0.0, 0.0), torque: Vec3::zeros() }
+        Wrench {
+            force: Vec3::new(x, 0.0, 0.0),
+            torque: Vec3::zeros(),
+        }
     }
 
     #[test]
     fn a_pause_takes_the_force_to_zero_without_a_step() {
         let params = Params::default();
-        let paused = Conditions { wanted: false, ..FREE };
+        let paused = Conditions {
+            wanted: false,
+            ..FREE
+        };
         let (mut sent, mut gain) = (force(3.0), 1.0);
         for tick in 1..=20 {
             let (next, g, _) = limited(&force(3.0), &sent, gain, &paused, &params);
@@ -81,7 +106,16 @@ mod tests {
 
     #[test]
     fn a_nan_never_reaches_the_hand() {
-        let (sent, gain, bits) = limited(&force(f64::NAN), &force(1.0), 1.0, &FREE, &Params::default());
-        assert_eq!((sent, gain, bits & status::FAULT), (Wrench::ZERO, 0.0, status::FAULT));
+        let (sent, gain, bits) = limited(
+            &force(f64::NAN),
+            &force(1.0),
+            1.0,
+            &FREE,
+            &Params::default(),
+        );
+        assert_eq!(
+            (sent, gain, bits & status::FAULT),
+            (Wrench::ZERO, 0.0, status::FAULT)
+        );
     }
 }

@@ -1,11 +1,15 @@
 //! The tick's solver before its judge: the same problems through `active_set` and Clarabel, and
 //! each answer before the optimality conditions themselves.
 
+// A test, not the core: its own arithmetic need not be bit-identical.
+#![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use sulcus_core::Vec3;
 use sulcus_core::optimise::{
-    ContactSolver, Problem, ProblemRow, Solution, SolveStatus, active_set::ActiveSet, clarabel::Clarabel,
+    ContactSolver, Problem, ProblemRow, Solution, SolveStatus, active_set::ActiveSet,
+    clarabel::Clarabel,
 };
 
 const KT: f64 = 500.0;
@@ -41,7 +45,11 @@ impl Dice {
     }
     fn direction(&mut self) -> Vec3 {
         loop {
-            let v = Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
+            let v = Vec3::new(
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+            );
             if v.norm() > 0.1 && v.norm() < 1.0 {
                 return v.normalize();
             }
@@ -53,7 +61,11 @@ impl Dice {
 /// the unconstrained optimum is `bias`.
 fn row(normal: Vec3, arm: Vec3, bias: f64, tool: u8) -> ProblemRow {
     let (n, m) = (normal / KT.sqrt(), arm.cross(&normal) / KR.sqrt());
-    ProblemRow { a: [n.x, n.y, n.z, m.x, m.y, m.z], tool, bias }
+    ProblemRow {
+        a: [n.x, n.y, n.z, m.x, m.y, m.z],
+        tool,
+        bias,
+    }
 }
 
 fn rows(family: Family, m: usize, dice: &mut Dice) -> Vec<ProblemRow> {
@@ -108,8 +120,12 @@ fn tissue(m: usize, dice: &mut Dice) -> Vec<f64> {
 
 /// Largest difference of the two answers' poses, millimetres of translation.
 fn pose_difference_mm(a: &Solution, b: &Solution) -> f64 {
-    let step = |s: &Solution, tool: usize| Vec3::new(s.y[6 * tool], s.y[6 * tool + 1], s.y[6 * tool + 2]) / KT.sqrt();
-    (0..2).map(|tool| (step(a, tool) - step(b, tool)).norm() * 1e3).fold(0.0, f64::max)
+    let step = |s: &Solution, tool: usize| {
+        Vec3::new(s.y[6 * tool], s.y[6 * tool + 1], s.y[6 * tool + 2]) / KT.sqrt()
+    };
+    (0..2)
+        .map(|tool| (step(a, tool) - step(b, tool)).norm() * 1e3)
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -132,10 +148,18 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
         let compliance = (set % 4 == 3).then(|| tissue(m, &mut dice));
         // The tick's eps, and the prototype's.
         let contact_compliance = if set % 2 == 0 { 1e-7 } else { 1e-8 };
-        let problem =
-            Problem { rows: &rows, tissue: compliance.as_deref(), contact_compliance, max_iterations: 2000 };
+        let problem = Problem {
+            rows: &rows,
+            tissue: compliance.as_deref(),
+            contact_compliance,
+            max_iterations: 2000,
+        };
         own.solve(&problem, &mut ours);
-        assert_eq!(ours.status, SolveStatus::Solved, "set {set} {family:?} m {m}");
+        assert_eq!(
+            ours.status,
+            SolveStatus::Solved,
+            "set {set} {family:?} m {m}"
+        );
         let kkt = problem.kkt_residual(&ours.lambda);
         if kkt > worst_kkt.0 {
             worst_kkt = (kkt, family, m);
@@ -148,19 +172,32 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
         }
     }
     differences.sort_by(f64::total_cmp);
-    let (p999, most) = (differences[differences.len() * 999 / 1000], differences[differences.len() - 1]);
-    println!("KKT {worst_kkt:?}; poses p99.9 {p999:e} mm, max {most:e} mm; Clarabel unusable {unusable} of {SETS}");
+    let (p999, most) = (
+        differences[differences.len() * 999 / 1000],
+        differences[differences.len() - 1],
+    );
+    println!(
+        "KKT {worst_kkt:?}; poses p99.9 {p999:e} mm, max {most:e} mm; Clarabel unusable {unusable} of {SETS}"
+    );
     assert!(worst_kkt.0 <= 1e-9, "KKT residual {worst_kkt:?}");
     assert!(p999 <= 2e-4, "{p999:e} mm");
     assert!(most <= 1e-3, "{most:e} mm");
-    assert!(unusable <= SETS / 100, "the judge must answer nearly always, it did not {unusable} times");
+    assert!(
+        unusable <= SETS / 100,
+        "the judge must answer nearly always, it did not {unusable} times"
+    );
 }
 
 #[test]
 fn an_iteration_limit_is_said_and_not_an_answer() {
     let mut dice = Dice(ChaCha8Rng::seed_from_u64(7));
     let rows = rows(Family::Random, 40, &mut dice);
-    let problem = Problem { rows: &rows, tissue: None, contact_compliance: 1e-7, max_iterations: 1 };
+    let problem = Problem {
+        rows: &rows,
+        tissue: None,
+        contact_compliance: 1e-7,
+        max_iterations: 1,
+    };
     let (mut solver, mut solution) = (ActiveSet::with_capacity(64), Solution::with_capacity(64));
     solver.solve(&problem, &mut solution);
     assert_eq!(solution.status, SolveStatus::IterationLimit);
@@ -171,7 +208,12 @@ fn numbers_that_are_not_finite_give_no_answer() {
     let mut dice = Dice(ChaCha8Rng::seed_from_u64(8));
     let mut rows = rows(Family::Random, 5, &mut dice);
     rows[2].bias = f64::NAN;
-    let problem = Problem { rows: &rows, tissue: None, contact_compliance: 1e-7, max_iterations: 100 };
+    let problem = Problem {
+        rows: &rows,
+        tissue: None,
+        contact_compliance: 1e-7,
+        max_iterations: 100,
+    };
     let mut solution = Solution::with_capacity(8);
     ActiveSet::with_capacity(8).solve(&problem, &mut solution);
     assert_ne!(solution.status, SolveStatus::Solved);
@@ -183,9 +225,17 @@ fn numbers_that_are_not_finite_give_no_answer() {
 fn one_row_has_the_answer_on_paper() {
     // Pressed 1 mm into a plane at the working point: F = k_t depth / (1 + k_t eps).
     let rows = [row(Vec3::z(), Vec3::zeros(), -1e-3, 0)];
-    let problem = Problem { rows: &rows, tissue: None, contact_compliance: 1e-7, max_iterations: 100 };
+    let problem = Problem {
+        rows: &rows,
+        tissue: None,
+        contact_compliance: 1e-7,
+        max_iterations: 100,
+    };
     let mut solution = Solution::with_capacity(1);
-    for solver in [&mut ActiveSet::with_capacity(1) as &mut dyn ContactSolver, &mut Clarabel] {
+    for solver in [
+        &mut ActiveSet::with_capacity(1) as &mut dyn ContactSolver,
+        &mut Clarabel,
+    ] {
         solver.solve(&problem, &mut solution);
         assert!((solution.lambda[0] - 0.5 / (1.0 + KT * 1e-7)).abs() < 1e-6);
     }

@@ -38,17 +38,31 @@ static ALLOCATOR: Counting = Counting;
 fn bumpy_plate() -> Object {
     let spheres: Vec<Sphere> = (0..900)
         .map(|k| Sphere {
-            centre: Vec3::new(f64::from(k % 30 - 15) * 3e-4, f64::from(k / 30 - 15) * 3e-4, -4e-4),
+            centre: Vec3::new(
+                f64::from(k % 30 - 15) * 3e-4,
+                f64::from(k / 30 - 15) * 3e-4,
+                -4e-4,
+            ),
             radius: 4e-4,
         })
         .collect();
     let tree = SphereTree::over_leaves(&spheres).expect("valid");
-    Object { name: "plate".into(), fdi: 0, tree, level: 7, tissue: TissueModel::Rigid, mesh: DisplayMesh::default() }
+    Object {
+        name: "plate".into(),
+        fdi: 0,
+        tree,
+        level: 7,
+        tissue: TissueModel::Rigid,
+        mesh: DisplayMesh::default(),
+    }
 }
 
 fn rod(x: f64) -> Tool {
     let spheres: Vec<Sphere> = (0..60)
-        .map(|k| Sphere { centre: Vec3::new(0.0, 0.0, -0.09 + 2.5e-4 * f64::from(k)), radius: 2.5e-4 })
+        .map(|k| Sphere {
+            centre: Vec3::new(0.0, 0.0, -0.09 + 2.5e-4 * f64::from(k)),
+            radius: 2.5e-4,
+        })
         .collect();
     Tool {
         name: "rod".into(),
@@ -81,10 +95,22 @@ fn five_thousand_ticks_in_hard_contact_allocate_nothing() {
         let mut input = TickInput::IDLE;
         for (t, slot) in input.tools.iter_mut().enumerate() {
             let phase = f64::from(k) * 2e-3 + t as f64;
-            let tilt = math::exp_rotation(&Vec3::new(0.4 * libm::sin(phase), 0.3 * libm::cos(1.3 * phase), 0.1));
-            let tip = Vec3::new(2e-3 * libm::sin(3.0 * phase), 2e-3 * libm::cos(phase), -2e-3 * libm::sin(phase));
+            let tilt = math::exp_rotation(&Vec3::new(
+                0.4 * libm::sin(phase),
+                0.3 * libm::cos(1.3 * phase),
+                0.1,
+            ));
+            let tip = Vec3::new(
+                2e-3 * libm::sin(3.0 * phase),
+                2e-3 * libm::cos(phase),
+                -2e-3 * libm::sin(phase),
+            );
             let pose = Pose::new(tip + tilt * Vec3::new(0.0, 0.0, 0.09025), tilt);
-            *slot = ToolInput { pose: RawPose::from(&pose), present: k % 1000 > 20, ..ToolInput::ABSENT };
+            *slot = ToolInput {
+                pose: RawPose::from(&pose),
+                present: k % 1000 > 20,
+                ..ToolInput::ABSENT
+            };
             if k % 700 == 0 {
                 slot.pose.position[1] = f32::NAN;
             }
@@ -93,6 +119,9 @@ fn five_thousand_ticks_in_hard_contact_allocate_nothing() {
         touched += u32::from(out.tools[0].active > 0);
     }
     let after = COUNT.with(Cell::get);
-    assert!(touched > 1000, "the test must be in contact, it was in {touched} ticks");
+    assert!(
+        touched > 1000,
+        "the test must be in contact, it was in {touched} ticks"
+    );
     assert_eq!(after - before, 0, "calls of the allocator");
 }

@@ -80,7 +80,8 @@ impl ActiveSet {
         self.state[self.active[k]] = RowState::Free;
         self.active.remove(k);
         for row in k + 1..n {
-            self.factor.copy_within(row * stride..row * stride + row + 1, (row - 1) * stride);
+            self.factor
+                .copy_within(row * stride..row * stride + row + 1, (row - 1) * stride);
         }
         // Row j (old j + 1) now has one entry right of the diagonal: rotate it away.
         for j in k..n - 1 {
@@ -129,7 +130,12 @@ impl ActiveSet {
         }
     }
 
-    fn most_violated(&self, problem: &Problem<'_>, solution: &Solution, tolerance: f64) -> Option<usize> {
+    fn most_violated(
+        &self,
+        problem: &Problem<'_>,
+        solution: &Solution,
+        tolerance: f64,
+    ) -> Option<usize> {
         let mut worst = (None, -tolerance);
         for i in 0..problem.rows.len() {
             if self.state[i] == RowState::Free {

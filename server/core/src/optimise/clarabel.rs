@@ -31,7 +31,9 @@ impl ContactSolver for Clarabel {
             solution.status = SolveStatus::Solved;
             return;
         }
-        let Some(factor) = compliance_factor(problem) else { return };
+        let Some(factor) = compliance_factor(problem) else {
+            return;
+        };
         let n = UNKNOWNS + m;
         let a = constraint_matrix(problem, &factor, n);
         let b: Vec<f64> = problem.rows.iter().map(|row| row.bias * MM).collect();
@@ -47,7 +49,14 @@ impl ContactSolver for Clarabel {
             ..DefaultSettings::default()
         };
         let cones = [SupportedConeT::NonnegativeConeT(m)];
-        let Ok(mut solver) = DefaultSolver::new(&CscMatrix::identity(n), &vec![0.0; n], &a, &b, &cones, settings) else {
+        let Ok(mut solver) = DefaultSolver::new(
+            &CscMatrix::identity(n),
+            &vec![0.0; n],
+            &a,
+            &b,
+            &cones,
+            settings,
+        ) else {
             return;
         };
         solver.solve();
@@ -116,7 +125,9 @@ enum Factor {
 
 fn compliance_factor(problem: &Problem<'_>) -> Option<Factor> {
     let eps = problem.contact_compliance * MM;
-    let Some(c) = problem.tissue else { return Some(Factor::Diagonal(eps.sqrt())) };
+    let Some(c) = problem.tissue else {
+        return Some(Factor::Diagonal(eps.sqrt()));
+    };
     let m = problem.rows.len();
     let mut l = vec![0.0; m * m];
     for i in 0..m {
@@ -126,7 +137,7 @@ fn compliance_factor(problem: &Problem<'_>) -> Option<Factor> {
                 entry -= l[i * m + k] * l[j * m + k];
             }
             l[i * m + j] = if i == j {
-                if !(entry > 0.0) {
+                if entry.is_nan() || entry <= 0.0 {
                     return None;
                 }
                 entry.sqrt()

@@ -109,7 +109,11 @@ impl Problem<'_> {
     #[inline]
     pub fn gram(&self, i: usize, j: usize) -> f64 {
         let (a, b) = (&self.rows[i], &self.rows[j]);
-        let geometry = if a.tool == b.tool { dot6(&a.a, &b.a) } else { 0.0 };
+        let geometry = if a.tool == b.tool {
+            dot6(&a.a, &b.a)
+        } else {
+            0.0
+        };
         geometry + self.tissue_at(i, j) + if i == j { self.contact_compliance } else { 0.0 }
     }
 
@@ -117,7 +121,8 @@ impl Problem<'_> {
     #[inline]
     pub fn slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
         let row = &self.rows[i];
-        let mut w = row.bias + dot6(&row.a, y_of(y, row.tool)) + self.contact_compliance * lambda[i];
+        let mut w =
+            row.bias + dot6(&row.a, y_of(y, row.tool)) + self.contact_compliance * lambda[i];
         if let Some(c) = self.tissue {
             let m = self.rows.len();
             for (c_ij, l) in c[i * m..(i + 1) * m].iter().zip(lambda) {
@@ -143,7 +148,9 @@ impl Problem<'_> {
 
     /// Largest absolute bias, metres: the scale that tolerances refer to.
     pub fn scale(&self) -> f64 {
-        self.rows.iter().fold(0.0, |scale, row| fmax(scale, row.bias.abs()))
+        self.rows
+            .iter()
+            .fold(0.0, |scale, row| fmax(scale, row.bias.abs()))
     }
 
     /// How far `lambda` is from a solution: `max_i |min(H_ii lambda_i, w_i)|` relative to the

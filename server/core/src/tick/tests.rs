@@ -9,7 +9,10 @@ use crate::*;
 /// A straight rod of spheres along z, radius 0.25 mm at the tip, whose frame is at the device.
 pub(crate) fn rod_tool(working_point: Vec3) -> Tool {
     let spheres: Vec<Sphere> = (0..60)
-        .map(|k| Sphere { centre: Vec3::new(0.0, 0.0, -0.09 + 0.00025 * f64::from(k)), radius: 2.5e-4 })
+        .map(|k| Sphere {
+            centre: Vec3::new(0.0, 0.0, -0.09 + 0.00025 * f64::from(k)),
+            radius: 2.5e-4,
+        })
         .collect();
     Tool {
         name: "rod".into(),
@@ -27,8 +30,19 @@ pub(crate) fn rod_tool(working_point: Vec3) -> Tool {
 }
 
 fn ball(radius: f64, tissue: TissueModel) -> Object {
-    let tree = SphereTree::over_leaves(&[Sphere { centre: Vec3::new(0.0, 0.0, -radius), radius }]).expect("valid");
-    Object { name: "ball".into(), fdi: 0, tree, level: 3, tissue, mesh: DisplayMesh::default() }
+    let tree = SphereTree::over_leaves(&[Sphere {
+        centre: Vec3::new(0.0, 0.0, -radius),
+        radius,
+    }])
+    .expect("valid");
+    Object {
+        name: "ball".into(),
+        fdi: 0,
+        tree,
+        level: 3,
+        tissue,
+        mesh: DisplayMesh::default(),
+    }
 }
 
 fn scene(objects: Vec<Object>) -> Scene {
@@ -43,7 +57,11 @@ fn scene(objects: Vec<Object>) -> Scene {
 
 fn at(position: Vec3, orientation: Quat) -> TickInput {
     let mut input = TickInput::IDLE;
-    input.tools[0] = ToolInput { pose: (&Pose::new(position, orientation)).into(), present: true, ..ToolInput::ABSENT };
+    input.tools[0] = ToolInput {
+        pose: (&Pose::new(position, orientation)).into(),
+        present: true,
+        ..ToolInput::ABSENT
+    };
     input
 }
 
@@ -60,12 +78,19 @@ fn a_press_on_a_rigid_ball_stops_at_the_surface_with_hookes_force() {
     for k in 0..600 {
         let depth = 0.001 - 0.003 * f64::from(k.min(300)) / 300.0;
         out = tick(&scene, &mut state, &mut ws, &tip_at(depth), &mut NoProbe);
-        assert!(out.tools[0].min_gap > -1e-6, "tick {k}: {:e}", out.tools[0].min_gap);
+        assert!(
+            out.tools[0].min_gap > -1e-6,
+            "tick {k}: {:e}",
+            out.tools[0].min_gap
+        );
     }
     assert!(out.tools[0].converged);
     let force = out.tools[0].wrench.force;
     // 2 mm deep at 500 N/m, less the f32 of the input.
-    assert!((force.z - 1.0).abs() < 1e-3 && force.x.abs() < 1e-4, "{force:?}");
+    assert!(
+        (force.z - 1.0).abs() < 1e-3 && force.x.abs() < 1e-4,
+        "{force:?}"
+    );
     assert_eq!(out.tools[0].status, 0);
 }
 
@@ -76,8 +101,17 @@ fn loads_on_objects_are_the_wrench_and_the_coupling() {
     for k in 0..400 {
         let s = f64::from(k) / 400.0;
         let tilt = exp_rotation(&Vec3::new(0.2 * s, -0.1 * s, 0.05));
-        let pose = Pose::new(Vec3::new(0.001 * s, 0.0005, 0.09025 + 0.0005 - 0.002 * s), tilt);
-        let out = tick(&scene, &mut state, &mut ws, &at(pose.position, pose.orientation), &mut NoProbe);
+        let pose = Pose::new(
+            Vec3::new(0.001 * s, 0.0005, 0.09025 + 0.0005 - 0.002 * s),
+            tilt,
+        );
+        let out = tick(
+            &scene,
+            &mut state,
+            &mut ws,
+            &at(pose.position, pose.orientation),
+            &mut NoProbe,
+        );
         if !out.tools[0].converged || k < 50 {
             continue;
         }
@@ -94,15 +128,23 @@ fn loads_on_objects_are_the_wrench_and_the_coupling() {
         assert!(norm(&(from_lambda.force - o.raw_wrench.force)) < 1e-9);
         assert!(norm(&(from_lambda.torque - o.raw_wrench.torque)) < 1e-9);
         // From the coupling: G (q_g - q_h).
-        let stretch = o.graphic.transform(&tool.working_point) - o.haptic.transform(&tool.working_point);
+        let stretch =
+            o.graphic.transform(&tool.working_point) - o.haptic.transform(&tool.working_point);
         let spring = Wrench {
             force: stretch * tool.stiffness_n_per_m,
-            torque: -log_rotation(&(o.haptic.orientation * o.graphic.orientation.inverse())) * tool.stiffness_nm_per_rad,
+            torque: -log_rotation(&(o.haptic.orientation * o.graphic.orientation.inverse()))
+                * tool.stiffness_nm_per_rad,
         }
         .moved(&(o.haptic.orientation * tool.working_point));
         let scale = norm(&o.raw_wrench.force) + 1e-6;
-        assert!(norm(&(spring.force - o.raw_wrench.force)) < 0.01 * scale, "tick {k}");
-        assert!(norm(&(spring.torque - o.raw_wrench.torque)) < 0.01 * (scale * 0.09), "tick {k}");
+        assert!(
+            norm(&(spring.force - o.raw_wrench.force)) < 0.01 * scale,
+            "tick {k}"
+        );
+        assert!(
+            norm(&(spring.torque - o.raw_wrench.torque)) < 0.01 * (scale * 0.09),
+            "tick {k}"
+        );
     }
 }
 
@@ -110,15 +152,28 @@ fn loads_on_objects_are_the_wrench_and_the_coupling() {
 fn a_yielding_ball_shares_the_press_by_both_compliances() {
     // Coupling 500 N/m in series with tissue of 1/C = 250 N/m along z: F = depth / (1/500 + 1/250).
     let compliance = Mat3::from_diagonal(&Vec3::new(0.001, 0.001, 0.004));
-    let scene = scene(vec![ball(0.01, TissueModel::Winkler(Winkler { compliance }))]);
+    let scene = scene(vec![ball(
+        0.01,
+        TissueModel::Winkler(Winkler { compliance }),
+    )]);
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut out = tick(&scene, &mut state, &mut ws, &tip_at(0.001), &mut NoProbe);
     for k in 0..600 {
-        out = tick(&scene, &mut state, &mut ws, &tip_at(0.001 - 0.004 * f64::from(k.min(300)) / 300.0), &mut NoProbe);
+        out = tick(
+            &scene,
+            &mut state,
+            &mut ws,
+            &tip_at(0.001 - 0.004 * f64::from(k.min(300)) / 300.0),
+            &mut NoProbe,
+        );
         assert!(out.tools[0].min_gap > -1e-6);
     }
     let expected = 0.003 / (1.0 / 500.0 + 0.004);
-    assert!((out.tools[0].raw_wrench.force.z - expected).abs() < 1e-3, "{:?} {expected}", out.tools[0]);
+    assert!(
+        (out.tools[0].raw_wrench.force.z - expected).abs() < 1e-3,
+        "{:?} {expected}",
+        out.tools[0]
+    );
     // Action equals reaction: the ball moved by C times the load.
     let moved = ws.shape_of(0)[2];
     assert!((moved + 0.004 * expected).abs() < 1e-5, "{moved}");
@@ -134,7 +189,11 @@ fn entry_travels_from_the_park_pose_and_the_force_ramps() {
         let out = tick(&scene, &mut state, &mut ws, &tip_at(-0.002), &mut NoProbe);
         let o = &out.tools[0];
         assert!(o.min_gap > -1e-6, "tick {k}");
-        assert!((o.wrench.force.z - last).abs() < 0.1, "tick {k}: {} after {last}", o.wrench.force.z);
+        assert!(
+            (o.wrench.force.z - last).abs() < 0.1,
+            "tick {k}: {} after {last}",
+            o.wrench.force.z
+        );
         last = o.wrench.force.z;
     }
     assert!((last - 1.0).abs() < 1e-3, "{last}");
@@ -187,12 +246,22 @@ fn the_same_inputs_give_the_same_hashes_from_a_snapshot_and_a_fresh_workspace() 
 fn one_flipped_bit_of_input_changes_the_hash() {
     let scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
     let hash = |input: &TickInput| {
-        tick(&scene, &mut State::new(&scene), &mut Workspace::new(&scene), input, &mut NoProbe).hash
+        tick(
+            &scene,
+            &mut State::new(&scene),
+            &mut Workspace::new(&scene),
+            input,
+            &mut NoProbe,
+        )
+        .hash
     };
     let input = tip_at(0.001);
     let mut bytes = input.to_bytes();
     bytes[20] ^= 1;
-    assert_ne!(hash(&input), hash(&TickInput::from_bytes(&bytes).expect("a float's bit")));
+    assert_ne!(
+        hash(&input),
+        hash(&TickInput::from_bytes(&bytes).expect("a float's bit"))
+    );
 }
 
 #[test]
@@ -200,7 +269,11 @@ fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
     // A plate so dense that 16 rows cannot hold what lies within d.
     let spheres: Vec<Sphere> = (0..400)
         .map(|k| Sphere {
-            centre: Vec3::new(f64::from(k % 20 - 10) * 2e-5, f64::from(k / 20 - 10) * 2e-5, -3e-4),
+            centre: Vec3::new(
+                f64::from(k % 20 - 10) * 2e-5,
+                f64::from(k / 20 - 10) * 2e-5,
+                -3e-4,
+            ),
             radius: 3e-4,
         })
         .collect();
@@ -211,7 +284,13 @@ fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut full = false;
     for k in 0..300 {
-        let out = tick(&scene, &mut state, &mut ws, &tip_at(0.002 - 1e-5 * f64::from(k)), &mut NoProbe);
+        let out = tick(
+            &scene,
+            &mut state,
+            &mut ws,
+            &tip_at(0.002 - 1e-5 * f64::from(k)),
+            &mut NoProbe,
+        );
         full |= out.tools[0].status & status::CONTACTS_FULL != 0;
         // The tip (device at 90.25 mm above it) stays above the plate's crest.
         assert!(out.tools[0].graphic.position.z > 0.09025 - 1e-4, "tick {k}");

@@ -1,0 +1,13 @@
+//! The table of hard cases, and the one definition of every measure.
+//!
+//! The same table feeds the tests, the report and the demo (`--exercise hard/NAME`); the same
+//! measures judge a case, a demo run and a recording.
+
+pub mod measure;
+pub mod run;
+pub mod scenes;
+pub mod table;
+
+pub use measure::{Measures, Observer};
+pub use run::{CaseReport, run};
+pub use table::{Bounds, Case, TABLE, find};

@@ -1,0 +1,257 @@
+//! One definition of every measure of a run.
+
+use sulcus_core::math::{log_rotation, norm};
+use sulcus_core::{
+    MAX_TOOLS, Node, Pose, Scene, TickInput, TickOutput, Vec3, Wrench, output::status,
+};
+
+/// What a run amounts to. SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// Ticks observed.
+    pub ticks: u64,
+    /// Ticks in which a tool bore load.
+    pub contact_ticks: u64,
+    /// Tool-ticks of arrival: from (re)entry to the first converged tick, while the graphic tool
+    /// travels to the hand. They count in the residual, not in what follows.
+    pub arrival: u64,
+    /// Tool-ticks whose substeps ran out.
+    pub exhausted: u64,
+    /// Tool-ticks without a usable answer of the solver.
+    pub solver_failed: u64,
+    /// Tool-ticks with unusable input.
+    pub bad_input: u64,
+    /// *Residual*: deepest penetration over all leaf pairs on the final shapes of converged ticks,
+    /// metres, by a full query that shares nothing with the tick's.
+    pub residual: f64,
+    /// The same over exhausted ticks.
+    pub exhausted_residual: f64,
+    /// *Jump*: largest translation of the graphic tool's working point in a tick beyond the hand's, metres.
+    pub jump: f64,
+    /// *Buzz*: mean length of the second difference of the raw force, newtons per tick.
+    pub buzz: f64,
+    /// *Force step*: largest change of the **raw** force in a tick beyond `k_t |dq_h|`, newtons.
+    pub force_step: f64,
+    /// Largest raw force, newtons.
+    pub max_raw_force: f64,
+    /// Largest force sent to the hand, newtons.
+    pub max_force: f64,
+    /// Largest change of the force sent in a tick, newtons.
+    pub sent_step: f64,
+    /// *Energy*: most that the wrench sent had put out into the hand at any time, joules.
+    pub energy: f64,
+    /// Largest difference between the raw wrench and `G log(q_h q_g^-1)`, relative, over converged
+    /// ticks in contact with more than 0.05 N.
+    pub coupling_error: f64,
+}
+
+/// Observes a run tick by tick.
+#[derive(Clone, Debug)]
+pub struct Observer {
+    measures: Measures,
+    last: Option<[ToolTrace; MAX_TOOLS]>,
+    /// Second differences need three ticks.
+    last_force_change: [Option<Vec3>; MAX_TOOLS],
+    arriving: [bool; MAX_TOOLS],
+    second_differences: f64,
+    second_difference_count: u64,
+    put_out: f64,
+    tool_leaves: Vec<Vec<Node>>,
+    object_leaves: Vec<Vec<Node>>,
+    placed: Vec<(Vec3, f64)>,
+    /// Every how many ticks the full query runs (1: always).
+    pub residual_every: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct ToolTrace {
+    present: bool,
+    arrived: bool,
+    haptic: Pose,
+    graphic: Pose,
+    raw: Wrench,
+    sent: Wrench,
+}
+
+impl Observer {
+    /// An observer for runs of `scene` at its own levels of detail.
+    pub fn new(scene: &Scene) -> Self {
+        let leaves = |tree: &sulcus_core::SphereTree, level| {
+            tree.shape_at(level).map(|(_, node)| *node).collect()
+        };
+        Self {
+            measures: Measures::default(),
+            last: None,
+            last_force_change: [None; MAX_TOOLS],
+            arriving: [true; MAX_TOOLS],
+            second_differences: 0.0,
+            second_difference_count: 0,
+            put_out: 0.0,
+            tool_leaves: scene
+                .tools
+                .iter()
+                .map(|tool| leaves(&tool.tree, tool.level))
+                .collect(),
+            object_leaves: scene
+                .objects
+                .iter()
+                .map(|object| leaves(&object.tree, object.level))
+                .collect(),
+            placed: Vec::new(),
+            residual_every: 1,
+        }
+    }
+
+    /// Takes one tick in.
+    pub fn observe(&mut self, scene: &Scene, input: &TickInput, output: &TickOutput) {
+        let m = &mut self.measures;
+        m.ticks += 1;
+        let mut in_contact = false;
+        let mut trace: [ToolTrace; MAX_TOOLS] = std::array::from_fn(|t| ToolTrace {
+            present: output.tools[t].status & status::ABSENT == 0,
+            arrived: false,
+            haptic: output.tools[t].haptic,
+            graphic: output.tools[t].graphic,
+            raw: output.tools[t].raw_wrench,
+            sent: output.tools[t].wrench,
+        });
+        for t in 0..scene.tools.len() {
+            let (out, now) = (&output.tools[t], &mut trace[t]);
+            m.bad_input += u64::from(out.status & status::BAD_INPUT != 0);
+            m.solver_failed += u64::from(out.status & status::SOLVER_FAILED != 0);
+            in_contact |= out.active > 0;
+            m.max_raw_force = m.max_raw_force.max(norm(&out.raw_wrench.force));
+            m.max_force = m.max_force.max(norm(&out.wrench.force));
+            if let Some(last) = &self.last {
+                m.sent_step = m
+                    .sent_step
+                    .max(norm(&(now.sent.force - last[t].sent.force)));
+            }
+            if !now.present || !input.tools[t].present {
+                self.last_force_change[t] = None;
+                self.arriving[t] = true;
+                continue;
+            }
+            if m.ticks.is_multiple_of(self.residual_every) {
+                let depth = deepest(
+                    &self.tool_leaves[t],
+                    &now.graphic,
+                    &self.object_leaves,
+                    &mut self.placed,
+                );
+                if out.converged {
+                    m.residual = m.residual.max(depth);
+                } else {
+                    m.exhausted_residual = m.exhausted_residual.max(depth);
+                }
+            }
+            self.arriving[t] &= !out.converged;
+            if self.arriving[t] {
+                m.arrival += 1;
+                continue;
+            }
+            now.arrived = true;
+            let now = &*now;
+            m.exhausted += u64::from(out.status & status::EXHAUSTED != 0);
+            let tool = &scene.tools[t];
+            if out.converged
+                && norm(&now.raw.force) > 0.05
+                && out.status & status::TWIST_SATURATED == 0
+            {
+                m.coupling_error = m.coupling_error.max(coupling_error(tool, now));
+            }
+            let Some(before) = self
+                .last
+                .map(|last| last[t])
+                .filter(|before| before.present && before.arrived)
+            else {
+                continue;
+            };
+            let moved = |pose: fn(&ToolTrace) -> &Pose| {
+                pose(now).transform(&tool.working_point)
+                    - pose(&before).transform(&tool.working_point)
+            };
+            let (hand, graphic) = (norm(&moved(|t| &t.haptic)), norm(&moved(|t| &t.graphic)));
+            m.jump = m.jump.max(graphic - hand);
+            let change = now.raw.force - before.raw.force;
+            m.force_step = m
+                .force_step
+                .max(norm(&change) - tool.stiffness_n_per_m * hand);
+            if let Some(last) = self.last_force_change[t] {
+                self.second_differences += norm(&(change - last));
+                self.second_difference_count += 1;
+            }
+            self.last_force_change[t] = Some(change);
+            // The wrench sent last tick acted while the hand moved to this tick's pose.
+            let turn =
+                log_rotation(&(now.haptic.orientation * before.haptic.orientation.inverse()));
+            let step = now.haptic.position - before.haptic.position;
+            self.put_out += before.sent.force.dot(&step) + before.sent.torque.dot(&turn);
+            m.energy = m.energy.max(self.put_out);
+        }
+        m.contact_ticks += u64::from(in_contact);
+        self.last = Some(trace);
+    }
+
+    /// The measures so far.
+    pub fn measures(&self) -> Measures {
+        Measures {
+            buzz: self.second_differences / self.second_difference_count.max(1) as f64,
+            ..self.measures
+        }
+    }
+}
+
+/// `G log(q_h q_g^-1)` at the working point against the raw wrench, relative to the larger lever arm.
+fn coupling_error(tool: &sulcus_core::Tool, now: &ToolTrace) -> f64 {
+    let stretch =
+        now.graphic.transform(&tool.working_point) - now.haptic.transform(&tool.working_point);
+    let twist = log_rotation(&(now.graphic.orientation * now.haptic.orientation.inverse()));
+    let spring = Wrench {
+        force: stretch * tool.stiffness_n_per_m,
+        torque: twist * tool.stiffness_nm_per_rad,
+    }
+    .moved(&(now.haptic.orientation * tool.working_point));
+    let lever = norm(&tool.working_point).max(1e-3);
+    let force = norm(&(spring.force - now.raw.force)) / norm(&now.raw.force);
+    let torque = norm(&(spring.torque - now.raw.torque))
+        / (norm(&now.raw.force) * lever).max(norm(&now.raw.torque));
+    force.max(torque)
+}
+
+/// Deepest overlap of any tool leaf with any object leaf, metres; 0 when none. Looks at every pair
+/// whose boxes meet: no tree, no prediction distance.
+fn deepest(
+    tool: &[Node],
+    pose: &Pose,
+    objects: &[Vec<Node>],
+    placed: &mut Vec<(Vec3, f64)>,
+) -> f64 {
+    placed.clear();
+    placed.extend(
+        tool.iter()
+            .map(|node| (pose.transform(&node.centre), node.contact_radius)),
+    );
+    let huge = Vec3::repeat(f64::INFINITY);
+    let (mut low, mut high) = (huge, -huge);
+    for (centre, radius) in placed.iter() {
+        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
+        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
+    }
+    let mut depth: f64 = 0.0;
+    for node in objects.iter().flatten() {
+        let (c, r) = (&node.centre, node.contact_radius);
+        if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
+            continue;
+        }
+        for (centre, radius) in placed.iter() {
+            let reach = r + radius;
+            let between = centre - c;
+            let squared = between.norm_squared();
+            if squared < reach * reach {
+                depth = depth.max(reach - squared.sqrt());
+            }
+        }
+    }
+    depth
+}

@@ -1,0 +1,123 @@
+//! Analytic scenes for the hard cases: exact spheres, no mesh, so that every answer is known.
+
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3};
+
+/// All of an analytic shape's spheres are leaves, whatever their depth.
+const ALL: u8 = sulcus_core::tree::MAX_LEVEL;
+
+/// Radius of the rod's spheres: a periodontal probe's tip, metres.
+pub const TIP_RADIUS: f64 = 2.5e-4;
+/// Distance of the rod's tip centre below its device point, metres.
+pub const TIP_BELOW_DEVICE: f64 = 0.09;
+
+/// A straight probe: 15 mm of spheres, its device point 90 mm above the centre of its tip.
+pub fn rod() -> Tool {
+    let centre = |k: i32| Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE + 2.5e-4 * f64::from(k));
+    let spheres: Vec<Sphere> = (0..61)
+        .map(|k| Sphere {
+            centre: centre(k),
+            radius: TIP_RADIUS,
+        })
+        .collect();
+    Tool {
+        name: "rod".into(),
+        tree: tree(&spheres),
+        level: ALL,
+        working_point: Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE + 4e-3),
+        tip: Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE - TIP_RADIUS),
+        tip_axis: -Vec3::z(),
+        stiffness_n_per_m: 500.0,
+        stiffness_nm_per_rad: 0.5,
+        park: Pose::new(
+            Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE + 0.03),
+            Quat::identity(),
+        ),
+        bands: Vec::new(),
+        mesh: DisplayMesh::default(),
+    }
+}
+
+/// Device position that puts the centre of the rod's tip at `tip`, the rod upright.
+pub fn device_over(tip: Vec3) -> Vec3 {
+    tip + Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE)
+}
+
+/// The rod before `objects`.
+pub fn scene(name: &str, objects: Vec<Object>) -> Scene {
+    Scene {
+        name: name.into(),
+        source_hash: String::new(),
+        params: Params::default(),
+        tools: vec![rod()],
+        objects,
+    }
+}
+
+fn tree(spheres: &[Sphere]) -> SphereTree {
+    SphereTree::over_leaves(spheres).expect("analytic spheres are finite and positive")
+}
+
+fn object(name: &str, spheres: &[Sphere]) -> Object {
+    Object {
+        name: name.into(),
+        fdi: 0,
+        tree: tree(spheres),
+        level: ALL,
+        tissue: TissueModel::Rigid,
+        mesh: DisplayMesh::default(),
+    }
+}
+
+/// Points of a square grid of side `2 half` in the plane z = 0.
+fn grid(half: f64, spacing: f64) -> impl Iterator<Item = Vec3> {
+    let n = (half / spacing).round() as i32;
+    (-n..=n).flat_map(move |i| {
+        (-n..=n).map(move |j| Vec3::new(f64::from(i) * spacing, f64::from(j) * spacing, 0.0))
+    })
+}
+
+/// A horizontal plate one sphere thick (0.5 mm), 8 mm wide, centred at the origin.
+pub fn thin_plate() -> Object {
+    let spheres: Vec<_> = grid(4e-3, 2e-4)
+        .map(|centre| Sphere {
+            centre,
+            radius: TIP_RADIUS,
+        })
+        .collect();
+    object("plate", &spheres)
+}
+
+/// A V of two plates along y that open upwards, 15 degrees to each side of the vertical; the rod
+/// sticks where it is as wide as the V.
+pub fn wedge() -> Object {
+    let (sine, cosine) = (libm::sin(0.2618), libm::cos(0.2618));
+    let mut spheres = Vec::new();
+    for side in [-1.0, 1.0] {
+        for p in grid(3e-3, 2.5e-4) {
+            // p.x runs up the plate from the bottom of the V.
+            let up = p.x + 3e-3;
+            let out = up * sine + 3e-4 * cosine;
+            spheres.push(Sphere {
+                centre: Vec3::new(side * out, p.y, up * cosine),
+                radius: 3e-4,
+            });
+        }
+    }
+    object("wedge", &spheres)
+}
+
+/// A ridge along y: one row of spheres of 0.1 mm radius on top of a wall, a far sharper edge than
+/// the tip.
+pub fn sharp_edge() -> Object {
+    let mut spheres = Vec::new();
+    for j in -50..=50 {
+        for k in 0..20 {
+            spheres.push(Sphere {
+                centre: Vec3::new(0.0, f64::from(j) * 1e-4, f64::from(k) * -1e-4),
+                radius: 1e-4,
+            });
+        }
+    }
+    object("edge", &spheres)
+}

@@ -1,0 +1,313 @@
+//! The hard cases, one row each: scene, hand, what must hold.
+
+use sulcus_core::math::exp_rotation;
+use sulcus_core::{Pose, Quat, Scene, TickInput, TickOutput, Vec3};
+use sulcus_operator::script::{OneTool, smoothstep};
+use sulcus_operator::{HandParams, Script};
+
+use crate::measure::Measures;
+use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
+
+/// Makes a script.
+pub type MakeScript = fn() -> Box<dyn Script + Send>;
+
+/// Who moves the tool.
+#[derive(Clone, Copy)]
+pub enum Driver {
+    /// The haptic pose is the script's: a hand that feels nothing, where a hand would hide the figure.
+    Kinematic(MakeScript),
+    /// A hand with its device, which feels the wrench.
+    Closed(MakeScript, fn() -> HandParams),
+}
+
+/// What must hold. SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Deepest residual of converged ticks.
+    pub residual: f64,
+    /// Largest share of ticks whose substeps ran out.
+    pub exhausted_share: f64,
+    /// Largest jump.
+    pub jump: f64,
+    /// Largest force step.
+    pub force_step: f64,
+    /// Largest change of the force sent in a tick: nothing jumps at the hand.
+    pub sent_step: f64,
+    /// Largest buzz.
+    pub buzz: f64,
+    /// Largest disagreement of wrench and coupling, relative.
+    pub coupling_error: f64,
+    /// Smallest margin of the case's own (never through).
+    pub margin: f64,
+    /// Fewest ticks in contact: a case that never touches proves nothing.
+    pub contact_ticks: u64,
+}
+
+/// One hard case.
+#[derive(Clone, Copy)]
+pub struct Case {
+    /// Name, as in `--exercise hard/NAME`.
+    pub name: &'static str,
+    /// What it is about.
+    pub about: &'static str,
+    /// The scene.
+    pub scene: fn() -> Scene,
+    /// Who moves the tool.
+    pub driver: Driver,
+    /// What happens to the input on its way (lost packets, bad numbers).
+    pub disturb: fn(u64, &mut TickInput),
+    /// The case's own margin after a tick, metres; positive where nothing is wrong.
+    pub margin: fn(&Scene, &TickOutput) -> f64,
+    /// Seed of the tremor.
+    pub seed: u64,
+    /// What must hold.
+    pub bounds: Bounds,
+}
+
+impl Bounds {
+    /// What does not hold, in words.
+    pub fn broken(&self, m: &Measures, margin: f64) -> Vec<String> {
+        let mut broken = Vec::new();
+        let mut most = |what: &str, found: f64, bound: f64, scale: f64, unit: &str| {
+            // Written so that a NaN is broken too.
+            let holds = found <= bound;
+            if !holds {
+                broken.push(format!(
+                    "{what} {:.4} {unit}, at most {:.4}",
+                    found * scale,
+                    bound * scale
+                ));
+            }
+        };
+        most("residual", m.residual, self.residual, 1e6, "um");
+        most(
+            "exhausted share",
+            m.exhausted as f64 / m.ticks.max(1) as f64,
+            self.exhausted_share,
+            100.0,
+            "%",
+        );
+        most("jump", m.jump, self.jump, 1e3, "mm");
+        most("force step", m.force_step, self.force_step, 1.0, "N");
+        most("step sent", m.sent_step, self.sent_step, 1.0, "N");
+        most("buzz", m.buzz, self.buzz, 1.0, "N");
+        most(
+            "coupling error",
+            m.coupling_error,
+            self.coupling_error,
+            100.0,
+            "%",
+        );
+        most("solver failures", m.solver_failed as f64, 0.0, 1.0, "ticks");
+        most("margin", -margin, -self.margin, -1e3, "mm, at least");
+        most(
+            "ticks without contact",
+            -(m.contact_ticks as f64),
+            -(self.contact_ticks as f64),
+            1.0,
+            "",
+        );
+        broken
+    }
+}
+
+fn undisturbed(_: u64, _: &mut TickInput) {}
+
+/// Height of the graphic tip's centre above the plate's middle: positive while it is not through.
+fn above_plate(_: &Scene, output: &TickOutput) -> f64 {
+    output.tools[0]
+        .graphic
+        .transform(&Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE))
+        .z
+}
+
+fn no_margin(_: &Scene, _: &TickOutput) -> f64 {
+    f64::INFINITY
+}
+
+/// Straight down through the plate from 10 mm above to 10 mm below, then rests there.
+fn stab(speed: f64) -> Box<dyn Script + Send> {
+    let enter = 0.1;
+    let pose = move |t: f64| {
+        let z = 0.01 - (speed * (t - enter)).clamp(0.0, 0.02);
+        Pose::new(device_over(Vec3::new(1e-4, 0.5e-4, z)), Quat::identity())
+    };
+    Box::new(OneTool {
+        pose,
+        duration_s: enter + 0.02 / speed + 0.2,
+    })
+}
+
+const THIN_PLATE: Case = Case {
+    name: "thin-plate-0.5",
+    about: "a plate of 0.5 mm, stabbed at 0.5 m/s: never through",
+    scene: || scenes::scene("thin plate", vec![scenes::thin_plate()]),
+    driver: Driver::Kinematic(|| stab(0.5)),
+    disturb: undisturbed,
+    margin: above_plate,
+    seed: 1,
+    bounds: Bounds {
+        residual: 1e-6,
+        exhausted_share: 0.001,
+        jump: 5e-4,
+        force_step: 0.05,
+        // The slew limit, and rounding.
+        sent_step: 0.5 + 1e-9,
+        buzz: 0.05,
+        coupling_error: 0.01,
+        margin: 2e-4,
+        contact_ticks: 150,
+    },
+};
+
+/// All hard cases, in the order of the report.
+pub const TABLE: &[Case] = &[
+    Case {
+        name: "thin-plate-0.02",
+        about: "a plate of 0.5 mm, pressed at 0.02 m/s: never through",
+        driver: Driver::Kinematic(|| stab(0.02)),
+        ..THIN_PLATE
+    },
+    Case {
+        name: "thin-plate-0.1",
+        about: "a plate of 0.5 mm, stabbed at 0.1 m/s: never through",
+        driver: Driver::Kinematic(|| stab(0.1)),
+        ..THIN_PLATE
+    },
+    THIN_PLATE,
+    Case {
+        name: "thin-plate-1",
+        about: "a plate of 0.5 mm, stabbed at 1 m/s: never through",
+        driver: Driver::Kinematic(|| stab(1.0)),
+        ..THIN_PLATE
+    },
+    Case {
+        name: "thin-plate-2",
+        about: "a plate of 0.5 mm, stabbed at 2 m/s: never through",
+        driver: Driver::Kinematic(|| stab(2.0)),
+        ..THIN_PLATE
+    },
+    Case {
+        name: "teleport",
+        about: "20 mm in one tick through the plate, as after lost packets: stops at the surface",
+        driver: Driver::Kinematic(|| {
+            let pose = |t: f64| {
+                let z = if t < 0.2 { 0.01 } else { -0.01 };
+                Pose::new(device_over(Vec3::new(1e-4, 0.5e-4, z)), Quat::identity())
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 0.5,
+            })
+        }),
+        // The hand is there at once: the tool follows by at most 8 substeps of 0.5 mm, finishing in
+        // later ticks, and the whole force then comes at once, but for the slew limit.
+        bounds: Bounds {
+            exhausted_share: 0.006,
+            jump: 3.8e-3,
+            force_step: 5.5,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "wedge",
+        about: "the tip pushed 4 mm past where a V is as narrow as it, and turned",
+        scene: || scenes::scene("wedge", vec![scenes::wedge()]),
+        driver: Driver::Closed(
+            || {
+                let pose = |t: f64| {
+                    let deep = smoothstep((t - 0.3) / 0.7);
+                    let turn = 0.15 * libm::sin(4.0 * t) * deep;
+                    let tip = Vec3::new(
+                        0.3e-3 * libm::sin(7.0 * t),
+                        1e-3 * libm::sin(3.0 * t),
+                        6e-3 - 9e-3 * deep,
+                    );
+                    let facing = exp_rotation(&Vec3::new(0.0, turn, 0.5 * turn));
+                    Pose::new(tip + facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE), facing)
+                };
+                Box::new(OneTool {
+                    pose,
+                    duration_s: 4.0,
+                })
+            },
+            HandParams::default,
+        ),
+        margin: no_margin,
+        bounds: Bounds {
+            contact_ticks: 2500,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "sharp-edge",
+        about: "the tip slides over an edge of 0.1 mm radius, 1 mm deep, to and fro",
+        scene: || scenes::scene("sharp edge", vec![scenes::sharp_edge()]),
+        driver: Driver::Kinematic(|| {
+            let pose = |t: f64| {
+                let tip = Vec3::new(
+                    4e-3 * libm::sin(2.5 * t - 1.5),
+                    1e-3 * libm::sin(t),
+                    -0.65e-3,
+                );
+                Pose::new(device_over(tip), Quat::identity())
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 5.0,
+            })
+        }),
+        margin: no_margin,
+        bounds: Bounds {
+            contact_ticks: 1000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "nan-poses",
+        about: "NaN, infinite, denormal and zero-rotation poses while the tip rests on the plate",
+        driver: Driver::Closed(
+            || {
+                let pose = |t: f64| {
+                    let tip = Vec3::new(
+                        1e-3 * libm::sin(2.0 * t),
+                        0.0,
+                        2e-3 - 3e-3 * smoothstep(t / 0.5),
+                    );
+                    Pose::new(device_over(tip), Quat::identity())
+                };
+                Box::new(OneTool {
+                    pose,
+                    duration_s: 3.0,
+                })
+            },
+            HandParams::default,
+        ),
+        disturb: |k, input| {
+            let pose = &mut input.tools[0].pose;
+            match k % 97 {
+                3 => pose.position[k as usize % 3] = f32::NAN,
+                17 => pose.orientation[k as usize % 4] = f32::INFINITY,
+                41 => pose.position[0] = f32::from_bits(1),
+                59 => pose.orientation = [0.0; 4],
+                83 => pose.position[2] = f32::MAX,
+                _ => {}
+            }
+        },
+        // The denormal pose is a place like any other: the hand really is there for a tick.
+        bounds: Bounds {
+            force_step: 0.1,
+            contact_ticks: 2000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+];
+
+/// The case of that name.
+pub fn find(name: &str) -> Option<&'static Case> {
+    TABLE.iter().find(|case| case.name == name)
+}

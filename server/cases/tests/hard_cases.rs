@@ -1,0 +1,65 @@
+//! Every hard case of the table holds, with the tick's solver and with the judge in the tick.
+
+use sulcus_cases::{TABLE, find, run};
+use sulcus_core::optimise::SolverKind;
+
+#[test]
+fn every_case_of_the_table_holds() {
+    let mut broken = Vec::new();
+    for case in TABLE {
+        let report = run(case, |_| {});
+        let m = &report.measures;
+        println!(
+            "{:16} residual {:.3} um, jump {:.3} mm, force step {:.3} N, buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}",
+            case.name,
+            m.residual * 1e6,
+            m.jump * 1e3,
+            m.force_step,
+            m.buzz,
+            m.coupling_error * 100.0,
+            m.exhausted,
+            m.arrival,
+            m.max_raw_force,
+            m.energy * 1e3,
+            report.margin * 1e3,
+            m.contact_ticks,
+        );
+        broken.extend(
+            report
+                .broken
+                .into_iter()
+                .map(|what| format!("{}: {what}", case.name)),
+        );
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn the_judge_in_the_tick_never_lets_it_through() {
+    for name in ["thin-plate-0.5", "thin-plate-2", "teleport", "sharp-edge"] {
+        let case = find(name).expect("in the table");
+        let report = run(case, |params| params.solver = SolverKind::Clarabel);
+        assert!(
+            report.measures.residual <= 1e-6,
+            "{name}: {:e} m",
+            report.measures.residual
+        );
+        assert!(
+            report.margin >= case.bounds.margin,
+            "{name}: {:e} m",
+            report.margin
+        );
+    }
+}
+
+#[test]
+fn bad_poses_are_counted_and_never_reach_the_hand() {
+    let report = run(find("nan-poses").expect("in the table"), |_| {});
+    // 3000 ticks, four of every 97 are unusable (the denormal one is a small number).
+    assert!(
+        (110..=140).contains(&report.measures.bad_input),
+        "{}",
+        report.measures.bad_input
+    );
+    assert!(report.measures.max_force.is_finite());
+}
