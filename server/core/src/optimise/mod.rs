@@ -12,6 +12,7 @@
 //! that keeps every row set feasible. Paper: Eq. 18 to 20, with the tissue inside.
 
 pub mod active_set;
+pub mod audit;
 pub mod clarabel;
 
 use serde::{Deserialize, Serialize};

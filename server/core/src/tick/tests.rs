@@ -297,3 +297,17 @@ fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
     }
     assert!(full);
 }
+
+#[test]
+fn the_judge_confirms_a_tick_in_contact() {
+    let scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    for k in 0..300 {
+        let depth = 0.001 - 0.003 * f64::from(k) / 300.0;
+        tick(&scene, &mut state, &mut ws, &tip_at(depth), &mut NoProbe);
+        let Some(verdict) = crate::optimise::audit::audit(&scene, &ws) else { continue };
+        assert!(verdict.judge_solved && verdict.kkt_residual < 1e-9, "tick {k}: {verdict:?}");
+        assert!(verdict.pose_difference < 2e-7, "tick {k}: {verdict:?}");
+    }
+    assert!(crate::optimise::audit::audit(&scene, &ws).is_some());
+}

@@ -1,0 +1,115 @@
+//! Time of a tick on the product's own scene: probe against one molar, level by level, thread CPU
+//! time in percentiles (a mean would hide the tail), stage by stage.
+//!
+//! `cargo bench -p sulcus-core`
+
+// A bench has a clock and prints; the core under it does neither.
+#![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
+
+use rustix::time::{ClockId, clock_gettime};
+use sulcus_core::optimise::SolverKind;
+use sulcus_core::{MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, Wrench, tick};
+use sulcus_operator::crown::{Crown, CrownParams};
+use sulcus_operator::{HandParams, Operator};
+use sulcus_scene::{BuildOptions, compile_default, default_cache_dir};
+
+fn cpu_ns() -> u64 {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
+}
+
+/// Sorted nanoseconds to a line of percentiles in microseconds.
+fn line(mut times: Vec<u64>) -> String {
+    times.sort_unstable();
+    let at = |q: f64| times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3;
+    format!("{:7.2} {:7.2} {:7.2} {:8.2}", at(0.5), at(0.99), at(0.999), at(1.0))
+}
+
+#[derive(Default)]
+struct Stages {
+    current: Option<(Stage, u64)>,
+    sums: [u64; 5],
+}
+
+impl StageProbe for Stages {
+    fn begin(&mut self, stage: Stage) {
+        self.end();
+        self.current = Some((stage, cpu_ns()));
+    }
+    fn end(&mut self) {
+        if let Some((stage, since)) = self.current.take() {
+            self.sums[stage as usize] += cpu_ns() - since;
+        }
+    }
+}
+
+/// Inputs of a closed loop, so that every variant is timed on the same hand.
+fn inputs(scene: &Scene, seconds: f64) -> Vec<TickInput> {
+    let crown = Crown::new(scene, None, CrownParams { duration: seconds, ..CrownParams::default() }).expect("a tooth");
+    let mut operator = Operator::new(Box::new(crown), HandParams::default(), 1);
+    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
+    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    (0..operator.ticks())
+        .map(|_| {
+            let mut input = TickInput::IDLE;
+            input.tools = operator.step(&felt);
+            let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
+            felt = std::array::from_fn(|t| out.tools[t].wrench);
+            input
+        })
+        .collect()
+}
+
+fn main() {
+    // `cargo test --benches` passes --test: nothing to check there.
+    if std::env::args().any(|arg| arg == "--test") {
+        return;
+    }
+    let options = BuildOptions { cache: default_cache_dir(), ..BuildOptions::default() };
+    let scene = compile_default(&options, &|_, _| {}).expect("the built-in scene").scene;
+    println!("probe on one molar, 20 s round the crown; thread CPU time, us");
+    println!("{:24} {:>7} {:>7} {:>7} {:>8}   substeps  rows  contact", "", "p50", "p99", "p99.9", "max");
+    for (level, solver) in [
+        (2, SolverKind::ActiveSet),
+        (3, SolverKind::ActiveSet),
+        (4, SolverKind::ActiveSet),
+        (3, SolverKind::Clarabel),
+    ] {
+        let mut scene = scene.clone();
+        scene.params.solver = solver;
+        for tool in &mut scene.tools {
+            tool.level = level;
+        }
+        for object in &mut scene.objects {
+            object.level = level;
+        }
+        let inputs = inputs(&scene, 20.0);
+        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+        let (mut substeps, mut rows, mut contact) = (0u64, 0u64, 0u64);
+        let mut times = Vec::with_capacity(inputs.len());
+        for input in &inputs {
+            let before = cpu_ns();
+            let out = tick(&scene, &mut state, &mut ws, input, &mut NoProbe);
+            times.push(cpu_ns() - before);
+            substeps += u64::from(out.tools[0].substeps);
+            rows += u64::from(out.tools[0].rows);
+            contact += u64::from(out.tools[0].active > 0);
+        }
+        let n = inputs.len() as f64;
+        println!(
+            "level {level} {:16} {}   {:7.2} {:6.1} {:7.2}",
+            format!("{solver:?}"),
+            line(times),
+            substeps as f64 / n,
+            rows as f64 / n,
+            contact as f64 / n
+        );
+        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+        let mut stages = Stages::default();
+        for input in &inputs {
+            tick(&scene, &mut state, &mut ws, input, &mut stages);
+        }
+        let mean = |stage: Stage| format!("{stage:?} {:.2}", stages.sums[stage as usize] as f64 / n * 1e-3);
+        println!("    mean by stage, us (each with the clock's own 0.2 or so): {}", Stage::ALL.map(mean).join(", "));
+    }
+}

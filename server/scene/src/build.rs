@@ -1,0 +1,172 @@
+//! From a closed mesh to a sphere tree, top down.
+//!
+//! A node owns a share of the surface samples. Its children share them out by [`crate::cluster`],
+//! each child is one ball fitted to its share by [`crate::fit`]. Distances are true distances to
+//! the mesh. The result is a function of mesh and options alone: seeds are fixed per node, and
+//! threads only ever compute whole nodes.
+
+use serde::{Deserialize, Serialize};
+use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
+
+use crate::cluster::{Feature, split};
+use crate::distance::MeshDistance;
+use crate::fit::fit;
+use crate::medial::inscribed_centre;
+use crate::mesh::TriMesh;
+use crate::random::Random;
+use crate::{parallel, sample};
+
+/// Changes whenever the same input gives another tree; part of the cache key.
+pub const BUILDER_VERSION: u32 = 1;
+
+/// How a tree is built.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TreeOptions {
+    /// Finest level, 1 to 6. Level L holds at most 8^L spheres.
+    pub levels: u8,
+    /// Samples spread over the surface. At least ten for each sphere of the finest level.
+    pub samples: usize,
+    /// Weight of place against inscribed-ball centre when samples are shared out, 0 to 1. 0.5 for
+    /// bulky things, 0.4 for discs, near 0 for rods.
+    pub alpha: f64,
+    /// A node that fits its samples better than this is not split, metres.
+    pub good_enough: f64,
+}
+
+impl Default for TreeOptions {
+    fn default() -> Self {
+        Self { levels: 4, samples: 60_000, alpha: 0.5, good_enough: 1e-6 }
+    }
+}
+
+/// Options with which no tree can be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TreeBuildError {
+    /// An option is out of range.
+    #[error("{field} is {found}, expected {expected}")]
+    Option {
+        /// Which option.
+        field: &'static str,
+        /// Its value.
+        found: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// The fitted spheres do not form a tree. A defect of the builder.
+    #[error("the fitted spheres are not a tree: {0}")]
+    Tree(#[from] TreeError),
+}
+
+struct Share {
+    members: Vec<u32>,
+    sphere: Sphere,
+    /// Children in the next level.
+    first_child: u32,
+    children: u8,
+}
+
+/// Builds the tree of a mesh that passed [`crate::check::check`]. `progress` gets a stage and how
+/// much of the whole is done, 0 to 1.
+///
+/// # Errors
+/// If an option is out of range.
+pub fn build_tree(
+    mesh: &TriMesh,
+    options: &TreeOptions,
+    progress: &dyn Fn(&str, f64),
+) -> Result<SphereTree, TreeBuildError> {
+    options.validate()?;
+    let distance = MeshDistance::new(mesh.clone());
+    let samples = sample::surface(&distance, options.samples, 0.0);
+    let (low, high) = mesh.bounds();
+    let size = (high - low).norm();
+    progress("inscribed balls", 0.02);
+    let centres: Vec<Vec3> =
+        parallel::map(samples.len(), |s| inscribed_centre(&distance, &samples[s], 0.5 * size));
+    let features: Vec<Feature> = samples
+        .iter()
+        .zip(&centres)
+        .map(|(sample, m)| {
+            let (p, m) = (sample.point * options.alpha, m * (1.0 - options.alpha));
+            [p.x, p.y, p.z, m.x, m.y, m.z]
+        })
+        .collect();
+    let smallest = 1e-6 * size;
+    let fitted = |members: &[u32], random: &mut Random| fit(&distance, &samples, &centres, members, smallest, random);
+
+    let all: Vec<u32> = (0..samples.len() as u32).collect();
+    let sphere = fitted(&all, &mut Random::new(0));
+    let mut levels = vec![vec![Share { members: all, sphere, first_child: 0, children: 0 }]];
+    for level in 1..=options.levels {
+        progress("spheres", 0.3 + 0.7 * f64::from(level - 1) / f64::from(options.levels));
+        let parents = &levels[usize::from(level) - 1];
+        let families: Vec<Vec<(Vec<u32>, Sphere)>> = parallel::map(parents.len(), |index| {
+            let parent = &parents[index];
+            if parent.members.len() < 16 || worst(&parent.members, &parent.sphere, &samples) < options.good_enough {
+                return Vec::new();
+            }
+            let mut random = Random::new((u64::from(level) << 32) | index as u64);
+            let parts = split(&features, &parent.members, 8, &mut random);
+            parts
+                .into_iter()
+                .map(|part| {
+                    let sphere = fitted(&part, &mut random);
+                    (part, sphere)
+                })
+                .collect()
+        });
+        let mut children = Vec::new();
+        for (parent, family) in levels[usize::from(level) - 1].iter_mut().zip(families) {
+            parent.first_child = children.len() as u32;
+            parent.children = family.len() as u8;
+            children.extend(
+                family.into_iter().map(|(members, sphere)| Share { members, sphere, first_child: 0, children: 0 }),
+            );
+        }
+        if children.is_empty() {
+            break;
+        }
+        levels.push(children);
+    }
+    progress("spheres", 1.0);
+    tree(&levels)
+}
+
+/// Largest distance of a sample from the ball's surface, metres.
+fn worst(members: &[u32], sphere: &Sphere, samples: &[sample::Sample]) -> f64 {
+    members.iter().fold(0.0, |worst, &m| {
+        let off = ((samples[m as usize].point - sphere.centre).norm() - sphere.radius).abs();
+        if off > worst { off } else { worst }
+    })
+}
+
+fn tree(levels: &[Vec<Share>]) -> Result<SphereTree, TreeBuildError> {
+    let mut nodes = Vec::with_capacity(levels.iter().map(Vec::len).sum());
+    for (level, shares) in levels.iter().enumerate() {
+        let next_level = (nodes.len() + shares.len()) as u32;
+        nodes.extend(shares.iter().map(|share| Node {
+            centre: share.sphere.centre,
+            contact_radius: share.sphere.radius,
+            bound_radius: share.sphere.radius,
+            first_child: if share.children > 0 { next_level + share.first_child } else { 0 },
+            children: share.children,
+            level: level as u8,
+        }));
+    }
+    Ok(SphereTree::with_bounds(nodes)?)
+}
+
+impl TreeOptions {
+    fn validate(&self) -> Result<(), TreeBuildError> {
+        let checks = [
+            ("levels", f64::from(self.levels), (1..=6).contains(&self.levels), "1 to 6"),
+            ("samples", self.samples as f64, (500..=2_000_000).contains(&self.samples), "500 to 2000000"),
+            ("alpha", self.alpha, (0.0..=1.0).contains(&self.alpha), "0 to 1"),
+            ("good_enough", self.good_enough, (0.0..=1e-3).contains(&self.good_enough), "0 to 1e-3 m"),
+        ];
+        match checks.into_iter().find(|check| !check.2) {
+            Some((field, found, _, expected)) => Err(TreeBuildError::Option { field, found, expected }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Built trees on disk, by the hash of everything that makes them: mesh, options, builder version.
+
+use std::path::{Path, PathBuf};
+
+use sulcus_core::{Node, SphereTree, Vec3};
+
+use crate::build::{BUILDER_VERSION, TreeOptions};
+use crate::mesh::TriMesh;
+
+const MAGIC: &[u8; 8] = b"SULCTRE\x01";
+/// Bytes of a node: centre, contact radius, first child, children, level.
+const RECORD: usize = 4 * 8 + 4 + 2;
+
+/// Where built trees are kept unless said otherwise: `$SULCUS_CACHE`, else `$XDG_CACHE_HOME/sulcus`,
+/// else `$HOME/.cache/sulcus`.
+pub fn default_cache_dir() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    set("SULCUS_CACHE")
+        .or_else(|| set("XDG_CACHE_HOME").map(|dir| dir.join("sulcus")))
+        .or_else(|| set("HOME").map(|dir| dir.join(".cache").join("sulcus")))
+}
+
+/// Name of the tree that these options make from this mesh.
+pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(MAGIC);
+    hasher.update(&BUILDER_VERSION.to_le_bytes());
+    hasher.update(&[options.levels]);
+    hasher.update(&(options.samples as u64).to_le_bytes());
+    hasher.update(&options.alpha.to_bits().to_le_bytes());
+    hasher.update(&options.good_enough.to_bits().to_le_bytes());
+    mesh.hash_into(&mut hasher);
+    hasher.finalize()
+}
+
+fn path(dir: &Path, key: &blake3::Hash) -> PathBuf {
+    dir.join(format!("tree-{}.bin", &key.to_hex()[..32]))
+}
+
+/// The tree, if it is there and undamaged.
+pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
+    let bytes = std::fs::read(path(dir, key)).ok()?;
+    let body = bytes.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
+    let (sum, nodes) = body.split_at_checked(32)?;
+    if blake3::hash(nodes).as_bytes() != sum || nodes.len() % RECORD != 0 {
+        return None;
+    }
+    SphereTree::with_bounds(nodes.chunks_exact(RECORD).map(node).collect::<Option<_>>()?).ok()
+}
+
+/// Keeps a tree. Readers see the old file or the whole new one.
+pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::io::Result<()> {
+    let mut nodes = Vec::with_capacity(tree.nodes().len() * RECORD);
+    for node in tree.nodes() {
+        for x in [node.centre.x, node.centre.y, node.centre.z, node.contact_radius] {
+            nodes.extend(x.to_bits().to_le_bytes());
+        }
+        nodes.extend(node.first_child.to_le_bytes());
+        nodes.extend([node.children, node.level]);
+    }
+    let mut bytes = Vec::with_capacity(nodes.len() + 72);
+    bytes.extend(MAGIC);
+    bytes.extend(key.as_bytes());
+    bytes.extend(blake3::hash(&nodes).as_bytes());
+    bytes.extend(nodes);
+    std::fs::create_dir_all(dir)?;
+    let target = path(dir, key);
+    // Unique per writer, so that two builds at once do not write into one another.
+    static WRITES: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+    let write = WRITES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let partial = target.with_extension(format!("{}-{write}.partial", std::process::id()));
+    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, &target));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&partial);
+    }
+    written
+}
+
+fn node(record: &[u8]) -> Option<Node> {
+    let real = |at: usize| Some(f64::from_bits(u64::from_le_bytes(record.get(at..at + 8)?.try_into().ok()?)));
+    Some(Node {
+        centre: Vec3::new(real(0)?, real(8)?, real(16)?),
+        contact_radius: real(24)?,
+        bound_radius: real(24)?,
+        first_child: u32::from_le_bytes(record.get(32..36)?.try_into().ok()?),
+        children: *record.get(36)?,
+        level: *record.get(37)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::build_tree;
+    use crate::shapes::icosphere;
+
+    #[test]
+    fn a_kept_tree_comes_back_and_a_damaged_one_does_not() {
+        let dir = tempfile::tempdir().expect("temporary directory");
+        let mesh = icosphere(0.005, 3);
+        let options = TreeOptions { levels: 2, samples: 2000, ..TreeOptions::default() };
+        let tree = build_tree(&mesh, &options, &|_, _| ()).expect("tree");
+        let name = key(&mesh, &options);
+        assert_eq!(load(dir.path(), &name), None);
+        store(dir.path(), &name, &tree).expect("stored");
+        assert_eq!(load(dir.path(), &name), Some(tree.clone()));
+        assert_eq!(std::fs::read_dir(dir.path()).expect("dir").count(), 1, "no partial file is left");
+
+        let file = path(dir.path(), &name);
+        let good = std::fs::read(&file).expect("bytes");
+        for at in (0..good.len()).step_by(97) {
+            let mut bad = good.clone();
+            bad[at] ^= 4;
+            std::fs::write(&file, &bad).expect("written");
+            assert_eq!(load(dir.path(), &name), None, "byte {at}");
+            std::fs::write(&file, &good[..at]).expect("written");
+            assert_eq!(load(dir.path(), &name), None, "cut at {at}");
+        }
+        // Another mesh's file under this name is foreign.
+        let other = key(&mesh, &TreeOptions { alpha: 0.4, ..options });
+        std::fs::write(path(dir.path(), &other), &good).expect("written");
+        assert_eq!(load(dir.path(), &other), None);
+    }
+}

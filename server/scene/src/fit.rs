@@ -1,0 +1,73 @@
+//! One ball for a set of surface samples: candidates on the lines from the surface to the inscribed
+//! balls' centres, then a random descent with a fixed seed.
+
+use sulcus_core::{Sphere, Vec3};
+
+use crate::distance::MeshDistance;
+use crate::random::Random;
+use crate::sample::Sample;
+
+/// Samples that a fit looks at; more change nothing but the time.
+const LOOKED_AT: usize = 240;
+const LINES: usize = 10;
+const STATIONS: [f64; 6] = [0.2, 0.4, 0.6, 0.75, 0.9, 1.0];
+const REFINEMENTS: usize = 48;
+
+/// Fits a ball to `members` (indices into `samples`, whose inscribed-ball centres are `centres`).
+pub(crate) fn fit(
+    distance: &MeshDistance,
+    samples: &[Sample],
+    centres: &[Vec3],
+    members: &[u32],
+    smallest: f64,
+    random: &mut Random,
+) -> Sphere {
+    let stride = members.len().div_ceil(LOOKED_AT);
+    let points: Vec<Vec3> = members.iter().step_by(stride).map(|&m| samples[m as usize].point).collect();
+    let mut best = (f64::INFINITY, Sphere { centre: points[0], radius: smallest });
+    for line in 0..LINES.min(members.len()) {
+        let member = members[(2 * line + 1) * members.len() / (2 * LINES.min(members.len()))] as usize;
+        let (p, m) = (samples[member].point, centres[member]);
+        for station in STATIONS {
+            consider(distance, &points, p + (m - p) * station, smallest, &mut best);
+        }
+    }
+    // Shrinking steps around the best so far.
+    let mut reach = 0.5 * best.1.radius;
+    for _ in 0..REFINEMENTS {
+        let offset = Vec3::from_fn(|_, _| random.between(-1.0, 1.0)) * reach;
+        let before = best.0;
+        consider(distance, &points, best.1.centre + offset, smallest, &mut best);
+        reach *= if best.0 < before { 1.1 } else { 0.9 };
+    }
+    best.1
+}
+
+/// Tries a few radii about one centre.
+fn consider(distance: &MeshDistance, points: &[Vec3], centre: Vec3, smallest: f64, best: &mut (f64, Sphere)) {
+    let depth = -distance.signed(&centre);
+    if depth <= 0.0 {
+        return;
+    }
+    let (mut sum, mut squares, mut far) = (0.0, 0.0, 0.0_f64);
+    for point in points {
+        let d2 = (point - centre).norm_squared();
+        let d = d2.sqrt();
+        sum += d;
+        squares += d2;
+        far = far.max(d);
+    }
+    let count = points.len() as f64;
+    let mean = sum / count;
+    // The cost is a parabola in the radius between a few kinks: its terms are
+    // mean((d - r)^2) + protrusion^2 + 0.15 gap^2.
+    for radius in [mean, depth, 0.5 * (mean + depth), 0.75 * depth + 0.25 * mean, (mean + depth + 0.15 * far) / 2.15] {
+        let radius = radius.max(smallest);
+        let protrusion = (radius - depth).max(0.0);
+        let gap = (far - radius).max(0.0);
+        let cost = squares / count - 2.0 * radius * mean + radius * radius + protrusion * protrusion + 0.15 * gap * gap;
+        if cost < best.0 {
+            *best = (cost, Sphere { centre, radius });
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Work shared between threads with a result that does not depend on how many there are.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// `(0..count).map(work)`, on all cores, in order.
+pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(8);
+    let chunk = (count / (threads * 8)).max(1);
+    if threads == 1 || count < 2 {
+        return (0..count).map(work).collect();
+    }
+    let next = AtomicUsize::new(0);
+    // Each thread takes the next chunk; the pieces are put back in order afterwards.
+    let run = || {
+        let mut done = Vec::new();
+        loop {
+            let start = next.fetch_add(chunk, Ordering::Relaxed);
+            if start >= count {
+                return done;
+            }
+            done.push((start, (start..(start + chunk).min(count)).map(&work).collect::<Vec<T>>()));
+        }
+    };
+    let mut pieces = std::thread::scope(|scope| {
+        let helpers: Vec<_> = (1..threads).map(|_| scope.spawn(run)).collect();
+        let mut pieces = run();
+        for helper in helpers {
+            match helper.join() {
+                Ok(more) => pieces.extend(more),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        pieces
+    });
+    pieces.sort_unstable_by_key(|piece| piece.0);
+    pieces.into_iter().flat_map(|piece| piece.1).collect()
+}
