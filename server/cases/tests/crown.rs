@@ -1,0 +1,126 @@
+//! The crown exercise in closed loop: what must hold of every tick, each checked from a computation
+//! that shares nothing with the tick's own.
+
+use std::path::{Path, PathBuf};
+
+use sulcus_cases::{Measures, Observer};
+use sulcus_core::math::norm;
+use sulcus_core::optimise::SolverKind;
+use sulcus_core::output::status;
+use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, Wrench, tick};
+use sulcus_operator::crown::{Crown, CrownParams};
+use sulcus_operator::{HandParams, Operator};
+use sulcus_scene::{BuildOptions, compile_default, compile_file, default_cache_dir};
+
+fn options() -> BuildOptions {
+    BuildOptions { cache: default_cache_dir(), ..BuildOptions::default() }
+}
+
+fn molar() -> Scene {
+    compile_default(&options(), &|_, _| {}).expect("the built-in scene").scene
+}
+
+/// Performs the exercise and checks each tick's own books on the way.
+fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
+    let crown = Crown::new(scene, None, CrownParams { duration: seconds, ..CrownParams::default() });
+    let mut operator = Operator::new(Box::new(crown.expect("a tooth")), HandParams::default(), seed);
+    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
+    let mut observer = Observer::new(scene);
+    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    for k in 0..operator.ticks() {
+        let mut input = TickInput::IDLE;
+        input.tools = operator.step(&felt);
+        let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
+        observer.observe(scene, &input, &out);
+        check_books(scene, &state, &ws, &out, k);
+        felt = std::array::from_fn(|t| out.tools[t].wrench);
+    }
+    observer.measures()
+}
+
+/// Multipliers, complementarity and the sum of loads.
+fn check_books(scene: &Scene, state: &State, ws: &Workspace, out: &sulcus_core::TickOutput, k: u64) {
+    let tool = &out.tools[0];
+    if tool.status & (status::SOLVER_FAILED | status::ABSENT) != 0 || !tool.converged {
+        return;
+    }
+    let mut push = Vec3::zeros();
+    for (contact, lambda) in ws.contacts() {
+        assert!(lambda >= 0.0, "tick {k}: multiplier {lambda:e}");
+        push += contact.normal * lambda;
+        // Complementarity on the true geometry: a sphere pair that bears load touches.
+        let nodes = (
+            &scene.tools[0].tree.nodes()[contact.tool_sphere as usize],
+            &scene.objects[usize::from(contact.object)].tree.nodes()[contact.object_sphere as usize],
+        );
+        let gap = norm(&(tool.graphic.transform(&nodes.0.centre) - nodes.1.centre))
+            - nodes.0.contact_radius
+            - nodes.1.contact_radius;
+        assert!(gap >= -1e-6, "tick {k}: gap {gap:e} m");
+        if lambda > 1e-6 {
+            assert!(gap <= 1e-6, "tick {k}: {lambda:e} N across a gap of {gap:e} m");
+        }
+    }
+    let loads = state.loads.iter().fold(Vec3::zeros(), |sum, load| sum + load.force);
+    assert!(norm(&(loads + push)) < 1e-9, "tick {k}: loads {loads:?}, multipliers {push:?}");
+    assert!(norm(&(loads + tool.raw_wrench.force)) < 1e-12, "tick {k}: wrench {:?}", tool.raw_wrench);
+}
+
+fn assert_good(what: &str, m: &Measures) {
+    println!(
+        "{what}: contact {} of {}, residual {:.4} um, jump {:.3} mm, force step {:.3} N, buzz {:.5} N, coupling {:.3} %, exhausted {}, raw {:.2} N",
+        m.contact_ticks,
+        m.ticks,
+        m.residual * 1e6,
+        m.jump * 1e3,
+        m.force_step,
+        m.buzz,
+        m.coupling_error * 100.0,
+        m.exhausted,
+        m.max_raw_force
+    );
+    assert!(m.contact_ticks * 2 > m.ticks, "{what}: hardly touched");
+    assert!(m.residual <= 1e-6, "{what}: residual {:e} m", m.residual);
+    assert!(m.coupling_error <= 0.01, "{what}: coupling {:e}", m.coupling_error);
+    assert!(m.exhausted * 1000 <= m.ticks, "{what}: {} exhausted of {}", m.exhausted, m.ticks);
+    assert_eq!(m.solver_failed, 0, "{what}");
+    assert!(m.jump <= 2e-3, "{what}: jump {:e} m", m.jump);
+    assert!(m.buzz <= 0.01, "{what}: buzz {:e} N", m.buzz);
+}
+
+#[test]
+fn on_the_parametric_molar_at_levels_2_to_4() {
+    for level in 2..=4 {
+        let mut scene = molar();
+        scene.tools[0].level = level;
+        scene.objects[0].level = level;
+        assert_good(&format!("molar level {level}"), &perform(&scene, 8.0, u64::from(level)));
+    }
+}
+
+#[test]
+fn with_the_judge_in_the_tick() {
+    let mut scene = molar();
+    scene.params.solver = SolverKind::Clarabel;
+    assert_good("molar, Clarabel", &perform(&scene, 5.0, 5));
+}
+
+#[test]
+fn on_a_real_tooth() {
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes/tooth_36_first_molar.stl");
+    let Ok(mesh) = mesh.canonicalize() else {
+        eprintln!("SKIPPED: no real tooth at {}", mesh.display());
+        return;
+    };
+    let folder = std::env::temp_dir().join(format!("sulcus-real-tooth-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("temporary folder");
+    let file: PathBuf = folder.join("real.toml");
+    let text = format!(
+        "name = \"real tooth\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\nlevel = 3\nlevels = 4\npark_mm = [3.0, 21.0, 125.0]\n\
+         [[object]]\nname = \"tooth 36\"\nfdi = 36\nmesh = {mesh:?}\nunit = \"mm\"\nlevel = 3\nlevels = 4\ntissue = \"rigid\"\n"
+    );
+    std::fs::write(&file, text).expect("scene file");
+    let compiled = compile_file(&file, &options(), &|_, _| {}).expect("a real tooth is a good mesh");
+    std::fs::remove_dir_all(&folder).expect("temporary folder");
+    assert_good("real tooth 36", &perform(&compiled.scene, 8.0, 36));
+}
