@@ -13,17 +13,33 @@ use sulcus_operator::{HandParams, Operator};
 use sulcus_scene::{BuildOptions, compile_default, compile_file, default_cache_dir};
 
 fn options() -> BuildOptions {
-    BuildOptions { cache: default_cache_dir(), ..BuildOptions::default() }
+    BuildOptions {
+        cache: default_cache_dir(),
+        ..BuildOptions::default()
+    }
 }
 
 fn molar() -> Scene {
-    compile_default(&options(), &|_, _| {}).expect("the built-in scene").scene
+    compile_default(&options(), &|_, _| {})
+        .expect("the built-in scene")
+        .scene
 }
 
 /// Performs the exercise and checks each tick's own books on the way.
 fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
-    let crown = Crown::new(scene, None, CrownParams { duration: seconds, ..CrownParams::default() });
-    let mut operator = Operator::new(Box::new(crown.expect("a tooth")), HandParams::default(), seed);
+    let crown = Crown::new(
+        scene,
+        None,
+        CrownParams {
+            duration: seconds,
+            ..CrownParams::default()
+        },
+    );
+    let mut operator = Operator::new(
+        Box::new(crown.expect("a tooth")),
+        HandParams::default(),
+        seed,
+    );
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut observer = Observer::new(scene);
     let mut felt = [Wrench::ZERO; MAX_TOOLS];
@@ -39,7 +55,13 @@ fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
 }
 
 /// Multipliers, complementarity and the sum of loads.
-fn check_books(scene: &Scene, state: &State, ws: &Workspace, out: &sulcus_core::TickOutput, k: u64) {
+fn check_books(
+    scene: &Scene,
+    state: &State,
+    ws: &Workspace,
+    out: &sulcus_core::TickOutput,
+    k: u64,
+) {
     let tool = &out.tools[0];
     if tool.status & (status::SOLVER_FAILED | status::ABSENT) != 0 || !tool.converged {
         return;
@@ -51,19 +73,33 @@ fn check_books(scene: &Scene, state: &State, ws: &Workspace, out: &sulcus_core::
         // Complementarity on the true geometry: a sphere pair that bears load touches.
         let nodes = (
             &scene.tools[0].tree.nodes()[contact.tool_sphere as usize],
-            &scene.objects[usize::from(contact.object)].tree.nodes()[contact.object_sphere as usize],
+            &scene.objects[usize::from(contact.object)].tree.nodes()
+                [contact.object_sphere as usize],
         );
         let gap = norm(&(tool.graphic.transform(&nodes.0.centre) - nodes.1.centre))
             - nodes.0.contact_radius
             - nodes.1.contact_radius;
         assert!(gap >= -1e-6, "tick {k}: gap {gap:e} m");
         if lambda > 1e-6 {
-            assert!(gap <= 1e-6, "tick {k}: {lambda:e} N across a gap of {gap:e} m");
+            assert!(
+                gap <= 1e-6,
+                "tick {k}: {lambda:e} N across a gap of {gap:e} m"
+            );
         }
     }
-    let loads = state.loads.iter().fold(Vec3::zeros(), |sum, load| sum + load.force);
-    assert!(norm(&(loads + push)) < 1e-9, "tick {k}: loads {loads:?}, multipliers {push:?}");
-    assert!(norm(&(loads + tool.raw_wrench.force)) < 1e-12, "tick {k}: wrench {:?}", tool.raw_wrench);
+    let loads = state
+        .loads
+        .iter()
+        .fold(Vec3::zeros(), |sum, load| sum + load.force);
+    assert!(
+        norm(&(loads + push)) < 1e-9,
+        "tick {k}: loads {loads:?}, multipliers {push:?}"
+    );
+    assert!(
+        norm(&(loads + tool.raw_wrench.force)) < 1e-12,
+        "tick {k}: wrench {:?}",
+        tool.raw_wrench
+    );
 }
 
 fn assert_good(what: &str, m: &Measures) {
@@ -81,8 +117,17 @@ fn assert_good(what: &str, m: &Measures) {
     );
     assert!(m.contact_ticks * 2 > m.ticks, "{what}: hardly touched");
     assert!(m.residual <= 1e-6, "{what}: residual {:e} m", m.residual);
-    assert!(m.coupling_error <= 0.01, "{what}: coupling {:e}", m.coupling_error);
-    assert!(m.exhausted * 1000 <= m.ticks, "{what}: {} exhausted of {}", m.exhausted, m.ticks);
+    assert!(
+        m.coupling_error <= 0.01,
+        "{what}: coupling {:e}",
+        m.coupling_error
+    );
+    assert!(
+        m.exhausted * 1000 <= m.ticks,
+        "{what}: {} exhausted of {}",
+        m.exhausted,
+        m.ticks
+    );
     assert_eq!(m.solver_failed, 0, "{what}");
     assert!(m.jump <= 2e-3, "{what}: jump {:e} m", m.jump);
     assert!(m.buzz <= 0.01, "{what}: buzz {:e} N", m.buzz);
@@ -94,7 +139,10 @@ fn on_the_parametric_molar_at_levels_2_to_4() {
         let mut scene = molar();
         scene.tools[0].level = level;
         scene.objects[0].level = level;
-        assert_good(&format!("molar level {level}"), &perform(&scene, 8.0, u64::from(level)));
+        assert_good(
+            &format!("molar level {level}"),
+            &perform(&scene, 8.0, u64::from(level)),
+        );
     }
 }
 
@@ -107,7 +155,8 @@ fn with_the_judge_in_the_tick() {
 
 #[test]
 fn on_a_real_tooth() {
-    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes/tooth_36_first_molar.stl");
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data/meshes/tooth_36_first_molar.stl");
     let Ok(mesh) = mesh.canonicalize() else {
         eprintln!("SKIPPED: no real tooth at {}", mesh.display());
         return;
@@ -120,7 +169,8 @@ fn on_a_real_tooth() {
          [[object]]\nname = \"tooth 36\"\nfdi = 36\nmesh = {mesh:?}\nunit = \"mm\"\nlevel = 3\nlevels = 4\ntissue = \"rigid\"\n"
     );
     std::fs::write(&file, text).expect("scene file");
-    let compiled = compile_file(&file, &options(), &|_, _| {}).expect("a real tooth is a good mesh");
+    let compiled =
+        compile_file(&file, &options(), &|_, _| {}).expect("a real tooth is a good mesh");
     std::fs::remove_dir_all(&folder).expect("temporary folder");
     assert_good("real tooth 36", &perform(&compiled.scene, 8.0, 36));
 }

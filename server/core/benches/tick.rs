@@ -8,7 +8,9 @@
 
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_core::optimise::SolverKind;
-use sulcus_core::{MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, Wrench, tick};
+use sulcus_core::{
+    MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, Wrench, tick,
+};
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator};
 use sulcus_scene::{BuildOptions, compile_default, default_cache_dir};
@@ -22,7 +24,13 @@ fn cpu_ns() -> u64 {
 fn line(mut times: Vec<u64>) -> String {
     times.sort_unstable();
     let at = |q: f64| times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3;
-    format!("{:7.2} {:7.2} {:7.2} {:8.2}", at(0.5), at(0.99), at(0.999), at(1.0))
+    format!(
+        "{:7.2} {:7.2} {:7.2} {:8.2}",
+        at(0.5),
+        at(0.99),
+        at(0.999),
+        at(1.0)
+    )
 }
 
 #[derive(Default)]
@@ -45,7 +53,15 @@ impl StageProbe for Stages {
 
 /// Inputs of a closed loop, so that every variant is timed on the same hand.
 fn inputs(scene: &Scene, seconds: f64) -> Vec<TickInput> {
-    let crown = Crown::new(scene, None, CrownParams { duration: seconds, ..CrownParams::default() }).expect("a tooth");
+    let crown = Crown::new(
+        scene,
+        None,
+        CrownParams {
+            duration: seconds,
+            ..CrownParams::default()
+        },
+    )
+    .expect("a tooth");
     let mut operator = Operator::new(Box::new(crown), HandParams::default(), 1);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut felt = [Wrench::ZERO; MAX_TOOLS];
@@ -65,10 +81,18 @@ fn main() {
     if std::env::args().any(|arg| arg == "--test") {
         return;
     }
-    let options = BuildOptions { cache: default_cache_dir(), ..BuildOptions::default() };
-    let scene = compile_default(&options, &|_, _| {}).expect("the built-in scene").scene;
+    let options = BuildOptions {
+        cache: default_cache_dir(),
+        ..BuildOptions::default()
+    };
+    let scene = compile_default(&options, &|_, _| {})
+        .expect("the built-in scene")
+        .scene;
     println!("probe on one molar, 20 s round the crown; thread CPU time, us");
-    println!("{:24} {:>7} {:>7} {:>7} {:>8}   substeps  rows  contact", "", "p50", "p99", "p99.9", "max");
+    println!(
+        "{:24} {:>7} {:>7} {:>7} {:>8}   substeps  rows  contact",
+        "", "p50", "p99", "p99.9", "max"
+    );
     for (level, solver) in [
         (2, SolverKind::ActiveSet),
         (3, SolverKind::ActiveSet),
@@ -109,7 +133,15 @@ fn main() {
         for input in &inputs {
             tick(&scene, &mut state, &mut ws, input, &mut stages);
         }
-        let mean = |stage: Stage| format!("{stage:?} {:.2}", stages.sums[stage as usize] as f64 / n * 1e-3);
-        println!("    mean by stage, us (each with the clock's own 0.2 or so): {}", Stage::ALL.map(mean).join(", "));
+        let mean = |stage: Stage| {
+            format!(
+                "{stage:?} {:.2}",
+                stages.sums[stage as usize] as f64 / n * 1e-3
+            )
+        };
+        println!(
+            "    mean by stage, us (each with the clock's own 0.2 or so): {}",
+            Stage::ALL.map(mean).join(", ")
+        );
     }
 }

@@ -19,6 +19,11 @@ use crate::{parallel, sample};
 /// Changes whenever the same input gives another tree; part of the cache key.
 pub const BUILDER_VERSION: u32 = 1;
 
+/// Ways of sharing out that are tried for each node.
+const TRIES: usize = 4;
+/// Times that samples then move to the ball that they fit best.
+const ROUNDS: usize = 3;
+
 /// How a tree is built.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
@@ -95,7 +100,7 @@ pub fn build_tree(
     let fitted = |members: &[u32], random: &mut Random| fit(&distance, &samples, &centres, members, smallest, random);
 
     let all: Vec<u32> = (0..samples.len() as u32).collect();
-    let sphere = fitted(&all, &mut Random::new(0));
+    let sphere = fitted(&all, &mut Random::new(0)).1;
     let mut levels = vec![vec![Share { members: all, sphere, first_child: 0, children: 0 }]];
     for level in 1..=options.levels {
         progress("spheres", 0.3 + 0.7 * f64::from(level - 1) / f64::from(options.levels));
@@ -106,14 +111,25 @@ pub fn build_tree(
                 return Vec::new();
             }
             let mut random = Random::new((u64::from(level) << 32) | index as u64);
-            let parts = split(&features, &parent.members, 8, &mut random);
-            parts
-                .into_iter()
-                .map(|part| {
-                    let sphere = fitted(&part, &mut random);
-                    (part, sphere)
-                })
-                .collect()
+            // The best of a few ways to share out.
+            let mut best = (f64::INFINITY, Vec::new());
+            for _ in 0..if level > 3 { 1 } else { TRIES } {
+                let mut parts = split(&features, &parent.members, 8, &mut random);
+                for round in 0..=ROUNDS {
+                    let mut cost = 0.0;
+                    let mut family = Vec::with_capacity(parts.len());
+                    for part in parts {
+                        let (own, sphere) = fitted(&part, &mut random);
+                        cost += own * part.len() as f64;
+                        family.push((part, sphere));
+                    }
+                    parts = if round < ROUNDS { reshared(&family, &samples) } else { Vec::new() };
+                    if cost < best.0 {
+                        best = (cost, family);
+                    }
+                }
+            }
+            best.1
         });
         let mut children = Vec::new();
         for (parent, family) in levels[usize::from(level) - 1].iter_mut().zip(families) {
@@ -130,6 +146,24 @@ pub fn build_tree(
     }
     progress("spheres", 1.0);
     tree(&levels)
+}
+
+/// Gives each sample to the ball of the family whose surface is nearest.
+fn reshared(family: &[(Vec<u32>, Sphere)], samples: &[sample::Sample]) -> Vec<Vec<u32>> {
+    let mut parts = vec![Vec::new(); family.len()];
+    for &member in family.iter().flat_map(|(members, _)| members) {
+        let point = samples[member as usize].point;
+        let mut best = (f64::INFINITY, 0);
+        for (k, (_, sphere)) in family.iter().enumerate() {
+            let off = ((point - sphere.centre).norm() - sphere.radius).abs();
+            if off < best.0 {
+                best = (off, k);
+            }
+        }
+        parts[best.1].push(member);
+    }
+    parts.retain(|part| !part.is_empty());
+    parts
 }
 
 /// Largest distance of a sample from the ball's surface, metres.

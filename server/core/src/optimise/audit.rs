@@ -1,6 +1,8 @@
 //! A second opinion on the last problem of a tick, for `replay --audit` and the tests.
 
-use super::{ContactSolver, Solution, SolveStatus, SolverKind, active_set::ActiveSet, clarabel::Clarabel};
+use super::{
+    ContactSolver, Solution, SolveStatus, SolverKind, active_set::ActiveSet, clarabel::Clarabel,
+};
 use crate::math::{Vec3, fmax, norm};
 use crate::{MAX_TOOLS, Scene, Workspace};
 
@@ -26,7 +28,9 @@ pub fn audit(scene: &Scene, ws: &Workspace) -> Option<Verdict> {
     let mut other = Solution::with_capacity(problem.rows.len());
     match scene.params.solver {
         SolverKind::ActiveSet => Clarabel.solve(&problem, &mut other),
-        SolverKind::Clarabel => ActiveSet::with_capacity(problem.rows.len()).solve(&problem, &mut other),
+        SolverKind::Clarabel => {
+            ActiveSet::with_capacity(problem.rows.len()).solve(&problem, &mut other)
+        }
     }
     let judge_solved = other.status == SolveStatus::Solved;
     let mut pose_difference = 0.0;
@@ -37,5 +41,9 @@ pub fn audit(scene: &Scene, ws: &Workspace) -> Option<Verdict> {
             pose_difference = fmax(pose_difference, norm(&(at(&own.y) - at(&other.y))) / root);
         }
     }
-    Some(Verdict { kkt_residual: problem.kkt_residual(&own.lambda), judge_solved, pose_difference })
+    Some(Verdict {
+        kkt_residual: problem.kkt_residual(&own.lambda),
+        judge_solved,
+        pose_difference,
+    })
 }

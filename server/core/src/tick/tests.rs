@@ -305,8 +305,13 @@ fn the_judge_confirms_a_tick_in_contact() {
     for k in 0..300 {
         let depth = 0.001 - 0.003 * f64::from(k) / 300.0;
         tick(&scene, &mut state, &mut ws, &tip_at(depth), &mut NoProbe);
-        let Some(verdict) = crate::optimise::audit::audit(&scene, &ws) else { continue };
-        assert!(verdict.judge_solved && verdict.kkt_residual < 1e-9, "tick {k}: {verdict:?}");
+        let Some(verdict) = crate::optimise::audit::audit(&scene, &ws) else {
+            continue;
+        };
+        assert!(
+            verdict.judge_solved && verdict.kkt_residual < 1e-9,
+            "tick {k}: {verdict:?}"
+        );
         assert!(verdict.pose_difference < 2e-7, "tick {k}: {verdict:?}");
     }
     assert!(crate::optimise::audit::audit(&scene, &ws).is_some());

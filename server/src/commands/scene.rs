@@ -1,0 +1,161 @@
+//! `sulcus-server scene check` and `scene build`: scene files to compiled scenes.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::{Args, Subcommand};
+use serde::Serialize;
+use sulcus_scene::{BuildOptions, Compiled, compile_file};
+
+/// Check and compile scene files.
+#[derive(Clone, Debug, Args)]
+pub struct SceneArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: SceneAction,
+}
+
+/// What `scene` can do.
+#[derive(Clone, Debug, Subcommand)]
+pub enum SceneAction {
+    /// Read a scene file, check everything it names, say what it holds.
+    ///
+    /// Example: sulcus-server scene check scenes/crown.toml
+    Check {
+        /// Scene file (TOML).
+        file: PathBuf,
+        /// Print one JSON object on the last line of standard output.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Compile a scene file into the bytes that the server and every recording carry.
+    ///
+    /// Example: sulcus-server scene build scenes/crown.toml --out crown.scene
+    Build {
+        /// Scene file (TOML).
+        file: PathBuf,
+        /// Where to write; default: the scene file's name with the ending .scene.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Build every tree anew instead of taking it from the cache.
+        #[arg(long)]
+        no_cache: bool,
+        /// Print one JSON object on the last line of standard output.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(Serialize)]
+struct Part<'a> {
+    name: &'a str,
+    fdi: u8,
+    level: u8,
+    spheres: usize,
+    finest_level: u8,
+    finest_spheres: usize,
+    triangles: usize,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: &'a str,
+    file: &'a Path,
+    source_hash: &'a str,
+    scene_hash: String,
+    bytes: usize,
+    out: Option<&'a Path>,
+    tools: Vec<Part<'a>>,
+    objects: Vec<Part<'a>>,
+    warnings: &'a [String],
+}
+
+/// Runs the command; the exit code is 0.
+///
+/// # Errors
+/// If the scene or a mesh that it names cannot be used, or the result cannot be written.
+pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
+    let narrator = Narrator::default();
+    let (file, out, json, cached) = match &args.action {
+        SceneAction::Check { file, json } => (file, None, *json, true),
+        SceneAction::Build { file, out, no_cache, json } => {
+            let out = out.clone().unwrap_or_else(|| file.with_extension("scene"));
+            (file, Some(out), *json, !no_cache)
+        }
+    };
+    let options = if cached { BuildOptions::cached() } else { BuildOptions::default() };
+    let compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
+    let bytes = compiled.scene.to_bytes()?;
+    if let Some(out) = &out {
+        std::fs::write(out, &bytes).with_context(|| format!("{}: cannot write the compiled scene", out.display()))?;
+    }
+    for warning in &compiled.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let report = report(&compiled, file, out.as_deref(), &bytes);
+    print(&report);
+    if json {
+        println!("{}", serde_json::to_string(&report)?);
+    }
+    Ok(0)
+}
+
+fn report<'a>(compiled: &'a Compiled, file: &'a Path, out: Option<&'a Path>, bytes: &[u8]) -> Report<'a> {
+    let part = |name: &'a str, fdi, tree: &sulcus_core::SphereTree, level, triangles| Part {
+        name,
+        fdi,
+        level,
+        spheres: tree.shape_at(level).count(),
+        finest_level: tree.depth(),
+        finest_spheres: tree.shape_at(tree.depth()).count(),
+        triangles,
+    };
+    let scene = &compiled.scene;
+    Report {
+        scene: &scene.name,
+        file,
+        source_hash: &compiled.source_hash,
+        scene_hash: blake3::hash(bytes).to_hex().to_string(),
+        bytes: bytes.len(),
+        out,
+        tools: scene.tools.iter().map(|t| part(&t.name, 0, &t.tree, t.level, t.mesh.triangles.len())).collect(),
+        objects: scene.objects.iter().map(|o| part(&o.name, o.fdi, &o.tree, o.level, o.mesh.triangles.len())).collect(),
+        warnings: &compiled.warnings,
+    }
+}
+
+fn print(report: &Report) {
+    println!("scene `{}` from {}", report.scene, report.file.display());
+    for (what, parts) in [("tool", &report.tools), ("object", &report.objects)] {
+        for part in parts {
+            let tooth = if part.fdi > 0 { format!(" (FDI {})", part.fdi) } else { String::new() };
+            println!(
+                "  {what} `{}`{tooth}: level {} with {} spheres, built to level {} with {}, {} triangles",
+                part.name, part.level, part.spheres, part.finest_level, part.finest_spheres, part.triangles
+            );
+        }
+    }
+    println!("  source {}", report.source_hash);
+    println!("  scene  {} ({} bytes)", report.scene_hash, report.bytes);
+    if let Some(out) = report.out {
+        println!("  written to {}", out.display());
+    }
+}
+
+/// Says on standard error what is being done, each line once.
+#[derive(Default)]
+pub(crate) struct Narrator {
+    last: RefCell<String>,
+}
+
+impl Narrator {
+    /// A stage, and how much of the whole is done (0 to 1).
+    pub(crate) fn say(&self, stage: &str, share: f64) {
+        let line = format!("{:3.0} %  {stage}", 100.0 * share);
+        if *self.last.borrow() != line {
+            eprintln!("{line}");
+            self.last.replace(line);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What a server is told before it starts.
+
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use sulcus_core::Scene;
+use sulcus_proto::limits::NAME_BYTES;
+use sulcus_proto::ticket::hex;
+
+use crate::ServerError;
+
+/// What a student is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exercise {
+    /// Name: letters, digits, `-`, `_`, `/`. It becomes part of the recording's file name.
+    pub name: String,
+    /// For the student.
+    pub text: String,
+    /// Seed of what is random in it.
+    pub seed: u64,
+}
+
+impl Default for Exercise {
+    fn default() -> Self {
+        Self { name: "free".into(), text: "Explore freely.".into(), seed: 0 }
+    }
+}
+
+/// Everything a server is told. One server is one station: one client at a time.
+#[derive(Clone, Debug)]
+pub struct ServerConfig {
+    /// UDP address to listen on; port 0: any free one.
+    pub listen: SocketAddr,
+    /// Compiled scene; its parameters name the solver.
+    pub scene: Arc<Scene>,
+    /// The same scene as bytes: what is hashed and recorded.
+    pub scene_bytes: Arc<Vec<u8>>,
+    /// Folder for recordings; created when missing.
+    pub recordings: PathBuf,
+    /// Secret that a client must know.
+    pub token: String,
+    /// Exercise offered.
+    pub exercise: Exercise,
+    /// Name of this station, for the record and the certificate.
+    pub station: String,
+    /// Opaque learner id for the record when the client names none; never a name.
+    pub learner: String,
+    /// Longest session; `None`: no limit.
+    pub max_session: Option<Duration>,
+    /// Whether to ask the system for real-time scheduling and locked memory. (Where it is not
+    /// permitted the server says so once and carries on.)
+    pub real_time: bool,
+}
+
+impl ServerConfig {
+    /// Loopback, any port, a random token, free exploration, no time limit.
+    ///
+    /// # Errors
+    /// If the system gives no randomness.
+    pub fn new(scene: Arc<Scene>, scene_bytes: Arc<Vec<u8>>, recordings: PathBuf) -> Result<Self, ServerError> {
+        Ok(Self {
+            listen: (Ipv4Addr::LOCALHOST, 0).into(),
+            scene,
+            scene_bytes,
+            recordings,
+            token: random_token()?,
+            exercise: Exercise::default(),
+            station: "station".into(),
+            learner: String::new(),
+            max_session: None,
+            real_time: true,
+        })
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), ServerError> {
+        let bad = |field, found: String, expected| Err(ServerError::Config { field, found, expected });
+        if self.token.is_empty() || self.token.len() > NAME_BYTES {
+            return bad("token", format!("{} bytes long", self.token.len()), "1 to 256 bytes");
+        }
+        let name = &self.exercise.name;
+        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
+        if name.is_empty() || name.len() > 64 || !name.chars().all(known) {
+            return bad("exercise name", format!("`{name}`"), "1 to 64 letters, digits, `-`, `_` or `/`");
+        }
+        if self.exercise.text.len() > 16 * 1024 {
+            return bad("exercise text", format!("{} bytes long", self.exercise.text.len()), "at most 16 KiB");
+        }
+        if self.station.len() > NAME_BYTES {
+            return bad("station name", format!("{} bytes long", self.station.len()), "at most 256 bytes");
+        }
+        if self.max_session.is_some_and(|limit| limit.is_zero()) {
+            return bad("session limit", "zero".into(), "more than zero, or none");
+        }
+        Ok(())
+    }
+}
+
+/// 128 random bits as text.
+fn random_token() -> Result<String, ServerError> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|error| ServerError::System(std::io::Error::other(error.to_string())))?;
+    Ok(hex(&bytes))
+}

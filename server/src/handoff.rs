@@ -1,0 +1,94 @@
+//! What crosses from thread to thread. Every hand-over is wait-free for the simulation: triple
+//! buffers where the newest wins, rings where nothing may be lost, one eventfd as the only wake-up.
+
+use std::os::fd::OwnedFd;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rustix::event::{EventfdFlags, eventfd};
+use sulcus_proto::{PoseDatagram, WrenchDatagram};
+
+/// Slots in the ring of edges.
+pub(crate) const EDGES: usize = 64;
+/// Slots in the recorder's queue: four seconds of ticks.
+pub(crate) const ROWS: usize = 4096;
+/// State snapshot buffers that go round.
+pub(crate) const SNAPSHOTS: usize = 3;
+/// Ticks between two snapshots.
+pub(crate) const SNAPSHOT_TICKS: u64 = 10_000;
+
+/// Network to simulation: the newest pose and when it came.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PoseIn {
+    pub datagram: PoseDatagram,
+    /// Arrival, nanoseconds of the server's monotonic clock.
+    pub arrived_ns: u64,
+}
+
+/// Network to simulation: must not be lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Edge {
+    Paused(bool),
+    /// Newtons; 0: the scene's limit.
+    ForceLimit(f32),
+    /// A button went down; held buttons come with the poses.
+    Pressed {
+        tool: u8,
+        button: u8,
+    },
+}
+
+/// Simulation to network: a wrench whose epoch, sequence and hold time the network fills in.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct WrenchOut {
+    pub datagram: WrenchDatagram,
+    /// Arrival of the echoed pose, nanoseconds of the server's monotonic clock.
+    pub pose_arrived_ns: u64,
+}
+
+/// An eventfd: rung by the simulation and the recorder, awaited by the network.
+#[derive(Clone, Debug)]
+pub(crate) struct Bell(Arc<OwnedFd>);
+
+impl Bell {
+    pub fn new() -> std::io::Result<Self> {
+        Ok(Self(Arc::new(eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?)))
+    }
+
+    /// Wakes the other side. One small system call, never blocks.
+    pub fn ring(&self) {
+        // Fails only when 2^64 - 2 rings were never heard.
+        let _ = rustix::io::write(&*self.0, &1u64.to_ne_bytes());
+    }
+
+    /// Forgets all rings so far.
+    pub fn silence(&self) {
+        // Empty already: nothing to forget.
+        let _ = rustix::io::read(&*self.0, &mut [0u8; 8]);
+    }
+
+    /// The same eventfd as a descriptor of its own, for a poller.
+    pub fn descriptor(&self) -> std::io::Result<OwnedFd> {
+        self.0.try_clone()
+    }
+}
+
+/// Flags of one session.
+#[derive(Debug, Default)]
+pub(crate) struct Flags {
+    /// Network to simulation: end.
+    pub stop: AtomicBool,
+    /// Recorder to network: writing failed, end the session.
+    pub record_failed: AtomicBool,
+    /// Simulation to network: the thread is leaving, asked or not.
+    pub simulation_over: AtomicBool,
+}
+
+impl Flags {
+    pub fn raise(flag: &AtomicBool) {
+        flag.store(true, Ordering::Release);
+    }
+    pub fn is_up(flag: &AtomicBool) -> bool {
+        flag.load(Ordering::Acquire)
+    }
+}

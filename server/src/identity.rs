@@ -1,0 +1,58 @@
+//! Who the server is: a self-signed certificate, made anew at every start and pinned by clients.
+
+use rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
+
+use crate::ServerError;
+
+/// Certificate and key.
+pub(crate) struct Identity {
+    pub certificate: CertificateDer<'static>,
+    pub key: PrivateKeyDer<'static>,
+}
+
+impl Identity {
+    /// A fresh self-signed certificate for `localhost` and the station's name.
+    pub fn generate(station: &str) -> Result<Self, ServerError> {
+        let mut names = vec!["localhost".to_owned()];
+        // A station may be called anything; only what can be a host name goes into the certificate.
+        let is_host = |c: char| c.is_ascii_alphanumeric() || c == '-';
+        if station.len() <= 63 && !station.is_empty() && station.chars().all(is_host) && station != "localhost" {
+            names.push(station.to_owned());
+        }
+        let made = rcgen::generate_simple_self_signed(names).map_err(|error| ServerError::Tls(error.to_string()))?;
+        Ok(Self {
+            certificate: made.cert.der().clone(),
+            key: PrivatePkcs8KeyDer::from(made.signing_key.serialize_der()).into(),
+        })
+    }
+}
+
+/// SHA-256 of a certificate in DER, as `openssl x509 -fingerprint -sha256` prints it.
+///
+/// # Errors
+/// Never with the cipher suites this program is built with.
+pub fn fingerprint(certificate_der: &[u8]) -> Result<[u8; 32], ServerError> {
+    // TLS needs SHA-256 anyway: use its implementation instead of another crate's.
+    let suite = rustls::crypto::ring::cipher_suite::TLS13_AES_128_GCM_SHA256;
+    let missing = || ServerError::Tls("SHA-256 is missing".into());
+    let digest = suite.tls13().ok_or_else(missing)?.common.hash_provider.hash(certificate_der);
+    digest.as_ref().try_into().map_err(|_| missing())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fingerprint_is_sha_256() {
+        let of_nothing = sulcus_proto::ticket::hex(&fingerprint(b"").expect("digest"));
+        assert_eq!(of_nothing, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    }
+
+    #[test]
+    fn any_station_name_gives_a_certificate() {
+        for station in ["", "room-3", "Zahnklinik Süd / 4", &"x".repeat(300)] {
+            assert!(Identity::generate(station).is_ok(), "{station}");
+        }
+    }
+}

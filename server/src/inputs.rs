@@ -1,0 +1,140 @@
+//! From what has arrived to one tick's input: age, staleness, pause, force limit, buttons.
+
+use std::time::Duration;
+
+use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput};
+use sulcus_proto::limits;
+
+use crate::handoff::{Edge, PoseIn};
+
+const TICK_NS: u64 = limits::TICK_NS;
+
+/// State between ticks of what comes from outside.
+#[derive(Debug)]
+pub(crate) struct Inputs {
+    /// Tools in the scene; further slots stay absent whatever a client says.
+    tools: usize,
+    pose: Option<PoseIn>,
+    paused: bool,
+    force_limit_n: f32,
+    /// Buttons that went down since the last tick: seen for one tick at least, even when every pose
+    /// that held them was lost.
+    pressed: [u16; MAX_TOOLS],
+}
+
+impl Inputs {
+    pub fn new(tools: usize) -> Self {
+        Self { tools, pose: None, paused: false, force_limit_n: 0.0, pressed: [0; MAX_TOOLS] }
+    }
+
+    /// A newer pose arrived.
+    pub fn pose(&mut self, pose: PoseIn) {
+        self.pose = Some(pose);
+    }
+
+    /// The newest pose.
+    pub fn newest(&self) -> Option<&PoseIn> {
+        self.pose.as_ref()
+    }
+
+    /// An edge arrived.
+    pub fn edge(&mut self, edge: Edge) {
+        match edge {
+            Edge::Paused(paused) => self.paused = paused,
+            Edge::ForceLimit(newtons) => self.force_limit_n = newtons,
+            Edge::Pressed { tool, button } => {
+                if let Some(pressed) = self.pressed.get_mut(usize::from(tool)) {
+                    *pressed |= 1u16.checked_shl(u32::from(button)).unwrap_or(0);
+                }
+            }
+        }
+    }
+
+    /// Input of the tick that begins at `now_ns` after `skipped` grid ticks were missed.
+    pub fn take(&mut self, now_ns: u64, skipped: u16) -> TickInput {
+        let mut input =
+            TickInput { paused: self.paused, force_limit_n: self.force_limit_n, skipped, ..TickInput::IDLE };
+        let pressed = std::mem::take(&mut self.pressed);
+        let Some(pose) = &self.pose else { return input };
+        // It may have arrived after this tick began.
+        let age_ns = now_ns.saturating_sub(pose.arrived_ns);
+        let stale = Duration::from_nanos(age_ns) >= limits::POSE_STALE;
+        let age_ticks = u16::try_from(age_ns / TICK_NS).unwrap_or(u16::MAX);
+        for (slot, tool) in pose.datagram.tools.iter().take(self.tools).enumerate() {
+            if tool.present {
+                input.tools[slot] = ToolInput {
+                    pose: RawPose { position: tool.pose.position, orientation: tool.pose.orientation },
+                    present: true,
+                    stale,
+                    age_ticks,
+                    buttons: tool.buttons | pressed[slot],
+                };
+            }
+        }
+        input
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sulcus_proto::PoseDatagram;
+
+    fn pose(arrived_ns: u64, present: [bool; 2]) -> PoseIn {
+        let mut datagram = PoseDatagram::default();
+        for (tool, present) in datagram.tools.iter_mut().zip(present) {
+            tool.present = present;
+            tool.pose.position = [0.1, 0.2, 0.3];
+        }
+        PoseIn { datagram, arrived_ns }
+    }
+
+    #[test]
+    fn no_pose_is_no_tool() {
+        assert_eq!(Inputs::new(2).take(5, 0), TickInput::IDLE);
+    }
+
+    #[test]
+    fn a_pose_ages_and_goes_stale_after_fifty_ticks() {
+        let mut inputs = Inputs::new(1);
+        inputs.pose(pose(10 * TICK_NS, [true, false]));
+        let ages: Vec<_> = [9, 10, 11, 59, 60, 100_000]
+            .map(|tick| inputs.take(tick * TICK_NS, 0).tools[0])
+            .map(|tool| (tool.age_ticks, tool.stale))
+            .into();
+        assert_eq!(ages, [(0, false), (0, false), (1, false), (49, false), (50, true), (u16::MAX, true)]);
+        inputs.pose(pose(100_000 * TICK_NS, [true, false]));
+        assert!(!inputs.take(100_000 * TICK_NS, 0).tools[0].stale);
+    }
+
+    #[test]
+    fn slots_without_hand_or_without_tool_are_absent() {
+        let mut inputs = Inputs::new(1);
+        inputs.pose(pose(0, [false, true]));
+        assert_eq!(inputs.take(0, 3), TickInput { skipped: 3, ..TickInput::IDLE });
+    }
+
+    #[test]
+    fn a_press_is_seen_for_one_tick_even_when_no_pose_holds_it() {
+        let mut inputs = Inputs::new(1);
+        inputs.pose(pose(0, [true, false]));
+        inputs.edge(Edge::Pressed { tool: 0, button: 3 });
+        inputs.edge(Edge::Pressed { tool: 9, button: 99 });
+        assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
+        assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
+    }
+
+    #[test]
+    fn commands_hold_until_changed() {
+        let mut inputs = Inputs::new(1);
+        inputs.edge(Edge::Paused(true));
+        inputs.edge(Edge::ForceLimit(1.5));
+        for _ in 0..2 {
+            let input = inputs.take(0, 0);
+            assert!(input.paused);
+            assert_eq!(input.force_limit_n, 1.5);
+        }
+        inputs.edge(Edge::Paused(false));
+        assert!(!inputs.take(0, 0).paused);
+    }
+}

@@ -1,0 +1,35 @@
+//! Stations over QUIC, the real-time thread, recording.
+//!
+//! # Threads of one server
+//! - *network*: a current-thread tokio runtime; owns the endpoint, the control stream, all sockets.
+//! - *simulation*, one per session: a plain thread at SCHED_FIFO where permitted, ticking at 1 kHz on
+//!   absolute deadlines. It never allocates, locks, or touches a tokio type.
+//! - *recorder*, one per session: writes and signs the recording behind a bounded queue.
+//!
+//! They meet in wait-free hand-overs only: triple buffers (newest wins) for poses and wrenches, rings
+//! for edges and rows, one eventfd to wake the network.
+//!
+//! What depends on a wall clock (age, staleness, skipped ticks) is decided here and handed to the
+//! tick as input, so a recording of inputs is enough to run the session again.
+
+pub mod cli;
+pub mod commands;
+pub mod config;
+pub mod error;
+pub mod handle;
+
+mod handoff;
+mod identity;
+mod inputs;
+mod metrics;
+mod network;
+mod realtime;
+mod recording;
+mod simulation;
+mod transport;
+
+pub use config::{Exercise, ServerConfig};
+pub use error::ServerError;
+pub use handle::{Server, ServerHandle};
+pub use identity::fingerprint;
+pub use realtime::monotonic_ns;

@@ -1,0 +1,3 @@
+//! Thin main over the library.
+
+fn main() {}

@@ -1,0 +1,111 @@
+//! The network thread: endpoint, admission, and one station's session at a time.
+
+mod admission;
+mod control;
+mod datagrams;
+mod session;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use quinn::{Connection, Endpoint, EndpointConfig, TokioRuntime, VarInt};
+use sulcus_proto::SessionSummary;
+use sulcus_proto::control::Command;
+use tokio::sync::{Mutex, mpsc, watch};
+
+use crate::{ServerConfig, ServerError};
+
+/// What the whole server is about to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Serve.
+    Serve,
+    /// End the session properly, say goodbye, close.
+    Shutdown,
+    /// Close at once without a word to the client; the recording is still finished.
+    Halt,
+}
+
+/// What connections share.
+pub(crate) struct Shared {
+    pub config: ServerConfig,
+    pub scene_hash: [u8; 32],
+    pub phase: watch::Receiver<Phase>,
+    /// Held by the session that runs: whoever finds it locked is told that the station is busy.
+    pub station: Arc<Mutex<Station>>,
+}
+
+/// What the one running session owns.
+pub(crate) struct Station {
+    /// Commands of the instructor.
+    pub commands: mpsc::Receiver<Command>,
+    /// Epoch of the last session; every session and every resume takes the next one.
+    pub epoch: u32,
+    /// Sessions so far.
+    pub summaries: Vec<SessionSummary>,
+}
+
+impl Station {
+    /// A new session epoch; 0 is never used.
+    pub fn next_epoch(&mut self) -> u32 {
+        self.epoch = self.epoch.wrapping_add(1).max(1);
+        self.epoch
+    }
+}
+
+/// Application code of a proper close.
+const CLOSE_OK: VarInt = VarInt::from_u32(0);
+/// Application code of a refusal.
+const CLOSE_REFUSED: VarInt = VarInt::from_u32(1);
+/// Time a client has to read the last message and close.
+const LAST_WORD: Duration = Duration::from_secs(2);
+/// Connections being served at once, refused ones included.
+const CONNECTIONS: usize = 64;
+
+/// Serves until the phase says otherwise; returns the sessions served.
+pub(crate) async fn serve(
+    socket: std::net::UdpSocket,
+    quic: quinn::ServerConfig,
+    shared: Arc<Shared>,
+) -> Result<Vec<SessionSummary>, ServerError> {
+    let endpoint = Endpoint::new(EndpointConfig::default(), Some(quic), socket, Arc::new(TokioRuntime))?;
+    let mut phase = shared.phase.clone();
+    let mut connections = tokio::task::JoinSet::new();
+    while *phase.borrow_and_update() == Phase::Serve {
+        tokio::select! {
+            _ = phase.changed() => {}
+            Some(_) = connections.join_next() => {}
+            incoming = endpoint.accept() => match incoming {
+                Some(incoming) if connections.len() < CONNECTIONS => {
+                    connections.spawn(connection(incoming, shared.clone()));
+                }
+                Some(incoming) => incoming.refuse(),
+                None => break,
+            },
+        }
+    }
+    if *phase.borrow() == Phase::Halt {
+        endpoint.close(CLOSE_OK, b"server stopped");
+    }
+    // Sessions see the phase too; each finishes its recording before its task ends.
+    while connections.join_next().await.is_some() {}
+    endpoint.close(CLOSE_OK, b"server stopped");
+    // Let the last packets out, but do not wait for clients that are gone.
+    let _ = tokio::time::timeout(LAST_WORD, endpoint.wait_idle()).await;
+    let mut station = shared.station.lock().await;
+    Ok(std::mem::take(&mut station.summaries))
+}
+
+async fn connection(incoming: quinn::Incoming, shared: Arc<Shared>) {
+    let from = incoming.remote_address();
+    match incoming.await {
+        Ok(connection) => admission::admit(connection, shared).await,
+        Err(error) => tracing::info!("connection from {from} failed: {error}"),
+    }
+}
+
+/// Waits until the client has closed (it does so after the last message), then closes.
+async fn close_after_last_word(connection: &Connection, code: VarInt, why: &[u8]) {
+    let _ = tokio::time::timeout(LAST_WORD, connection.closed()).await;
+    connection.close(code, why);
+}
