@@ -31,8 +31,8 @@ pub struct TreeOptions {
     pub levels: u8,
     /// Samples spread over the surface. At least ten for each sphere of the finest level.
     pub samples: usize,
-    /// Weight of place against inscribed-ball centre when samples are shared out, 0 to 1. 0.5 for
-    /// bulky things, 0.4 for discs, near 0 for rods.
+    /// Weight of place against inscribed-ball centre when samples are shared out, 0 to 1. 0.4 for
+    /// bulky things and discs, near 0 for rods.
     pub alpha: f64,
     /// A node that fits its samples better than this is not split, metres.
     pub good_enough: f64,
@@ -40,7 +40,12 @@ pub struct TreeOptions {
 
 impl Default for TreeOptions {
     fn default() -> Self {
-        Self { levels: 4, samples: 60_000, alpha: 0.5, good_enough: 1e-6 }
+        Self {
+            levels: 4,
+            samples: 60_000,
+            alpha: 0.4,
+            good_enough: 1e-6,
+        }
     }
 }
 
@@ -86,8 +91,9 @@ pub fn build_tree(
     let (low, high) = mesh.bounds();
     let size = (high - low).norm();
     progress("inscribed balls", 0.02);
-    let centres: Vec<Vec3> =
-        parallel::map(samples.len(), |s| inscribed_centre(&distance, &samples[s], 0.5 * size));
+    let centres: Vec<Vec3> = parallel::map(samples.len(), |s| {
+        inscribed_centre(&distance, &samples[s], 0.5 * size)
+    });
     let features: Vec<Feature> = samples
         .iter()
         .zip(&centres)
@@ -97,33 +103,54 @@ pub fn build_tree(
         })
         .collect();
     let smallest = 1e-6 * size;
-    let fitted = |members: &[u32], random: &mut Random| fit(&distance, &samples, &centres, members, smallest, random);
+    let fitted = |members: &[u32], start: Option<Sphere>, random: &mut Random| {
+        fit(
+            &distance, &samples, &centres, members, start, smallest, random,
+        )
+    };
 
     let all: Vec<u32> = (0..samples.len() as u32).collect();
-    let sphere = fitted(&all, &mut Random::new(0)).1;
-    let mut levels = vec![vec![Share { members: all, sphere, first_child: 0, children: 0 }]];
+    let sphere = fitted(&all, None, &mut Random::new(0)).1;
+    let mut levels = vec![vec![Share {
+        members: all,
+        sphere,
+        first_child: 0,
+        children: 0,
+    }]];
     for level in 1..=options.levels {
-        progress("spheres", 0.3 + 0.7 * f64::from(level - 1) / f64::from(options.levels));
+        progress(
+            "spheres",
+            0.3 + 0.7 * f64::from(level - 1) / f64::from(options.levels),
+        );
         let parents = &levels[usize::from(level) - 1];
         let families: Vec<Vec<(Vec<u32>, Sphere)>> = parallel::map(parents.len(), |index| {
             let parent = &parents[index];
-            if parent.members.len() < 16 || worst(&parent.members, &parent.sphere, &samples) < options.good_enough {
+            if parent.members.len() < 16
+                || worst(&parent.members, &parent.sphere, &samples) < options.good_enough
+            {
                 return Vec::new();
             }
             let mut random = Random::new((u64::from(level) << 32) | index as u64);
             // The best of a few ways to share out.
             let mut best = (f64::INFINITY, Vec::new());
-            for _ in 0..if level > 3 { 1 } else { TRIES } {
-                let mut parts = split(&features, &parent.members, 8, &mut random);
-                for round in 0..=ROUNDS {
+            // Below level 3 the shape is fine enough for the first answer to do.
+            let (tries, rounds) = if level > 3 { (1, 1) } else { (TRIES, ROUNDS) };
+            for _ in 0..tries {
+                let split = split(&features, &parent.members, 8, &mut random);
+                let mut parts: Vec<_> = split.into_iter().map(|part| (part, None)).collect();
+                for round in 0..=rounds {
                     let mut cost = 0.0;
                     let mut family = Vec::with_capacity(parts.len());
-                    for part in parts {
-                        let (own, sphere) = fitted(&part, &mut random);
+                    for (part, start) in parts {
+                        let (own, sphere) = fitted(&part, start, &mut random);
                         cost += own * part.len() as f64;
                         family.push((part, sphere));
                     }
-                    parts = if round < ROUNDS { reshared(&family, &samples) } else { Vec::new() };
+                    parts = if round < rounds {
+                        reshared(&family, &samples)
+                    } else {
+                        Vec::new()
+                    };
                     if cost < best.0 {
                         best = (cost, family);
                     }
@@ -135,9 +162,12 @@ pub fn build_tree(
         for (parent, family) in levels[usize::from(level) - 1].iter_mut().zip(families) {
             parent.first_child = children.len() as u32;
             parent.children = family.len() as u8;
-            children.extend(
-                family.into_iter().map(|(members, sphere)| Share { members, sphere, first_child: 0, children: 0 }),
-            );
+            children.extend(family.into_iter().map(|(members, sphere)| Share {
+                members,
+                sphere,
+                first_child: 0,
+                children: 0,
+            }));
         }
         if children.is_empty() {
             break;
@@ -149,8 +179,14 @@ pub fn build_tree(
 }
 
 /// Gives each sample to the ball of the family whose surface is nearest.
-fn reshared(family: &[(Vec<u32>, Sphere)], samples: &[sample::Sample]) -> Vec<Vec<u32>> {
-    let mut parts = vec![Vec::new(); family.len()];
+fn reshared(
+    family: &[(Vec<u32>, Sphere)],
+    samples: &[sample::Sample],
+) -> Vec<(Vec<u32>, Option<Sphere>)> {
+    let mut parts: Vec<_> = family
+        .iter()
+        .map(|(_, sphere)| (Vec::new(), Some(*sphere)))
+        .collect();
     for &member in family.iter().flat_map(|(members, _)| members) {
         let point = samples[member as usize].point;
         let mut best = (f64::INFINITY, 0);
@@ -160,9 +196,9 @@ fn reshared(family: &[(Vec<u32>, Sphere)], samples: &[sample::Sample]) -> Vec<Ve
                 best = (off, k);
             }
         }
-        parts[best.1].push(member);
+        parts[best.1].0.push(member);
     }
-    parts.retain(|part| !part.is_empty());
+    parts.retain(|part| !part.0.is_empty());
     parts
 }
 
@@ -182,7 +218,11 @@ fn tree(levels: &[Vec<Share>]) -> Result<SphereTree, TreeBuildError> {
             centre: share.sphere.centre,
             contact_radius: share.sphere.radius,
             bound_radius: share.sphere.radius,
-            first_child: if share.children > 0 { next_level + share.first_child } else { 0 },
+            first_child: if share.children > 0 {
+                next_level + share.first_child
+            } else {
+                0
+            },
             children: share.children,
             level: level as u8,
         }));
@@ -193,13 +233,37 @@ fn tree(levels: &[Vec<Share>]) -> Result<SphereTree, TreeBuildError> {
 impl TreeOptions {
     fn validate(&self) -> Result<(), TreeBuildError> {
         let checks = [
-            ("levels", f64::from(self.levels), (1..=6).contains(&self.levels), "1 to 6"),
-            ("samples", self.samples as f64, (500..=2_000_000).contains(&self.samples), "500 to 2000000"),
-            ("alpha", self.alpha, (0.0..=1.0).contains(&self.alpha), "0 to 1"),
-            ("good_enough", self.good_enough, (0.0..=1e-3).contains(&self.good_enough), "0 to 1e-3 m"),
+            (
+                "levels",
+                f64::from(self.levels),
+                (1..=6).contains(&self.levels),
+                "1 to 6",
+            ),
+            (
+                "samples",
+                self.samples as f64,
+                (500..=2_000_000).contains(&self.samples),
+                "500 to 2000000",
+            ),
+            (
+                "alpha",
+                self.alpha,
+                (0.0..=1.0).contains(&self.alpha),
+                "0 to 1",
+            ),
+            (
+                "good_enough",
+                self.good_enough,
+                (0.0..=1e-3).contains(&self.good_enough),
+                "0 to 1e-3 m",
+            ),
         ];
         match checks.into_iter().find(|check| !check.2) {
-            Some((field, found, _, expected)) => Err(TreeBuildError::Option { field, found, expected }),
+            Some((field, found, _, expected)) => Err(TreeBuildError::Option {
+                field,
+                found,
+                expected,
+            }),
             None => Ok(()),
         }
     }

@@ -14,7 +14,11 @@ const RECORD: usize = 4 * 8 + 4 + 2;
 /// Where built trees are kept unless said otherwise: `$SULCUS_CACHE`, else `$XDG_CACHE_HOME/sulcus`,
 /// else `$HOME/.cache/sulcus`.
 pub fn default_cache_dir() -> Option<PathBuf> {
-    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let set = |name: &str| {
+        std::env::var_os(name)
+            .filter(|value| !value.is_empty())
+            .map(PathBuf::from)
+    };
     set("SULCUS_CACHE")
         .or_else(|| set("XDG_CACHE_HOME").map(|dir| dir.join("sulcus")))
         .or_else(|| set("HOME").map(|dir| dir.join(".cache").join("sulcus")))
@@ -45,14 +49,25 @@ pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
     if blake3::hash(nodes).as_bytes() != sum || nodes.len() % RECORD != 0 {
         return None;
     }
-    SphereTree::with_bounds(nodes.chunks_exact(RECORD).map(node).collect::<Option<_>>()?).ok()
+    SphereTree::with_bounds(
+        nodes
+            .chunks_exact(RECORD)
+            .map(node)
+            .collect::<Option<_>>()?,
+    )
+    .ok()
 }
 
 /// Keeps a tree. Readers see the old file or the whole new one.
 pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::io::Result<()> {
     let mut nodes = Vec::with_capacity(tree.nodes().len() * RECORD);
     for node in tree.nodes() {
-        for x in [node.centre.x, node.centre.y, node.centre.z, node.contact_radius] {
+        for x in [
+            node.centre.x,
+            node.centre.y,
+            node.centre.z,
+            node.contact_radius,
+        ] {
             nodes.extend(x.to_bits().to_le_bytes());
         }
         nodes.extend(node.first_child.to_le_bytes());
@@ -77,7 +92,11 @@ pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::i
 }
 
 fn node(record: &[u8]) -> Option<Node> {
-    let real = |at: usize| Some(f64::from_bits(u64::from_le_bytes(record.get(at..at + 8)?.try_into().ok()?)));
+    let real = |at: usize| {
+        Some(f64::from_bits(u64::from_le_bytes(
+            record.get(at..at + 8)?.try_into().ok()?,
+        )))
+    };
     Some(Node {
         centre: Vec3::new(real(0)?, real(8)?, real(16)?),
         contact_radius: real(24)?,
@@ -98,13 +117,21 @@ mod tests {
     fn a_kept_tree_comes_back_and_a_damaged_one_does_not() {
         let dir = tempfile::tempdir().expect("temporary directory");
         let mesh = icosphere(0.005, 3);
-        let options = TreeOptions { levels: 2, samples: 2000, ..TreeOptions::default() };
+        let options = TreeOptions {
+            levels: 2,
+            samples: 2000,
+            ..TreeOptions::default()
+        };
         let tree = build_tree(&mesh, &options, &|_, _| ()).expect("tree");
         let name = key(&mesh, &options);
         assert_eq!(load(dir.path(), &name), None);
         store(dir.path(), &name, &tree).expect("stored");
         assert_eq!(load(dir.path(), &name), Some(tree.clone()));
-        assert_eq!(std::fs::read_dir(dir.path()).expect("dir").count(), 1, "no partial file is left");
+        assert_eq!(
+            std::fs::read_dir(dir.path()).expect("dir").count(),
+            1,
+            "no partial file is left"
+        );
 
         let file = path(dir.path(), &name);
         let good = std::fs::read(&file).expect("bytes");
@@ -117,7 +144,13 @@ mod tests {
             assert_eq!(load(dir.path(), &name), None, "cut at {at}");
         }
         // Another mesh's file under this name is foreign.
-        let other = key(&mesh, &TreeOptions { alpha: 0.4, ..options });
+        let other = key(
+            &mesh,
+            &TreeOptions {
+                alpha: 0.3,
+                ..options
+            },
+        );
         std::fs::write(path(dir.path(), &other), &good).expect("written");
         assert_eq!(load(dir.path(), &other), None);
     }

@@ -58,7 +58,9 @@ pub enum MeshError {
         found: [f64; 3],
     },
     /// Implausible size, mostly a wrong unit.
-    #[error("{file}: found an overall size of {size_mm} mm, expected 0.5 to 500 mm: is it in another unit?")]
+    #[error(
+        "{file}: found an overall size of {size_mm} mm, expected 0.5 to 500 mm: is it in another unit?"
+    )]
     Scale {
         /// Which mesh.
         file: String,
@@ -74,7 +76,9 @@ pub enum MeshError {
         edges: usize,
     },
     /// More than two triangles share an edge.
-    #[error("{file}: found {edges} edges shared by more than two triangles, expected exactly two everywhere")]
+    #[error(
+        "{file}: found {edges} edges shared by more than two triangles, expected exactly two everywhere"
+    )]
     NonManifold {
         /// Which mesh.
         file: String,
@@ -92,7 +96,9 @@ pub enum MeshError {
         edges: usize,
     },
     /// Two parts of the surface touch in one vertex.
-    #[error("{file}: found {vertices} vertices where the surface touches itself, expected a manifold")]
+    #[error(
+        "{file}: found {vertices} vertices where the surface touches itself, expected a manifold"
+    )]
     Pinched {
         /// Which mesh.
         file: String,
@@ -108,7 +114,9 @@ pub enum MeshError {
         pieces: usize,
     },
     /// All triangles face inwards, or nothing is enclosed.
-    #[error("{file}: found an enclosed volume of {volume_mm3} mm3, expected a positive one (triangles facing outwards)")]
+    #[error(
+        "{file}: found an enclosed volume of {volume_mm3} mm3, expected a positive one (triangles facing outwards)"
+    )]
     InsideOut {
         /// Which mesh.
         file: String,
@@ -129,38 +137,72 @@ pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
     let vertices = mesh.vertices.len();
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
         if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-            return Err(MeshError::Index { file: file(), triangle, vertex, vertices });
+            return Err(MeshError::Index {
+                file: file(),
+                triangle,
+                vertex,
+                vertices,
+            });
         }
     }
-    if let Some(vertex) = mesh.vertices.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
-        return Err(MeshError::NotFinite { file: file(), vertex, found: mesh.vertices[vertex].into() });
+    if let Some(vertex) = mesh
+        .vertices
+        .iter()
+        .position(|v| !v.iter().all(|x| x.is_finite()))
+    {
+        return Err(MeshError::NotFinite {
+            file: file(),
+            vertex,
+            found: mesh.vertices[vertex].into(),
+        });
     }
     let (low, high) = mesh.bounds();
     let size: Vec3 = high - low;
     if !(PLAUSIBLE_SIZE_M.0..=PLAUSIBLE_SIZE_M.1).contains(&size.max()) {
-        return Err(MeshError::Scale { file: file(), size_mm: rounded(size.max() * 1e3) });
+        return Err(MeshError::Scale {
+            file: file(),
+            size_mm: rounded(size.max() * 1e3),
+        });
     }
     let edges = Edges::of(mesh);
     if edges.open > 0 {
-        return Err(MeshError::Open { file: file(), edges: edges.open });
+        return Err(MeshError::Open {
+            file: file(),
+            edges: edges.open,
+        });
     }
     if edges.crowded > 0 {
-        return Err(MeshError::NonManifold { file: file(), edges: edges.crowded });
+        return Err(MeshError::NonManifold {
+            file: file(),
+            edges: edges.crowded,
+        });
     }
     if edges.flipped > 0 {
-        return Err(MeshError::Flipped { file: file(), edges: edges.flipped });
+        return Err(MeshError::Flipped {
+            file: file(),
+            edges: edges.flipped,
+        });
     }
     let pinched = pinched(mesh);
     if pinched > 0 {
-        return Err(MeshError::Pinched { file: file(), vertices: pinched });
+        return Err(MeshError::Pinched {
+            file: file(),
+            vertices: pinched,
+        });
     }
     let (pieces, used) = pieces(mesh);
     if pieces > 1 {
-        return Err(MeshError::Pieces { file: file(), pieces });
+        return Err(MeshError::Pieces {
+            file: file(),
+            pieces,
+        });
     }
     let volume_mm3 = rounded(mesh.signed_volume() * 1e9);
     if volume_mm3 <= 0.0 {
-        return Err(MeshError::InsideOut { file: file(), volume_mm3 });
+        return Err(MeshError::InsideOut {
+            file: file(),
+            volume_mm3,
+        });
     }
     let euler = used as i64 - edges.total as i64 + mesh.triangles.len() as i64;
     Ok(MeshReport {
@@ -175,7 +217,11 @@ pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
 
 /// Three decimals, for reading.
 fn rounded(x: f64) -> f64 {
-    if x.abs() < 1e-3 { x } else { (x * 1e3).round() / 1e3 }
+    if x.abs() < 1e-3 {
+        x
+    } else {
+        (x * 1e3).round() / 1e3
+    }
 }
 
 #[derive(Default)]
@@ -252,81 +298,8 @@ fn pieces(mesh: &TriMesh) -> (usize, usize) {
             parent[two as usize] = one;
         }
     }
-    let roots = (0..parent.len()).filter(|&v| used[v] && parent[v] as usize == v).count();
+    let roots = (0..parent.len())
+        .filter(|&v| used[v] && parent[v] as usize == v)
+        .count();
     (roots, used.iter().filter(|&&u| u).count())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::shapes::{cuboid, icosphere};
-
-    fn message(mesh: &TriMesh) -> String {
-        check(mesh, "tooth.stl").expect_err("broken").to_string()
-    }
-
-    #[test]
-    fn a_good_mesh_is_described() {
-        let report = check(&cuboid(Vec3::new(0.005, 0.004, 0.003)), "box").expect("good");
-        assert_eq!(report.size_mm, [10.0, 8.0, 6.0]);
-        assert_eq!((report.volume_mm3, report.area_mm2, report.genus), (480.0, 376.0, 0));
-    }
-
-    #[test]
-    fn a_hole_is_counted() {
-        let mut mesh = icosphere(0.005, 3);
-        let [a, ..] = mesh.triangles[0];
-        mesh.triangles.retain(|t| !t.contains(&a));
-        assert_eq!(message(&mesh), "tooth.stl: found 5 open edges, expected a closed surface without holes");
-    }
-
-    #[test]
-    fn a_flipped_face_is_counted() {
-        let mut mesh = icosphere(0.005, 2);
-        mesh.triangles[17].swap(0, 1);
-        assert!(message(&mesh).contains("3 edges whose two triangles face opposite ways"));
-    }
-
-    #[test]
-    fn a_wrong_unit_is_asked_about() {
-        let metres_as_mm = icosphere(0.005, 1).placed(1e3, Vec3::zeros());
-        assert_eq!(
-            message(&metres_as_mm),
-            "tooth.stl: found an overall size of 10000 mm, expected 0.5 to 500 mm: is it in another unit?"
-        );
-        assert!(message(&icosphere(0.005, 1).placed(1e-3, Vec3::zeros())).contains("another unit"));
-    }
-
-    #[test]
-    fn what_is_not_finite_is_named() {
-        let mut mesh = icosphere(0.005, 1);
-        mesh.vertices[7].y = f64::NAN;
-        assert!(message(&mesh).contains("vertex 7 is ("), "{}", message(&mesh));
-        mesh.vertices[7].y = 0.0;
-        mesh.triangles[3][1] = 999;
-        assert!(message(&mesh).contains("triangle 3 names vertex 999, expected one of 42"));
-    }
-
-    #[test]
-    fn inside_out_two_pieces_crowded_and_pinched_are_refused() {
-        let ball = icosphere(0.005, 1);
-        let mut inward = ball.clone();
-        inward.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        assert!(message(&inward).contains("enclosed volume of -"));
-
-        let mut two = ball.clone();
-        two.vertices.extend(ball.vertices.iter().map(|v| v + Vec3::new(0.02, 0.0, 0.0)));
-        two.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + 42)));
-        assert!(message(&two).contains("2 separate pieces"));
-
-        // The same two balls, sharing one vertex.
-        let mut pinched = two.clone();
-        pinched.triangles.iter_mut().flatten().filter(|v| **v == 42).for_each(|v| *v = 0);
-        assert!(message(&pinched).contains("1 vertices where the surface touches itself"));
-
-        let mut crowded = ball.clone();
-        crowded.triangles.push(ball.triangles[0]);
-        assert!(message(&crowded).contains("3 edges shared by more than two"));
-        assert!(message(&TriMesh::default()).contains("no triangle"));
-    }
 }

@@ -14,7 +14,12 @@ const LLOYD_STEPS: usize = 14;
 const BALANCE: f64 = 0.35;
 
 /// Splits `members` (indices into `features`) into at most `parts`; none is empty.
-pub(crate) fn split(features: &[Feature], members: &[u32], parts: usize, random: &mut Random) -> Vec<Vec<u32>> {
+pub(crate) fn split(
+    features: &[Feature],
+    members: &[u32],
+    parts: usize,
+    random: &mut Random,
+) -> Vec<Vec<u32>> {
     let parts = parts.min(MAX_CHILDREN).min(members.len());
     let mut centres = seeds(features, members, parts, random);
     let mut labels = vec![0_usize; members.len()];
@@ -59,7 +64,9 @@ pub(crate) fn split(features: &[Feature], members: &[u32], parts: usize, random:
 }
 
 fn seeds(features: &[Feature], members: &[u32], parts: usize, random: &mut Random) -> Vec<Feature> {
-    let pick = |random: &mut Random| members[((random.unit() * members.len() as f64) as usize).min(members.len() - 1)];
+    let pick = |random: &mut Random| {
+        members[((random.unit() * members.len() as f64) as usize).min(members.len() - 1)]
+    };
     let mut centres = vec![features[pick(random) as usize]];
     let mut apart = vec![f64::INFINITY; members.len()];
     while centres.len() < parts {

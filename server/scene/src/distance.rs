@@ -51,10 +51,20 @@ impl MeshDistance {
         if !order.is_empty() {
             build(&corners, &mut order, 0, &mut boxes);
         }
-        let face_normals: Vec<Vec3> = (0..corners.len()).map(|t| unit(mesh.area_vector(t))).collect();
+        let face_normals: Vec<Vec3> = (0..corners.len())
+            .map(|t| unit(mesh.area_vector(t)))
+            .collect();
         let vertex_normals = vertex_normals(&mesh, &face_normals);
         let edge_normals = edge_normals(&mesh, &face_normals);
-        Self { mesh, corners, boxes, order, face_normals, edge_normals, vertex_normals }
+        Self {
+            mesh,
+            corners,
+            boxes,
+            order,
+            face_normals,
+            edge_normals,
+            vertex_normals,
+        }
     }
 
     /// The mesh.
@@ -90,8 +100,10 @@ impl MeshDistance {
             }
             let node = &self.boxes[index as usize];
             if node.count > 0 {
-                for &triangle in &self.order[node.next as usize..(node.next + node.count) as usize] {
-                    let (on, feature) = closest_on_triangle(&self.corners[triangle as usize], point);
+                for &triangle in &self.order[node.next as usize..(node.next + node.count) as usize]
+                {
+                    let (on, feature) =
+                        closest_on_triangle(&self.corners[triangle as usize], point);
                     let squared = (on - point).norm_squared();
                     if squared < best.0 {
                         best = (squared, on, triangle, feature);
@@ -100,9 +112,16 @@ impl MeshDistance {
                 continue;
             }
             let (left, right) = (index + 1, node.next);
-            let (dl, dr) = (self.boxes[left as usize].squared(point), self.boxes[right as usize].squared(point));
+            let (dl, dr) = (
+                self.boxes[left as usize].squared(point),
+                self.boxes[right as usize].squared(point),
+            );
             // The nearer child is looked at first.
-            let (near, far) = if dl <= dr { ((left, dl), (right, dr)) } else { ((right, dr), (left, dl)) };
+            let (near, far) = if dl <= dr {
+                ((left, dl), (right, dr))
+            } else {
+                ((right, dr), (left, dl))
+            };
             stack[top] = far;
             stack[top + 1] = near;
             top += 2;
@@ -115,8 +134,16 @@ impl MeshDistance {
             Feature::Vertex(v) => self.vertex_normals[self.mesh.triangles[t][v] as usize],
         };
         let distance = squared.sqrt();
-        let signed = if (point - on).dot(&outward) < 0.0 { -distance } else { distance };
-        Nearest { signed, point: on, triangle }
+        let signed = if (point - on).dot(&outward) < 0.0 {
+            -distance
+        } else {
+            distance
+        };
+        Nearest {
+            signed,
+            point: on,
+            triangle,
+        }
     }
 }
 
@@ -124,7 +151,9 @@ impl Box3 {
     fn squared(&self, p: &Vec3) -> f64 {
         let mut sum = 0.0;
         for axis in 0..3 {
-            let out = (self.low[axis] - p[axis]).max(p[axis] - self.high[axis]).max(0.0);
+            let out = (self.low[axis] - p[axis])
+                .max(p[axis] - self.high[axis])
+                .max(0.0);
             sum += out * out;
         }
         sum
@@ -139,7 +168,12 @@ fn build(corners: &[[Vec3; 3]], order: &mut [u32], first: usize, boxes: &mut Vec
         high = high.zip_map(corner, f64::max);
     }
     let here = boxes.len();
-    boxes.push(Box3 { low, high, next: first as u32, count: order.len() as u32 });
+    boxes.push(Box3 {
+        low,
+        high,
+        next: first as u32,
+        count: order.len() as u32,
+    });
     if order.len() <= LEAF {
         return;
     }
@@ -228,7 +262,10 @@ fn closest_on_triangle(corners: &[Vec3; 3], p: &Vec3) -> (Vec3, Feature) {
     }
     let va = d3 * d6 - d5 * d4;
     if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Feature::Edge(1));
+        return (
+            b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))),
+            Feature::Edge(1),
+        );
     }
     let scale = 1.0 / (va + vb + vc);
     (a + ab * (vb * scale) + ac * (vc * scale), Feature::Face)
@@ -260,13 +297,19 @@ mod tests {
 
     #[test]
     fn agrees_with_brute_force_in_size_and_sign() {
-        for mesh in [ellipsoid(Vec3::new(0.006, 0.004, 0.002), 3), cuboid(Vec3::new(0.005, 0.003, 0.001))] {
+        for mesh in [
+            ellipsoid(Vec3::new(0.006, 0.004, 0.002), 3),
+            cuboid(Vec3::new(0.005, 0.003, 0.001)),
+        ] {
             let tree = MeshDistance::new(mesh.clone());
             let mut random = Random::new(7);
             for _ in 0..2000 {
                 let p = Vec3::from_fn(|_, _| random.between(-0.008, 0.008));
                 let found = tree.nearest(&p);
-                assert!((found.signed.abs() - brute(&mesh, &p)).abs() < 1e-15, "{p:?}");
+                assert!(
+                    (found.signed.abs() - brute(&mesh, &p)).abs() < 1e-15,
+                    "{p:?}"
+                );
                 assert_eq!(found.signed < 0.0, winding(&mesh, &p) > 0.5, "{p:?}");
             }
         }
@@ -276,7 +319,9 @@ mod tests {
     fn the_sign_is_right_beyond_sharp_edges_and_corners() {
         let tree = MeshDistance::new(cuboid(Vec3::repeat(0.001)));
         assert!((tree.signed(&Vec3::repeat(0.002)) - 0.001 * 3.0_f64.sqrt()).abs() < 1e-15);
-        assert!((tree.signed(&Vec3::new(0.002, 0.002, 0.0)) - 0.001 * 2.0_f64.sqrt()).abs() < 1e-15);
+        assert!(
+            (tree.signed(&Vec3::new(0.002, 0.002, 0.0)) - 0.001 * 2.0_f64.sqrt()).abs() < 1e-15
+        );
         assert_eq!(tree.signed(&Vec3::zeros()), -0.001);
     }
 }

@@ -36,15 +36,22 @@ const POINTS: usize = 30_000;
 
 /// Measures every level of `tree` against the mesh in `distance` (same frame).
 pub fn tree_errors(tree: &SphereTree, distance: &MeshDistance) -> Vec<LevelError> {
-    (0..=tree.depth()).map(|level| level_error(tree, level, distance)).collect()
+    (0..=tree.depth())
+        .map(|level| level_error(tree, level, distance))
+        .collect()
 }
 
 /// Measures one level.
 pub fn level_error(tree: &SphereTree, level: u8, distance: &MeshDistance) -> LevelError {
-    let spheres: Vec<Sphere> = tree.shape_at(level).map(|(_, node)| node.sphere()).collect();
+    let spheres: Vec<Sphere> = tree
+        .shape_at(level)
+        .map(|(_, node)| node.sphere())
+        .collect();
     // Another phase than the builder's: points that it never saw.
     let samples = sample::surface(distance, POINTS, 0.5);
-    let outward = parallel::map(samples.len(), |s| union_distance(&spheres, &samples[s].point).abs());
+    let outward = parallel::map(samples.len(), |s| {
+        union_distance(&spheres, &samples[s].point).abs()
+    });
     let area: f64 = spheres.iter().map(|s| s.radius * s.radius).sum();
     let inward = parallel::map(spheres.len(), |k| {
         let share = spheres[k].radius * spheres[k].radius / area;
@@ -52,7 +59,9 @@ pub fn level_error(tree: &SphereTree, level: u8, distance: &MeshDistance) -> Lev
         let touching: Vec<Sphere> = spheres
             .iter()
             .enumerate()
-            .filter(|&(other, s)| other != k && (s.centre - spheres[k].centre).norm() < s.radius + spheres[k].radius)
+            .filter(|&(other, s)| {
+                other != k && (s.centre - spheres[k].centre).norm() < s.radius + spheres[k].radius
+            })
             .map(|(_, s)| *s)
             .collect();
         ball_points(&spheres[k], count)

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sulcus_core::{MAX_TOOLS, Params};
+use sulcus_core::Params;
 
 use crate::load::Unit;
 use crate::parametric::{Molar, Probe};
@@ -179,7 +179,10 @@ pub enum FileError {
 /// # Errors
 /// One sentence with file, key, value found and value expected.
 pub fn read(file: &Path) -> Result<(SceneFile, String), FileError> {
-    let text = std::fs::read_to_string(file).map_err(|source| FileError::Read { file: file.to_owned(), source })?;
+    let text = std::fs::read_to_string(file).map_err(|source| FileError::Read {
+        file: file.to_owned(),
+        source,
+    })?;
     Ok((parse(&text, file)?, text))
 }
 
@@ -194,7 +197,12 @@ pub fn parse(text: &str, file: &Path) -> Result<SceneFile, FileError> {
         FileError::Syntax {
             file: file.to_owned(),
             line,
-            text: text.lines().nth(line - 1).unwrap_or_default().trim().to_owned(),
+            text: text
+                .lines()
+                .nth(line - 1)
+                .unwrap_or_default()
+                .trim()
+                .to_owned(),
             message: error.message().replace('\n', " "),
         }
     })?;
@@ -206,6 +214,3 @@ pub fn parse(text: &str, file: &Path) -> Result<SceneFile, FileError> {
     })?;
     Ok(scene)
 }
-
-/// Most tools a scene can name, for messages.
-pub(crate) const TOOLS: usize = MAX_TOOLS;

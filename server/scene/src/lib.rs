@@ -5,7 +5,6 @@
 //! from true distances ([`distance`]), [`error`] measures them. Results are functions of their
 //! input alone: no clock, no randomness but fixed seeds, no dependence on the number of threads.
 
-pub mod analytic;
 pub mod build;
 pub mod cache;
 pub mod check;
@@ -20,10 +19,13 @@ pub mod medial;
 pub mod mesh;
 mod parallel;
 pub mod parametric;
+mod parts;
 mod random;
 pub mod sample;
 pub mod shapes;
 mod validate;
 
 pub use cache::default_cache_dir;
-pub use compile::{BuildError, BuildOptions, Compiled, compile_default, compile_file, default_scene};
+pub use compile::{
+    BuildError, BuildOptions, Compiled, compile_default, compile_file, default_scene,
+};

@@ -66,8 +66,14 @@ pub enum LoadError {
 /// # Errors
 /// If the file cannot be read or is not STL. Whether the mesh is usable is not looked at here.
 pub fn load_stl(file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
-    let bytes = std::fs::read(file).map_err(|source| LoadError::Read { file: file.to_owned(), source })?;
-    parse_stl(bytes, unit).map_err(|what| LoadError::Format { file: file.to_owned(), what })
+    let bytes = std::fs::read(file).map_err(|source| LoadError::Read {
+        file: file.to_owned(),
+        source,
+    })?;
+    parse_stl(bytes, unit).map_err(|what| LoadError::Format {
+        file: file.to_owned(),
+        what,
+    })
 }
 
 /// Bytes before the first triangle of a binary STL file.
@@ -93,15 +99,28 @@ pub fn parse_stl(mut bytes: Vec<u8>, unit: Unit) -> Result<TriMesh, String> {
     } else if !bytes.starts_with(b"solid") {
         match counted {
             Some(length) if length == bytes.len() => {}
-            Some(length) => return Err(format!("{} bytes where the header announces {length}", bytes.len())),
+            Some(length) => {
+                return Err(format!(
+                    "{} bytes where the header announces {length}",
+                    bytes.len()
+                ));
+            }
             None => return Err(format!("{} bytes", bytes.len())),
         }
     }
     let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let scale = unit.metres();
     let welded = TriMesh {
-        vertices: mesh.vertices.iter().map(|v| Vec3::from(v.0.map(f64::from)) * scale).collect(),
-        triangles: mesh.faces.iter().map(|face| face.vertices.map(|v| v as u32)).collect(),
+        vertices: mesh
+            .vertices
+            .iter()
+            .map(|v| Vec3::from(v.0.map(f64::from)) * scale)
+            .collect(),
+        triangles: mesh
+            .faces
+            .iter()
+            .map(|face| face.vertices.map(|v| v as u32))
+            .collect(),
     };
     Ok(welded.welded())
 }
@@ -113,7 +132,11 @@ pub fn to_stl(mesh: &TriMesh) -> Vec<u8> {
     for triangle in 0..mesh.triangles.len() {
         let area = mesh.area_vector(triangle);
         let length = area.norm();
-        let normal = if length > 0.0 { area / length } else { Vec3::zeros() };
+        let normal = if length > 0.0 {
+            area / length
+        } else {
+            Vec3::zeros()
+        };
         for v in std::iter::once(normal).chain(mesh.corners(triangle).map(|corner| corner * 1e3)) {
             bytes.extend(v.iter().flat_map(|x| (*x as f32).to_le_bytes()));
         }
@@ -143,7 +166,8 @@ mod tests {
     fn ascii_files_are_read_with_and_without_a_name() {
         let body = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
         for head in ["solid\n", "solid cube\n", "solid\r\n"] {
-            let mesh = parse_stl(format!("{head}{body}").into_bytes(), Unit::Metre).expect("ASCII STL");
+            let mesh =
+                parse_stl(format!("{head}{body}").into_bytes(), Unit::Metre).expect("ASCII STL");
             assert_eq!(mesh.triangles.len(), 1);
             assert_eq!(mesh.bounds().1, Vec3::new(1.0, 1.0, 0.0));
         }
@@ -151,11 +175,21 @@ mod tests {
 
     #[test]
     fn what_is_not_stl_is_refused_with_a_sentence() {
-        assert!(parse_stl(b"v 0 0 0".to_vec(), Unit::Metre).expect_err("not STL").contains("7 bytes"));
+        assert!(
+            parse_stl(b"v 0 0 0".to_vec(), Unit::Metre)
+                .expect_err("not STL")
+                .contains("7 bytes")
+        );
         let mut short = to_stl(&cuboid(Vec3::repeat(0.01)));
         short.pop();
-        assert!(parse_stl(short, Unit::Metre).expect_err("cut").contains("announces 684"));
-        let missing = load_stl(Path::new("no/such.stl"), Unit::Metre).expect_err("missing").to_string();
+        assert!(
+            parse_stl(short, Unit::Metre)
+                .expect_err("cut")
+                .contains("announces 684")
+        );
+        let missing = load_stl(Path::new("no/such.stl"), Unit::Metre)
+            .expect_err("missing")
+            .to_string();
         assert!(missing.starts_with("no/such.stl: cannot read"), "{missing}");
     }
 }

@@ -21,7 +21,10 @@ pub fn inscribed_centre(distance: &MeshDistance, sample: &Sample, largest: f64) 
         if reach >= radius * (1.0 - 1e-3) {
             break;
         }
-        if hit.signed < 0.0 && reach > 0.9 * radius && to_hit.dot(&(p - centre)) > NOISE_COS * reach * radius {
+        if hit.signed < 0.0
+            && reach > 0.9 * radius
+            && to_hit.dot(&(p - centre)) > NOISE_COS * reach * radius
+        {
             break;
         }
         // The ball tangent at p that also passes through the point that was too near.
@@ -31,10 +34,39 @@ pub fn inscribed_centre(distance: &MeshDistance, sample: &Sample, largest: f64) 
             break;
         }
         let smaller = chord.norm_squared() / along;
-        if !(smaller < radius) {
+        if smaller >= radius {
             break;
         }
         radius = smaller;
     }
     p - n * radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::surface;
+    use crate::shapes::{cuboid, icosphere};
+
+    #[test]
+    fn the_inscribed_ball_of_a_ball_is_itself() {
+        let distance = MeshDistance::new(icosphere(0.005, 4));
+        for sample in surface(&distance, 50, 0.0) {
+            let centre = inscribed_centre(&distance, &sample, 0.02);
+            assert!(centre.norm() < 0.1e-3, "{centre:?}");
+        }
+    }
+
+    #[test]
+    fn the_inscribed_balls_of_a_thin_slab_lie_in_its_middle() {
+        let distance = MeshDistance::new(cuboid(Vec3::new(0.01, 0.01, 0.0005)));
+        for sample in surface(&distance, 200, 0.0) {
+            let centre = inscribed_centre(&distance, &sample, 0.02);
+            let from_border = 0.01 - sample.point.xy().abs().max();
+            if from_border > 0.001 {
+                assert!(centre.z.abs() < 0.02e-3, "{sample:?} {centre:?}");
+            }
+            assert!(distance.signed(&centre) < 1e-6, "{sample:?} {centre:?}");
+        }
+    }
 }

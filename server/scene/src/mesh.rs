@@ -39,7 +39,9 @@ impl TriMesh {
     /// Volume enclosed, cubic metres; negative when the triangles face inwards.
     pub fn signed_volume(&self) -> f64 {
         // About the first vertex, so that a mesh far from the origin keeps its digits.
-        let Some(&origin) = self.vertices.first() else { return 0.0 };
+        let Some(&origin) = self.vertices.first() else {
+            return 0.0;
+        };
         let mut six = 0.0;
         for triangle in 0..self.triangles.len() {
             let [a, b, c] = self.corners(triangle).map(|v| v - origin);
@@ -50,7 +52,9 @@ impl TriMesh {
 
     /// Area of all triangles, square metres.
     pub fn area(&self) -> f64 {
-        (0..self.triangles.len()).map(|t| 0.5 * self.area_vector(t).norm()).sum()
+        (0..self.triangles.len())
+            .map(|t| 0.5 * self.area_vector(t).norm())
+            .sum()
     }
 
     /// The same mesh, vertices multiplied by `factor` and then moved by `offset` (metres).
@@ -65,13 +69,20 @@ impl TriMesh {
     /// have two corners in one place, which are lines and bound nothing. Nothing else is repaired.
     pub fn welded(&self) -> Self {
         // Sorting instead of hashing keeps the order of vertices a function of the input alone.
-        let key = |v: &Vec3| [(v.x + 0.0).to_bits(), (v.y + 0.0).to_bits(), (v.z + 0.0).to_bits()];
+        let key = |v: &Vec3| {
+            [
+                (v.x + 0.0).to_bits(),
+                (v.y + 0.0).to_bits(),
+                (v.z + 0.0).to_bits(),
+            ]
+        };
         let mut order: Vec<u32> = (0..self.vertices.len() as u32).collect();
         order.sort_by_key(|&v| (key(&self.vertices[v as usize]), v));
         let mut first = vec![0_u32; self.vertices.len()];
         let mut leader = 0;
         for (position, &v) in order.iter().enumerate() {
-            let same = position > 0 && key(&self.vertices[v as usize]) == key(&self.vertices[leader as usize]);
+            let same = position > 0
+                && key(&self.vertices[v as usize]) == key(&self.vertices[leader as usize]);
             if !same {
                 leader = v;
             }
@@ -98,7 +109,11 @@ impl TriMesh {
     /// The mesh to look at: single precision, metres, one colour (sRGB with alpha).
     pub fn to_display(&self, colour: [u8; 4]) -> DisplayMesh {
         DisplayMesh {
-            vertices: self.vertices.iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect(),
+            vertices: self
+                .vertices
+                .iter()
+                .map(|v| [v.x as f32, v.y as f32, v.z as f32])
+                .collect(),
             triangles: self.triangles.clone(),
             colour,
         }
@@ -127,7 +142,10 @@ mod tests {
     #[test]
     fn a_sphere_has_the_volume_and_area_of_a_sphere() {
         let mesh = icosphere(0.005, 4);
-        let (volume, area) = (4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3), 4.0 * std::f64::consts::PI * 0.005_f64.powi(2));
+        let (volume, area) = (
+            4.0 / 3.0 * std::f64::consts::PI * 0.005_f64.powi(3),
+            4.0 * std::f64::consts::PI * 0.005_f64.powi(2),
+        );
         assert!((mesh.signed_volume() / volume - 1.0).abs() < 0.01);
         assert!((mesh.area() / area - 1.0).abs() < 0.01);
     }
@@ -139,7 +157,10 @@ mod tests {
         for t in 0..mesh.triangles.len() {
             let base = soup.vertices.len() as u32;
             // Flip the sign of zeros in every other triangle.
-            soup.vertices.extend(mesh.corners(t).map(|v| v.map(|x| if x == 0.0 && t % 2 == 0 { -0.0 } else { x })));
+            soup.vertices.extend(
+                mesh.corners(t)
+                    .map(|v| v.map(|x| if x == 0.0 && t % 2 == 0 { -0.0 } else { x })),
+            );
             soup.triangles.push([base, base + 1, base + 2]);
         }
         soup.triangles.push([0, 0, 1]);

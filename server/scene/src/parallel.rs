@@ -4,7 +4,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// `(0..count).map(work)`, on all cores, in order.
 pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(8);
+    map_on(
+        std::thread::available_parallelism()
+            .map_or(1, |n| n.get())
+            .min(8),
+        count,
+        work,
+    )
+}
+
+fn map_on<T: Send>(threads: usize, count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let chunk = (count / (threads * 8)).max(1);
     if threads == 1 || count < 2 {
         return (0..count).map(work).collect();
@@ -18,7 +27,12 @@ pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Ve
             if start >= count {
                 return done;
             }
-            done.push((start, (start..(start + chunk).min(count)).map(&work).collect::<Vec<T>>()));
+            done.push((
+                start,
+                (start..(start + chunk).min(count))
+                    .map(&work)
+                    .collect::<Vec<T>>(),
+            ));
         }
     };
     let mut pieces = std::thread::scope(|scope| {
@@ -34,4 +48,19 @@ pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Ve
     });
     pieces.sort_unstable_by_key(|piece| piece.0);
     pieces.into_iter().flat_map(|piece| piece.1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_in_the_same_order() {
+        let expected: Vec<usize> = (0..1000).map(|k| k * k).collect();
+        for threads in 1..9 {
+            assert_eq!(map_on(threads, 1000, |k| k * k), expected);
+            assert_eq!(map_on(threads, 0, |k| k), Vec::<usize>::new());
+            assert_eq!(map_on(threads, 1, |k| k + 7), [7]);
+        }
+    }
 }

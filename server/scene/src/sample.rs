@@ -29,7 +29,10 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
         while samples.len() < count && (samples.len() as f64 + 0.5) * share <= passed {
             // The R2 sequence (Roberts) fills a unit square evenly in any order of use.
             let k = samples.len() as f64 + phase;
-            let (mut u, mut v) = ((0.5 + k * 0.754_877_666_246_692_7).fract(), (0.5 + k * 0.569_840_290_998_053_2).fract());
+            let (mut u, mut v) = (
+                (0.5 + k * 0.754_877_666_246_692_7).fract(),
+                (0.5 + k * 0.569_840_290_998_053_2).fract(),
+            );
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
@@ -39,9 +42,16 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
             for k in 0..3 {
                 point += corners[k] * weights[k];
                 let smooth = distance.vertex_normal(triangle[k]);
-                normal += if smooth.dot(&face) > SHARP_COS { smooth } else { face } * weights[k];
+                normal += if smooth.dot(&face) > SHARP_COS {
+                    smooth
+                } else {
+                    face
+                } * weights[k];
             }
-            samples.push(Sample { point, normal: normal.normalize() });
+            samples.push(Sample {
+                point,
+                normal: normal.normalize(),
+            });
         }
     }
     samples

@@ -1,6 +1,8 @@
 //! The ranges of a scene file's values, and which keys need or exclude which others.
 
-use crate::file::{ObjectEntry, SceneFile, TOOLS, ToolEntry};
+use sulcus_core::MAX_TOOLS;
+
+use crate::file::{ObjectEntry, SceneFile, ToolEntry};
 
 /// A value that cannot stand.
 pub(crate) struct Wrong {
@@ -12,7 +14,11 @@ pub(crate) struct Wrong {
 type Checked = Result<(), Wrong>;
 
 fn wrong(field: String, found: impl ToString, expected: &'static str) -> Checked {
-    Err(Wrong { field, found: found.to_string(), expected })
+    Err(Wrong {
+        field,
+        found: found.to_string(),
+        expected,
+    })
 }
 
 /// Checks everything that the types do not.
@@ -20,17 +26,32 @@ pub(crate) fn scene_file(scene: &SceneFile) -> Checked {
     if scene.name.trim().is_empty() {
         return wrong("`name`".into(), "empty", "a name");
     }
-    if scene.tools.is_empty() || scene.tools.len() > TOOLS {
-        return wrong("number of [[tool]] entries".into(), scene.tools.len(), "1 or 2");
+    if scene.tools.is_empty() || scene.tools.len() > MAX_TOOLS {
+        return wrong(
+            "number of [[tool]] entries".into(),
+            scene.tools.len(),
+            "1 or 2",
+        );
     }
     if let Err(error) = scene.params.validate() {
-        return wrong(format!("`{}` in [params]", error.field), error.found, error.expected);
+        return wrong(
+            format!("`{}` in [params]", error.field),
+            error.found,
+            error.expected,
+        );
     }
     scene.tools.iter().try_for_each(tool)?;
     scene.objects.iter().try_for_each(object)?;
     for (k, object) in scene.objects.iter().enumerate() {
-        if scene.objects[..k].iter().any(|earlier| earlier.name == object.name) {
-            return wrong("`name` of an [[object]]".into(), format!("`{}` twice", object.name), "a different name each");
+        if scene.objects[..k]
+            .iter()
+            .any(|earlier| earlier.name == object.name)
+        {
+            return wrong(
+                "`name` of an [[object]]".into(),
+                format!("`{}` twice", object.name),
+                "a different name each",
+            );
         }
     }
     Ok(())
@@ -38,7 +59,12 @@ pub(crate) fn scene_file(scene: &SceneFile) -> Checked {
 
 fn tool(entry: &ToolEntry) -> Checked {
     let field = |key: &str| format!("`{key}` of tool `{}`", entry.name);
-    source(&field, entry.kind.is_some(), entry.mesh.is_some(), entry.unit.is_some())?;
+    source(
+        &field,
+        entry.kind.is_some(),
+        entry.mesh.is_some(),
+        entry.unit.is_some(),
+    )?;
     let given = [
         ("working_point_mm", entry.working_point_mm.is_some()),
         ("tip_mm", entry.tip_mm.is_some()),
@@ -46,23 +72,59 @@ fn tool(entry: &ToolEntry) -> Checked {
     ];
     for (key, present) in given {
         if present && entry.mesh.is_none() {
-            return wrong(field(key), "given", "nothing, because a parametric tool knows its own");
+            return wrong(
+                field(key),
+                "given",
+                "nothing, because a parametric tool knows its own",
+            );
         }
         if !present && entry.mesh.is_some() {
-            return wrong(field(key), "missing", "three numbers, because a mesh does not say where its tip is");
+            return wrong(
+                field(key),
+                "missing",
+                "three numbers, because a mesh does not say where its tip is",
+            );
         }
     }
     if entry.probe.is_some() && entry.kind.is_none() {
-        return wrong(field("probe"), "given", "nothing without kind = \"periodontal_probe\"");
+        return wrong(
+            field("probe"),
+            "given",
+            "nothing without kind = \"periodontal_probe\"",
+        );
     }
     levels(&field, entry.level, entry.levels)?;
-    number(&field, "stiffness_n_per_mm", entry.stiffness_n_per_mm, 1e-3, 100.0, "0.001 to 100 N/mm")?;
-    number(&field, "stiffness_nmm_per_rad", entry.stiffness_nmm_per_rad, 0.1, 1e6, "0.1 to 1000000 N mm/rad")?;
+    number(
+        &field,
+        "stiffness_n_per_mm",
+        entry.stiffness_n_per_mm,
+        1e-3,
+        100.0,
+        "0.001 to 100 N/mm",
+    )?;
+    number(
+        &field,
+        "stiffness_nmm_per_rad",
+        entry.stiffness_nmm_per_rad,
+        0.1,
+        1e6,
+        "0.1 to 1000000 N mm/rad",
+    )?;
     place(&field, "park_mm", &entry.park_mm)?;
     for degrees in entry.park_rotation_deg {
-        number(&field, "park_rotation_deg", degrees, -360.0, 360.0, "-360 to 360 degrees")?;
+        number(
+            &field,
+            "park_rotation_deg",
+            degrees,
+            -360.0,
+            360.0,
+            "-360 to 360 degrees",
+        )?;
     }
-    for (key, point) in [("working_point_mm", &entry.working_point_mm), ("tip_mm", &entry.tip_mm)] {
+    for (key, point) in [
+        ("working_point_mm", &entry.working_point_mm),
+        ("tip_mm", &entry.tip_mm),
+    ] {
         if let Some(point) = point {
             place(&field, key, point)?;
         }
@@ -70,46 +132,127 @@ fn tool(entry: &ToolEntry) -> Checked {
     if let Some(axis) = entry.tip_axis {
         let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
         if !(1e-6..1e6).contains(&length) {
-            return wrong(field("tip_axis"), format!("{axis:?}"), "a direction that is not zero");
+            return wrong(
+                field("tip_axis"),
+                format!("{axis:?}"),
+                "a direction that is not zero",
+            );
         }
     }
     if let Some(probe) = &entry.probe {
         let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-            number(&|key: &str| field(&format!("probe.{key}")), key, x, low, high, expected)
+            number(
+                &|key: &str| field(&format!("probe.{key}")),
+                key,
+                x,
+                low,
+                high,
+                expected,
+            )
         };
-        range("tip_diameter_mm", probe.tip_diameter_mm, 0.2, 2.0, "0.2 to 2 mm")?;
-        range("neck_diameter_mm", probe.neck_diameter_mm, probe.tip_diameter_mm, 2.4, "tip_diameter_mm to 2.4 mm")?;
-        range("working_end_mm", probe.working_end_mm, 15.0, 25.0, "15 to 25 mm")?;
-        range("working_end_deg", probe.working_end_deg, 0.0, 80.0, "0 to 80 degrees")?;
+        range(
+            "tip_diameter_mm",
+            probe.tip_diameter_mm,
+            0.2,
+            2.0,
+            "0.2 to 2 mm",
+        )?;
+        range(
+            "neck_diameter_mm",
+            probe.neck_diameter_mm,
+            probe.tip_diameter_mm,
+            2.4,
+            "tip_diameter_mm to 2.4 mm",
+        )?;
+        range(
+            "working_end_mm",
+            probe.working_end_mm,
+            15.0,
+            25.0,
+            "15 to 25 mm",
+        )?;
+        range(
+            "working_end_deg",
+            probe.working_end_deg,
+            0.0,
+            80.0,
+            "0 to 80 degrees",
+        )?;
         range("shank_deg", probe.shank_deg, 0.0, 60.0, "0 to 60 degrees")?;
         range("reach_mm", probe.reach_mm, 60.0, 150.0, "60 to 150 mm")?;
         range("touching_mm", probe.touching_mm, 10.0, 45.0, "10 to 45 mm")?;
         range("length_mm", probe.length_mm, 150.0, 220.0, "150 to 220 mm")?;
-        range("working_point_mm", probe.working_point_mm, 0.0, 10.0, "0 to 10 mm")?;
+        range(
+            "working_point_mm",
+            probe.working_point_mm,
+            0.0,
+            10.0,
+            "0 to 10 mm",
+        )?;
     }
     Ok(())
 }
 
 fn object(entry: &ObjectEntry) -> Checked {
     let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
-    source(&field, entry.kind.is_some(), entry.mesh.is_some(), entry.unit.is_some())?;
+    source(
+        &field,
+        entry.kind.is_some(),
+        entry.mesh.is_some(),
+        entry.unit.is_some(),
+    )?;
     if entry.molar.is_some() && entry.kind.is_none() {
         return wrong(field("molar"), "given", "nothing without kind = \"molar\"");
     }
     let (quadrant, tooth) = (entry.fdi / 10, entry.fdi % 10);
     if entry.fdi != 0 && !((1..=4).contains(&quadrant) && (1..=8).contains(&tooth)) {
-        return wrong(field("fdi"), entry.fdi, "0, or an FDI number of a permanent tooth (11-18, 21-28, 31-38, 41-48)");
+        return wrong(
+            field("fdi"),
+            entry.fdi,
+            "0, or an FDI number of a permanent tooth (11-18, 21-28, 31-38, 41-48)",
+        );
     }
     levels(&field, entry.level, entry.levels)?;
     place(&field, "translate_mm", &entry.translate_mm)?;
     if let Some(molar) = &entry.molar {
         let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-            number(&|key: &str| field(&format!("molar.{key}")), key, x, low, high, expected)
+            number(
+                &|key: &str| field(&format!("molar.{key}")),
+                key,
+                x,
+                low,
+                high,
+                expected,
+            )
         };
-        range("mesiodistal_mm", molar.mesiodistal_mm, 8.0, 14.0, "8 to 14 mm")?;
-        range("buccolingual_mm", molar.buccolingual_mm, 8.0, 13.0, "8 to 13 mm")?;
-        range("crown_height_mm", molar.crown_height_mm, 5.0, 10.0, "5 to 10 mm")?;
-        range("root_length_mm", molar.root_length_mm, 9.0, 18.0, "9 to 18 mm")?;
+        range(
+            "mesiodistal_mm",
+            molar.mesiodistal_mm,
+            8.0,
+            14.0,
+            "8 to 14 mm",
+        )?;
+        range(
+            "buccolingual_mm",
+            molar.buccolingual_mm,
+            8.0,
+            13.0,
+            "8 to 13 mm",
+        )?;
+        range(
+            "crown_height_mm",
+            molar.crown_height_mm,
+            5.0,
+            10.0,
+            "5 to 10 mm",
+        )?;
+        range(
+            "root_length_mm",
+            molar.root_length_mm,
+            9.0,
+            18.0,
+            "9 to 18 mm",
+        )?;
         range("relief", molar.relief, 0.5, 1.3, "0.5 to 1.3")?;
         range("grid_mm", molar.grid_mm, 0.1, 0.5, "0.1 to 0.5 mm")?;
     }
@@ -118,9 +261,21 @@ fn object(entry: &ObjectEntry) -> Checked {
 
 fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) -> Checked {
     match (kind, mesh, unit) {
-        (true, true, _) => wrong(field("mesh"), "given beside `kind`", "either `kind` or `mesh`"),
-        (false, false, _) => wrong(field("mesh"), "missing", "a path to an STL file, or `kind` instead"),
-        (false, true, false) => wrong(field("unit"), "missing", "\"mm\" or \"m\", because STL has no unit"),
+        (true, true, _) => wrong(
+            field("mesh"),
+            "given beside `kind`",
+            "either `kind` or `mesh`",
+        ),
+        (false, false, _) => wrong(
+            field("mesh"),
+            "missing",
+            "a path to an STL file, or `kind` instead",
+        ),
+        (false, true, false) => wrong(
+            field("unit"),
+            "missing",
+            "\"mm\" or \"m\", because STL has no unit",
+        ),
         (true, false, true) => wrong(field("unit"), "given", "nothing without `mesh`"),
         _ => Ok(()),
     }
@@ -145,66 +300,15 @@ fn number(
     expected: &'static str,
 ) -> Checked {
     // Written so that NaN fails.
-    if found >= low && found <= high { Ok(()) } else { wrong(field(key), found, expected) }
+    if found >= low && found <= high {
+        Ok(())
+    } else {
+        wrong(field(key), found, expected)
+    }
 }
 
 fn place(field: &dyn Fn(&str) -> String, key: &str, point: &[f64; 3]) -> Checked {
-    point.iter().try_for_each(|&x| number(field, key, x, -1000.0, 1000.0, "-1000 to 1000 mm"))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use crate::file::{FileError, parse};
-
-    const GOOD: &str = include_str!("../../scenes/crown.toml");
-
-    fn message(text: &str) -> String {
-        let error: FileError = parse(text, Path::new("my.toml")).expect_err("refused");
-        let message = error.to_string();
-        assert!(message.starts_with("my.toml") && !message.contains('\n'), "{message}");
-        message
-    }
-
-    #[test]
-    fn the_shipped_scene_is_understood() {
-        let scene = parse(GOOD, Path::new("crown.toml")).expect("good");
-        assert_eq!((scene.name.as_str(), scene.tools.len(), scene.objects[0].fdi), ("crown", 1, 36));
-    }
-
-    #[test]
-    fn an_unknown_key_is_named_with_the_known_ones() {
-        let text = GOOD.replace("translate_mm", "translat_mm");
-        let message = message(&text);
-        assert!(message.contains("unknown field `translat_mm`") && message.contains("`translate_mm`"), "{message}");
-        assert!(message.contains("line "), "{message}");
-        assert!(self::message("name = \"x\"\n[params]\nmax_forse = 1.0\n").contains("`max_force`"));
-    }
-
-    #[test]
-    fn a_wrong_type_shows_the_line_and_what_was_expected() {
-        let message = message(&GOOD.replace("stiffness_n_per_mm = 0.5", "stiffness_n_per_mm = \"soft\""));
-        assert!(message.contains("stiffness_n_per_mm = \"soft\"") && message.contains("expected"), "{message}");
-        assert!(self::message("name = \"x").contains("line 1"));
-        assert!(self::message(&GOOD.replace("kind = \"molar\"", "kind = \"mollar\"")).contains("`molar`"));
-    }
-
-    #[test]
-    fn a_value_out_of_range_is_named_with_its_range() {
-        let with = |from: &str, to: &str| message(&GOOD.replace(from, to));
-        assert_eq!(
-            with("stiffness_n_per_mm = 0.5", "stiffness_n_per_mm = -2.0"),
-            "my.toml: `stiffness_n_per_mm` of tool `probe` is -2, expected 0.001 to 100 N/mm"
-        );
-        assert!(with("fdi = 36", "fdi = 39").contains("`fdi` of object `tooth 36` is 39"));
-        assert!(with("park_mm = [0.0,", "park_mm = [nan,").contains("NaN, expected -1000 to 1000 mm"));
-        assert!(with("levels = 4", "levels = 9").contains("is 9, expected 1 to 5"));
-        assert!(with("level = 3", "level = 5").contains("expected 0 to `levels`"));
-        assert!(with("kind = \"molar\"", "mesh = \"a.stl\"").contains("`unit` of object `tooth 36` is missing"));
-        assert!(with("kind = \"molar\"", "").contains("`mesh` of object `tooth 36` is missing"));
-        assert!(message("name = \"x\"").contains("number of [[tool]] entries is 0"));
-        assert!(message("name = \"x\"\n[params]\ntrust = 2.0\n").contains("tool"), "tools come first");
-        assert!(with("[[tool]]", "[params]\ntrust = 2.0\n[[tool]]").contains("`trust` in [params] is 2"));
-    }
+    point
+        .iter()
+        .try_for_each(|&x| number(field, key, x, -1000.0, 1000.0, "-1000 to 1000 mm"))
 }

@@ -79,16 +79,26 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     let narrator = Narrator::default();
     let (file, out, json, cached) = match &args.action {
         SceneAction::Check { file, json } => (file, None, *json, true),
-        SceneAction::Build { file, out, no_cache, json } => {
+        SceneAction::Build {
+            file,
+            out,
+            no_cache,
+            json,
+        } => {
             let out = out.clone().unwrap_or_else(|| file.with_extension("scene"));
             (file, Some(out), *json, !no_cache)
         }
     };
-    let options = if cached { BuildOptions::cached() } else { BuildOptions::default() };
+    let options = if cached {
+        BuildOptions::cached()
+    } else {
+        BuildOptions::default()
+    };
     let compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
     let bytes = compiled.scene.to_bytes()?;
     if let Some(out) = &out {
-        std::fs::write(out, &bytes).with_context(|| format!("{}: cannot write the compiled scene", out.display()))?;
+        std::fs::write(out, &bytes)
+            .with_context(|| format!("{}: cannot write the compiled scene", out.display()))?;
     }
     for warning in &compiled.warnings {
         eprintln!("warning: {warning}");
@@ -101,7 +111,12 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     Ok(0)
 }
 
-fn report<'a>(compiled: &'a Compiled, file: &'a Path, out: Option<&'a Path>, bytes: &[u8]) -> Report<'a> {
+fn report<'a>(
+    compiled: &'a Compiled,
+    file: &'a Path,
+    out: Option<&'a Path>,
+    bytes: &[u8],
+) -> Report<'a> {
     let part = |name: &'a str, fdi, tree: &sulcus_core::SphereTree, level, triangles| Part {
         name,
         fdi,
@@ -119,8 +134,16 @@ fn report<'a>(compiled: &'a Compiled, file: &'a Path, out: Option<&'a Path>, byt
         scene_hash: blake3::hash(bytes).to_hex().to_string(),
         bytes: bytes.len(),
         out,
-        tools: scene.tools.iter().map(|t| part(&t.name, 0, &t.tree, t.level, t.mesh.triangles.len())).collect(),
-        objects: scene.objects.iter().map(|o| part(&o.name, o.fdi, &o.tree, o.level, o.mesh.triangles.len())).collect(),
+        tools: scene
+            .tools
+            .iter()
+            .map(|t| part(&t.name, 0, &t.tree, t.level, t.mesh.triangles.len()))
+            .collect(),
+        objects: scene
+            .objects
+            .iter()
+            .map(|o| part(&o.name, o.fdi, &o.tree, o.level, o.mesh.triangles.len()))
+            .collect(),
         warnings: &compiled.warnings,
     }
 }
@@ -129,10 +152,19 @@ fn print(report: &Report) {
     println!("scene `{}` from {}", report.scene, report.file.display());
     for (what, parts) in [("tool", &report.tools), ("object", &report.objects)] {
         for part in parts {
-            let tooth = if part.fdi > 0 { format!(" (FDI {})", part.fdi) } else { String::new() };
+            let tooth = if part.fdi > 0 {
+                format!(" (FDI {})", part.fdi)
+            } else {
+                String::new()
+            };
             println!(
                 "  {what} `{}`{tooth}: level {} with {} spheres, built to level {} with {}, {} triangles",
-                part.name, part.level, part.spheres, part.finest_level, part.finest_spheres, part.triangles
+                part.name,
+                part.level,
+                part.spheres,
+                part.finest_level,
+                part.finest_spheres,
+                part.triangles
             );
         }
     }

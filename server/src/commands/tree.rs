@@ -27,8 +27,8 @@ pub struct TreeArgs {
     /// Unit of the file: mm or m.
     #[arg(long, default_value = "mm")]
     pub unit: Unit,
-    /// Weight of place against inscribed balls: 0.5 for bulky things, near 0 for rods.
-    #[arg(long, default_value_t = 0.5)]
+    /// Weight of place against inscribed balls: 0.4 for bulky things, near 0 for rods.
+    #[arg(long, default_value_t = 0.4)]
     pub alpha: f64,
     /// Print one JSON object on the last line of standard output.
     #[arg(long)]
@@ -55,7 +55,9 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     let options = TreeOptions {
         levels: args.levels,
         alpha: args.alpha,
-        samples: defaults.samples.max(10 * 8_usize.pow(u32::from(args.levels))),
+        samples: defaults
+            .samples
+            .max(10 * 8_usize.pow(u32::from(args.levels))),
         ..defaults
     };
     let narrator = Narrator::default();
@@ -66,7 +68,12 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     narrator.say("measuring", 1.0);
     let levels = tree_errors(&tree, &MeshDistance::new(mesh));
 
-    println!("{}: {} triangles, {} mm3", args.mesh.display(), described.triangles, described.volume_mm3);
+    println!(
+        "{}: {} triangles, {} mm3",
+        args.mesh.display(),
+        described.triangles,
+        described.volume_mm3
+    );
     println!("built in {build_s:.2} s; distances in mm (mean, p95, max)\n");
     println!("level  spheres   mesh to spheres            spheres to mesh");
     for level in &levels {

@@ -29,7 +29,9 @@ pub(crate) fn through<const N: usize>(knots: &[f64; N], values: &[f64; N], x: f6
     if x <= knots[0] {
         return values[0];
     }
-    let Some(right) = (1..N).find(|&i| x < knots[i]) else { return values[N - 1] };
+    let Some(right) = (1..N).find(|&i| x < knots[i]) else {
+        return values[N - 1];
+    };
     let left = right - 1;
     let slope = |i: usize| {
         let (a, b) = (i.saturating_sub(1), (i + 1).min(N - 1));

@@ -70,11 +70,31 @@ struct Cusp {
 
 /// Mesiobuccal, distobuccal, distal, mesiolingual, distolingual. The buccal ones are blunter.
 const CUSPS: [Cusp; 5] = [
-    Cusp { tip: [2.95, 2.75, 7.15], slope: 0.86, blunt: 0.75 },
-    Cusp { tip: [-0.75, 2.95, 7.05], slope: 0.86, blunt: 0.75 },
-    Cusp { tip: [-3.75, 1.55, 6.5], slope: 0.80, blunt: 0.7 },
-    Cusp { tip: [2.75, -2.95, 7.65], slope: 0.98, blunt: 0.55 },
-    Cusp { tip: [-2.05, -3.0, 7.5], slope: 0.96, blunt: 0.55 },
+    Cusp {
+        tip: [2.95, 2.75, 7.15],
+        slope: 0.86,
+        blunt: 0.75,
+    },
+    Cusp {
+        tip: [-0.75, 2.95, 7.05],
+        slope: 0.86,
+        blunt: 0.75,
+    },
+    Cusp {
+        tip: [-3.75, 1.55, 6.5],
+        slope: 0.80,
+        blunt: 0.7,
+    },
+    Cusp {
+        tip: [2.75, -2.95, 7.65],
+        slope: 0.98,
+        blunt: 0.55,
+    },
+    Cusp {
+        tip: [-2.05, -3.0, 7.5],
+        slope: 0.96,
+        blunt: 0.55,
+    },
 ];
 
 /// Knots of a root's centre line (x, z), its mesiodistal half width and its buccolingual stretch.
@@ -90,8 +110,8 @@ struct Root {
 /// Broad and flat, its apex swept distally.
 const MESIAL_ROOT: Root = Root {
     x: [2.1, 2.75, 2.75, 1.75],
-    z: [-0.8, -5.0, -9.4, -12.75],
-    half: [2.15, 1.85, 1.5, 1.0],
+    z: [-0.8, -5.0, -9.4, -12.6],
+    half: [2.15, 1.85, 1.45, 0.9],
     stretch: [1.65, 2.0, 1.9, 1.5],
     groove: 0.34,
 };
@@ -100,7 +120,7 @@ const MESIAL_ROOT: Root = Root {
 const DISTAL_ROOT: Root = Root {
     x: [-2.0, -2.75, -3.2, -3.4],
     z: [-0.8, -5.0, -9.0, -11.9],
-    half: [2.15, 1.85, 1.45, 1.0],
+    half: [2.15, 1.85, 1.4, 0.9],
     stretch: [1.6, 1.75, 1.55, 1.3],
     groove: 0.14,
 };
@@ -110,10 +130,19 @@ impl Molar {
     pub fn mesh(&self) -> TriMesh {
         let stretch = self.stretch_up();
         let drawn = |p: &Vec3| {
-            let z = p.z / if p.z > 0.0 { stretch.z } else { self.root_length_mm / DRAWN_ROOT };
+            let z = p.z
+                / if p.z > 0.0 {
+                    stretch.z
+                } else {
+                    self.root_length_mm / DRAWN_ROOT
+                };
             self.drawn(&Vec3::new(p.x / stretch.x, p.y / stretch.y, z))
         };
-        let low = Vec3::new(-6.5 * stretch.x, -6.2 * stretch.y, -(self.root_length_mm + 1.2));
+        let low = Vec3::new(
+            -6.5 * stretch.x,
+            -6.2 * stretch.y,
+            -(self.root_length_mm + 1.2),
+        );
         let high = Vec3::new(6.6 * stretch.x, 6.2 * stretch.y, self.crown_height_mm + 1.5);
         // Where a groove is narrower than the grid, two walls may share an edge on one grid and not
         // on the next: the first grid that gives a manifold is taken.
@@ -161,15 +190,22 @@ impl Molar {
             let (ax, ay) = (ax / length, ay / length);
             let (dx, dy) = (x - tx, y - ty);
             let (along, across) = (dx * ax + dy * ay, 1.24 * (dx * ay - dy * ax));
-            let away = (along * along + across * across + cusp.blunt * cusp.blunt).sqrt() - cusp.blunt;
+            let away =
+                (along * along + across * across + cusp.blunt * cusp.blunt).sqrt() - cusp.blunt;
             let cone = tz - cusp.slope * self.relief * away;
-            height = if k == 0 { cone } else { smooth_max(height, cone, 0.45) };
+            height = if k == 0 {
+                cone
+            } else {
+                smooth_max(height, cone, 0.45)
+            };
         }
         let mesial = bar([4.35, 2.6], [4.3, -2.7], 6.25, x, y);
         let distal = bar([-4.4, 1.3], [-3.9, -2.5], 5.85, x, y);
         height = smooth_max(smooth_max(height, mesial, 0.5), distal, 0.5);
         // Central, mesial and distal fossa with their pits.
-        height - 0.3 * bell(pit(x, y, -0.35, -0.05), 0.75) - 0.2 * bell(pit(x, y, 3.0, -0.1), 0.6)
+        height
+            - 0.3 * bell(pit(x, y, -0.35, -0.05), 0.75)
+            - 0.2 * bell(pit(x, y, 3.0, -0.1), 0.6)
             - 0.15 * bell(pit(x, y, -3.2, -0.55), 0.6)
     }
 }
@@ -181,7 +217,11 @@ fn pit(x: f64, y: f64, px: f64, py: f64) -> f64 {
 /// A marginal ridge: a rounded bar from `a` to `b` at one height.
 fn bar(a: [f64; 2], b: [f64; 2], height: f64, x: f64, y: f64) -> f64 {
     let (bx, by) = (b[0] - a[0], b[1] - a[1]);
-    let t = fclamp(((x - a[0]) * bx + (y - a[1]) * by) / (bx * bx + by * by), 0.0, 1.0);
+    let t = fclamp(
+        ((x - a[0]) * bx + (y - a[1]) * by) / (bx * bx + by * by),
+        0.0,
+        1.0,
+    );
     let d = pit(x, y, a[0] + t * bx, a[1] + t * by);
     height - 0.95 * ((d * d + 0.16).sqrt() - 0.4)
 }
@@ -222,7 +262,8 @@ fn root(root: &Root, p: &Vec3) -> f64 {
     // The buccolingual stretch makes a round tube flat.
     let y = p.y / through(&depths, &root.stretch, depth);
     let (dx, dz) = (p.x - through(&depths, &root.x, depth), p.z + depth);
-    let groove = root.groove * bell(p.y, 1.0) * ramp(depth, 1.5, 4.5) * (1.0 - ramp(depth, 9.0, 12.0));
+    let groove =
+        root.groove * bell(p.y, 1.0) * ramp(depth, 1.5, 4.5) * (1.0 - ramp(depth, 9.0, 12.0));
     (dx * dx + y * y + dz * dz).sqrt() - half + groove * fmax(0.0, 1.0 - 0.5 * (y / half).abs())
 }
 
@@ -236,7 +277,10 @@ mod tests {
         let report = check(&Molar::default().mesh(), "molar").expect("a solid");
         assert_eq!(report.genus, 0, "{report:?}");
         let [md, bl, height] = report.size_mm;
-        assert!((10.5..11.5).contains(&md) && (9.8..10.8).contains(&bl), "{report:?}");
+        assert!(
+            (10.5..11.5).contains(&md) && (9.8..10.8).contains(&bl),
+            "{report:?}"
+        );
         assert!((20.0..22.0).contains(&height), "{report:?}");
         assert!((600.0..1400.0).contains(&report.volume_mm3), "{report:?}");
     }
@@ -246,17 +290,35 @@ mod tests {
         let molar = Molar::default();
         for cusp in &CUSPS {
             let [x, y, z] = cusp.tip;
-            assert!(molar.drawn(&Vec3::new(x, y, z - 0.9)) < 0.0, "no dentine under {:?}", cusp.tip);
+            assert!(
+                molar.drawn(&Vec3::new(x, y, z - 0.9)) < 0.0,
+                "no dentine under {:?}",
+                cusp.tip
+            );
             assert!(molar.drawn(&Vec3::new(x, y, z + 0.2)) > 0.0);
         }
-        assert!(molar.drawn(&Vec3::new(-0.35, -0.05, 5.5)) > 0.0, "the fossa is open");
-        assert!(molar.drawn(&Vec3::new(0.0, 0.0, -6.0)) > 0.0, "the furcation is open");
-        assert!(molar.drawn(&Vec3::new(2.7, 0.0, -9.0)) < 0.0 && molar.drawn(&Vec3::new(-3.1, 0.0, -9.0)) < 0.0);
+        assert!(
+            molar.drawn(&Vec3::new(-0.35, -0.05, 5.5)) > 0.0,
+            "the fossa is open"
+        );
+        assert!(
+            molar.drawn(&Vec3::new(0.0, 0.0, -6.0)) > 0.0,
+            "the furcation is open"
+        );
+        assert!(
+            molar.drawn(&Vec3::new(2.7, 0.0, -9.0)) < 0.0
+                && molar.drawn(&Vec3::new(-3.1, 0.0, -9.0)) < 0.0
+        );
     }
 
     #[test]
     fn dimensions_stretch_it() {
-        let small = Molar { mesiodistal_mm: 9.9, root_length_mm: 11.0, grid_mm: 0.4, ..Molar::default() };
+        let small = Molar {
+            mesiodistal_mm: 9.9,
+            root_length_mm: 11.0,
+            grid_mm: 0.4,
+            ..Molar::default()
+        };
         let report = check(&small.mesh(), "molar").expect("a solid");
         assert!((9.4..10.4).contains(&report.size_mm[0]), "{report:?}");
         assert!((17.5..19.5).contains(&report.size_mm[2]), "{report:?}");

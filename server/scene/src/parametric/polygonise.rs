@@ -8,7 +8,8 @@ use crate::mesh::TriMesh;
 /// Meshes `{f = 0}` inside the box `low..high` with grid edge `cell`; `f` is negative inside and
 /// must be positive on the whole border of the box. Any unit of length.
 pub fn polygonise(f: &(dyn Fn(&Vec3) -> f64 + Sync), low: Vec3, high: Vec3, cell: f64) -> TriMesh {
-    let n: [usize; 3] = std::array::from_fn(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
+    let n: [usize; 3] =
+        std::array::from_fn(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
     let stride = [1, n[0], n[0] * n[1]];
     let at = |i: usize, j: usize, k: usize| i + j * stride[1] + k * stride[2];
     let place = |i: usize, j: usize, k: usize| low + Vec3::new(i as f64, j as f64, k as f64) * cell;
@@ -34,7 +35,8 @@ pub fn polygonise(f: &(dyn Fn(&Vec3) -> f64 + Sync), low: Vec3, high: Vec3, cell
             }
         }
     }
-    mesh.vertices = crate::parallel::map(mesh.vertices.len(), |v| project(f, mesh.vertices[v], cell));
+    mesh.vertices =
+        crate::parallel::map(mesh.vertices.len(), |v| project(f, mesh.vertices[v], cell));
     for k in 1..n[2] - 1 {
         for j in 1..n[1] - 1 {
             for i in 1..n[0] - 1 {
@@ -60,7 +62,8 @@ pub fn polygonise(f: &(dyn Fn(&Vec3) -> f64 + Sync), low: Vec3, high: Vec3, cell
 
 /// Mean of the crossings on the edges of a cell, in cell coordinates; none without a crossing.
 fn cell_vertex(values: &[f64], corner: usize, stride: &[usize; 3]) -> Option<Vec3> {
-    let offset = |c: usize| (c & 1) * stride[0] + (c >> 1 & 1) * stride[1] + (c >> 2 & 1) * stride[2];
+    let offset =
+        |c: usize| (c & 1) * stride[0] + (c >> 1 & 1) * stride[1] + (c >> 2 & 1) * stride[2];
     let (mut sum, mut count) = (Vec3::zeros(), 0_u32);
     for from in 0..8_usize {
         for axis in (0..3).filter(|axis| from & (1 << axis) == 0) {
@@ -99,7 +102,11 @@ fn project(f: &dyn Fn(&Vec3) -> f64, start: Vec3, cell: f64) -> Vec3 {
         p += newton;
     }
     // Beyond its own neighbourhood a vertex would fold the mesh.
-    if (p - start).norm() > 0.6 * cell { start } else { p }
+    if (p - start).norm() > 0.6 * cell {
+        start
+    } else {
+        p
+    }
 }
 
 /// Two triangles, cut along the shorter diagonal.

@@ -60,18 +60,40 @@ const SHANK_MM: f64 = 19.0;
 impl Probe {
     /// Centre line at `s` mm from the tip, in the tool's frame, mm.
     fn line(&self) -> impl Fn(f64) -> Station {
-        let (working, shank) = (-self.working_end_deg.to_radians(), self.shank_deg.to_radians());
+        let (working, shank) = (
+            -self.working_end_deg.to_radians(),
+            self.shank_deg.to_radians(),
+        );
         let pieces = [
-            Piece { length: self.working_end_mm, turn: 0.0 },
-            Piece { length: BEND_MM * (shank - working), turn: shank - working },
-            Piece { length: SHANK_MM, turn: 0.0 },
-            Piece { length: BEND_MM * shank, turn: -shank },
-            Piece { length: self.length_mm, turn: 0.0 },
+            Piece {
+                length: self.working_end_mm,
+                turn: 0.0,
+            },
+            Piece {
+                length: BEND_MM * (shank - working),
+                turn: shank - working,
+            },
+            Piece {
+                length: SHANK_MM,
+                turn: 0.0,
+            },
+            Piece {
+                length: BEND_MM * shank,
+                turn: -shank,
+            },
+            Piece {
+                length: self.length_mm,
+                turn: 0.0,
+            },
         ];
         // The tip goes where the handle's axis becomes the z axis and the reach is right.
         let bent: f64 = pieces[..4].iter().map(|piece| piece.length).sum();
         let x = -walk(&pieces, working, bent).point.x;
-        let tip = Vec3::new(x, 0.0, -(self.reach_mm * self.reach_mm - x * x).max(0.0).sqrt());
+        let tip = Vec3::new(
+            x,
+            0.0,
+            -(self.reach_mm * self.reach_mm - x * x).max(0.0).sqrt(),
+        );
         move |s| {
             let mut station = walk(&pieces, working, s);
             station.point += tip;
@@ -82,7 +104,9 @@ impl Probe {
     /// Radius at `s` mm from the tip, mm.
     fn radius(&self, s: f64) -> f64 {
         let (tip, neck) = (0.5 * self.tip_diameter_mm, 0.5 * self.neck_diameter_mm);
-        let bent = self.working_end_mm + BEND_MM * (self.working_end_deg + 2.0 * self.shank_deg).to_radians() + SHANK_MM;
+        let bent = self.working_end_mm
+            + BEND_MM * (self.working_end_deg + 2.0 * self.shank_deg).to_radians()
+            + SHANK_MM;
         let knots = [
             (0.0, tip),
             (tip, tip),
@@ -108,12 +132,20 @@ impl Probe {
 
     /// What touches: working end and shank, closed, metres, tool frame.
     pub fn touching_mesh(&self) -> TriMesh {
-        sweep(&self.line(), &|s| self.radius(s), 0.0, self.touching_mm, 0.25).placed(1e-3, Vec3::zeros())
+        sweep(
+            &self.line(),
+            &|s| self.radius(s),
+            0.0,
+            self.touching_mm,
+            0.25,
+        )
+        .placed(1e-3, Vec3::zeros())
     }
 
     /// The whole instrument, closed, metres, tool frame.
     pub fn display_mesh(&self) -> TriMesh {
-        sweep(&self.line(), &|s| self.radius(s), 0.0, self.length_mm, 1.0).placed(1e-3, Vec3::zeros())
+        sweep(&self.line(), &|s| self.radius(s), 0.0, self.length_mm, 1.0)
+            .placed(1e-3, Vec3::zeros())
     }
 
     /// The very tip, metres, tool frame.
@@ -134,7 +166,11 @@ impl Probe {
     /// The fifteen marks, metres from the tip; the black ones are dark.
     pub fn bands(&self) -> Vec<Band> {
         (0..15_u32)
-            .map(|mm| Band { from: f64::from(mm) * 1e-3, to: f64::from(mm + 1) * 1e-3, dark: mm % 5 == 4 })
+            .map(|mm| Band {
+                from: f64::from(mm) * 1e-3,
+                to: f64::from(mm + 1) * 1e-3,
+                dark: mm % 5 == 4,
+            })
             .collect()
     }
 }
@@ -148,7 +184,10 @@ mod tests {
     #[test]
     fn both_meshes_are_solids_and_the_points_are_where_they_are_said_to_be() {
         let probe = Probe::default();
-        for (name, mesh) in [("touching", probe.touching_mesh()), ("display", probe.display_mesh())] {
+        for (name, mesh) in [
+            ("touching", probe.touching_mesh()),
+            ("display", probe.display_mesh()),
+        ] {
             let report = check(&mesh, name).expect("a solid");
             assert_eq!(report.genus, 0);
             let distance = MeshDistance::new(mesh);
@@ -160,13 +199,25 @@ mod tests {
         assert!((probe.tip().norm() - 0.09).abs() < 1e-12);
         assert!((probe.tip_axis().norm() - 1.0).abs() < 1e-12);
         assert!(((probe.tip() - probe.working_point()).norm() - 4e-3).abs() < 1e-12);
-        assert!(probe.tip().x.abs() < 5e-3, "the tip is balanced under the handle: {:?}", probe.tip());
-        assert!(MeshDistance::new(probe.display_mesh()).signed(&Vec3::zeros()) < -3e-3, "the device point is in the handle");
+        assert!(
+            probe.tip().x.abs() < 5e-3,
+            "the tip is balanced under the handle: {:?}",
+            probe.tip()
+        );
+        assert!(
+            MeshDistance::new(probe.display_mesh()).signed(&Vec3::zeros()) < -3e-3,
+            "the device point is in the handle"
+        );
     }
 
     #[test]
     fn the_black_bands_are_those_of_a_unc_15() {
-        let dark: Vec<_> = Probe::default().bands().iter().filter(|b| b.dark).map(|b| (b.from * 1e3).round() as u32).collect();
+        let dark: Vec<_> = Probe::default()
+            .bands()
+            .iter()
+            .filter(|b| b.dark)
+            .map(|b| (b.from * 1e3).round() as u32)
+            .collect();
         assert_eq!(dark, [4, 9, 14]);
     }
 }

@@ -30,11 +30,19 @@ pub(crate) fn walk(pieces: &[Piece], start: f64, at: f64) -> Station {
     let direction = |angle: f64| Vec3::new(libm::sin(angle), 0.0, libm::cos(angle));
     let (mut point, mut angle, mut left) = (Vec3::zeros(), start, at);
     for (k, piece) in pieces.iter().enumerate() {
-        let part = if left < piece.length || k + 1 == pieces.len() { left } else { piece.length };
+        let part = if left < piece.length || k + 1 == pieces.len() {
+            left
+        } else {
+            piece.length
+        };
         let turn = piece.turn * part / piece.length;
         // The chord of an arc points half-way between its end directions.
         let half = 0.5 * turn;
-        let shortening = if half.abs() < 1e-9 { 1.0 } else { libm::sin(half) / half };
+        let shortening = if half.abs() < 1e-9 {
+            1.0
+        } else {
+            libm::sin(half) / half
+        };
         point += direction(angle + half) * (part * shortening);
         angle += turn;
         left -= part;
@@ -42,36 +50,63 @@ pub(crate) fn walk(pieces: &[Piece], start: f64, at: f64) -> Station {
             break;
         }
     }
-    Station { s: at, point, along: direction(angle) }
+    Station {
+        s: at,
+        point,
+        along: direction(angle),
+    }
 }
 
 /// Sweeps a disc along `stations` (increasing `s`) with radius `radius(s)`; both ends are
 /// hemispheres inside the ends of the line.
-pub(crate) fn sweep(line: &dyn Fn(f64) -> Station, radius: &dyn Fn(f64) -> f64, from: f64, to: f64, step: f64) -> TriMesh {
+pub(crate) fn sweep(
+    line: &dyn Fn(f64) -> Station,
+    radius: &dyn Fn(f64) -> f64,
+    from: f64,
+    to: f64,
+    step: f64,
+) -> TriMesh {
     let mut rings: Vec<(f64, f64)> = Vec::new();
     let (r0, r1) = (radius(from), radius(to));
     const CAP: usize = 8;
     let cap = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / CAP as f64;
     for k in 1..CAP {
-        rings.push((from + r0 * (1.0 - libm::cos(cap(k))), r0 * libm::sin(cap(k))));
+        rings.push((
+            from + r0 * (1.0 - libm::cos(cap(k))),
+            r0 * libm::sin(cap(k)),
+        ));
     }
     let count = ((to - r1 - from - r0) / step).ceil() as usize;
     for k in 0..=count {
         let s = from + r0 + (to - r1 - from - r0) * k as f64 / count as f64;
         // The cap is a ball of the end's radius, the bar takes over smoothly behind it.
-        rings.push((s, if k == 0 { r0 } else if k == count { r1 } else { radius(s) }));
+        rings.push((
+            s,
+            if k == 0 {
+                r0
+            } else if k == count {
+                r1
+            } else {
+                radius(s)
+            },
+        ));
     }
     for k in (1..CAP).rev() {
         rings.push((to - r1 * (1.0 - libm::cos(cap(k))), r1 * libm::sin(cap(k))));
     }
-    let mut mesh = TriMesh { vertices: vec![line(from).point], triangles: Vec::new() };
+    let mut mesh = TriMesh {
+        vertices: vec![line(from).point],
+        triangles: Vec::new(),
+    };
     let last = rings.len() - 1;
     for (k, &(s, r)) in rings.iter().enumerate() {
         let station = line(s);
         let side = Vec3::new(station.along.z, 0.0, -station.along.x);
         for corner in 0..AROUND {
             let angle = std::f64::consts::TAU * corner as f64 / AROUND as f64;
-            mesh.vertices.push(station.point + side * (r * libm::cos(angle)) + Vec3::y() * (r * libm::sin(angle)));
+            mesh.vertices.push(
+                station.point + side * (r * libm::cos(angle)) + Vec3::y() * (r * libm::sin(angle)),
+            );
         }
         for corner in 0..AROUND {
             let here = |c: usize| (1 + k * AROUND + c % AROUND) as u32;
@@ -83,7 +118,8 @@ pub(crate) fn sweep(line: &dyn Fn(f64) -> Station, radius: &dyn Fn(f64) -> f64, 
                 mesh.triangles.extend([[c, d, b], [c, b, a]]);
             }
             if k == last {
-                mesh.triangles.push([(1 + rings.len() * AROUND) as u32, a, b]);
+                mesh.triangles
+                    .push([(1 + rings.len() * AROUND) as u32, a, b]);
             }
         }
     }

@@ -1,0 +1,223 @@
+//! Scene files compiled: what comes out, what is refused, what the cache does.
+
+use std::fs;
+use std::path::Path;
+
+use sulcus_core::{Scene, Vec3};
+use sulcus_scene::load::to_stl;
+use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::shapes::icosphere;
+use sulcus_scene::{BuildOptions, Compiled, compile_default, compile_file};
+
+fn quick() -> BuildOptions {
+    BuildOptions {
+        cache: None,
+        deepest: Some(2),
+    }
+}
+
+fn compile(dir: &Path, text: &str) -> Result<Compiled, String> {
+    let file = dir.join("scene.toml");
+    fs::write(&file, text).expect("written");
+    compile_file(&file, &quick(), &|_, _| ()).map_err(|error| error.to_string())
+}
+
+const BALL: &str = r#"
+name = "ball"
+[[tool]]
+name = "ball end"
+mesh = "ball.stl"
+unit = "mm"
+working_point_mm = [0, 0, 0]
+tip_mm = [0, 0, -2]
+tip_axis = [0, 0, -2]
+park_mm = [0, 0, 50]
+park_rotation_deg = [0, 90, 0]
+stiffness_n_per_mm = 0.25
+[[object]]
+name = "ball"
+mesh = "ball.stl"
+unit = "mm"
+translate_mm = [1, 2, 3]
+"#;
+
+fn with_ball(mesh: &TriMesh) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    fs::write(dir.path().join("ball.stl"), to_stl(mesh)).expect("written");
+    dir
+}
+
+#[test]
+fn the_default_scene_is_a_valid_molar_and_probe() {
+    let compiled = compile_default(&quick(), &|_, _| ()).expect("compiles");
+    let scene = &compiled.scene;
+    scene.validate().expect("valid");
+    assert!(compiled.warnings.is_empty(), "{:?}", compiled.warnings);
+    assert_eq!(
+        (scene.name.as_str(), &scene.source_hash),
+        ("crown", &compiled.source_hash)
+    );
+    let (tool, tooth) = (&scene.tools[0], &scene.objects[0]);
+    assert_eq!(
+        (tooth.fdi, tooth.level, tool.level, tool.bands.len()),
+        (36, 2, 2, 15)
+    );
+    assert_eq!(
+        (tool.stiffness_n_per_m, tool.stiffness_nm_per_rad),
+        (500.0, 0.5)
+    );
+    let tip = tool.park.transform(&tool.tip);
+    assert!(
+        (0.02..0.03).contains(&tip.z),
+        "the parked tip is above the crown: {tip:?}"
+    );
+    // Only working end and shank touch, so levers stay short; the whole instrument is shown.
+    assert!(tool.tree.lever_from(&tool.working_point) < 0.03);
+    let highest = tool
+        .mesh
+        .vertices
+        .iter()
+        .map(|v| v[2])
+        .fold(f32::MIN, f32::max);
+    assert!(highest > 0.07, "the handle is shown");
+    let bytes = scene.to_bytes().expect("bytes");
+    assert_eq!(&Scene::from_bytes(&bytes).expect("scene"), scene);
+}
+
+#[test]
+fn units_places_and_names_come_from_the_file() {
+    let dir = with_ball(&icosphere(0.002, 2));
+    let compiled = compile(dir.path(), BALL).expect("compiles");
+    let (tool, ball) = (&compiled.scene.tools[0], &compiled.scene.objects[0]);
+    let root = &ball.tree.nodes()[0];
+    assert!(
+        (root.centre - Vec3::new(1e-3, 2e-3, 3e-3)).norm() < 6e-5
+            && (root.contact_radius - 2e-3).abs() < 6e-5
+    );
+    assert!((f64::from(ball.mesh.vertices[0][1]) - 2e-3).abs() < 2.1e-3);
+    assert_eq!(tool.stiffness_n_per_m, 250.0);
+    assert_eq!(tool.tip_axis, -Vec3::z());
+    // A quarter turn about y takes the tip from -z to -x.
+    assert!((tool.park.transform(&tool.tip) - Vec3::new(-2e-3, 0.0, 50e-3)).norm() < 1e-12);
+}
+
+#[test]
+fn the_source_hash_follows_text_and_meshes() {
+    let dir = with_ball(&icosphere(0.002, 2));
+    let first = compile(dir.path(), BALL).expect("compiles").source_hash;
+    assert_eq!(
+        compile(dir.path(), BALL).expect("compiles").source_hash,
+        first
+    );
+    assert_ne!(
+        compile(dir.path(), &format!("# note\n{BALL}"))
+            .expect("compiles")
+            .source_hash,
+        first
+    );
+    fs::write(dir.path().join("ball.stl"), to_stl(&icosphere(0.0021, 2))).expect("written");
+    assert_ne!(
+        compile(dir.path(), BALL).expect("compiles").source_hash,
+        first
+    );
+}
+
+#[test]
+fn broken_meshes_and_wrong_units_are_refused_by_file_name() {
+    let ball = icosphere(0.002, 2);
+    let mut hole = ball.clone();
+    hole.triangles.pop();
+    let message = compile(with_ball(&hole).path(), BALL).expect_err("refused");
+    assert!(
+        message.contains("ball.stl: found 3 open edges"),
+        "{message}"
+    );
+    let dir = with_ball(&ball);
+    let message = compile(dir.path(), &BALL.replace("\"mm\"", "\"m\"")).expect_err("refused");
+    assert!(message.contains("is it in another unit?"), "{message}");
+    let message = compile(dir.path(), &BALL.replace("ball.stl", "bell.stl")).expect_err("refused");
+    assert!(
+        message.contains("bell.stl: cannot read the file"),
+        "{message}"
+    );
+    let missing = compile_file(Path::new("no/scene.toml"), &quick(), &|_, _| ())
+        .expect_err("refused")
+        .to_string();
+    assert!(
+        missing.starts_with("no/scene.toml: cannot read the scene file"),
+        "{missing}"
+    );
+}
+
+#[test]
+fn a_tool_parked_inside_something_is_refused_and_an_empty_scene_is_remarked() {
+    let dir = with_ball(&icosphere(0.002, 2));
+    let message = compile(
+        dir.path(),
+        &BALL.replace("park_mm = [0, 0, 50]", "park_mm = [1, 2, 4]"),
+    )
+    .expect_err("refused");
+    assert!(
+        message.contains("`park_mm` of tool `ball end` is 2.") && message.contains("object `ball`"),
+        "{message}"
+    );
+    let alone = BALL.split("[[object]]").next().expect("tool").to_owned();
+    let warnings = compile(dir.path(), &alone).expect("compiles").warnings;
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("nothing to touch"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_scene_from_the_cache_is_the_same_scene() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let cache = dir.path().join("not/yet/there");
+    let options = BuildOptions {
+        cache: Some(cache.clone()),
+        deepest: Some(2),
+    };
+    let built = compile_default(&options, &|_, _| ()).expect("compiles");
+    let kept: Vec<_> = fs::read_dir(&cache)
+        .expect("cache")
+        .map(|entry| entry.expect("entry").path())
+        .collect();
+    assert_eq!(kept.len(), 2, "one tree for each part");
+    let stages = std::cell::RefCell::new(String::new());
+    let taken = compile_default(&options, &|stage, _| stages.borrow_mut().push_str(stage))
+        .expect("compiles");
+    assert_eq!(built, taken);
+    assert!(
+        !stages.borrow().contains("inscribed"),
+        "nothing was built: {}",
+        stages.borrow()
+    );
+    // Damaged files are built again, and replaced.
+    for file in &kept {
+        fs::write(file, b"not a tree").expect("written");
+    }
+    assert_eq!(
+        compile_default(&options, &|_, _| ()).expect("compiles"),
+        built
+    );
+    assert!(
+        kept.iter()
+            .all(|file| fs::metadata(file).expect("file").len() > 100)
+    );
+    // A cache that cannot be written is a remark, not a failure.
+    let blocked = dir.path().join("file");
+    fs::write(&blocked, b"").expect("written");
+    let compiled = compile_default(
+        &BuildOptions {
+            cache: Some(blocked),
+            deepest: Some(1),
+        },
+        &|_, _| (),
+    )
+    .expect("compiles");
+    assert!(
+        compiled.warnings[0].contains("cannot keep the built tree"),
+        "{:?}",
+        compiled.warnings
+    );
+}
