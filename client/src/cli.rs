@@ -1,0 +1,166 @@
+//! The command line of `sulcus-client`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use sulcus_core::optimise::SolverKind;
+
+/// Periodontal training with touch: the student's side.
+///
+/// Without a command it runs the demo: an embedded server on loopback, a simulated operator who
+/// probes around the crown of a molar for 20 seconds over real QUIC, the session recorded to MCAP
+/// and replayed as a check.
+#[derive(Debug, Parser)]
+#[command(name = "sulcus-client", version, after_long_help = EXAMPLES)]
+pub struct Cli {
+    /// What to do; the demo when omitted.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  sulcus-client                                   the demo: 20 s, recorded and replayed
+  sulcus-client demo --virtual --duration 60      the same in virtual time, as fast as it goes
+  sulcus-client demo --scene server/scenes/crown.toml --json
+  sulcus-client demo --virtual --exercise hard/wedge
+  sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT
+
+Exit codes: 0 success, 1 a finding (the replay differs), 2 wrong usage or bad input.";
+
+/// Commands of the client.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run one whole recorded session against an embedded server
+    #[command(after_long_help = EXAMPLES)]
+    Demo(DemoArgs),
+    /// Join a server that is already running
+    #[command(after_long_help = EXAMPLES)]
+    Run(RunArgs),
+}
+
+/// Arguments of `demo`.
+#[derive(Clone, Debug, Args)]
+pub struct DemoArgs {
+    /// Lock-step without sockets or clock, faster than real time
+    #[arg(long = "virtual")]
+    pub virtual_time: bool,
+    /// Length of the session in seconds
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
+    pub duration: f64,
+    /// What to perform: `crown`, or a hard case as `hard/NAME` (see `--list-exercises`)
+    #[arg(long, value_name = "NAME", default_value = "crown")]
+    pub exercise: String,
+    /// List the exercises and stop
+    #[arg(long)]
+    pub list_exercises: bool,
+    /// Scene file (TOML); the built-in parametric molar when omitted
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Seed of the simulated operator's tremor
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Solver in the tick: `active-set`, or the judge `clarabel` (slow: with --virtual)
+    #[arg(long, value_enum, default_value = "active-set")]
+    pub solver: SolverArg,
+    /// Folder for recordings; created when missing
+    #[arg(long, value_name = "DIR", default_value = "recordings")]
+    pub recordings: PathBuf,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `run`.
+#[derive(Clone, Debug, Args)]
+pub struct RunArgs {
+    /// Address of the server
+    #[arg(long, value_name = "HOST:PORT")]
+    pub server: SocketAddr,
+    /// The server's ticket, one line as it prints it: token and certificate together
+    #[arg(long, value_name = "LINE", conflicts_with_all = ["token", "certificate"])]
+    pub ticket: Option<String>,
+    /// The server's token, with --certificate
+    #[arg(long, value_name = "T", requires = "certificate")]
+    pub token: Option<String>,
+    /// The server's certificate (DER), as `sulcus-server serve --certificate-out` writes it
+    #[arg(long, value_name = "FILE", requires = "token")]
+    pub certificate: Option<PathBuf>,
+    /// Device: only `simulated` so far
+    #[arg(long, value_name = "NAME", default_value = "simulated")]
+    pub device: String,
+    /// Scene that the simulated operator knows; must be the server's
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Length of the session in seconds
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
+    pub duration: f64,
+    /// Seed of the simulated operator's tremor
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Opaque learner id for the recording; never a name
+    #[arg(long, value_name = "ID", default_value = "")]
+    pub learner: String,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Solver names on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SolverArg {
+    /// Own dual active set.
+    ActiveSet,
+    /// Clarabel's interior point.
+    Clarabel,
+}
+
+impl From<SolverArg> for SolverKind {
+    fn from(arg: SolverArg) -> Self {
+        match arg {
+            SolverArg::ActiveSet => SolverKind::ActiveSet,
+            SolverArg::Clarabel => SolverKind::Clarabel,
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if (0.1..=86_400.0).contains(&s) => Ok(s),
+        _ => Err(format!("`{text}` is not a number of seconds from 0.1 to 86400")),
+    }
+}
+
+impl Default for DemoArgs {
+    fn default() -> Self {
+        Self {
+            virtual_time: false,
+            duration: 20.0,
+            exercise: "crown".into(),
+            list_exercises: false,
+            scene: None,
+            seed: 1,
+            solver: SolverArg::ActiveSet,
+            recordings: "recordings".into(),
+            json: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_defaults_of_no_command_are_those_of_the_demo() {
+        let Some(Command::Demo(parsed)) = Cli::parse_from(["sulcus-client", "demo"]).command else { panic!("demo") };
+        assert_eq!(format!("{parsed:?}"), format!("{:?}", DemoArgs::default()));
+    }
+}

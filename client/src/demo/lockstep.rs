@@ -1,0 +1,95 @@
+//! `demo --virtual`: operator, core and recorder in lock-step, without sockets or clock.
+
+use std::path::{Path, PathBuf};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use anyhow::Context;
+use sulcus_core::{MAX_TOOLS, NoProbe, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
+use sulcus_proto::Percentiles;
+use sulcus_sessions::{Recorder, Row, SessionEnd, SessionHeader, StationKey};
+
+use crate::exercise::Prepared;
+use crate::progress::Steps;
+use crate::stats::{histogram, percentiles, thread_cpu_ns};
+
+/// What the lock-step run measured.
+pub struct Lockstep {
+    /// Where the recording is.
+    pub recording: PathBuf,
+    /// Ticks computed.
+    pub ticks: u64,
+    /// Thread CPU time of a tick.
+    pub tick_us: Percentiles,
+    /// Wall time of a tick.
+    pub tick_wall_us: Percentiles,
+    /// Wall time of operator, ticks and recording together, seconds.
+    pub wall_s: f64,
+}
+
+/// A snapshot of the state goes into the record every so many ticks.
+const SNAPSHOT_TICKS: u64 = 10_000;
+
+/// Runs `prepared` to its end into a new recording under `folder`.
+///
+/// # Errors
+/// When the recording cannot be written.
+pub fn run(prepared: &mut Prepared, seed: u64, folder: &Path, key: StationKey, steps: &Steps) -> anyhow::Result<Lockstep> {
+    let ticks = prepared.ticks;
+    let started = SystemTime::now().duration_since(UNIX_EPOCH).context("the clock is before 1970")?.as_nanos() as u64;
+    let mut header = SessionHeader::new(prepared.scene_bytes.as_ref().clone());
+    header.exercise_name = prepared.name.clone();
+    header.exercise = prepared.definition(seed);
+    header.seed = seed;
+    header.station = "virtual".into();
+    header.started_unix_ns = started;
+    let (mut recorder, recording) = Recorder::create_in(folder, &header, &key)?;
+
+    let scene = prepared.scene.clone();
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    recorder.snapshot(started, 0, &state.to_bytes())?;
+    let (mut cpu, mut wall) = (histogram(), histogram());
+    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut exhausted = 0;
+    let bar = steps.bar("performing");
+    let begin = Instant::now();
+    for k in 1..=ticks {
+        let mut input = TickInput::IDLE;
+        input.tools = prepared.operator.step(&felt);
+        if let Some(case) = prepared.case {
+            (case.disturb)(k - 1, &mut input);
+        }
+        let (wall_0, cpu_0) = (Instant::now(), thread_cpu_ns());
+        let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+        cpu.saturating_record(thread_cpu_ns() - cpu_0);
+        wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
+        felt = as_sent(&output);
+        exhausted += output.tools.iter().filter(|t| t.status & sulcus_core::output::status::EXHAUSTED != 0).count() as u64;
+        let now = started + k * 1_000_000;
+        recorder.push(&Row::new(now, &input, &output))?;
+        if k.is_multiple_of(SNAPSHOT_TICKS) {
+            recorder.snapshot(now, k, &state.to_bytes())?;
+        }
+        if k.is_multiple_of(500) {
+            bar.set("performing", k as f64 / ticks as f64);
+        }
+    }
+    recorder.finish(SessionEnd { ticks, exhausted, ..SessionEnd::default() })?;
+    let wall_s = begin.elapsed().as_secs_f64();
+    bar.done();
+    Ok(Lockstep {
+        recording,
+        ticks,
+        tick_us: percentiles(&cpu).unwrap_or_default(),
+        tick_wall_us: percentiles(&wall).unwrap_or_default(),
+        wall_s,
+    })
+}
+
+/// The wrenches as the wire would carry them: f32, widened.
+fn as_sent(output: &TickOutput) -> [Wrench; MAX_TOOLS] {
+    let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
+    std::array::from_fn(|t| {
+        let wrench = &output.tools[t].wrench;
+        Wrench { force: narrow(&wrench.force), torque: narrow(&wrench.torque) }
+    })
+}

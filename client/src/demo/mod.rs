@@ -1,0 +1,79 @@
+//! The demo: one whole recorded session against an embedded server, or in virtual time.
+
+pub mod check;
+pub mod live;
+pub mod lockstep;
+pub mod summary;
+
+use anyhow::Context;
+use sulcus_sessions::StationKey;
+
+use crate::cli::DemoArgs;
+use crate::exercise;
+use crate::progress::Steps;
+use summary::DemoSummary;
+
+/// Runs the demo; returns the exit code.
+///
+/// # Errors
+/// On bad input: an unknown exercise, a scene file that cannot be used, a folder that cannot be
+/// written.
+pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
+    if args.list_exercises {
+        for (name, about) in exercise::list() {
+            println!("{name:22} {about}");
+        }
+        return Ok(0);
+    }
+    let steps = Steps;
+    let mut prepared = exercise::prepare(
+        &args.exercise,
+        args.scene.as_deref(),
+        args.duration,
+        args.seed,
+        args.solver.into(),
+        &steps,
+    )?;
+    for warning in &prepared.warnings {
+        eprintln!("warning: {warning}");
+    }
+    std::fs::create_dir_all(&args.recordings)
+        .with_context(|| format!("cannot make the folder `{}` for recordings", args.recordings.display()))?;
+    let summary = if args.virtual_time { run_virtual(args, &mut prepared, &steps)? } else { live::run(args, prepared, &steps)? };
+    if args.json {
+        println!("{}", serde_json::to_string(&summary)?);
+    } else {
+        println!("{}", summary.text());
+    }
+    Ok(u8::from(!(summary.identical && summary.signature_valid)))
+}
+
+fn run_virtual(args: &DemoArgs, prepared: &mut exercise::Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
+    let key = StationKey::load_or_create(&StationKey::default_path()?)?;
+    let ran = lockstep::run(prepared, args.seed, &args.recordings, key, steps)?;
+    let checked = check::check(&ran.recording, steps)?;
+    Ok(DemoSummary {
+        recording: ran.recording,
+        exercise: prepared.name.clone(),
+        scene: prepared.scene.name.clone(),
+        virtual_time: true,
+        ticks: ran.ticks,
+        deadline_misses: 0,
+        skipped: 0,
+        tick_us: ran.tick_us,
+        tick_wall_us: ran.tick_wall_us,
+        rtt_us: None,
+        max_residual_um: checked.measures.residual * 1e6,
+        exhausted: checked.measures.exhausted,
+        max_force_n: checked.measures.max_force,
+        lost: 0,
+        late: 0,
+        identical: checked.report.identical,
+        first_divergent_tick: checked.report.first_divergent_tick,
+        signature_valid: checked.signature_valid(),
+        realtime_factor: ran.ticks as f64 * sulcus_core::TICK_S / ran.wall_s,
+        replay_realtime_factor: checked.report.realtime_factor,
+        recording_bytes: checked.bytes,
+        grade: None,
+    })
+}

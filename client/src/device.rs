@@ -1,0 +1,25 @@
+//! What a haptic device is to the client: once per millisecond it takes a wrench and gives poses.
+
+use sulcus_core::{MAX_TOOLS, ToolInput, Wrench};
+use sulcus_operator::Operator;
+
+/// A device for up to two hands. Poses are `world_from_tool` at the device points; wrenches are about
+/// those points in world axes.
+pub trait Device: Send {
+    /// Name, for the server's log and the recording.
+    fn name(&self) -> &str;
+    /// Displays `felt` for one millisecond, then reads where the hands are.
+    fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS];
+}
+
+/// The simulated operator as a device.
+pub struct Simulated(pub Operator);
+
+impl Device for Simulated {
+    fn name(&self) -> &str {
+        "simulated"
+    }
+    fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
+        self.0.step(felt)
+    }
+}

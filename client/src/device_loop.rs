@@ -1,0 +1,139 @@
+//! The device's own millisecond: wrench in, gate, device, pose out.
+
+use std::num::NonZeroU64;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rustix::thread::{ClockId, clock_nanosleep_absolute};
+use rustix::time::Timespec;
+use serde::Serialize;
+use sulcus_core::math::norm;
+use sulcus_core::{MAX_TOOLS, TickInput, ToolInput, Vec3, Wrench};
+use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
+
+use crate::device::Device;
+use crate::link::{Link, PosePacket, now_ns};
+
+/// Period of a device, nanoseconds.
+const PERIOD_NS: u64 = 1_000_000;
+/// Priority of the device's thread among SCHED_FIFO ones: below an embedded simulation's.
+const PRIORITY: libc::c_int = 45;
+/// The gate has been closed for this many periods: the server is gone.
+const GONE_PERIODS: u64 = 1000;
+/// Periods in which a server that has just been told to start may still be silent.
+const START_PERIODS: u64 = 5000;
+
+/// How the loop went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct LoopReport {
+    /// Periods of the device.
+    pub periods: u64,
+    /// Periods that the system let pass without waking the loop; the device moved on all the same.
+    pub overslept: u64,
+    /// Largest force displayed, newtons.
+    pub max_displayed_n: f64,
+    /// Largest change of the force displayed between two periods, newtons.
+    pub max_displayed_step_n: f64,
+    /// Force displayed last, newtons.
+    pub last_displayed_n: f64,
+    /// Times that the watchdog began to close the gate.
+    pub gate_closings: u64,
+    /// Newest tick heard of.
+    pub last_tick: u64,
+    /// Whether the server fell silent for good.
+    pub server_lost: bool,
+}
+
+/// What happens to the input on its way, period by period (a hard case's lost packets and bad
+/// numbers).
+pub type Disturb = fn(u64, &mut TickInput);
+
+/// Runs `device` on `link` for `periods` periods, or until the server is gone. `done` counts along.
+pub fn run(link: &mut Link, device: &mut dyn Device, periods: u64, disturb: Option<Disturb>, done: &AtomicU64) -> LoopReport {
+    punctual();
+    let mut report = LoopReport::default();
+    let (mut displayed, mut closed_for, mut was_open, mut heard) = ([Wrench::ZERO; MAX_TOOLS], 0, false, false);
+    let mut grid_ns = now_ns() + PERIOD_NS;
+    while report.periods < periods {
+        sleep_until(grid_ns);
+        let late = now_ns().saturating_sub(grid_ns) / PERIOD_NS;
+        let now = now_ns();
+        let gate = link.force_gate(now);
+        let newest = link.latest_wrench();
+        heard |= newest.is_some();
+        let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
+            newest.map_or(Wrench::ZERO, |packet| gated(&packet.datagram.tools[t], gate))
+        });
+        for (now, before) in felt.iter().zip(&displayed) {
+            let force = norm(&now.force);
+            report.max_displayed_n = report.max_displayed_n.max(force);
+            report.max_displayed_step_n = report.max_displayed_step_n.max(norm(&(now.force - before.force)));
+        }
+        report.last_displayed_n = felt.iter().map(|wrench| norm(&wrench.force)).fold(0.0, f64::max);
+        displayed = felt;
+        report.last_tick = newest.map_or(report.last_tick, |packet| packet.datagram.tick);
+
+        // A real device moves on while the system sleeps; so does the simulated one.
+        let mut input = TickInput::IDLE;
+        for _ in 0..=late {
+            input.tools = device.exchange(&felt);
+            if let Some(disturb) = disturb {
+                disturb(report.periods, &mut input);
+            }
+            report.periods += 1;
+        }
+        report.overslept += late;
+        grid_ns += (late + 1) * PERIOD_NS;
+        link.send_pose(&packet(now, &input.tools, &felt));
+        done.store(report.periods, Ordering::Relaxed);
+
+        report.gate_closings += u64::from(was_open && gate < 1.0);
+        was_open = gate >= 1.0;
+        closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
+        if closed_for >= if heard { GONE_PERIODS } else { START_PERIODS } || !link.is_open() && gate == 0.0 {
+            report.server_lost = true;
+            break;
+        }
+    }
+    report
+}
+
+fn gated(sent: &ToolWrench, gate: f64) -> Wrench {
+    let vector = |v: [f32; 3]| Vec3::from(v.map(f64::from));
+    let wrench = Wrench { force: vector(sent.wrench.force) * gate, torque: vector(sent.wrench.torque) * gate };
+    // The last door before the hand: what is not finite is not displayed.
+    if wrench.force.iter().chain(wrench.torque.iter()).all(|x| x.is_finite()) { wrench } else { Wrench::ZERO }
+}
+
+fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOOLS]) -> PosePacket {
+    let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
+    PosePacket {
+        device_time_ns: now,
+        tools: std::array::from_fn(|t| ToolPose {
+            present: tools[t].present,
+            buttons: tools[t].buttons,
+            pose: WirePose { position: tools[t].pose.position, orientation: tools[t].pose.orientation },
+            displayed: WireWrench { force: narrow(&displayed[t].force), torque: narrow(&displayed[t].torque) },
+        }),
+    }
+}
+
+fn sleep_until(deadline_ns: u64) {
+    let (seconds, rest) = (deadline_ns / 1_000_000_000, deadline_ns % 1_000_000_000);
+    let deadline = Timespec { tv_sec: seconds as i64, tv_nsec: rest as i64 };
+    // Only a signal ends it early.
+    while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(rustix::io::Errno::INTR) {}
+}
+
+/// Real-time scheduling where it is permitted, exact timers anyway. Without it poses are late under load,
+/// which the counters show.
+fn punctual() {
+    if let Some(slack) = NonZeroU64::new(1) {
+        let _ = rustix::thread::set_current_timer_slack(Some(slack));
+    }
+    let parameters = libc::sched_param { sched_priority: PRIORITY };
+    // SAFETY: plain system call on the calling thread (0) with a valid, initialised struct.
+    let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, &parameters) };
+    if result != 0 {
+        tracing::debug!("no real-time scheduling for the device: {}", std::io::Error::last_os_error());
+    }
+}

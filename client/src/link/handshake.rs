@@ -1,0 +1,89 @@
+//! From an address to a server's hello, or to the sentence that says why not.
+
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream, TransportErrorCode};
+use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello};
+use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
+
+use super::{LinkConfig, LinkError, control, transport};
+
+/// TLS alert `no_application_protocol`: the server offers another ALPN.
+const NO_APPLICATION_PROTOCOL: u8 = 120;
+
+/// A connection whose server has said hello.
+pub(super) struct Welcome {
+    pub endpoint: Endpoint,
+    pub connection: Connection,
+    pub send: SendStream,
+    pub recv: RecvStream,
+    pub hello: ServerHello,
+}
+
+/// Connects and says hello.
+pub(super) async fn shake(config: &LinkConfig) -> Result<Welcome, LinkError> {
+    let absent = LinkError::Absent { server: config.server };
+    tokio::time::timeout(config.timeout, shake_in_time(config)).await.unwrap_or(Err(absent))
+}
+
+async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
+    let mismatch = Arc::new(AtomicBool::new(false));
+    let from: SocketAddr = match config.server {
+        SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
+        SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
+    };
+    let endpoint = Endpoint::client(from)?;
+    let client = transport::client_config(config.pin.clone(), mismatch.clone())?;
+    let connecting = endpoint
+        .connect_with(client, config.server, &config.server_name)
+        .map_err(|error| LinkError::System(error.to_string()))?;
+    let connection = connecting.await.map_err(|error| {
+        if mismatch.load(Ordering::Acquire) {
+            return LinkError::WrongCertificate { server: config.server };
+        }
+        explain(error, config.server)
+    })?;
+    let lost = |error: ConnectionError| LinkError::Lost(error.to_string());
+    let (mut send, mut recv) = connection.open_bi().await.map_err(lost)?;
+    let hello = ClientMessage::Hello(ClientHello {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        token: config.token.clone(),
+        device: config.device.clone(),
+        learner: config.learner.clone(),
+        exercise: config.exercise.clone(),
+    });
+    control::write(&mut send, &hello).await?;
+    match control::read(&mut recv).await {
+        Ok(ServerMessage::Hello(hello)) => Ok(Welcome { endpoint, connection, send, recv, hello }),
+        Ok(ServerMessage::Refused(refused)) => Err(turned_away(refused)),
+        Ok(_) => Err(CodecError::NotCanonical("the server's first message is neither hello nor refusal").into()),
+        Err(LinkError::Protocol(CodecError::Version { found })) => {
+            Err(LinkError::Version(format!("the server speaks {found}; install the same release on both")))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn turned_away(Refused { reason, text }: Refused) -> LinkError {
+    match reason {
+        RefusedReason::Version => LinkError::Version(text),
+        RefusedReason::Token => LinkError::WrongToken(text),
+        RefusedReason::Busy => LinkError::Busy(text),
+        RefusedReason::Exercise | RefusedReason::BadHello | RefusedReason::Server => LinkError::Refused(text),
+    }
+}
+
+fn explain(error: ConnectionError, server: SocketAddr) -> LinkError {
+    match error {
+        ConnectionError::TimedOut => LinkError::Absent { server },
+        ConnectionError::VersionMismatch => LinkError::Version("the server speaks another version of QUIC".into()),
+        ConnectionError::ConnectionClosed(close)
+            if close.error_code == TransportErrorCode::crypto(NO_APPLICATION_PROTOCOL) =>
+        {
+            LinkError::Version("the server speaks another one; install the same release on both".into())
+        }
+        other => LinkError::Lost(other.to_string()),
+    }
+}

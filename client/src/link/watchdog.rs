@@ -1,0 +1,142 @@
+//! When wrenches stop coming, the last one must not stay in the hand.
+
+use std::time::Duration;
+
+use sulcus_proto::limits::WRENCH_SILENT;
+
+/// Time in which the gate falls from one to zero.
+const FALL: Duration = Duration::from_millis(20);
+/// Time in which it rises from zero to one.
+const RISE: Duration = Duration::from_millis(100);
+/// Most time that one step of the gate accounts for. A device thread that was held up for longer
+/// finds the gate moved by this much only: the force it then displays does not jump.
+const LONGEST_STEP: Duration = Duration::from_millis(2);
+
+/// Share of the force that may be displayed, from the times at which wrenches arrived. Knows no
+/// clock: whoever calls says what time it is.
+#[derive(Clone, Debug, Default)]
+pub struct Watchdog {
+    /// Linear position between closed (0) and open (1).
+    position: f64,
+    heard_ns: Option<u64>,
+    stepped_ns: Option<u64>,
+}
+
+impl Watchdog {
+    /// Closed, nothing heard.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A wrench arrived.
+    pub fn heard(&mut self, at_ns: u64) {
+        self.heard_ns = self.heard_ns.max(Some(at_ns));
+    }
+
+    /// The gate at `now_ns`, 0 (closed) to 1 (open); moves by at most 15 % between two calls (at 1 kHz
+    /// by at most 7.5 %), with a smooth begin and end.
+    pub fn gate(&mut self, now_ns: u64) -> f64 {
+        let step_ns = self.stepped_ns.map_or(0, |last| now_ns.saturating_sub(last));
+        self.stepped_ns = self.stepped_ns.max(Some(now_ns));
+        let step_s = Duration::from_nanos(step_ns).min(LONGEST_STEP).as_secs_f64();
+        let alive = self.heard_ns.is_some_and(|heard| {
+            Duration::from_nanos(now_ns.saturating_sub(heard)) < WRENCH_SILENT
+        });
+        let change = if alive { step_s / RISE.as_secs_f64() } else { -step_s / FALL.as_secs_f64() };
+        self.position = (self.position + change).clamp(0.0, 1.0);
+        // Smoothstep: no corner where the ramp begins and ends.
+        self.position * self.position * (3.0 - 2.0 * self.position)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: u64 = 1_000_000;
+
+    /// Largest change between two calls: steepest slope of the smoothstep times the longest step.
+    const BOUND: f64 = 1.5 * 0.1 + 1e-12;
+
+    /// Calls the gate at each of `times`; a wrench arrives at every millisecond that `hears` accepts.
+    fn run(times: impl IntoIterator<Item = u64>, hears: impl Fn(u64) -> bool) -> Vec<f64> {
+        let mut watchdog = Watchdog::new();
+        let mut heard_to = 0;
+        times
+            .into_iter()
+            .map(|now| {
+                for ms in heard_to / MS..=now / MS {
+                    if hears(ms) {
+                        watchdog.heard(ms * MS);
+                    }
+                }
+                heard_to = now;
+                watchdog.gate(now)
+            })
+            .collect()
+    }
+
+    fn largest_jump(gates: &[f64]) -> f64 {
+        gates.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(gates[0], f64::max)
+    }
+
+    #[test]
+    fn it_stays_closed_until_something_is_heard() {
+        assert!(run((0..500).map(|ms| ms * MS), |_| false).iter().all(|&gate| gate == 0.0));
+    }
+
+    #[test]
+    fn it_opens_in_a_tenth_of_a_second_and_stays_open() {
+        let gates = run((0..500).map(|ms| ms * MS), |_| true);
+        assert!(gates[50] > 0.4 && gates[50] < 0.6);
+        assert!(gates[101..].iter().all(|&gate| gate == 1.0));
+        assert!(gates.is_sorted());
+        assert!(largest_jump(&gates) < 0.016);
+    }
+
+    #[test]
+    fn silence_of_twenty_milliseconds_closes_it_in_twenty_more() {
+        let gates = run((0..500).map(|ms| ms * MS), |ms| ms < 300);
+        assert_eq!(gates[318], 1.0);
+        assert!(gates[319] < 1.0);
+        assert!(gates[340..].iter().all(|&gate| gate == 0.0));
+        assert!(largest_jump(&gates) < 0.076);
+    }
+
+    #[test]
+    fn short_gaps_do_not_move_it() {
+        let gates = run((0..500).map(|ms| ms * MS), |ms| ms % 19 == 0);
+        assert!(gates[130..].iter().all(|&gate| gate == 1.0));
+    }
+
+    #[test]
+    fn it_turns_round_without_a_jump() {
+        // Dies at 300, comes back in the middle of the fall.
+        let gates = run((0..600).map(|ms| ms * MS), |ms| ms < 300 || ms >= 330);
+        let low = gates[300..400].iter().copied().fold(1.0, f64::min);
+        assert!(low > 0.2 && low < 0.8, "{low}");
+        assert!(gates[460..].iter().all(|&gate| gate == 1.0));
+        assert!(largest_jump(&gates) < 0.076);
+    }
+
+    #[test]
+    fn a_device_thread_that_was_held_up_sees_no_jump() {
+        let times = [0, 1, 2, 150, 151, 600, 601, 602, 2000, 2001, 2002, 9000].map(|ms| ms * MS);
+        for dies in [1, 150, 500, 601, 5000] {
+            assert!(largest_jump(&run(times, |ms| ms < dies)) <= BOUND, "dies at {dies}");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_stands_or_goes_back_moves_nothing() {
+        let mut watchdog = Watchdog::new();
+        watchdog.heard(10 * MS);
+        watchdog.gate(10 * MS);
+        let before = watchdog.gate(12 * MS);
+        for now in [12, 12, 5, 0, 11] {
+            assert_eq!(watchdog.gate(now * MS), before);
+        }
+        watchdog.heard(0);
+        assert!(watchdog.gate(14 * MS) > before);
+    }
+}

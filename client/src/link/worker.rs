@@ -1,0 +1,196 @@
+//! The link's thread: one current-thread runtime, one connection.
+
+use std::sync::Arc;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::time::Duration;
+
+use quinn::{Connection, Endpoint, RecvStream, SendStream};
+use sulcus_proto::control::Goodbye;
+use sulcus_proto::newest::Arrival;
+use sulcus_proto::{ClientMessage, PoseDatagram, ServerMessage, WrenchDatagram};
+use tokio::sync::mpsc::{Receiver, channel};
+use triple_buffer::{Input, Output, triple_buffer};
+
+use super::bell::Bell;
+use super::handshake::{Welcome, shake};
+use super::stats::Shared;
+use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
+
+/// Messages that wait to be written.
+const MESSAGES: usize = 64;
+/// Time for the last packets to leave.
+const LAST_PACKETS: Duration = Duration::from_millis(500);
+
+/// Starts the thread and waits for the server's answer.
+pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
+    let shared = Arc::new(Shared::new()?);
+    let bell = Bell::new()?;
+    let (poses, poses_out) = triple_buffer(&PosePacket::default());
+    let (wrenches_in, wrenches) = triple_buffer(&None);
+    let (messages, messages_out) = channel(MESSAGES);
+    let (answer_in, answer) = sync_channel(1);
+    let (goodbye_in, goodbye) = sync_channel(1);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let (worker_shared, worker_bell) = (shared.clone(), bell.clone());
+    let thread = std::thread::Builder::new().name("sulcus-link".into()).spawn(move || {
+        runtime.block_on(async {
+            let welcome = match shake(&config).await {
+                Ok(welcome) => welcome,
+                // The other end waits for this very message.
+                Err(error) => return drop(answer_in.send(Err(error))),
+            };
+            let Welcome { endpoint, connection, send, recv, hello } = welcome;
+            let worker = Worker {
+                epoch: hello.epoch,
+                endpoint,
+                connection,
+                send,
+                poses: poses_out,
+                wrenches: wrenches_in,
+                bell: worker_bell,
+                shared: worker_shared,
+                sequence: 0,
+                last_tick: 0,
+                answered: None,
+            };
+            if answer_in.send(Ok(hello)).is_ok() {
+                worker.run(recv, messages_out, goodbye_in).await;
+            }
+        });
+    })?;
+    let ended = || LinkError::System("the link's thread ended unexpectedly".into());
+    let hello = answer.recv().map_err(|_| ended())??;
+    Ok(Link {
+        hello,
+        poses,
+        wrenches,
+        bell,
+        watchdog: Watchdog::new(),
+        messages: Some(messages),
+        goodbye,
+        shared,
+        thread: Some(thread),
+    })
+}
+
+struct Worker {
+    endpoint: Endpoint,
+    connection: Connection,
+    send: SendStream,
+    epoch: u32,
+    poses: Output<PosePacket>,
+    wrenches: Input<Option<WrenchPacket>>,
+    bell: Bell,
+    shared: Arc<Shared>,
+    sequence: u32,
+    last_tick: u64,
+    /// Newest pose that was answered.
+    answered: Option<u32>,
+}
+
+impl Worker {
+    async fn run(
+        mut self,
+        recv: RecvStream,
+        messages: Receiver<ClientMessage>,
+        goodbye: SyncSender<Result<Goodbye, LinkError>>,
+    ) {
+        let result = self.live(recv, messages).await;
+        self.shared.close();
+        self.connection.close(0u32.into(), b"goodbye");
+        // Nobody waits when the link was dropped.
+        let _ = goodbye.try_send(result);
+        let _ = tokio::time::timeout(LAST_PACKETS, self.endpoint.wait_idle()).await;
+    }
+
+    /// Carries packets until the goodbye.
+    async fn live(&mut self, recv: RecvStream, mut messages: Receiver<ClientMessage>) -> Result<Goodbye, LinkError> {
+        let listening = self.bell.listen()?;
+        let mut answers = control::reader(recv);
+        let mut connected = true;
+        loop {
+            tokio::select! {
+                ready = listening.readable() => {
+                    if let Ok(mut ready) = ready {
+                        self.bell.silence();
+                        ready.clear_ready();
+                    }
+                    self.send_pose();
+                }
+                datagram = self.connection.read_datagram(), if connected => match datagram {
+                    Ok(bytes) => self.arrived(&bytes),
+                    // The reader of the control stream may still hold a goodbye.
+                    Err(_) => connected = false,
+                },
+                answer = answers.recv() => match answer {
+                    Some(Ok(ServerMessage::Goodbye(goodbye))) => return Ok(goodbye),
+                    Some(Ok(ServerMessage::Epoch(epoch))) => self.begin_epoch(epoch),
+                    Some(Ok(ServerMessage::Refused(refused))) => return Err(LinkError::Refused(refused.text)),
+                    Some(Ok(ServerMessage::Hello(_))) => {
+                        return Err(LinkError::Lost("the server said hello twice".into()));
+                    }
+                    Some(Err(error)) => return Err(error),
+                    None => return Err(LinkError::Lost("the control stream ended".into())),
+                },
+                message = messages.recv() => match message {
+                    Some(message) => control::write(&mut self.send, &message).await?,
+                    // The link was dropped.
+                    None => return Err(LinkError::Lost("closed by this client".into())),
+                },
+            }
+        }
+    }
+
+    /// From now on this epoch counts. Sequences go on; the server's begin anew for its filter, too.
+    fn begin_epoch(&mut self, epoch: u32) {
+        self.epoch = epoch;
+        self.shared.count(|numbers| numbers.filter.restart());
+    }
+
+    fn send_pose(&mut self) {
+        if !self.poses.update() {
+            return;
+        }
+        let PosePacket { device_time_ns, tools } = *self.poses.output_buffer();
+        let datagram = PoseDatagram {
+            epoch: self.epoch,
+            sequence: self.sequence,
+            device_time_ns,
+            last_tick: self.last_tick,
+            tools,
+        };
+        let Ok(bytes) = datagram.to_bytes() else { return };
+        // Full buffer: the oldest goes. Closed connection: the control stream's reader says so.
+        if self.connection.send_datagram(bytes.to_vec().into()).is_ok() {
+            self.sequence = self.sequence.wrapping_add(1);
+            self.shared.count(|numbers| numbers.sent += 1);
+        }
+    }
+
+    fn arrived(&mut self, bytes: &[u8]) {
+        let arrived_ns = now_ns();
+        let Ok(datagram) = WrenchDatagram::from_bytes(bytes) else {
+            return self.shared.count(|numbers| numbers.malformed += 1);
+        };
+        if datagram.epoch != self.epoch {
+            return self.shared.count(|numbers| numbers.foreign += 1);
+        }
+        let echo = datagram.echo;
+        let age_ns = echo.valid.then(|| arrived_ns.saturating_sub(echo.device_time_ns));
+        let newest = self.shared.count(|numbers| {
+            let newest = numbers.filter.judge(datagram.sequence) == Arrival::Newest;
+            if let Some(age_ns) = age_ns
+                && newest
+                && self.answered != Some(echo.sequence)
+            {
+                self.answered = Some(echo.sequence);
+                numbers.answered(age_ns, echo.hold_us);
+            }
+            newest
+        });
+        if newest {
+            self.last_tick = datagram.tick;
+            self.wrenches.write(Some(WrenchPacket { datagram, arrived_ns, age_ns }));
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Progress on standard error; silent where that is not a terminal.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Makes the progress bars of one run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Steps;
+
+/// One step under way.
+pub struct Bar(ProgressBar);
+
+/// Resolution of a bar.
+const PARTS: u64 = 1000;
+
+impl Steps {
+    /// Begins a step.
+    pub fn bar(&self, what: &str) -> Bar {
+        let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr_with_hz(10));
+        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {bar:30} {percent:>3}%  {msg}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        Bar(bar)
+    }
+}
+
+impl Bar {
+    /// Shows how far the step is, 0 to 1, and what it is doing.
+    pub fn set(&self, what: &str, share: f64) {
+        self.0.set_message(what.to_owned());
+        self.0.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+    }
+
+    /// Ends the step and takes its bar away.
+    pub fn done(&self) {
+        self.0.finish_and_clear();
+    }
+}

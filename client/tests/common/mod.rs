@@ -1,0 +1,121 @@
+//! A server with a tiny scene on loopback, and a hand that presses on it.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use sulcus_client::link::{Link, LinkConfig, LinkError, PosePacket, now_ns};
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3};
+use sulcus_proto::datagram::{ToolPose, WirePose};
+use sulcus_server::{Server, ServerConfig, ServerHandle};
+use tempfile::TempDir;
+
+/// Radius of every sphere, metres.
+pub const RADIUS: f64 = 1e-3;
+
+/// A ball over a plate of balls, level with z = 0.
+pub fn scene() -> Scene {
+    let plate: Vec<Sphere> = (-3..=3)
+        .flat_map(|x| (-3..=3).map(move |y| Vec3::new(f64::from(x), f64::from(y), 0.0) * RADIUS))
+        .map(|centre| Sphere { centre, radius: RADIUS })
+        .collect();
+    let ball = [Sphere { centre: Vec3::zeros(), radius: RADIUS }];
+    Scene {
+        name: "plate".into(),
+        source_hash: "none".into(),
+        params: Params::default(),
+        tools: vec![Tool {
+            name: "ball".into(),
+            tree: SphereTree::over_leaves(&ball).unwrap(),
+            level: 3,
+            working_point: Vec3::zeros(),
+            tip: Vec3::new(0.0, 0.0, -RADIUS),
+            tip_axis: -Vec3::z(),
+            stiffness_n_per_m: 500.0,
+            stiffness_nm_per_rad: 0.5,
+            park: Pose::new(Vec3::new(0.0, 0.0, 0.02), Quat::identity()),
+            bands: vec![],
+            mesh: DisplayMesh::default(),
+        }],
+        objects: vec![Object {
+            name: "plate".into(),
+            fdi: 0,
+            tree: SphereTree::over_leaves(&plate).unwrap(),
+            level: 3,
+            tissue: TissueModel::Rigid,
+            mesh: DisplayMesh::default(),
+        }],
+    }
+}
+
+/// A server whose files go when this does.
+pub struct Station {
+    pub server: Option<ServerHandle>,
+    pub folder: TempDir,
+}
+
+impl Station {
+    pub fn new() -> Self {
+        Self::with(|_| ())
+    }
+
+    pub fn with(change: impl FnOnce(&mut ServerConfig)) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = scene();
+        let bytes = scene.to_bytes().unwrap();
+        let mut config =
+            ServerConfig::new(Arc::new(scene), Arc::new(bytes), folder.path().join("recordings")).unwrap();
+        config.station_key = Some(folder.path().join("station.key"));
+        change(&mut config);
+        let server = Server::start(config).unwrap();
+        Self { server: Some(server), folder }
+    }
+
+    pub fn server(&self) -> &ServerHandle {
+        self.server.as_ref().unwrap()
+    }
+
+    pub fn config(&self) -> LinkConfig {
+        LinkConfig::new(self.server().local_addr(), self.server().ticket(), "test")
+    }
+
+    pub fn connect(&self) -> Result<Link, LinkError> {
+        Link::connect(self.config())
+    }
+
+    pub fn recording(&self, name: &str) -> PathBuf {
+        self.folder.path().join("recordings").join(name)
+    }
+}
+
+/// The ball held at `height` above the plate's centre plane, metres: below 2 mm it presses.
+pub fn pose(height: f64) -> PosePacket {
+    let mut packet = PosePacket { device_time_ns: now_ns(), ..PosePacket::default() };
+    packet.tools[0] = ToolPose {
+        present: true,
+        pose: WirePose { position: [1e-4, 2e-4, height as f32], ..WirePose::IDENTITY },
+        ..ToolPose::default()
+    };
+    packet
+}
+
+/// Sends poses at about 1 kHz, coming down from 12 mm to press 1 mm deep, until `done` says so.
+pub fn press(link: &mut Link, mut done: impl FnMut(&mut Link, u64) -> bool) {
+    let patience = Instant::now() + Duration::from_secs(60);
+    for k in 0.. {
+        let height = (0.012 - 2e-5 * k as f64).max(0.001);
+        link.send_pose(&pose(height));
+        if done(link, k) {
+            return;
+        }
+        assert!(Instant::now() < patience, "waited in vain after {k} poses: {:?}", link.stats());
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Upward force of the newest wrench, newtons.
+pub fn force_up(link: &mut Link) -> f32 {
+    link.latest_wrench().map_or(0.0, |packet| packet.datagram.tools[0].wrench.force[2])
+}

@@ -1,0 +1,51 @@
+//! The MCAP record of a session, and what is found out from it: replay, signatures, summary.
+//!
+//! One file holds all it takes to run a session again: the compiled scene, the state it began with
+//! and the input of every tick. Beside it stand what came out (wrench, status, chained state hash),
+//! snapshots every ten seconds, and the station's signature over a chain of all of that.
+//!
+//! # Layout of a recording (format version 1)
+//! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions,
+//!   station, opaque learner id, blake3 of every attachment, the signer's public key
+//! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
+//!   [`SignedStatement`]; `/events`: [`Event`]; the layouts stand in the file, as schemas
+//! - channels of other names are for viewers, and are skipped here
+//!
+//! # Invariants
+//! - The file on disk is a clean prefix at any moment: chunks are appended whole.
+//! - No bytes, whatever they are, make reading panic or take memory beyond a bound.
+//! - Recording never touches the tick's thread; whoever owns the queue counts what it drops.
+
+pub mod audit;
+mod bytes;
+mod chain;
+mod cli;
+pub mod header;
+pub mod info;
+pub mod key;
+pub mod message;
+mod naming;
+pub mod read;
+pub mod record;
+pub mod replay;
+pub mod row;
+mod scan;
+pub mod statement;
+mod storage;
+pub mod verify;
+mod walk;
+
+pub use audit::{AuditReport, AuditRow, audit_tick};
+pub use cli::run;
+pub use header::SessionHeader;
+pub use info::{Info, info};
+pub use key::{KeyError, PublicKey, StationKey};
+pub use message::{Event, Level, Message};
+pub use read::{Ending, Facts, ReadError, Recording};
+pub use record::{Finished, RecordError, Recorder};
+pub use replay::{
+    Difference, Divergence, ReplayError, ReplayOptions, ReplayReport, replay, replay_observed,
+};
+pub use row::Row;
+pub use statement::{SessionEnd, SignedStatement, Statement};
+pub use verify::{Signature, Verdict, verify};

@@ -1,0 +1,271 @@
+//! Reading a recording: strict, bounded, never a panic, and what a crash left is still read.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use sulcus_core::{Scene, SceneError};
+
+use crate::header::SessionHeader;
+use crate::key::PublicKey;
+use crate::message::Message;
+use crate::scan;
+use crate::statement::SessionEnd;
+
+/// Why a file is not a recording that can be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The system refused.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// It does not begin as an MCAP file does.
+    #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
+    NotMcap,
+    /// An MCAP file of somebody else's.
+    #[error("not a Sulcus recording: the MCAP file has no metadata `sulcus` before its first data")]
+    NotSulcus,
+    /// Nothing can be said about a recording without its header.
+    #[error("recording ends inside its header, after {at} bytes: nothing in it can be used")]
+    HeaderCut {
+        /// Length of what is whole.
+        at: u64,
+    },
+    /// Another version of the layout.
+    #[error(
+        "recording has format version `{found}`, this program reads `{expected}`: use the Sulcus version that wrote it"
+    )]
+    Version {
+        /// Version found.
+        found: String,
+        /// Version that is read.
+        expected: &'static str,
+    },
+    /// The header is there, and wrong.
+    #[error("recording's header is damaged: {what}")]
+    Header {
+        /// What is wrong.
+        what: String,
+    },
+    /// Nothing to replay.
+    #[error("recording has no rows: it ended before its first tick was written ({ending})")]
+    NoRows {
+        /// How it ended, in words.
+        ending: String,
+    },
+    /// The file is not what it was when it was opened.
+    #[error("recording changed while it was being read: {what}")]
+    Changed {
+        /// What is wrong now.
+        what: String,
+    },
+    /// The scene cannot be used.
+    #[error("recording's scene cannot be used: {0}")]
+    Scene(#[from] SceneError),
+}
+
+/// How a recording ends.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Ending {
+    /// With the station's last statement and everything an MCAP file ends with.
+    Finished,
+    /// Somewhere: the program was killed, or the machine stopped. What is before is whole.
+    CutOff {
+        /// Length of what is whole.
+        at_byte: u64,
+        /// What is missing.
+        why: String,
+    },
+    /// With bytes that are wrong. What is before is whole; what is after is not read.
+    Damaged {
+        /// Where the wrong bytes begin.
+        at_byte: u64,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+impl std::fmt::Display for Ending {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Finished => f.write_str("finished"),
+            Self::CutOff { at_byte, why } => write!(f, "cut off after {at_byte} bytes: {why}"),
+            Self::Damaged { at_byte, why } => write!(f, "damaged at byte {at_byte}: {why}"),
+        }
+    }
+}
+
+/// What a first pass over the file found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// Rows.
+    pub rows: u64,
+    /// Snapshots.
+    pub snapshots: u64,
+    /// Lines in the log.
+    pub events: u64,
+    /// Signed statements.
+    pub signatures: u64,
+    /// First and last tick that have a row.
+    pub ticks: Option<(u64, u64)>,
+    /// Time of the first and last row, nanoseconds since the Unix epoch.
+    pub times_unix_ns: Option<(u64, u64)>,
+    /// What the recording program said at the end; not verified here.
+    pub end: Option<SessionEnd>,
+}
+
+/// A recording's bytes, mapped or in memory.
+pub(crate) enum Bytes {
+    Mapped(memmap2::Mmap),
+    Owned(Vec<u8>),
+}
+
+impl std::ops::Deref for Bytes {
+    type Target = [u8];
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::Mapped(map) => map,
+            Self::Owned(bytes) => bytes,
+        }
+    }
+}
+
+/// A recording whose structure was checked from end to end; its messages are unpacked as they are
+/// read, so that an hour takes no more memory than a second.
+pub struct Recording {
+    pub(crate) bytes: Bytes,
+    pub(crate) header: SessionHeader,
+    pub(crate) header_digest: [u8; 32],
+    pub(crate) signer: PublicKey,
+    pub(crate) chunks: Vec<Range<usize>>,
+    pub(crate) facts: Facts,
+    pub(crate) ending: Ending,
+}
+
+impl std::fmt::Debug for Recording {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Recording")
+            .field("facts", &self.facts)
+            .field("ending", &self.ending)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Recording {
+    /// Opens and checks a file. One that is still being written may be opened: it is read as far as
+    /// it had come.
+    ///
+    /// # Errors
+    /// When it is no recording, or holds no row.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let failed = |source| ReadError::Io {
+            path: path.to_owned(),
+            source,
+        };
+        let file = std::fs::File::open(path).map_err(failed)?;
+        let metadata = file.metadata().map_err(failed)?;
+        if metadata.is_dir() {
+            return Err(failed(std::io::ErrorKind::IsADirectory.into()));
+        }
+        if metadata.len() == 0 {
+            return Err(ReadError::NotMcap);
+        }
+        // SAFETY: the map is only read. A recording only ever grows, and growth is not seen; a
+        // program that overwrote it meanwhile would be noticed as damage, since nothing is trusted
+        // across two reads. (One that shortened it could end this process, as with any mapped file.)
+        let map = unsafe { memmap2::Mmap::map(&file) }.map_err(failed)?;
+        scan::scan(Bytes::Mapped(map))
+    }
+
+    /// As [`Recording::open`], from memory.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, ReadError> {
+        scan::scan(Bytes::Owned(bytes))
+    }
+
+    /// What is constant in the session.
+    pub fn header(&self) -> &SessionHeader {
+        &self.header
+    }
+
+    /// The compiled scene, validated.
+    ///
+    /// # Errors
+    /// When its bytes are not a scene of this version.
+    pub fn scene(&self) -> Result<Scene, ReadError> {
+        Ok(Scene::from_bytes(&self.header.scene)?)
+    }
+
+    /// The key that the recording says it was signed with. Whether it was is for
+    /// [`crate::verify()`] to find; whether that key is to be trusted, only its reader knows.
+    pub fn signer(&self) -> PublicKey {
+        self.signer
+    }
+
+    /// Counts and spans.
+    pub fn facts(&self) -> &Facts {
+        &self.facts
+    }
+
+    /// How it ends.
+    pub fn ending(&self) -> &Ending {
+        &self.ending
+    }
+
+    /// Length of the file, bytes.
+    pub fn len(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+
+    /// Never: a recording has at least one row.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// All messages in the order in which they were written.
+    pub fn messages(&self) -> Messages<'_> {
+        Messages {
+            recording: self,
+            next_chunk: 0,
+            topics: BTreeMap::new(),
+            unpacked: Vec::new().into_iter(),
+        }
+    }
+}
+
+/// Iterator over a recording's messages; unpacks one chunk at a time.
+pub struct Messages<'a> {
+    recording: &'a Recording,
+    next_chunk: usize,
+    topics: scan::Topics,
+    unpacked: std::vec::IntoIter<Message>,
+}
+
+impl Iterator for Messages<'_> {
+    type Item = Result<Message, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(message) = self.unpacked.next() {
+                return Some(Ok(message));
+            }
+            let range = self.recording.chunks.get(self.next_chunk)?.clone();
+            self.next_chunk += 1;
+            match scan::unpack_at(&self.recording.bytes, range, &mut self.topics) {
+                Ok(messages) => self.unpacked = messages.into_iter(),
+                Err(what) => {
+                    self.next_chunk = self.recording.chunks.len();
+                    return Some(Err(ReadError::Changed { what }));
+                }
+            }
+        }
+    }
+}

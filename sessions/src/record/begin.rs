@@ -1,0 +1,62 @@
+//! The beginning of the file: everything that comes before the first message.
+
+use std::collections::BTreeMap;
+
+use mcap::write::NoSeek;
+use mcap::{Attachment, Compression, WriteOptions};
+
+use crate::header::{self, SessionHeader};
+use crate::message::Topic;
+use crate::storage::{Sink, Storage};
+
+/// mcap's own text for an I/O error does not say which.
+pub(super) fn reason(error: &mcap::McapError) -> String {
+    match error {
+        mcap::McapError::Io(source) => source.to_string(),
+        other => other.to_string(),
+    }
+}
+
+pub(super) type Begun = (mcap::Writer<NoSeek<Sink>>, [u16; Topic::ALL.len()]);
+
+/// Header, attachments, metadata and channels, flushed.
+pub(super) fn begin(
+    storage: Box<dyn Storage>,
+    header: &SessionHeader,
+    metadata: BTreeMap<String, String>,
+) -> mcap::McapResult<Begun> {
+    let mut writer = WriteOptions::new()
+        .library(format!("sulcus {}", header.program_version))
+        .compression(Some(Compression::Lz4))
+        .chunk_size(Some(256 << 10))
+        // Chunks are appended whole: whatever ends the program, the file is a clean prefix.
+        .disable_seeking(true)
+        .create(NoSeek::new(Sink::new(storage)))?;
+    for (name, bytes) in header.attachments() {
+        writer.attach(&Attachment {
+            log_time: header.started_unix_ns,
+            create_time: header.started_unix_ns,
+            name: name.to_owned(),
+            media_type: if name == header::SCENE {
+                "application/octet-stream"
+            } else {
+                "text/plain"
+            }
+            .to_owned(),
+            data: bytes.into(),
+        })?;
+    }
+    writer.write_metadata(&mcap::records::Metadata {
+        name: header::METADATA.to_owned(),
+        metadata,
+    })?;
+    let mut ids = [0; Topic::ALL.len()];
+    for topic in Topic::ALL {
+        let (name, encoding, text) = topic.schema();
+        let schema = writer.add_schema(name, encoding, text.as_bytes())?;
+        ids[topic as usize] =
+            writer.add_channel(schema, topic.name(), topic.encoding(), &BTreeMap::new())?;
+    }
+    writer.flush()?;
+    Ok((writer, ids))
+}

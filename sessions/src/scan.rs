@@ -1,0 +1,292 @@
+//! The first pass over a recording: header, then every chunk once, then how it ends.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use mcap::records::op;
+
+use crate::header::{self, FORMAT_VERSION, METADATA, SCENE, SessionHeader, TEXTS};
+use crate::key::PublicKey;
+use crate::message::{Message, Topic};
+use crate::read::{Bytes, Ending, Facts, ReadError, Recording};
+use crate::walk::{self, Framed, Stop, Walk};
+
+/// Which channel is which topic; `None` for those of viewers.
+pub(crate) type Topics = BTreeMap<u16, Option<Topic>>;
+
+/// Reads and checks everything once.
+pub(crate) fn scan(bytes: Bytes) -> Result<Recording, ReadError> {
+    let mut walk = Walk::new(&bytes).ok_or(ReadError::NotMcap)?;
+    let pairs_and_files = read_header(&mut walk)?;
+    let (header, signer, header_digest) = check_header(pairs_and_files)?;
+    let mut pass = Pass::default();
+    let ending = match pass.run(&mut walk) {
+        Ok(()) => Ending::Finished,
+        Err(Stop::Torn(why)) => Ending::CutOff {
+            at_byte: walk.at as u64,
+            why: why.to_owned(),
+        },
+        Err(Stop::Damaged(why)) => Ending::Damaged {
+            at_byte: walk.at as u64,
+            why,
+        },
+    };
+    if pass.facts.rows == 0 {
+        return Err(ReadError::NoRows {
+            ending: ending.to_string(),
+        });
+    }
+    let Pass { chunks, facts, .. } = pass;
+    Ok(Recording {
+        bytes,
+        header,
+        header_digest,
+        signer,
+        chunks,
+        facts,
+        ending,
+    })
+}
+
+type Pairs = BTreeMap<String, String>;
+type Files = BTreeMap<String, Vec<u8>>;
+
+/// Everything up to the metadata, which comes after the attachments and before any data.
+fn read_header(walk: &mut Walk<'_>) -> Result<(Pairs, Files), ReadError> {
+    let mut files = Files::new();
+    let mut ours = false;
+    loop {
+        let record = match walk.peek() {
+            Ok(record) => record,
+            Err(Stop::Torn(_)) if ours => {
+                return Err(ReadError::HeaderCut { at: walk.at as u64 });
+            }
+            Err(Stop::Torn(_)) if walk.at == mcap::MAGIC.len() => {
+                return Err(ReadError::HeaderCut { at: walk.at as u64 });
+            }
+            Err(Stop::Damaged(what)) if ours => return Err(ReadError::Header { what }),
+            Err(_) => return Err(ReadError::NotSulcus),
+        };
+        let bad = |what: &str| ReadError::Header {
+            what: what.to_owned(),
+        };
+        match record.opcode {
+            op::HEADER => {
+                let mut cut = crate::bytes::Cut(record.body);
+                let _profile = cut.string();
+                ours = cut.string().is_some_and(|by| by.starts_with("sulcus"));
+            }
+            op::ATTACHMENT => {
+                let (name, data) = walk::attachment(record.body)
+                    .ok_or_else(|| bad("an attachment is not whole"))?;
+                if (name == SCENE || TEXTS.contains(&name))
+                    && files.insert(name.to_owned(), data.to_vec()).is_some()
+                {
+                    return Err(bad(&format!("there are two attachments `{name}`")));
+                }
+            }
+            op::METADATA => {
+                let (name, pairs) =
+                    walk::metadata(record.body).ok_or_else(|| bad("metadata is not whole"))?;
+                if name == METADATA {
+                    walk.pass(&record);
+                    return Ok((pairs, files));
+                }
+            }
+            _ => return Err(ReadError::NotSulcus),
+        }
+        walk.pass(&record);
+    }
+}
+
+fn check_header(
+    (pairs, files): (Pairs, Files),
+) -> Result<(SessionHeader, PublicKey, [u8; 32]), ReadError> {
+    let found = pairs.get("format_version").cloned().unwrap_or_default();
+    if found != FORMAT_VERSION {
+        return Err(ReadError::Version {
+            found: found.escape_debug().to_string(),
+            expected: FORMAT_VERSION,
+        });
+    }
+    for name in [SCENE].into_iter().chain(TEXTS) {
+        let data = files.get(name).map_or(&[][..], Vec::as_slice);
+        let hash = blake3::hash(data).to_hex();
+        if pairs.get(&header::hash_key(name)).map(String::as_str) != Some(hash.as_str()) {
+            return Err(ReadError::Header {
+                what: format!("attachment `{name}` does not match the hash that the header gives"),
+            });
+        }
+    }
+    let digest = header::digest(&pairs);
+    let (header, signer) =
+        SessionHeader::from_metadata(&pairs, &files).map_err(|key| ReadError::Header {
+            what: format!("field `{key}` is missing or not of its kind"),
+        })?;
+    Ok((header, signer, digest))
+}
+
+/// The pass over everything after the header.
+#[derive(Default)]
+struct Pass {
+    topics: Topics,
+    chunks: Vec<Range<usize>>,
+    facts: Facts,
+    /// Tick of the last row or snapshot.
+    tick: u64,
+}
+
+impl Pass {
+    fn run(&mut self, walk: &mut Walk<'_>) -> Result<(), Stop> {
+        loop {
+            let record = walk.peek()?;
+            match record.opcode {
+                op::CHUNK => self.chunk(&record, walk.at).map_err(Stop::Damaged)?,
+                op::DATA_END => break,
+                op::METADATA if is_second_header(&record) => {
+                    return Err(Stop::Damaged("there is a second header".to_owned()));
+                }
+                op::MESSAGE_INDEX | op::ATTACHMENT | op::METADATA => {}
+                opcode if opcode >= 0x80 => {}
+                opcode => {
+                    return Err(Stop::Damaged(format!(
+                        "a record of kind {opcode} is out of place"
+                    )));
+                }
+            }
+            walk.pass(&record);
+        }
+        loop {
+            let record = walk.peek()?;
+            let last = record.opcode == op::FOOTER;
+            if !(last || record.opcode == op::DATA_END || walk::is_summary(record.opcode)) {
+                return Err(Stop::Damaged("the summary is damaged".to_owned()));
+            }
+            walk.pass(&record);
+            if last {
+                walk.end()?;
+                break;
+            }
+        }
+        match self.facts.end {
+            Some(_) => Ok(()),
+            None => Err(Stop::Damaged(
+                "the file is complete, but the station's last statement is missing".to_owned(),
+            )),
+        }
+    }
+
+    /// Takes in a chunk wholly or not at all.
+    fn chunk(&mut self, record: &Framed<'_>, at: usize) -> Result<(), String> {
+        let mut topics = self.topics.clone();
+        let mut facts = self.facts.clone();
+        let mut tick = self.tick;
+        let messages = unpack(record, &mut topics)?;
+        for message in &messages {
+            count(message, &mut facts, &mut tick)?;
+        }
+        (self.topics, self.facts, self.tick) = (topics, facts, tick);
+        // Chunks without messages of ours too: they may declare channels.
+        self.chunks.push(at..at + record.whole.len());
+        Ok(())
+    }
+}
+
+fn is_second_header(record: &Framed<'_>) -> bool {
+    walk::metadata(record.body).is_none_or(|(name, _)| name == METADATA)
+}
+
+fn count(message: &Message, facts: &mut Facts, tick: &mut u64) -> Result<(), String> {
+    if facts.end.is_some() {
+        return Err("something follows the station's last statement".to_owned());
+    }
+    match message {
+        Message::Row(row) => {
+            if facts.snapshots == 0 {
+                return Err("the first row comes before the first snapshot".to_owned());
+            }
+            if row.tick <= *tick {
+                return Err(format!("tick {} comes after tick {tick}", row.tick));
+            }
+            *tick = row.tick;
+            facts.rows += 1;
+            facts.ticks = Some((facts.ticks.map_or(row.tick, |t| t.0), row.tick));
+            let time = row.time_unix_ns;
+            facts.times_unix_ns = Some((facts.times_unix_ns.map_or(time, |t| t.0), time));
+        }
+        Message::Snapshot { tick: of, .. } => {
+            if of < tick {
+                return Err(format!("a snapshot of tick {of} comes after tick {tick}"));
+            }
+            *tick = *of;
+            facts.snapshots += 1;
+        }
+        Message::Signed(signed) => {
+            facts.signatures += 1;
+            facts.end = signed.statement.end;
+        }
+        Message::Event(_) => facts.events += 1,
+    }
+    Ok(())
+}
+
+/// The messages of a chunk; learns of the channels that are declared in it.
+fn unpack(chunk: &Framed<'_>, topics: &mut Topics) -> Result<Vec<Message>, String> {
+    let mut messages = Vec::new();
+    walk::unpack(chunk, |opcode, body| {
+        match opcode {
+            op::CHANNEL => {
+                let (id, name, encoding) =
+                    walk::channel(body).ok_or("a channel's record is not whole")?;
+                let topic = Topic::from_name(name);
+                if topic.is_some_and(|topic| topic.encoding() != encoding) {
+                    return Err(format!(
+                        "channel {name} has another encoding than this version's"
+                    ));
+                }
+                if topics
+                    .insert(id, topic)
+                    .is_some_and(|before| before != topic)
+                {
+                    return Err(format!("channel {id} is declared twice"));
+                }
+            }
+            op::MESSAGE => {
+                let (id, log_time, bytes) =
+                    walk::message(body).ok_or("a message's record is not whole")?;
+                let topic = topics
+                    .get(&id)
+                    .ok_or_else(|| format!("a message names channel {id}, which does not exist"))?;
+                if let Some(topic) = *topic {
+                    let message = Message::decode(topic, bytes)
+                        .ok_or_else(|| format!("a message of {} makes no sense", topic.name()))?;
+                    if matches!(&message, Message::Row(row) if row.time_unix_ns != log_time) {
+                        return Err("a row's time is not its message's".to_owned());
+                    }
+                    messages.push(message);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    })?;
+    Ok(messages)
+}
+
+/// The messages of the chunk at `range`, which a scan found good.
+pub(crate) fn unpack_at(
+    bytes: &[u8],
+    range: Range<usize>,
+    topics: &mut Topics,
+) -> Result<Vec<Message>, String> {
+    let whole = bytes.get(range).ok_or("it became shorter")?;
+    let (Some(opcode), Some(body)) = (whole.first(), whole.get(9..)) else {
+        return Err("it became shorter".to_owned());
+    };
+    let chunk = Framed {
+        opcode: *opcode,
+        body,
+        whole,
+    };
+    unpack(&chunk, topics)
+}

@@ -1,0 +1,168 @@
+//! Bytes on their way to the file: all of a flush arrives, or none of it.
+//!
+//! A disk that fills up in the middle of a chunk would leave a torn tail; here the file is cut back
+//! to where the last flush ended, and stays as it is.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Where a recording's bytes go; a trait so that tests can let the disk fill up.
+pub(crate) trait Storage: Send {
+    /// Writes all bytes at the end.
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
+    /// Cuts back to `length` bytes.
+    fn truncate(&mut self, length: u64) -> io::Result<()>;
+    /// Asks that what was written reach the disk, without waiting for it; reports an earlier
+    /// request's failure.
+    fn request_sync(&mut self) -> io::Result<()>;
+    /// Waits until everything reached the disk.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+/// A file, synced by its own thread: a sync may take longer than the tenth of a second between
+/// two flushes, and must not delay them.
+pub(crate) struct FileStorage {
+    file: File,
+    requests: Option<SyncSender<()>>,
+    failed: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl FileStorage {
+    pub fn new(file: File) -> io::Result<Self> {
+        let copy = file.try_clone()?;
+        let failed = Arc::new(AtomicBool::new(false));
+        let (requests, inbox) = sync_channel(1);
+        let flag = Arc::clone(&failed);
+        let thread = std::thread::Builder::new()
+            .name("sulcus-sync".to_owned())
+            .spawn(move || {
+                while inbox.recv().is_ok() {
+                    if copy.sync_data().is_err() {
+                        flag.store(true, Ordering::Relaxed);
+                    }
+                }
+            })?;
+        Ok(Self {
+            file,
+            requests: Some(requests),
+            failed,
+            thread: Some(thread),
+        })
+    }
+}
+
+impl Storage for FileStorage {
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.write_all(bytes)
+    }
+
+    fn truncate(&mut self, length: u64) -> io::Result<()> {
+        self.file.set_len(length)
+    }
+
+    fn request_sync(&mut self) -> io::Result<()> {
+        if self.failed.load(Ordering::Relaxed) {
+            return Err(io::Error::other("an earlier sync to disk failed"));
+        }
+        if let Some(requests) = &self.requests {
+            // Full: one is waiting already, and will cover these bytes too.
+            let _ = requests.try_send(());
+        }
+        Ok(())
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.request_sync()?;
+        self.file.sync_all()
+    }
+}
+
+impl Drop for FileStorage {
+    fn drop(&mut self) {
+        self.requests = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Wall time between two requests to sync.
+const SYNC_EVERY: Duration = Duration::from_secs(1);
+/// Bytes held back at most, should the caller never flush.
+const HOLD: usize = 4 << 20;
+
+/// What the MCAP writer writes to.
+pub(crate) struct Sink {
+    storage: Box<dyn Storage>,
+    held: Vec<u8>,
+    /// Bytes in the file: always the end of a whole flush.
+    whole: u64,
+    failed: bool,
+    synced: Instant,
+}
+
+impl Sink {
+    pub fn new(storage: Box<dyn Storage>) -> Self {
+        Self {
+            storage,
+            held: Vec::new(),
+            whole: 0,
+            failed: false,
+            synced: Instant::now(),
+        }
+    }
+
+    fn commit(&mut self) -> io::Result<()> {
+        if self.failed {
+            return Err(io::Error::other("an earlier write failed"));
+        }
+        let mut written = self.storage.append(&self.held);
+        if written.is_ok() {
+            self.whole += self.held.len() as u64;
+            if self.synced.elapsed() >= SYNC_EVERY {
+                self.synced = Instant::now();
+                written = self.storage.request_sync();
+            }
+        } else {
+            // Should even this fail, readers still find the clean prefix.
+            let _ = self.storage.truncate(self.whole);
+        }
+        self.failed = written.is_err();
+        self.held.clear();
+        written
+    }
+
+    /// Writes what is held and waits for the disk; gives the length of the file.
+    pub fn close(mut self) -> io::Result<u64> {
+        self.commit()?;
+        self.storage.sync()?;
+        Ok(self.whole)
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.failed {
+            return Err(io::Error::other("an earlier write failed"));
+        }
+        self.held.extend_from_slice(bytes);
+        if self.held.len() > HOLD {
+            self.commit()?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.commit()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

@@ -1,0 +1,166 @@
+//! Whether a recording is what a station signed.
+
+use serde::Serialize;
+
+use crate::chain::Chain;
+use crate::key::PublicKey;
+use crate::message::Message;
+use crate::read::{Ending, ReadError, Recording};
+use crate::statement::SignedStatement;
+
+/// What the signatures in a recording say.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Signature {
+    /// All of it is what the holder of this key signed, the end included.
+    Valid {
+        /// Public key of the signer, hexadecimal.
+        fingerprint: String,
+    },
+    /// Nothing is wrong, but it has no end, so the last stretch is not signed.
+    Unsigned {
+        /// Public key of the signer, hexadecimal.
+        fingerprint: String,
+        /// Up to and with this tick it is signed; `None`: nowhere.
+        last_valid_tick: Option<u64>,
+    },
+    /// It is not what was signed, or not signed by the key that is trusted.
+    Invalid {
+        /// In words.
+        reason: String,
+        /// Tick of the first statement that does not hold; `None` when it is about the key.
+        at: Option<u64>,
+    },
+}
+
+impl std::fmt::Display for Signature {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Valid { fingerprint } => write!(f, "valid, by {fingerprint}"),
+            Self::Unsigned {
+                last_valid_tick: Some(tick),
+                fingerprint,
+            } => {
+                write!(
+                    f,
+                    "none at the end; valid up to tick {tick}, by {fingerprint}"
+                )
+            }
+            Self::Unsigned { .. } => f.write_str("none: it was cut off before the first signature"),
+            Self::Invalid {
+                reason,
+                at: Some(tick),
+            } => write!(f, "INVALID at tick {tick}: {reason}"),
+            Self::Invalid { reason, at: None } => write!(f, "INVALID: {reason}"),
+        }
+    }
+}
+
+/// What was found about chain and signatures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verdict {
+    /// The signatures.
+    pub signature: Signature,
+    /// Whether every recorded head of the chain is the one that the messages before it give.
+    pub chain_ok: bool,
+}
+
+/// Follows the messages of a recording and checks every statement among them.
+pub(crate) struct Verifier<'a> {
+    recording: &'a Recording,
+    chain: Chain,
+    chain_ok: bool,
+    last_valid_tick: Option<u64>,
+    first_problem: Option<(String, u64)>,
+}
+
+impl<'a> Verifier<'a> {
+    pub fn new(recording: &'a Recording) -> Self {
+        Self {
+            recording,
+            chain: Chain::new(recording.header_digest),
+            chain_ok: true,
+            last_valid_tick: None,
+            first_problem: None,
+        }
+    }
+
+    pub fn message(&mut self, message: &Message) {
+        if let Some((link, tick, bytes)) = message.chained() {
+            self.chain.add(link, tick, &bytes);
+        }
+        let Message::Signed(signed) = message else {
+            return;
+        };
+        match self.check(signed) {
+            Ok(()) if self.first_problem.is_none() => {
+                self.last_valid_tick = Some(self.chain.tick())
+            }
+            Ok(()) => {}
+            Err(reason) => {
+                self.first_problem
+                    .get_or_insert((reason.to_owned(), signed.statement.tick));
+            }
+        }
+    }
+
+    fn check(&mut self, signed: &SignedStatement) -> Result<(), &'static str> {
+        let (says, header) = (&signed.statement, &self.recording.header);
+        let follows = says.head == *self.chain.head()
+            && says.rows == self.chain.rows()
+            && says.tick == self.chain.tick();
+        self.chain_ok &= follows;
+        if !signed.is_signed_by(&self.recording.signer) {
+            return Err("the signature is not the station's: this statement was forged or altered");
+        }
+        if says.header != self.recording.header_digest
+            || says.scene != header.scene_hash()
+            || says.exercise != header.exercise_hash()
+        {
+            return Err(
+                "the header (learner, station, scene, exercise) is not the one that was signed",
+            );
+        }
+        if !follows {
+            return Err("the rows are not those that were signed: the recording was edited");
+        }
+        Ok(())
+    }
+
+    pub fn finish(self, trust: Option<&PublicKey>) -> Verdict {
+        let signer = self.recording.signer;
+        let fingerprint = signer.fingerprint();
+        let signature = if let Some((reason, tick)) = self.first_problem {
+            Signature::Invalid {
+                reason,
+                at: Some(tick),
+            }
+        } else if let Some(trusted) = trust.filter(|trusted| **trusted != signer) {
+            let reason = format!("signed by {signer}, which is not the trusted key {trusted}");
+            Signature::Invalid { reason, at: None }
+        } else if *self.recording.ending() == Ending::Finished {
+            Signature::Valid { fingerprint }
+        } else {
+            Signature::Unsigned {
+                fingerprint,
+                last_valid_tick: self.last_valid_tick,
+            }
+        };
+        Verdict {
+            signature,
+            chain_ok: self.chain_ok,
+        }
+    }
+}
+
+/// Checks chain and signatures without running a tick.
+///
+/// # Errors
+/// When the file changes meanwhile.
+pub fn verify(recording: &Recording, trust: Option<&PublicKey>) -> Result<Verdict, ReadError> {
+    let mut verifier = Verifier::new(recording);
+    for message in recording.messages() {
+        verifier.message(&message?);
+    }
+    Ok(verifier.finish(trust))
+}

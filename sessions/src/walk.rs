@@ -1,0 +1,211 @@
+//! Walking over the records of an MCAP file whose bytes may be anything.
+//!
+//! The mcap crate reads well-formed files; a recording may be torn by a crash or altered on
+//! purpose. So framing is checked here, record by record, with every length bounded, and the mcap
+//! crate only unpacks chunks whose header was found sane.
+
+use mcap::records::op;
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use crate::bytes::Cut;
+
+/// Largest chunk that is unpacked, bytes. Ours are 256 KiB and one message.
+const MAX_CHUNK: u64 = 64 << 20;
+/// lz4 cannot pack better than this.
+const MAX_RATIO: u64 = 256;
+/// Opcode and length of a record.
+const FRAME: usize = 9;
+
+/// Why reading ended, other than at the proper end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Stop {
+    /// The bytes end in the middle of something.
+    Torn(&'static str),
+    /// The bytes are there, and are wrong.
+    Damaged(String),
+}
+
+/// A record in its frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Framed<'a> {
+    pub opcode: u8,
+    pub body: &'a [u8],
+    /// Opcode, length and body.
+    pub whole: &'a [u8],
+}
+
+/// Position in a file, always at the end of a whole record.
+pub(crate) struct Walk<'a> {
+    bytes: &'a [u8],
+    pub at: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// After the magic; `None` when the file does not begin with it.
+    pub fn new(bytes: &'a [u8]) -> Option<Self> {
+        bytes.starts_with(mcap::MAGIC).then_some(Self {
+            bytes,
+            at: mcap::MAGIC.len(),
+        })
+    }
+
+    /// The record at the present position, which stays.
+    pub fn peek(&self) -> Result<Framed<'a>, Stop> {
+        let rest = &self.bytes[self.at..];
+        if rest.is_empty() {
+            return Err(Stop::Torn("there is no end record"));
+        }
+        let mut cut = Cut(rest);
+        let (Some(opcode), Some(length)) = (cut.u8(), cut.u64()) else {
+            return Err(Stop::Torn("the last record is not whole"));
+        };
+        if opcode == 0 {
+            // A disk may leave zeros where the last write was lost.
+            return Err(if rest.iter().all(|byte| *byte == 0) {
+                Stop::Torn("zeros follow")
+            } else {
+                Stop::Damaged("a record has no kind".to_owned())
+            });
+        }
+        let Some(body) = usize::try_from(length).ok().and_then(|n| cut.take(n)) else {
+            return Err(Stop::Torn("the last record is not whole"));
+        };
+        Ok(Framed {
+            opcode,
+            body,
+            whole: &rest[..FRAME + body.len()],
+        })
+    }
+
+    /// Goes past a record that [`Walk::peek`] gave.
+    pub fn pass(&mut self, record: &Framed<'_>) {
+        self.at += record.whole.len();
+    }
+
+    /// Checks what follows the footer, which must be the magic and nothing else.
+    pub fn end(&self) -> Result<(), Stop> {
+        let rest = &self.bytes[self.at..];
+        if rest == mcap::MAGIC {
+            Ok(())
+        } else if mcap::MAGIC.starts_with(rest) {
+            Err(Stop::Torn("the end is not whole"))
+        } else {
+            Err(Stop::Damaged("something follows the footer".to_owned()))
+        }
+    }
+}
+
+/// Unpacks a chunk, checks its CRC, then gives each record in it to `visit`.
+pub(crate) fn unpack(
+    chunk: &Framed<'_>,
+    mut visit: impl FnMut(u8, &[u8]) -> Result<(), String>,
+) -> Result<(), String> {
+    check_chunk(chunk.body)?;
+    let limit = usize::try_from(MAX_CHUNK).unwrap_or(usize::MAX);
+    let mut reader = LinearReader::new_with_options(
+        LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(limit),
+    );
+    let mut rest = chunk.whole;
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|error| error.to_string())? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let (head, tail) = rest.split_at(wanted.min(rest.len()));
+                reader.insert(head.len()).copy_from_slice(head);
+                reader.notify_read(head.len());
+                rest = tail;
+            }
+            LinearReadEvent::Record { opcode, data } => visit(opcode, data)?,
+        }
+    }
+    Ok(())
+}
+
+/// Bounds what the chunk's header claims, before anything is allocated for it.
+fn check_chunk(body: &[u8]) -> Result<(), String> {
+    let parse = || {
+        let mut cut = Cut(body);
+        let _times = cut.take(16)?;
+        let unpacked = cut.u64()?;
+        let _crc = cut.u32()?;
+        let compression = cut.string()?;
+        Some((unpacked, compression, cut.u64()?, cut.0.len() as u64))
+    };
+    let Some((unpacked, compression, packed, there)) = parse() else {
+        return Err("a chunk's header is not whole".to_owned());
+    };
+    if compression != "lz4" {
+        return Err(format!(
+            "a chunk is packed with `{}`, a recording's are with `lz4`",
+            compression.escape_debug()
+        ));
+    }
+    if packed != there {
+        return Err(format!("a chunk claims {packed} bytes and has {there}"));
+    }
+    if unpacked > MAX_CHUNK || unpacked > (packed + 64) * MAX_RATIO {
+        return Err(format!("a chunk claims to unpack to {unpacked} bytes"));
+    }
+    Ok(())
+}
+
+/// The message of a message record: channel, time and bytes.
+pub(crate) fn message(body: &[u8]) -> Option<(u16, u64, &[u8])> {
+    let mut cut = Cut(body);
+    let channel = cut.u16()?;
+    let _sequence = cut.u32()?;
+    let log_time = cut.u64()?;
+    let _publish_time = cut.u64()?;
+    Some((channel, log_time, cut.0))
+}
+
+/// Id, topic and encoding of a channel record.
+pub(crate) fn channel(body: &[u8]) -> Option<(u16, &str, &str)> {
+    let mut cut = Cut(body);
+    let id = cut.u16()?;
+    let _schema = cut.u16()?;
+    Some((id, cut.string()?, cut.string()?))
+}
+
+/// Name and data of an attachment record.
+pub(crate) fn attachment(body: &[u8]) -> Option<(&str, &[u8])> {
+    let mut cut = Cut(body);
+    let _times = cut.take(16)?;
+    let name = cut.string()?;
+    let _media_type = cut.string()?;
+    let length = usize::try_from(cut.u64()?).ok()?;
+    Some((name, cut.take(length)?))
+}
+
+/// Name and pairs of a metadata record; `None` also when a key comes twice.
+pub(crate) fn metadata(body: &[u8]) -> Option<(&str, std::collections::BTreeMap<String, String>)> {
+    let mut cut = Cut(body);
+    let name = cut.string()?;
+    let length = usize::try_from(cut.u32()?).ok()?;
+    let mut map = Cut(cut.take(length)?);
+    let mut pairs = std::collections::BTreeMap::new();
+    while !map.0.is_empty() {
+        let (key, value) = (map.string()?, map.string()?);
+        if pairs.insert(key.to_owned(), value.to_owned()).is_some() {
+            return None;
+        }
+    }
+    Some((name, pairs))
+}
+
+/// Whether a record kind belongs after the data.
+pub(crate) fn is_summary(opcode: u8) -> bool {
+    matches!(
+        opcode,
+        op::SCHEMA
+            | op::CHANNEL
+            | op::STATISTICS
+            | op::CHUNK_INDEX
+            | op::ATTACHMENT_INDEX
+            | op::METADATA_INDEX
+            | op::SUMMARY_OFFSET
+    )
+}

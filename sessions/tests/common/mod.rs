@@ -1,0 +1,252 @@
+//! A small session, recorded, and ways to tamper with it.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mcap::records::{MessageHeader, Record};
+use mcap::{Attachment, Compression, WriteOptions};
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::{
+    DisplayMesh, NoProbe, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, State, TickInput,
+    Tool, ToolInput, Vec3, Workspace, tick,
+};
+use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+
+/// Session clock at the first tick, nanoseconds since the Unix epoch.
+pub const BEGAN: u64 = 1_790_000_000_000_000_000;
+
+pub fn key() -> StationKey {
+    StationKey::from_seed([42; 32])
+}
+
+/// A rod over three rigid balls.
+pub fn scene() -> Scene {
+    let rod: Vec<Sphere> = (0..40)
+        .map(|k| Sphere {
+            centre: Vec3::new(0.0, 0.0, -0.09 + 0.00025 * f64::from(k)),
+            radius: 2.5e-4,
+        })
+        .collect();
+    let balls: Vec<Sphere> = (-1..=1)
+        .map(|k| Sphere {
+            centre: Vec3::new(0.006 * f64::from(k), 0.0, -0.005),
+            radius: 0.005,
+        })
+        .collect();
+    Scene {
+        name: "three balls".into(),
+        source_hash: "none".into(),
+        params: Params::default(),
+        tools: vec![Tool {
+            name: "rod".into(),
+            tree: SphereTree::over_leaves(&rod).unwrap(),
+            level: 3,
+            working_point: Vec3::new(0.0, 0.0, -0.088),
+            tip: Vec3::new(0.0, 0.0, -0.09025),
+            tip_axis: -Vec3::z(),
+            stiffness_n_per_m: 500.0,
+            stiffness_nm_per_rad: 0.5,
+            park: Pose::new(Vec3::new(0.0, 0.0, 0.12), Quat::identity()),
+            bands: vec![],
+            mesh: DisplayMesh::default(),
+        }],
+        objects: vec![Object {
+            name: "balls".into(),
+            fdi: 36,
+            tree: SphereTree::over_leaves(&balls).unwrap(),
+            level: 3,
+            tissue: TissueModel::Rigid,
+            mesh: DisplayMesh::default(),
+        }],
+    }
+}
+
+/// A hand that sweeps over the balls, pressing 1 to 2 mm, with a tremor.
+pub fn input(k: u64) -> TickInput {
+    let t = k as f64 * 1e-3;
+    let tremor = ((k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / 16_777_216.0 - 0.5) * 4e-5;
+    let position = Vec3::new(
+        0.007 * (0.7 * t).sin() + tremor,
+        0.001 * (1.9 * t).cos() - tremor,
+        0.09025 - 0.0005 - 0.0015 * (0.3 * t).sin().abs() + tremor,
+    );
+    let mut input = TickInput::IDLE;
+    input.tools[0] = ToolInput {
+        pose: (&Pose::new(position, Quat::identity())).into(),
+        present: true,
+        ..ToolInput::ABSENT
+    };
+    input
+}
+
+pub fn header(scene: &Scene) -> SessionHeader {
+    SessionHeader {
+        exercise_name: "touch".into(),
+        exercise: "title = \"touch three balls\"\n".into(),
+        rubric: "{}".into(),
+        seed: 7,
+        station: "bench 3".into(),
+        learner_id: "a7f3".into(),
+        started_unix_ns: BEGAN,
+        ..SessionHeader::new(scene.to_bytes().unwrap())
+    }
+}
+
+/// A session being run and recorded.
+pub struct Session {
+    pub scene: Scene,
+    pub state: State,
+    workspace: Workspace,
+    pub recorder: Recorder,
+    pub snapshot_every: u64,
+}
+
+impl Session {
+    pub fn begin(path: &Path, key: StationKey) -> Self {
+        let scene = scene();
+        let mut recorder = Recorder::create(path, &header(&scene), key).unwrap();
+        let state = State::new(&scene);
+        recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
+        recorder
+            .event(BEGAN, Level::Info, "session begins")
+            .unwrap();
+        let workspace = Workspace::new(&scene);
+        Self {
+            scene,
+            state,
+            workspace,
+            recorder,
+            snapshot_every: 10_000,
+        }
+    }
+
+    /// Runs a tick and gives its row without recording it.
+    pub fn tick(&mut self, input: &TickInput) -> Row {
+        let output = tick(
+            &self.scene,
+            &mut self.state,
+            &mut self.workspace,
+            input,
+            &mut NoProbe,
+        );
+        Row::new(BEGAN + output.tick * 1_000_000, input, &output)
+    }
+
+    pub fn run(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            let row = self.tick(&input(self.state.tick));
+            self.recorder.push(&row).unwrap();
+            if row.tick.is_multiple_of(self.snapshot_every) {
+                self.recorder
+                    .snapshot(row.time_unix_ns, row.tick, &self.state.to_bytes())
+                    .unwrap();
+            }
+        }
+    }
+
+    pub fn end(&self) -> SessionEnd {
+        SessionEnd {
+            ticks: self.recorder.rows(),
+            ..SessionEnd::default()
+        }
+    }
+
+    pub fn finish(self) {
+        let end = self.end();
+        self.recorder.finish(end).unwrap();
+    }
+}
+
+/// Records `ticks` ticks and finishes.
+pub fn record(path: &Path, ticks: u64) {
+    let mut session = Session::begin(path, key());
+    session.run(ticks);
+    session.finish();
+}
+
+/// A finished session of `ticks` ticks as bytes.
+pub fn recorded(ticks: u64) -> Vec<u8> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    record(&path, ticks);
+    std::fs::read(path).unwrap()
+}
+
+/// What an editor may change in a recording, before it is written anew with correct CRCs.
+pub struct Edit<'a> {
+    /// Changes the bytes of a message of a topic; `false` leaves it out.
+    pub message: &'a mut dyn FnMut(&str, &mut Vec<u8>) -> bool,
+    /// Changes the header.
+    pub metadata: &'a mut dyn FnMut(&mut BTreeMap<String, String>),
+}
+
+/// The file written anew, as an honest MCAP tool would, with changes.
+pub fn rewritten(bytes: &[u8], edit: &mut Edit<'_>) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut writer = WriteOptions::new()
+        .library("sulcus test editor")
+        .compression(Some(Compression::Lz4))
+        .chunk_size(Some(64 << 10))
+        .create(std::io::Cursor::new(&mut out))
+        .unwrap();
+    let mut topics = BTreeMap::new();
+    for record in mcap::read::ChunkFlattener::new(bytes).unwrap() {
+        match record.unwrap() {
+            Record::Schema { header, data } => {
+                writer
+                    .add_schema_with_id(header.id, &header.name, &header.encoding, &data)
+                    .unwrap();
+            }
+            Record::Channel(c) => {
+                writer
+                    .add_channel_with_id(
+                        c.id,
+                        c.schema_id,
+                        &c.topic,
+                        &c.message_encoding,
+                        &c.metadata,
+                    )
+                    .unwrap();
+                topics.insert(c.id, c.topic);
+            }
+            Record::Message { header, data } => {
+                let mut data = data.into_owned();
+                if (edit.message)(&topics[&header.channel_id], &mut data) {
+                    writer
+                        .write_to_known_channel(&MessageHeader { ..header }, &data)
+                        .unwrap();
+                }
+            }
+            Record::Attachment { header, data, .. } => writer
+                .attach(&Attachment {
+                    log_time: header.log_time,
+                    create_time: header.create_time,
+                    name: header.name,
+                    media_type: header.media_type,
+                    data,
+                })
+                .unwrap(),
+            Record::Metadata(mut metadata) => {
+                (edit.metadata)(&mut metadata.metadata);
+                writer.write_metadata(&metadata).unwrap();
+            }
+            Record::DataEnd(_) => break,
+            _ => {}
+        }
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    out
+}
+
+/// Rewritten with changed messages only.
+pub fn with_messages(bytes: &[u8], mut message: impl FnMut(&str, &mut Vec<u8>) -> bool) -> Vec<u8> {
+    rewritten(
+        bytes,
+        &mut Edit {
+            message: &mut message,
+            metadata: &mut |_| {},
+        },
+    )
+}
