@@ -1,0 +1,170 @@
+//! The programs from outside, over real sockets and real files: how the tests start them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+/// A program of the workspace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// `sulcus-client`.
+    Client,
+    /// `sulcus-server`.
+    Server,
+    /// `sulcus-sessions`.
+    Sessions,
+}
+
+impl Program {
+    fn name(self) -> &'static str {
+        match self {
+            Program::Client => "sulcus-client",
+            Program::Server => "sulcus-server",
+            Program::Sessions => "sulcus-sessions",
+        }
+    }
+
+    /// Path of the debug binary, built when first asked for.
+    pub fn path(self) -> &'static Path {
+        static BUILT: [OnceLock<PathBuf>; 3] = [const { OnceLock::new() }; 3];
+        BUILT[self as usize].get_or_init(|| build(self, false))
+    }
+
+    /// Path of the release binary, built when first asked for.
+    pub fn release_path(self) -> &'static Path {
+        static BUILT: [OnceLock<PathBuf>; 3] = [const { OnceLock::new() }; 3];
+        BUILT[self as usize].get_or_init(|| build(self, true))
+    }
+}
+
+fn build(program: Program, release: bool) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let build = escargot::CargoBuild::new()
+        .manifest_path(root.join("Cargo.toml"))
+        .package(program.name())
+        .bin(program.name());
+    let build = if release { build.release() } else { build };
+    let run = build.run().unwrap_or_else(|error| panic!("{} does not build: {error}", program.name()));
+    run.path().to_path_buf()
+}
+
+/// A folder of its own for one test: recordings, keys and caches go there, nothing else is touched.
+pub struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    /// A new empty place.
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    /// A path in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// A command that runs in it. The sphere trees' cache is shared between tests.
+    pub fn command(&self, path: &Path) -> Command {
+        let mut command = Command::new(path);
+        command
+            .current_dir(self.folder.path())
+            .env("SULCUS_STATE_DIR", self.path("state"))
+            .env("SULCUS_CACHE", std::env::temp_dir().join("sulcus-test-cache"))
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// Runs a debug program to its end.
+    pub fn run(&self, program: Program, arguments: &[&str]) -> Ended {
+        self.run_path(program.path(), arguments)
+    }
+
+    /// Runs the program at `path` to its end.
+    pub fn run_path(&self, path: &Path, arguments: &[&str]) -> Ended {
+        let output = self.command(path).args(arguments).output().expect("the program starts");
+        Ended::new(output)
+    }
+
+    /// The one recording under `recordings`.
+    pub fn recording(&self) -> PathBuf {
+        let mut found = files_with(&self.path("recordings"), "mcap");
+        assert_eq!(found.len(), 1, "one recording, found {found:?}");
+        found.remove(0)
+    }
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Files under `folder` (any depth) with an extension.
+pub fn files_with(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            found.extend(files_with(&path, extension));
+        } else if path.extension().is_some_and(|e| e == extension) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+/// How a program ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// Exit code; -1 when a signal ended it.
+    pub code: i32,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+impl Ended {
+    /// From what a process left.
+    pub fn new(output: Output) -> Self {
+        Self {
+            code: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+            stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// The JSON object on the last line of standard output.
+    pub fn json(&self) -> serde_json::Value {
+        let last = self.stdout.lines().last().unwrap_or_default();
+        serde_json::from_str(last).unwrap_or_else(|error| panic!("{error}: {self:#?}"))
+    }
+
+    /// Asserts success.
+    pub fn ok(self) -> Self {
+        assert_eq!(self.code, 0, "{self:#?}");
+        self
+    }
+
+    /// Asserts exit code 2 and one sentence on standard error that names all of `words`.
+    pub fn refused(&self, words: &[&str]) {
+        assert_eq!(self.code, 2, "{self:#?}");
+        let errors: Vec<&str> = self.stderr.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert_eq!(errors.len(), 1, "one error line: {self:#?}");
+        for word in words {
+            assert!(errors[0].contains(word), "`{word}` is not in: {}", errors[0]);
+        }
+        assert!(!self.stderr.contains("panicked"), "{self:#?}");
+    }
+}
+
+/// All rows of a recording.
+pub fn rows(recording: &sulcus_sessions::Recording) -> Vec<sulcus_sessions::Row> {
+    let message = |message: Result<sulcus_sessions::Message, _>| match message.expect("a sound message") {
+        sulcus_sessions::Message::Row(row) => Some(row),
+        _ => None,
+    };
+    recording.messages().filter_map(message).collect()
+}
