@@ -160,14 +160,16 @@ fn replay_of(path: &Path, options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let report = report.map_err(|error| at(path, &error))?;
     let mut json = object(serde_json::to_value(&report)?);
     json.insert("file".to_owned(), json!(path.display().to_string()));
+    let ours = PublicKey::of_this_station().map(|key| key == recording.signer());
+    json.insert("signed_by_this_station".to_owned(), json!(ours));
     Ok(Outcome {
         json,
-        text: format!("{}\n{}", path.display(), text(&report, options)),
+        text: format!("{}\n{}", path.display(), text(&report, options, ours)),
         finding: report.is_finding(),
     })
 }
 
-fn text(report: &ReplayReport, options: &ReplayOptions) -> String {
+fn text(report: &ReplayReport, options: &ReplayOptions, ours: Option<bool>) -> String {
     let mut lines = vec![match (&report.divergence, report.first_divergent_tick) {
         (Some(d), Some(tick)) => format!(
             "  DIFFERS    first at tick {tick} ({:?}: recorded {}, replayed {}), {} of {} ticks; force by up to {:.3e} N{}",
@@ -188,10 +190,12 @@ fn text(report: &ReplayReport, options: &ReplayOptions) -> String {
             report.ticks, report.realtime_factor
         ),
     }];
-    let whose = if report.signer_trusted {
-        ""
-    } else {
-        " (the key is the recording's own: see --signer)"
+    // Whoever makes a whole file anew can sign it with a key of their own: say whose key it is.
+    let whose = match ours {
+        _ if report.signer_trusted => "",
+        Some(true) => " (this station's key)",
+        Some(false) => " (NOT this station's key: name the right one with --signer)",
+        None => " (the key is the recording's own: name the right one with --signer)",
     };
     lines.push(format!("  signature  {}{whose}", report.signature));
     lines.push(format!("  ending     {}", report.ending));

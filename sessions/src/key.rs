@@ -53,6 +53,12 @@ pub enum KeyError {
 pub struct PublicKey(VerifyingKey);
 
 impl PublicKey {
+    /// The key of the station that this program runs on; `None` when it has none yet.
+    pub fn of_this_station() -> Option<Self> {
+        let file = StationKey::default_path().ok()?.with_extension("pub");
+        Self::from_file_or_hex(file.to_str()?).ok()
+    }
+
     /// From 64 hexadecimal digits; `None` for anything else.
     pub fn from_hex(text: &str) -> Option<Self> {
         let key = VerifyingKey::from_bytes(&from_hex32(text.trim())?).ok()?;
