@@ -128,7 +128,9 @@ impl From<SolverArg> for SolverKind {
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(s) if (0.1..=86_400.0).contains(&s) => Ok(s),
-        _ => Err(format!("`{text}` is not a number of seconds from 0.1 to 86400")),
+        _ => Err(format!(
+            "`{text}` is not a number of seconds from 0.1 to 86400"
+        )),
     }
 }
 
@@ -160,7 +162,9 @@ mod tests {
 
     #[test]
     fn the_defaults_of_no_command_are_those_of_the_demo() {
-        let Some(Command::Demo(parsed)) = Cli::parse_from(["sulcus-client", "demo"]).command else { panic!("demo") };
+        let Some(Command::Demo(parsed)) = Cli::parse_from(["sulcus-client", "demo"]).command else {
+            panic!("demo")
+        };
         assert_eq!(format!("{parsed:?}"), format!("{:?}", DemoArgs::default()));
     }
 }

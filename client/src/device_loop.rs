@@ -48,10 +48,17 @@ pub struct LoopReport {
 pub type Disturb = fn(u64, &mut TickInput);
 
 /// Runs `device` on `link` for `periods` periods, or until the server is gone. `done` counts along.
-pub fn run(link: &mut Link, device: &mut dyn Device, periods: u64, disturb: Option<Disturb>, done: &AtomicU64) -> LoopReport {
+pub fn run(
+    link: &mut Link,
+    device: &mut dyn Device,
+    periods: u64,
+    disturb: Option<Disturb>,
+    done: &AtomicU64,
+) -> LoopReport {
     punctual();
     let mut report = LoopReport::default();
-    let (mut displayed, mut closed_for, mut was_open, mut heard) = ([Wrench::ZERO; MAX_TOOLS], 0, false, false);
+    let (mut displayed, mut closed_for, mut was_open, mut heard) =
+        ([Wrench::ZERO; MAX_TOOLS], 0, false, false);
     let mut grid_ns = now_ns() + PERIOD_NS;
     while report.periods < periods {
         sleep_until(grid_ns);
@@ -61,14 +68,21 @@ pub fn run(link: &mut Link, device: &mut dyn Device, periods: u64, disturb: Opti
         let newest = link.latest_wrench();
         heard |= newest.is_some();
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
-            newest.map_or(Wrench::ZERO, |packet| gated(&packet.datagram.tools[t], gate))
+            newest.map_or(Wrench::ZERO, |packet| {
+                gated(&packet.datagram.tools[t], gate)
+            })
         });
         for (now, before) in felt.iter().zip(&displayed) {
             let force = norm(&now.force);
             report.max_displayed_n = report.max_displayed_n.max(force);
-            report.max_displayed_step_n = report.max_displayed_step_n.max(norm(&(now.force - before.force)));
+            report.max_displayed_step_n = report
+                .max_displayed_step_n
+                .max(norm(&(now.force - before.force)));
         }
-        report.last_displayed_n = felt.iter().map(|wrench| norm(&wrench.force)).fold(0.0, f64::max);
+        report.last_displayed_n = felt
+            .iter()
+            .map(|wrench| norm(&wrench.force))
+            .fold(0.0, f64::max);
         displayed = felt;
         report.last_tick = newest.map_or(report.last_tick, |packet| packet.datagram.tick);
 
@@ -89,7 +103,9 @@ pub fn run(link: &mut Link, device: &mut dyn Device, periods: u64, disturb: Opti
         report.gate_closings += u64::from(was_open && gate < 1.0);
         was_open = gate >= 1.0;
         closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
-        if closed_for >= if heard { GONE_PERIODS } else { START_PERIODS } || !link.is_open() && gate == 0.0 {
+        if closed_for >= if heard { GONE_PERIODS } else { START_PERIODS }
+            || !link.is_open() && gate == 0.0
+        {
             report.server_lost = true;
             break;
         }
@@ -99,9 +115,21 @@ pub fn run(link: &mut Link, device: &mut dyn Device, periods: u64, disturb: Opti
 
 fn gated(sent: &ToolWrench, gate: f64) -> Wrench {
     let vector = |v: [f32; 3]| Vec3::from(v.map(f64::from));
-    let wrench = Wrench { force: vector(sent.wrench.force) * gate, torque: vector(sent.wrench.torque) * gate };
+    let wrench = Wrench {
+        force: vector(sent.wrench.force) * gate,
+        torque: vector(sent.wrench.torque) * gate,
+    };
     // The last door before the hand: what is not finite is not displayed.
-    if wrench.force.iter().chain(wrench.torque.iter()).all(|x| x.is_finite()) { wrench } else { Wrench::ZERO }
+    if wrench
+        .force
+        .iter()
+        .chain(wrench.torque.iter())
+        .all(|x| x.is_finite())
+    {
+        wrench
+    } else {
+        Wrench::ZERO
+    }
 }
 
 fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOOLS]) -> PosePacket {
@@ -111,15 +139,24 @@ fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOO
         tools: std::array::from_fn(|t| ToolPose {
             present: tools[t].present,
             buttons: tools[t].buttons,
-            pose: WirePose { position: tools[t].pose.position, orientation: tools[t].pose.orientation },
-            displayed: WireWrench { force: narrow(&displayed[t].force), torque: narrow(&displayed[t].torque) },
+            pose: WirePose {
+                position: tools[t].pose.position,
+                orientation: tools[t].pose.orientation,
+            },
+            displayed: WireWrench {
+                force: narrow(&displayed[t].force),
+                torque: narrow(&displayed[t].torque),
+            },
         }),
     }
 }
 
 fn sleep_until(deadline_ns: u64) {
     let (seconds, rest) = (deadline_ns / 1_000_000_000, deadline_ns % 1_000_000_000);
-    let deadline = Timespec { tv_sec: seconds as i64, tv_nsec: rest as i64 };
+    let deadline = Timespec {
+        tv_sec: seconds as i64,
+        tv_nsec: rest as i64,
+    };
     // Only a signal ends it early.
     while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(rustix::io::Errno::INTR) {}
 }
@@ -130,10 +167,17 @@ fn punctual() {
     if let Some(slack) = NonZeroU64::new(1) {
         let _ = rustix::thread::set_current_timer_slack(Some(slack));
     }
-    let parameters = libc::sched_param { sched_priority: PRIORITY };
+    let parameters = libc::sched_param {
+        sched_priority: PRIORITY,
+    };
     // SAFETY: plain system call on the calling thread (0) with a valid, initialised struct.
-    let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, &parameters) };
+    let result = unsafe {
+        libc::sched_setscheduler(0, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, &parameters)
+    };
     if result != 0 {
-        tracing::debug!("no real-time scheduling for the device: {}", std::io::Error::last_os_error());
+        tracing::debug!(
+            "no real-time scheduling for the device: {}",
+            std::io::Error::last_os_error()
+        );
     }
 }

@@ -34,14 +34,25 @@ pub struct Prepared {
 impl Prepared {
     /// The exercise as it goes into the recording (TOML).
     pub fn definition(&self, seed: u64) -> String {
-        format!("name = {:?}\nseed = {seed}\nduration_s = {}\n", self.name, self.ticks as f64 * sulcus_core::TICK_S)
+        format!(
+            "name = {:?}\nseed = {seed}\nduration_s = {}\n",
+            self.name,
+            self.ticks as f64 * sulcus_core::TICK_S
+        )
     }
 }
 
 /// Names for `--list-exercises`, with what each is about.
 pub fn list() -> Vec<(String, &'static str)> {
-    let mut names = vec![("crown".to_owned(), "the probe is led round the crown of a tooth, pressed lightly, lifted now and then")];
-    names.extend(sulcus_cases::TABLE.iter().map(|case| (format!("hard/{}", case.name), case.about)));
+    let mut names = vec![(
+        "crown".to_owned(),
+        "the probe is led round the crown of a tooth, pressed lightly, lifted now and then",
+    )];
+    names.extend(
+        sulcus_cases::TABLE
+            .iter()
+            .map(|case| (format!("hard/{}", case.name), case.about)),
+    );
     names
 }
 
@@ -59,29 +70,37 @@ pub fn prepare(
 ) -> anyhow::Result<Prepared> {
     let mut warnings = Vec::new();
     let mut hard = None;
-    let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) = if let Some(case) = name.strip_prefix("hard/") {
-        let Some(case) = sulcus_cases::find(case) else { bail!("{}", unknown(name)) };
-        if scene_file.is_some() {
-            bail!("exercise `{name}` brings its own scene: leave --scene out");
-        }
-        hard = Some(case);
-        // Where a hand would hide a figure the table moves the tool itself; here a person watches,
-        // so a hand follows the same script.
-        match case.driver {
-            Driver::Kinematic(script) => ((case.scene)(), script(), HandParams::default()),
-            Driver::Closed(script, hand) => ((case.scene)(), script(), hand()),
-        }
-    } else if name == "crown" {
-        let compiled = compile(scene_file, steps)?;
-        warnings = compiled.warnings;
-        let params = CrownParams { duration: duration_s, ..CrownParams::default() };
-        let script = Crown::new(&compiled.scene, None, params)?;
-        (compiled.scene, Box::new(script), HandParams::default())
-    } else {
-        bail!("{}", unknown(name));
-    };
+    let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) =
+        if let Some(case) = name.strip_prefix("hard/") {
+            let Some(case) = sulcus_cases::find(case) else {
+                bail!("{}", unknown(name))
+            };
+            if scene_file.is_some() {
+                bail!("exercise `{name}` brings its own scene: leave --scene out");
+            }
+            hard = Some(case);
+            // Where a hand would hide a figure the table moves the tool itself; here a person watches,
+            // so a hand follows the same script.
+            match case.driver {
+                Driver::Kinematic(script) => ((case.scene)(), script(), HandParams::default()),
+                Driver::Closed(script, hand) => ((case.scene)(), script(), hand()),
+            }
+        } else if name == "crown" {
+            let compiled = compile(scene_file, steps)?;
+            warnings = compiled.warnings;
+            let params = CrownParams {
+                duration: duration_s,
+                ..CrownParams::default()
+            };
+            let script = Crown::new(&compiled.scene, None, params)?;
+            (compiled.scene, Box::new(script), HandParams::default())
+        } else {
+            bail!("{}", unknown(name));
+        };
     scene.params.solver = solver;
-    let scene_bytes = scene.to_bytes().context("the scene cannot be written as bytes")?;
+    let scene_bytes = scene
+        .to_bytes()
+        .context("the scene cannot be written as bytes")?;
     let operator = Operator::new(script, hand, seed);
     Ok(Prepared {
         name: name.to_owned(),
@@ -99,7 +118,10 @@ pub fn prepare(
 /// # Errors
 /// When the file cannot be used; the message says what and where.
 pub fn compile(scene_file: Option<&Path>, steps: &Steps) -> anyhow::Result<sulcus_scene::Compiled> {
-    let options = sulcus_scene::BuildOptions { cache: sulcus_scene::default_cache_dir(), ..Default::default() };
+    let options = sulcus_scene::BuildOptions {
+        cache: sulcus_scene::default_cache_dir(),
+        ..Default::default()
+    };
     let bar = steps.bar("building the scene");
     let progress = |what: &str, share: f64| bar.set(what, share);
     let compiled = match scene_file {
@@ -112,5 +134,8 @@ pub fn compile(scene_file: Option<&Path>, steps: &Steps) -> anyhow::Result<sulcu
 
 fn unknown(name: &str) -> String {
     let names: Vec<String> = list().into_iter().map(|(name, _)| name).collect();
-    format!("unknown exercise `{name}`, expected one of: {}", names.join(", "))
+    format!(
+        "unknown exercise `{name}`, expected one of: {}",
+        names.join(", ")
+    )
 }

@@ -7,10 +7,10 @@ use serde_json::json;
 use sulcus_core::optimise::SolverKind;
 
 use crate::cli::RunArgs;
-use crate::demo::live::perform;
 use crate::device::Simulated;
 use crate::exercise;
 use crate::link::{Link, LinkConfig, Pin};
+use crate::perform::perform;
 use crate::progress::Steps;
 
 /// Joins; the exit code is 1 when the server was lost in mid-session.
@@ -19,12 +19,22 @@ use crate::progress::Steps;
 /// On bad input, and when the server is absent or refuses.
 pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     if args.device != "simulated" {
-        bail!("unknown device `{}`, expected `simulated` (real devices are not supported yet)", args.device);
+        bail!(
+            "unknown device `{}`, expected `simulated` (real devices are not supported yet)",
+            args.device
+        );
     }
     let config = link_config(args)?;
     let steps = Steps;
     let solver = SolverKind::ActiveSet;
-    let prepared = exercise::prepare("crown", args.scene.as_deref(), args.duration, args.seed, solver, &steps)?;
+    let prepared = exercise::prepare(
+        "crown",
+        args.scene.as_deref(),
+        args.duration,
+        args.seed,
+        solver,
+        &steps,
+    )?;
     let link = Link::connect(config)?;
     let theirs = link.hello().scene.clone();
     if theirs != prepared.scene.name {
@@ -33,16 +43,37 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
             prepared.scene.name
         );
     }
-    let ran = perform(link, Simulated(prepared.operator), prepared.ticks, None, &steps)?;
+    let ran = perform(
+        link,
+        Simulated(prepared.operator),
+        prepared.ticks,
+        None,
+        &steps,
+    )?;
     if args.json {
-        println!("{}", json!({ "device": ran.report, "link": ran.stats, "session": ran.summary }));
+        println!(
+            "{}",
+            json!({ "device": ran.report, "link": ran.stats, "session": ran.summary })
+        );
     } else {
         let r = &ran.report;
-        println!("device        {} periods, {} overslept", r.periods, r.overslept);
-        println!("force         {:.2} N at most, {:.3} N per ms at most, {:.3} N at the end", r.max_displayed_n, r.max_displayed_step_n, r.last_displayed_n);
-        println!("round trip    p50 {:.0}  p99 {:.0} us", ran.stats.rtt_us.p50, ran.stats.rtt_us.p99);
+        println!(
+            "device        {} periods, {} overslept",
+            r.periods, r.overslept
+        );
+        println!(
+            "force         {:.2} N at most, {:.3} N per ms at most, {:.3} N at the end",
+            r.max_displayed_n, r.max_displayed_step_n, r.last_displayed_n
+        );
+        println!(
+            "round trip    p50 {:.0}  p99 {:.0} us",
+            ran.stats.rtt_us.p50, ran.stats.rtt_us.p99
+        );
         if let Some(summary) = &ran.summary {
-            println!("session       {} ticks, recorded by the server as {}", summary.ticks, summary.recording);
+            println!(
+                "session       {} ticks, recorded by the server as {}",
+                summary.ticks, summary.recording
+            );
         }
     }
     if ran.report.server_lost {
@@ -56,11 +87,19 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
     let mut config = match (&args.ticket, &args.token, &args.certificate) {
         (Some(ticket), _, _) => LinkConfig::new(args.server, &ticket.parse()?, &args.device),
         (None, Some(token), Some(file)) => {
-            let ticket = sulcus_proto::Ticket { token: token.clone(), fingerprint: [0; 32] };
+            let ticket = sulcus_proto::Ticket {
+                token: token.clone(),
+                fingerprint: [0; 32],
+            };
             let pin = Pin::Certificate(read(file)?);
-            LinkConfig { pin, ..LinkConfig::new(args.server, &ticket, &args.device) }
+            LinkConfig {
+                pin,
+                ..LinkConfig::new(args.server, &ticket, &args.device)
+            }
         }
-        _ => bail!("whom to trust is missing: give --ticket as the server prints it, or --token with --certificate"),
+        _ => bail!(
+            "whom to trust is missing: give --ticket as the server prints it, or --token with --certificate"
+        ),
     };
     config.learner.clone_from(&args.learner);
     Ok(config)

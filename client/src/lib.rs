@@ -10,6 +10,7 @@ pub mod device;
 pub mod exercise;
 pub mod join;
 pub mod link;
+pub mod perform;
 pub mod progress;
 pub mod stats;
 
@@ -21,7 +22,10 @@ use clap::Parser;
 pub fn run() -> u8 {
     let cli = cli::Cli::parse();
     tracing_subscriber::fmt()
-        .with_env_filter(tracing_subscriber::EnvFilter::try_from_env("SULCUS_LOG").unwrap_or_else(|_| "warn".into()))
+        .with_env_filter(
+            tracing_subscriber::EnvFilter::try_from_env("SULCUS_LOG")
+                .unwrap_or_else(|_| "warn".into()),
+        )
         .with_writer(std::io::stderr)
         .without_time()
         .init();

@@ -15,8 +15,11 @@ const PARTS: u64 = 1000;
 impl Steps {
     /// Begins a step.
     pub fn bar(&self, what: &str) -> Bar {
-        let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr_with_hz(10));
-        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {bar:30} {percent:>3}%  {msg}") {
+        let bar =
+            ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr_with_hz(10));
+        if let Ok(style) =
+            ProgressStyle::with_template("{elapsed:>4} {bar:30} {percent:>3}%  {msg}")
+        {
             bar.set_style(style);
         }
         bar.set_message(what.to_owned());
@@ -28,7 +31,8 @@ impl Bar {
     /// Shows how far the step is, 0 to 1, and what it is doing.
     pub fn set(&self, what: &str, share: f64) {
         self.0.set_message(what.to_owned());
-        self.0.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+        self.0
+            .set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
     }
 
     /// Ends the step and takes its bar away.

@@ -24,15 +24,27 @@ impl Raw {
     async fn connect(station: &Station) -> Self {
         let mut endpoint = Endpoint::client("127.0.0.1:0".parse().unwrap()).unwrap();
         let pin = Pin::Certificate(station.server().certificate_der().to_vec());
-        endpoint.set_default_client_config(client_config(pin, Arc::new(AtomicBool::new(false))).unwrap());
-        let connecting = endpoint.connect(station.server().local_addr(), "localhost").unwrap();
+        endpoint.set_default_client_config(
+            client_config(pin, Arc::new(AtomicBool::new(false))).unwrap(),
+        );
+        let connecting = endpoint
+            .connect(station.server().local_addr(), "localhost")
+            .unwrap();
         let connection = connecting.await.unwrap();
         let (send, recv) = connection.open_bi().await.unwrap();
-        Self { _endpoint: endpoint, connection, send, recv }
+        Self {
+            _endpoint: endpoint,
+            connection,
+            send,
+            recv,
+        }
     }
 
     async fn say(&mut self, message: &ClientMessage) {
-        self.send.write_all(&frame::encode(message).unwrap()).await.unwrap();
+        self.send
+            .write_all(&frame::encode(message).unwrap())
+            .await
+            .unwrap();
     }
 
     async fn hear(&mut self) -> ServerMessage {
@@ -55,7 +67,11 @@ fn hello(station: &Station) -> ClientMessage {
 }
 
 fn block_on(test: impl Future<Output = ()>) {
-    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test);
+    tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .unwrap()
+        .block_on(test);
 }
 
 #[test]
@@ -66,9 +82,15 @@ fn another_version_is_refused_by_name() {
         let mut bytes = frame::encode(&hello(&station)).unwrap();
         bytes[LENGTH_BYTES] = PROTOCOL_VERSION + 1;
         raw.send.write_all(&bytes).await.unwrap();
-        let ServerMessage::Refused(refused) = raw.hear().await else { panic!("not refused") };
+        let ServerMessage::Refused(refused) = raw.hear().await else {
+            panic!("not refused")
+        };
         assert_eq!(refused.reason, RefusedReason::Version);
-        assert!(refused.text.contains("version 1") && refused.text.contains("the client 2"), "{}", refused.text);
+        assert!(
+            refused.text.contains("version 1") && refused.text.contains("the client 2"),
+            "{}",
+            refused.text
+        );
     });
 }
 
@@ -76,15 +98,23 @@ fn another_version_is_refused_by_name() {
 fn garbage_is_refused_and_the_server_lives() {
     let station = Station::new();
     block_on(async {
-        for garbage in [&[255; 64][..], &[0, 0, 0, 0], &[3, 0, 0, 0, PROTOCOL_VERSION, 9, 9]] {
+        for garbage in [
+            &[255; 64][..],
+            &[0, 0, 0, 0],
+            &[3, 0, 0, 0, PROTOCOL_VERSION, 9, 9],
+        ] {
             let mut raw = Raw::connect(&station).await;
             raw.send.write_all(garbage).await.unwrap();
-            let ServerMessage::Refused(refused) = raw.hear().await else { panic!("not refused") };
+            let ServerMessage::Refused(refused) = raw.hear().await else {
+                panic!("not refused")
+            };
             assert_eq!(refused.reason, RefusedReason::BadHello, "{}", refused.text);
         }
         let mut raw = Raw::connect(&station).await;
         raw.say(&ClientMessage::Start).await;
-        assert!(matches!(raw.hear().await, ServerMessage::Refused(r) if r.reason == RefusedReason::BadHello));
+        assert!(
+            matches!(raw.hear().await, ServerMessage::Refused(r) if r.reason == RefusedReason::BadHello)
+        );
         let mut raw = Raw::connect(&station).await;
         raw.say(&hello(&station)).await;
         assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
@@ -97,12 +127,27 @@ fn bad_datagrams_are_counted_and_move_nothing() {
     block_on(async {
         let mut raw = Raw::connect(&station).await;
         raw.say(&hello(&station)).await;
-        let ServerMessage::Hello(server) = raw.hear().await else { panic!("refused") };
+        let ServerMessage::Hello(server) = raw.hear().await else {
+            panic!("refused")
+        };
         raw.say(&ClientMessage::Start).await;
         // The first wrench says that the session reads datagrams.
         raw.connection.read_datagram().await.unwrap();
-        let pose = |epoch, sequence| PoseDatagram { epoch, sequence, ..Default::default() }.to_bytes().unwrap();
-        let good = [pose(server.epoch, 5), pose(server.epoch, 5), pose(server.epoch, 3), pose(server.epoch, 9)];
+        let pose = |epoch, sequence| {
+            PoseDatagram {
+                epoch,
+                sequence,
+                ..Default::default()
+            }
+            .to_bytes()
+            .unwrap()
+        };
+        let good = [
+            pose(server.epoch, 5),
+            pose(server.epoch, 5),
+            pose(server.epoch, 3),
+            pose(server.epoch, 9),
+        ];
         let sent = good.iter().map(|bytes| bytes.to_vec()).chain([
             vec![],
             vec![1, 2, 3],
@@ -110,16 +155,24 @@ fn bad_datagrams_are_counted_and_move_nothing() {
             pose(server.epoch.wrapping_add(1), 77).to_vec(),
         ]);
         for bytes in sent {
-            raw.connection.send_datagram_wait(bytes.into()).await.unwrap();
+            raw.connection
+                .send_datagram_wait(bytes.into())
+                .await
+                .unwrap();
             tokio::time::sleep(std::time::Duration::from_millis(20)).await;
         }
         raw.say(&ClientMessage::Stop).await;
-        let ServerMessage::Goodbye(goodbye) = raw.hear().await else { panic!("no goodbye") };
+        let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
+            panic!("no goodbye")
+        };
         let summary = goodbye.summary;
         assert_eq!(summary.end, EndReason::Stopped);
         assert_eq!((summary.malformed, summary.foreign), (3, 1));
         let poses = summary.poses;
-        assert_eq!((poses.accepted, poses.duplicate, poses.late, poses.lost), (2, 1, 1, 2));
+        assert_eq!(
+            (poses.accepted, poses.duplicate, poses.late, poses.lost),
+            (2, 1, 1, 3)
+        );
         assert_eq!(summary.max_force_n, 0.0);
     });
 }
@@ -133,7 +186,9 @@ fn a_second_hello_ends_the_session_with_a_sentence() {
         assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
         raw.say(&ClientMessage::Start).await;
         raw.say(&hello(&station)).await;
-        let ServerMessage::Goodbye(goodbye) = raw.hear().await else { panic!("no goodbye") };
+        let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
+            panic!("no goodbye")
+        };
         assert_eq!(goodbye.summary.end, EndReason::Protocol);
         assert!(goodbye.text.contains("protocol"));
     });

@@ -18,13 +18,20 @@ pub struct Exercise {
     pub name: String,
     /// For the student.
     pub text: String,
+    /// Its definition (TOML or JSON) as it goes into the recording; may be empty.
+    pub definition: String,
     /// Seed of what is random in it.
     pub seed: u64,
 }
 
 impl Default for Exercise {
     fn default() -> Self {
-        Self { name: "free".into(), text: "Explore freely.".into(), seed: 0 }
+        Self {
+            name: "free".into(),
+            text: "Explore freely.".into(),
+            definition: String::new(),
+            seed: 0,
+        }
     }
 }
 
@@ -47,6 +54,13 @@ pub struct ServerConfig {
     pub station: String,
     /// Opaque learner id for the record when the client names none; never a name.
     pub learner: String,
+    /// The patient's text for the recording; may be empty.
+    pub patient: String,
+    /// The rubric's text for the recording; may be empty.
+    pub rubric: String,
+    /// File of the key that signs recordings, made on first use; `None`: at its usual place
+    /// (`sulcus_sessions::StationKey::default_path`).
+    pub station_key: Option<PathBuf>,
     /// Longest session; `None`: no limit.
     pub max_session: Option<Duration>,
     /// Whether to ask the system for real-time scheduling and locked memory. (Where it is not
@@ -59,7 +73,11 @@ impl ServerConfig {
     ///
     /// # Errors
     /// If the system gives no randomness.
-    pub fn new(scene: Arc<Scene>, scene_bytes: Arc<Vec<u8>>, recordings: PathBuf) -> Result<Self, ServerError> {
+    pub fn new(
+        scene: Arc<Scene>,
+        scene_bytes: Arc<Vec<u8>>,
+        recordings: PathBuf,
+    ) -> Result<Self, ServerError> {
         Ok(Self {
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
             scene,
@@ -69,26 +87,51 @@ impl ServerConfig {
             exercise: Exercise::default(),
             station: "station".into(),
             learner: String::new(),
+            patient: String::new(),
+            rubric: String::new(),
+            station_key: None,
             max_session: None,
             real_time: true,
         })
     }
 
     pub(crate) fn validate(&self) -> Result<(), ServerError> {
-        let bad = |field, found: String, expected| Err(ServerError::Config { field, found, expected });
+        let bad = |field, found: String, expected| {
+            Err(ServerError::Config {
+                field,
+                found,
+                expected,
+            })
+        };
         if self.token.is_empty() || self.token.len() > NAME_BYTES {
-            return bad("token", format!("{} bytes long", self.token.len()), "1 to 256 bytes");
+            return bad(
+                "token",
+                format!("{} bytes long", self.token.len()),
+                "1 to 256 bytes",
+            );
         }
         let name = &self.exercise.name;
         let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
         if name.is_empty() || name.len() > 64 || !name.chars().all(known) {
-            return bad("exercise name", format!("`{name}`"), "1 to 64 letters, digits, `-`, `_` or `/`");
+            return bad(
+                "exercise name",
+                format!("`{name}`"),
+                "1 to 64 letters, digits, `-`, `_` or `/`",
+            );
         }
         if self.exercise.text.len() > 16 * 1024 {
-            return bad("exercise text", format!("{} bytes long", self.exercise.text.len()), "at most 16 KiB");
+            return bad(
+                "exercise text",
+                format!("{} bytes long", self.exercise.text.len()),
+                "at most 16 KiB",
+            );
         }
         if self.station.len() > NAME_BYTES {
-            return bad("station name", format!("{} bytes long", self.station.len()), "at most 256 bytes");
+            return bad(
+                "station name",
+                format!("{} bytes long", self.station.len()),
+                "at most 256 bytes",
+            );
         }
         if self.max_session.is_some_and(|limit| limit.is_zero()) {
             return bad("session limit", "zero".into(), "more than zero, or none");
@@ -100,6 +143,7 @@ impl ServerConfig {
 /// 128 random bits as text.
 fn random_token() -> Result<String, ServerError> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| ServerError::System(std::io::Error::other(error.to_string())))?;
+    getrandom::fill(&mut bytes)
+        .map_err(|error| ServerError::System(std::io::Error::other(error.to_string())))?;
     Ok(hex(&bytes))
 }

@@ -7,7 +7,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
     /// The port is taken.
-    #[error("cannot listen on {listen}: another program uses this port; stop it or choose another port")]
+    #[error(
+        "cannot listen on {listen}: another program uses this port; stop it or choose another port"
+    )]
     PortBusy {
         /// Address asked for.
         listen: SocketAddr,
@@ -28,6 +30,9 @@ pub enum ServerError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// Recordings cannot be signed.
+    #[error("cannot sign recordings: {0}")]
+    Key(#[from] sulcus_sessions::KeyError),
     /// A value in the configuration makes no sense.
     #[error("{field} is {found}, expected {expected}")]
     Config {

@@ -7,6 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustix::event::{EventfdFlags, eventfd};
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
+use tokio::io::Interest;
+use tokio::io::unix::AsyncFd;
 
 /// Slots in the ring of edges.
 pub(crate) const EDGES: usize = 64;
@@ -52,7 +54,10 @@ pub(crate) struct Bell(Arc<OwnedFd>);
 
 impl Bell {
     pub fn new() -> std::io::Result<Self> {
-        Ok(Self(Arc::new(eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?)))
+        Ok(Self(Arc::new(eventfd(
+            0,
+            EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC,
+        )?)))
     }
 
     /// Wakes the other side. One small system call, never blocks.
@@ -67,9 +72,13 @@ impl Bell {
         let _ = rustix::io::read(&*self.0, &mut [0u8; 8]);
     }
 
-    /// The same eventfd as a descriptor of its own, for a poller.
-    pub fn descriptor(&self) -> std::io::Result<OwnedFd> {
-        self.0.try_clone()
+    /// For the network: becomes readable when rung. Needs a tokio runtime.
+    pub fn listen(&self) -> std::io::Result<AsyncFd<OwnedFd>> {
+        let descriptor = self.0.try_clone()?;
+        // Readable only: an eventfd is always writable, which would wake the network for nothing.
+        // SAFETY: the descriptor is open, and owned by the `AsyncFd` until that is dropped.
+        unsafe { AsyncFd::register_with_interest(descriptor, Interest::READABLE) }
+            .map_err(Into::into)
     }
 }
 

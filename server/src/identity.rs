@@ -16,10 +16,15 @@ impl Identity {
         let mut names = vec!["localhost".to_owned()];
         // A station may be called anything; only what can be a host name goes into the certificate.
         let is_host = |c: char| c.is_ascii_alphanumeric() || c == '-';
-        if station.len() <= 63 && !station.is_empty() && station.chars().all(is_host) && station != "localhost" {
+        if station.len() <= 63
+            && !station.is_empty()
+            && station.chars().all(is_host)
+            && station != "localhost"
+        {
             names.push(station.to_owned());
         }
-        let made = rcgen::generate_simple_self_signed(names).map_err(|error| ServerError::Tls(error.to_string()))?;
+        let made = rcgen::generate_simple_self_signed(names)
+            .map_err(|error| ServerError::Tls(error.to_string()))?;
         Ok(Self {
             certificate: made.cert.der().clone(),
             key: PrivatePkcs8KeyDer::from(made.signing_key.serialize_der()).into(),
@@ -35,7 +40,12 @@ pub fn fingerprint(certificate_der: &[u8]) -> Result<[u8; 32], ServerError> {
     // TLS needs SHA-256 anyway: use its implementation instead of another crate's.
     let suite = rustls::crypto::ring::cipher_suite::TLS13_AES_128_GCM_SHA256;
     let missing = || ServerError::Tls("SHA-256 is missing".into());
-    let digest = suite.tls13().ok_or_else(missing)?.common.hash_provider.hash(certificate_der);
+    let digest = suite
+        .tls13()
+        .ok_or_else(missing)?
+        .common
+        .hash_provider
+        .hash(certificate_der);
     digest.as_ref().try_into().map_err(|_| missing())
 }
 
@@ -46,7 +56,10 @@ mod tests {
     #[test]
     fn the_fingerprint_is_sha_256() {
         let of_nothing = sulcus_proto::ticket::hex(&fingerprint(b"").expect("digest"));
-        assert_eq!(of_nothing, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+        assert_eq!(
+            of_nothing,
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"
+        );
     }
 
     #[test]

@@ -24,7 +24,13 @@ pub(crate) struct Inputs {
 
 impl Inputs {
     pub fn new(tools: usize) -> Self {
-        Self { tools, pose: None, paused: false, force_limit_n: 0.0, pressed: [0; MAX_TOOLS] }
+        Self {
+            tools,
+            pose: None,
+            paused: false,
+            force_limit_n: 0.0,
+            pressed: [0; MAX_TOOLS],
+        }
     }
 
     /// A newer pose arrived.
@@ -52,8 +58,12 @@ impl Inputs {
 
     /// Input of the tick that begins at `now_ns` after `skipped` grid ticks were missed.
     pub fn take(&mut self, now_ns: u64, skipped: u16) -> TickInput {
-        let mut input =
-            TickInput { paused: self.paused, force_limit_n: self.force_limit_n, skipped, ..TickInput::IDLE };
+        let mut input = TickInput {
+            paused: self.paused,
+            force_limit_n: self.force_limit_n,
+            skipped,
+            ..TickInput::IDLE
+        };
         let pressed = std::mem::take(&mut self.pressed);
         let Some(pose) = &self.pose else { return input };
         // It may have arrived after this tick began.
@@ -63,7 +73,10 @@ impl Inputs {
         for (slot, tool) in pose.datagram.tools.iter().take(self.tools).enumerate() {
             if tool.present {
                 input.tools[slot] = ToolInput {
-                    pose: RawPose { position: tool.pose.position, orientation: tool.pose.orientation },
+                    pose: RawPose {
+                        position: tool.pose.position,
+                        orientation: tool.pose.orientation,
+                    },
                     present: true,
                     stale,
                     age_ticks,
@@ -86,7 +99,10 @@ mod tests {
             tool.present = present;
             tool.pose.position = [0.1, 0.2, 0.3];
         }
-        PoseIn { datagram, arrived_ns }
+        PoseIn {
+            datagram,
+            arrived_ns,
+        }
     }
 
     #[test]
@@ -102,7 +118,17 @@ mod tests {
             .map(|tick| inputs.take(tick * TICK_NS, 0).tools[0])
             .map(|tool| (tool.age_ticks, tool.stale))
             .into();
-        assert_eq!(ages, [(0, false), (0, false), (1, false), (49, false), (50, true), (u16::MAX, true)]);
+        assert_eq!(
+            ages,
+            [
+                (0, false),
+                (0, false),
+                (1, false),
+                (49, false),
+                (50, true),
+                (u16::MAX, true)
+            ]
+        );
         inputs.pose(pose(100_000 * TICK_NS, [true, false]));
         assert!(!inputs.take(100_000 * TICK_NS, 0).tools[0].stale);
     }
@@ -111,7 +137,13 @@ mod tests {
     fn slots_without_hand_or_without_tool_are_absent() {
         let mut inputs = Inputs::new(1);
         inputs.pose(pose(0, [false, true]));
-        assert_eq!(inputs.take(0, 3), TickInput { skipped: 3, ..TickInput::IDLE });
+        assert_eq!(
+            inputs.take(0, 3),
+            TickInput {
+                skipped: 3,
+                ..TickInput::IDLE
+            }
+        );
     }
 
     #[test]
@@ -119,7 +151,10 @@ mod tests {
         let mut inputs = Inputs::new(1);
         inputs.pose(pose(0, [true, false]));
         inputs.edge(Edge::Pressed { tool: 0, button: 3 });
-        inputs.edge(Edge::Pressed { tool: 9, button: 99 });
+        inputs.edge(Edge::Pressed {
+            tool: 9,
+            button: 99,
+        });
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
     }

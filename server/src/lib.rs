@@ -25,8 +25,10 @@ mod metrics;
 mod network;
 mod realtime;
 mod recording;
+mod running;
 mod simulation;
 mod transport;
+mod utc;
 
 pub use config::{Exercise, ServerConfig};
 pub use error::ServerError;

@@ -1,3 +1,5 @@
 //! Thin main over the library.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    sulcus_server::cli::run(std::env::args_os())
+}

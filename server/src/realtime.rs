@@ -27,8 +27,10 @@ pub(crate) fn unix_ns() -> u64 {
 
 /// Sleeps until CLOCK_MONOTONIC reads `deadline_ns`; returns at once when that is past.
 pub(crate) fn sleep_until(deadline_ns: u64) {
-    let deadline =
-        Timespec { tv_sec: (deadline_ns / NS_PER_S) as i64, tv_nsec: (deadline_ns % NS_PER_S) as i64 };
+    let deadline = Timespec {
+        tv_sec: (deadline_ns / NS_PER_S) as i64,
+        tv_nsec: (deadline_ns % NS_PER_S) as i64,
+    };
     // Only a signal ends it early; nothing else can fail with a valid clock and time.
     while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(rustix::io::Errno::INTR) {}
 }
@@ -53,7 +55,9 @@ pub(crate) fn enter() {
     // What is mapped now, not what will be: future mappings of the process are none of our business.
     if let Err(error) = rustix::mm::mlockall(rustix::mm::MlockAllFlags::CURRENT) {
         MEMORY.call_once(|| {
-            tracing::warn!("memory is not locked ({error}): paging may delay ticks; raise `ulimit -l`");
+            tracing::warn!(
+                "memory is not locked ({error}): paging may delay ticks; raise `ulimit -l`"
+            );
         });
     }
     exact_timers();
@@ -69,10 +73,18 @@ pub(crate) fn exact_timers() {
 }
 
 fn fifo() -> std::io::Result<()> {
-    let parameters = libc::sched_param { sched_priority: PRIORITY };
+    let parameters = libc::sched_param {
+        sched_priority: PRIORITY,
+    };
     // SAFETY: plain system call on the calling thread (0) with a valid, initialised struct.
-    let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, &parameters) };
-    if result == 0 { Ok(()) } else { Err(std::io::Error::last_os_error()) }
+    let result = unsafe {
+        libc::sched_setscheduler(0, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, &parameters)
+    };
+    if result == 0 {
+        Ok(())
+    } else {
+        Err(std::io::Error::last_os_error())
+    }
 }
 
 #[cfg(test)]

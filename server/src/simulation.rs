@@ -49,86 +49,157 @@ impl Simulation {
     pub fn spawn(self) -> std::io::Result<JoinHandle<Metrics>> {
         // Sized here: the thread allocates nothing once it ticks.
         let metrics = Metrics::new()?;
-        std::thread::Builder::new().name("sulcus-sim".into()).spawn(move || self.run(metrics))
+        std::thread::Builder::new()
+            .name("sulcus-sim".into())
+            .spawn(move || self.run(metrics))
     }
 
-    fn run(mut self, mut metrics: Metrics) -> Metrics {
+    fn run(self, metrics: Metrics) -> Metrics {
         let _leaving = Leaving(self.flags.clone(), self.bell.clone());
-        let scene = self.scene.clone();
-        let mut state = State::new(&scene);
-        let mut workspace = Workspace::new(&scene);
-        let mut inputs = Inputs::new(scene.tools.len());
-        if self.real_time {
+        let (flags, real_time) = (self.flags.clone(), self.real_time);
+        let mut ticker = Ticker::new(self, metrics);
+        // Late, so that all that was allocated is locked; the grid begins after it.
+        if real_time {
             realtime::enter();
         } else {
             realtime::exact_timers();
         }
-        let begin_ns = monotonic_ns();
-        let unix_at_begin = realtime::unix_ns();
-        let mut grid_ns = begin_ns + TICK_NS;
-        let mut next_snapshot = SNAPSHOT_TICKS;
-
-        while !Flags::is_up(&self.flags.stop) {
-            realtime::sleep_until(grid_ns);
-            let now_ns = monotonic_ns();
-            let skipped = grid_points_missed(grid_ns, now_ns);
-            grid_ns += u64::from(skipped) * TICK_NS;
-
-            self.collect(&mut inputs);
-            let input = inputs.take(now_ns, skipped);
-            let (cpu, wall) = (thread_cpu_ns(), monotonic_ns());
-            let output = tick(&scene, &mut state, &mut workspace, &input, &mut NoProbe);
-            let (cpu_end, wall_end) = (thread_cpu_ns(), monotonic_ns());
-
-            // The hand first, the record after.
-            self.wrenches.write(wrench_out(&output, inputs.newest(), scene.tools.len()));
-            self.bell.ring();
-            let unix_ns = unix_at_begin + (now_ns - begin_ns);
-            self.record(Row::new(unix_ns, &input, &output), &mut metrics);
-            if output.tick >= next_snapshot {
-                next_snapshot = output.tick + SNAPSHOT_TICKS;
-                self.snapshot(unix_ns, &state, &mut metrics);
-            }
-
-            metrics.skipped += u64::from(skipped);
-            metrics.late += u64::from(wall_end > grid_ns + TICK_NS);
-            let times = TickTimes {
-                wake_ns: now_ns.saturating_sub(grid_ns),
-                cpu_ns: cpu_end.saturating_sub(cpu),
-                wall_ns: wall_end.saturating_sub(wall),
-            };
-            metrics.tick(times, &output);
-            grid_ns += TICK_NS;
+        ticker.grid.begin(monotonic_ns());
+        while !Flags::is_up(&flags.stop) {
+            ticker.step();
         }
-        metrics
+        ticker.metrics
+    }
+}
+
+/// The clock's grid: one point per tick.
+struct Grid {
+    begin_ns: u64,
+    next_ns: u64,
+    unix_at_begin: u64,
+}
+
+impl Grid {
+    fn begin(&mut self, now_ns: u64) {
+        *self = Grid {
+            begin_ns: now_ns,
+            next_ns: now_ns + TICK_NS,
+            unix_at_begin: realtime::unix_ns(),
+        };
     }
 
-    fn collect(&mut self, inputs: &mut Inputs) {
-        while let Ok(edge) = self.edges.pop() {
-            inputs.edge(edge);
+    /// Monotonic time as time since 1970: never goes back, unlike the system's.
+    fn unix_ns(&self, now_ns: u64) -> u64 {
+        self.unix_at_begin + (now_ns - self.begin_ns)
+    }
+}
+
+/// Sleeps and ticks; nothing in [`Ticker::step`] allocates or locks.
+struct Ticker {
+    link: Simulation,
+    scene: Arc<Scene>,
+    state: State,
+    workspace: Workspace,
+    inputs: Inputs,
+    grid: Grid,
+    next_snapshot: u64,
+    metrics: Metrics,
+}
+
+impl Ticker {
+    fn new(link: Simulation, metrics: Metrics) -> Self {
+        let scene = link.scene.clone();
+        Self {
+            state: State::new(&scene),
+            workspace: Workspace::new(&scene),
+            inputs: Inputs::new(scene.tools.len()),
+            grid: Grid {
+                begin_ns: 0,
+                next_ns: 0,
+                unix_at_begin: 0,
+            },
+            next_snapshot: SNAPSHOT_TICKS,
+            scene,
+            link,
+            metrics,
         }
-        if self.poses.update()
-            && let Some(pose) = self.poses.output_buffer()
+    }
+
+    /// Sleeps to the next grid point and runs its tick.
+    fn step(&mut self) {
+        realtime::sleep_until(self.grid.next_ns);
+        let now_ns = monotonic_ns();
+        let skipped = grid_points_missed(self.grid.next_ns, now_ns);
+        let point_ns = self.grid.next_ns + u64::from(skipped) * TICK_NS;
+        self.grid.next_ns = point_ns + TICK_NS;
+
+        self.collect();
+        let input = self.inputs.take(now_ns, skipped);
+        let (cpu, wall) = (thread_cpu_ns(), monotonic_ns());
+        let output = tick(
+            &self.scene,
+            &mut self.state,
+            &mut self.workspace,
+            &input,
+            &mut NoProbe,
+        );
+        let (cpu_end, wall_end) = (thread_cpu_ns(), monotonic_ns());
+
+        // The hand first, the record after.
+        self.link.wrenches.write(wrench_out(
+            &output,
+            self.inputs.newest(),
+            self.scene.tools.len(),
+        ));
+        self.link.bell.ring();
+        let unix_ns = self.grid.unix_ns(now_ns);
+        if self
+            .link
+            .entries
+            .push(Entry::Row(Row::new(unix_ns, &input, &output)))
+            .is_err()
         {
-            inputs.pose(*pose);
+            self.metrics.rows_dropped += 1;
+        }
+        if output.tick >= self.next_snapshot {
+            self.next_snapshot = output.tick + SNAPSHOT_TICKS;
+            self.snapshot(unix_ns);
+        }
+        self.metrics.skipped += u64::from(skipped);
+        self.metrics.late += u64::from(wall_end > self.grid.next_ns);
+        let times = TickTimes {
+            wake_ns: now_ns.saturating_sub(point_ns),
+            cpu_ns: cpu_end.saturating_sub(cpu),
+            wall_ns: wall_end.saturating_sub(wall),
+        };
+        self.metrics.tick(times, &output);
+    }
+
+    fn collect(&mut self) {
+        while let Ok(edge) = self.link.edges.pop() {
+            self.inputs.edge(edge);
+        }
+        if self.link.poses.update()
+            && let Some(pose) = self.link.poses.output_buffer()
+        {
+            self.inputs.pose(*pose);
         }
     }
 
-    fn record(&mut self, row: Row, metrics: &mut Metrics) {
-        if self.entries.push(Entry::Row(row)).is_err() {
-            metrics.rows_dropped += 1;
-        }
-    }
-
-    fn snapshot(&mut self, unix_ns: u64, state: &State, metrics: &mut Metrics) {
-        let Ok(mut bytes) = self.buffers.pop() else {
-            metrics.snapshots_dropped += 1;
+    fn snapshot(&mut self, unix_ns: u64) {
+        let Ok(mut bytes) = self.link.buffers.pop() else {
+            self.metrics.snapshots_dropped += 1;
             return;
         };
         bytes.clear();
-        state.write_bytes(&mut bytes);
-        if let Err(PushError::Full(entry)) = self.entries.push(Entry::Snapshot { unix_ns, bytes }) {
-            metrics.snapshots_dropped += 1;
+        self.state.write_bytes(&mut bytes);
+        let entry = Entry::Snapshot {
+            unix_ns,
+            tick: self.state.tick,
+            bytes,
+        };
+        if let Err(PushError::Full(entry)) = self.link.entries.push(entry) {
+            self.metrics.snapshots_dropped += 1;
             // Freeing is as bad as allocating here: the buffer is lost to the pool, not to the heap.
             std::mem::forget(entry);
         }
@@ -143,7 +214,10 @@ fn grid_points_missed(grid_ns: u64, now_ns: u64) -> u16 {
 
 /// What a tick says, for the wire. f64 to f32 rounds to nearest; limits were applied in the tick.
 fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> WrenchOut {
-    let mut datagram = WrenchDatagram { tick: output.tick, ..WrenchDatagram::default() };
+    let mut datagram = WrenchDatagram {
+        tick: output.tick,
+        ..WrenchDatagram::default()
+    };
     for (slot, tool) in datagram.tools.iter_mut().zip(&output.tools).take(tools) {
         let (force, torque) = (&tool.wrench.force, &tool.wrench.torque);
         let (p, q) = (&tool.graphic.position, &tool.graphic.orientation);
@@ -160,7 +234,12 @@ fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> Wrenc
             ..ToolWrench::default()
         };
     }
-    let Some(pose) = pose else { return WrenchOut { datagram, pose_arrived_ns: 0 } };
+    let Some(pose) = pose else {
+        return WrenchOut {
+            datagram,
+            pose_arrived_ns: 0,
+        };
+    };
     datagram.echo = Echo {
         valid: true,
         sequence: pose.datagram.sequence,
@@ -168,43 +247,12 @@ fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> Wrenc
         // Filled in when it is sent.
         hold_us: 0,
     };
-    WrenchOut { datagram, pose_arrived_ns: pose.arrived_ns }
+    WrenchOut {
+        datagram,
+        pose_arrived_ns: pose.arrived_ns,
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_missed_grid_point_is_skipped_not_caught_up() {
-        let grid = 50 * TICK_NS;
-        let missed = |now| grid_points_missed(grid, now);
-        assert_eq!(missed(grid - 1), 0);
-        assert_eq!(missed(grid + TICK_NS - 1), 0);
-        assert_eq!(missed(grid + TICK_NS), 1);
-        assert_eq!(missed(grid + 7 * TICK_NS + 3), 7);
-        assert_eq!(missed(grid + 1_000_000 * TICK_NS), u16::MAX);
-    }
-
-    #[test]
-    fn status_bits_are_the_same_in_core_and_on_the_wire() {
-        use sulcus_core::output::status as core;
-        use sulcus_proto::status as wire;
-        let pairs = [
-            (core::ABSENT, wire::ABSENT),
-            (core::STALE, wire::STALE),
-            (core::PAUSED, wire::PAUSED),
-            (core::SATURATED, wire::SATURATED),
-            (core::SLEW_LIMITED, wire::SLEW_LIMITED),
-            (core::EXHAUSTED, wire::EXHAUSTED),
-            (core::SOLVER_FAILED, wire::SOLVER_FAILED),
-            (core::BAD_INPUT, wire::BAD_INPUT),
-            (core::SPEED_CLAMPED, wire::SPEED_CLAMPED),
-            (core::CONTACTS_FULL, wire::CONTACTS_FULL),
-            (core::TWIST_SATURATED, wire::TWIST_SATURATED),
-            (core::RAMPING, wire::RAMPING),
-            (core::FAULT, wire::FAULT),
-        ];
-        assert!(pairs.iter().all(|(core, wire)| core == wire));
-    }
-}
+#[path = "simulation_tests.rs"]
+mod tests;

@@ -59,7 +59,9 @@ pub(crate) fn server_config(identity: &Identity) -> Result<ServerConfig, ServerE
 }
 
 fn transport() -> Result<TransportConfig, ServerError> {
-    let idle = limits::IDLE.try_into().map_err(|_| ServerError::Tls("idle time is too long".into()))?;
+    let idle = limits::IDLE
+        .try_into()
+        .map_err(|_| ServerError::Tls("idle time is too long".into()))?;
     let mut transport = TransportConfig::default();
     transport
         .datagram_send_buffer_size(limits::WRENCH_SEND_BUFFER)

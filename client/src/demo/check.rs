@@ -46,5 +46,9 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     )?;
     bar.done();
     let bytes = std::fs::metadata(path)?.len();
-    Ok(Checked { report, measures: observer.measures(), bytes })
+    Ok(Checked {
+        report,
+        measures: observer.measures(),
+        bytes,
+    })
 }

@@ -1,20 +1,18 @@
 //! The live demo: embedded server on loopback, real QUIC, the simulated operator as the device.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, bail};
-use sulcus_proto::SessionSummary;
 use sulcus_server::{Exercise, Server, ServerConfig};
 
 use crate::cli::DemoArgs;
 use crate::demo::check;
 use crate::demo::summary::DemoSummary;
 use crate::device::Simulated;
-use crate::device_loop::{self, Disturb, LoopReport};
 use crate::exercise::Prepared;
-use crate::link::{Link, LinkConfig, LinkStats};
+use crate::link::{Link, LinkConfig};
+use crate::perform::perform;
 use crate::progress::Steps;
 
 /// Runs `prepared` live.
@@ -23,7 +21,11 @@ use crate::progress::Steps;
 /// When the server does not start, the session ends early, or its recording cannot be read.
 pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
     let (name, scene) = (prepared.name.clone(), prepared.scene.clone());
-    let mut config = ServerConfig::new(prepared.scene.clone(), prepared.scene_bytes.clone(), args.recordings.clone())?;
+    let mut config = ServerConfig::new(
+        prepared.scene.clone(),
+        prepared.scene_bytes.clone(),
+        args.recordings.clone(),
+    )?;
     config.exercise = Exercise {
         name: name.clone(),
         text: "Lead the tip of the probe round the crown, with a light hand.".into(),
@@ -32,10 +34,20 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     };
     config.station = "demo".into();
     let server = Server::start(config)?;
-    let link = Link::connect(LinkConfig::new(server.local_addr(), server.ticket(), "simulated"))?;
+    let link = Link::connect(LinkConfig::new(
+        server.local_addr(),
+        server.ticket(),
+        "simulated",
+    ))?;
     let begin = Instant::now();
     let disturb = prepared.case.map(|case| case.disturb);
-    let ran = perform(link, Simulated(prepared.operator), prepared.ticks, disturb, steps)?;
+    let ran = perform(
+        link,
+        Simulated(prepared.operator),
+        prepared.ticks,
+        disturb,
+        steps,
+    )?;
     let wall_s = begin.elapsed().as_secs_f64();
     server.shutdown();
     server.join()?;
@@ -44,7 +56,10 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         bail!("the session left no recording");
     }
     if !summary.complete {
-        eprintln!("warning: the recording is not complete ({} rows dropped): it cannot be graded", summary.rows_dropped);
+        eprintln!(
+            "warning: the recording is not complete ({} rows dropped): it cannot be graded",
+            summary.rows_dropped
+        );
     }
     let recording: PathBuf = args.recordings.join(&summary.recording);
     let checked = check::check(&recording, steps)?;
@@ -72,48 +87,4 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         recording_bytes: checked.bytes,
         grade: None,
     })
-}
-
-/// What came of performing on a link.
-pub struct Performed {
-    /// The server's summary; `None` when it fell silent.
-    pub summary: Option<SessionSummary>,
-    /// How packets fared.
-    pub stats: LinkStats,
-    /// How the device's loop went.
-    pub report: LoopReport,
-}
-
-/// Performs on `link` with a simulated device on a thread of its own, showing progress.
-///
-/// # Errors
-/// When the session cannot begin, or its end is not confirmed.
-pub fn perform(
-    link: Link,
-    mut device: Simulated,
-    periods: u64,
-    disturb: Option<Disturb>,
-    steps: &Steps,
-) -> anyhow::Result<Performed> {
-    if !link.start() {
-        bail!("the link ended before the session began");
-    }
-    let bar = steps.bar("performing");
-    let done = AtomicU64::new(0);
-    let (link, report) = std::thread::scope(|scope| {
-        let loop_thread = std::thread::Builder::new().name("sulcus-device".into()).spawn_scoped(scope, || {
-            let mut link = link;
-            let report = device_loop::run(&mut link, &mut device, periods, disturb, &done);
-            (link, report)
-        })?;
-        while !loop_thread.is_finished() {
-            bar.set("performing", done.load(Ordering::Relaxed) as f64 / periods as f64);
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        loop_thread.join().map_err(|_| std::io::Error::other("the device's thread panicked"))
-    })?;
-    bar.done();
-    let stats = link.stats();
-    let summary = if report.server_lost { None } else { Some(link.finish()?) };
-    Ok(Performed { summary, stats, report })
 }

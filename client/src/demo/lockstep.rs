@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
-use sulcus_core::{MAX_TOOLS, NoProbe, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
+use sulcus_core::{
+    MAX_TOOLS, NoProbe, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
+};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::{Recorder, Row, SessionEnd, SessionHeader, StationKey};
 
@@ -33,9 +35,18 @@ const SNAPSHOT_TICKS: u64 = 10_000;
 ///
 /// # Errors
 /// When the recording cannot be written.
-pub fn run(prepared: &mut Prepared, seed: u64, folder: &Path, key: StationKey, steps: &Steps) -> anyhow::Result<Lockstep> {
+pub fn run(
+    prepared: &mut Prepared,
+    seed: u64,
+    folder: &Path,
+    key: StationKey,
+    steps: &Steps,
+) -> anyhow::Result<Lockstep> {
     let ticks = prepared.ticks;
-    let started = SystemTime::now().duration_since(UNIX_EPOCH).context("the clock is before 1970")?.as_nanos() as u64;
+    let started = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .context("the clock is before 1970")?
+        .as_nanos() as u64;
     let mut header = SessionHeader::new(prepared.scene_bytes.as_ref().clone());
     header.exercise_name = prepared.name.clone();
     header.exercise = prepared.definition(seed);
@@ -63,7 +74,11 @@ pub fn run(prepared: &mut Prepared, seed: u64, folder: &Path, key: StationKey, s
         cpu.saturating_record(thread_cpu_ns() - cpu_0);
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
         felt = as_sent(&output);
-        exhausted += output.tools.iter().filter(|t| t.status & sulcus_core::output::status::EXHAUSTED != 0).count() as u64;
+        exhausted += output
+            .tools
+            .iter()
+            .filter(|t| t.status & sulcus_core::output::status::EXHAUSTED != 0)
+            .count() as u64;
         let now = started + k * 1_000_000;
         recorder.push(&Row::new(now, &input, &output))?;
         if k.is_multiple_of(SNAPSHOT_TICKS) {
@@ -73,7 +88,11 @@ pub fn run(prepared: &mut Prepared, seed: u64, folder: &Path, key: StationKey, s
             bar.set("performing", k as f64 / ticks as f64);
         }
     }
-    recorder.finish(SessionEnd { ticks, exhausted, ..SessionEnd::default() })?;
+    recorder.finish(SessionEnd {
+        ticks,
+        exhausted,
+        ..SessionEnd::default()
+    })?;
     let wall_s = begin.elapsed().as_secs_f64();
     bar.done();
     Ok(Lockstep {
@@ -90,6 +109,9 @@ fn as_sent(output: &TickOutput) -> [Wrench; MAX_TOOLS] {
     let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
     std::array::from_fn(|t| {
         let wrench = &output.tools[t].wrench;
-        Wrench { force: narrow(&wrench.force), torque: narrow(&wrench.torque) }
+        Wrench {
+            force: narrow(&wrench.force),
+            torque: narrow(&wrench.torque),
+        }
     })
 }

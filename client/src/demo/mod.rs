@@ -1,6 +1,7 @@
 //! The demo: one whole recorded session against an embedded server, or in virtual time.
 
 pub mod check;
+#[cfg(feature = "embedded")]
 pub mod live;
 pub mod lockstep;
 pub mod summary;
@@ -37,9 +38,17 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     for warning in &prepared.warnings {
         eprintln!("warning: {warning}");
     }
-    std::fs::create_dir_all(&args.recordings)
-        .with_context(|| format!("cannot make the folder `{}` for recordings", args.recordings.display()))?;
-    let summary = if args.virtual_time { run_virtual(args, &mut prepared, &steps)? } else { live::run(args, prepared, &steps)? };
+    std::fs::create_dir_all(&args.recordings).with_context(|| {
+        format!(
+            "cannot make the folder `{}` for recordings",
+            args.recordings.display()
+        )
+    })?;
+    let summary = if args.virtual_time {
+        run_virtual(args, &mut prepared, &steps)?
+    } else {
+        run_live(args, prepared, &steps)?
+    };
     if args.json {
         println!("{}", serde_json::to_string(&summary)?);
     } else {
@@ -48,7 +57,21 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     Ok(u8::from(!(summary.identical && summary.signature_valid)))
 }
 
-fn run_virtual(args: &DemoArgs, prepared: &mut exercise::Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
+#[cfg(feature = "embedded")]
+use live::run as run_live;
+
+#[cfg(not(feature = "embedded"))]
+fn run_live(_: &DemoArgs, _: exercise::Prepared, _: &Steps) -> anyhow::Result<DemoSummary> {
+    anyhow::bail!(
+        "this client was built without an embedded server: use --virtual, or `run` with a server"
+    )
+}
+
+fn run_virtual(
+    args: &DemoArgs,
+    prepared: &mut exercise::Prepared,
+    steps: &Steps,
+) -> anyhow::Result<DemoSummary> {
     let key = StationKey::load_or_create(&StationKey::default_path()?)?;
     let ran = lockstep::run(prepared, args.seed, &args.recordings, key, steps)?;
     let checked = check::check(&ran.recording, steps)?;

@@ -59,10 +59,22 @@ impl DemoSummary {
     /// The summary for people.
     pub fn text(&self) -> String {
         let times = |p: &Percentiles| {
-            format!("p50 {:.1}  p99 {:.1}  p99.9 {:.1}  max {:.1} us", p.p50, p.p99, p.p999, p.max)
+            format!(
+                "p50 {:.1}  p99 {:.1}  p99.9 {:.1}  max {:.1} us",
+                p.p50, p.p99, p.p999, p.max
+            )
         };
         let mut lines = vec![
-            format!("exercise      {} in `{}`{}", self.exercise, self.scene, if self.virtual_time { ", virtual time" } else { "" }),
+            format!(
+                "exercise      {} in `{}`{}",
+                self.exercise,
+                self.scene,
+                if self.virtual_time {
+                    ", virtual time"
+                } else {
+                    ""
+                }
+            ),
             format!(
                 "ticks         {} ({:.1} s), {}",
                 self.ticks,
@@ -70,7 +82,10 @@ impl DemoSummary {
                 if self.virtual_time {
                     format!("{:.0} times faster than real time", self.realtime_factor)
                 } else {
-                    format!("{} deadline misses, {} of them skipped", self.deadline_misses, self.skipped)
+                    format!(
+                        "{} deadline misses, {} of them skipped",
+                        self.deadline_misses, self.skipped
+                    )
                 }
             ),
             format!("tick, CPU     {}", times(&self.tick_us)),
@@ -78,13 +93,22 @@ impl DemoSummary {
         ];
         if let Some(rtt) = &self.rtt_us {
             lines.push(format!("round trip    {}", times(rtt)));
-            lines.push(format!("datagrams     {} lost, {} late", self.lost, self.late));
+            lines.push(format!(
+                "datagrams     {} lost, {} late",
+                self.lost, self.late
+            ));
         }
-        lines.push(format!("residual      {:.3} um at most, {} ticks exhausted", self.max_residual_um, self.exhausted));
+        lines.push(format!(
+            "residual      {:.3} um at most, {} ticks exhausted",
+            self.max_residual_um, self.exhausted
+        ));
         lines.push(format!("force         {:.2} N at most", self.max_force_n));
         lines.push(match self.first_divergent_tick {
             None if self.identical => {
-                format!("replay        identical, {:.0} times faster than real time", self.replay_realtime_factor)
+                format!(
+                    "replay        identical, {:.0} times faster than real time",
+                    self.replay_realtime_factor
+                )
             }
             Some(tick) => format!("replay        DIFFERS from tick {tick} on"),
             None => "replay        DIFFERS".into(),
@@ -93,11 +117,20 @@ impl DemoSummary {
             lines.push("signature     NOT VALID".into());
         }
         let megabytes = self.recording_bytes as f64 * 1e-6;
-        lines.push(format!("recording     {} ({megabytes:.2} MB)", self.recording.display()));
+        lines.push(format!(
+            "recording     {} ({megabytes:.2} MB)",
+            self.recording.display()
+        ));
         lines.push(String::new());
         lines.push("next:".into());
-        lines.push(format!("  cargo run --release -p sulcus-sessions -- info {}", self.recording.display()));
-        lines.push(format!("  cargo run --release -p sulcus-sessions -- replay --audit {}", self.recording.display()));
+        lines.push(format!(
+            "  cargo run --release -p sulcus-sessions -- info {}",
+            self.recording.display()
+        ));
+        lines.push(format!(
+            "  cargo run --release -p sulcus-sessions -- replay --audit {}",
+            self.recording.display()
+        ));
         lines.join("\n")
     }
 }

@@ -12,7 +12,10 @@ pub(super) struct Bell(Arc<OwnedFd>);
 
 impl Bell {
     pub fn new() -> std::io::Result<Self> {
-        Ok(Self(Arc::new(eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?)))
+        Ok(Self(Arc::new(eventfd(
+            0,
+            EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC,
+        )?)))
     }
 
     /// Wakes the other side. One small system call, never blocks.
@@ -32,6 +35,7 @@ impl Bell {
         let descriptor = self.0.try_clone()?;
         // Readable only: an eventfd is always writable, which would wake the thread for nothing.
         // SAFETY: the descriptor is open, and owned by the `AsyncFd` until that is dropped.
-        unsafe { AsyncFd::register_with_interest(descriptor, Interest::READABLE) }.map_err(Into::into)
+        unsafe { AsyncFd::register_with_interest(descriptor, Interest::READABLE) }
+            .map_err(Into::into)
     }
 }

@@ -18,9 +18,15 @@ pub(super) async fn read(stream: &mut RecvStream) -> Result<ServerMessage, LinkE
 }
 
 /// Writes one message.
-pub(super) async fn write(stream: &mut SendStream, message: &ClientMessage) -> Result<(), LinkError> {
+pub(super) async fn write(
+    stream: &mut SendStream,
+    message: &ClientMessage,
+) -> Result<(), LinkError> {
     let bytes = frame::encode(message)?;
-    stream.write_all(&bytes).await.map_err(|error| LinkError::Lost(error.to_string()))
+    stream
+        .write_all(&bytes)
+        .await
+        .map_err(|error| LinkError::Lost(error.to_string()))
 }
 
 /// Reads in a task of its own, so that waiting for a message can be given up without losing half

@@ -8,13 +8,17 @@ use sulcus_proto::{CodecError, PROTOCOL_VERSION};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LinkError {
     /// Nothing answers.
-    #[error("no server answers at {server}; check address, port and firewall, and that the server runs")]
+    #[error(
+        "no server answers at {server}; check address, port and firewall, and that the server runs"
+    )]
     Absent {
         /// Address tried.
         server: SocketAddr,
     },
     /// Someone answers, but not the server that was pinned.
-    #[error("the server at {server} has another certificate than the pinned one; use the ticket that it prints now")]
+    #[error(
+        "the server at {server} has another certificate than the pinned one; use the ticket that it prints now"
+    )]
     WrongCertificate {
         /// Address tried.
         server: SocketAddr,

@@ -24,8 +24,12 @@ pub(super) struct Welcome {
 
 /// Connects and says hello.
 pub(super) async fn shake(config: &LinkConfig) -> Result<Welcome, LinkError> {
-    let absent = LinkError::Absent { server: config.server };
-    tokio::time::timeout(config.timeout, shake_in_time(config)).await.unwrap_or(Err(absent))
+    let absent = LinkError::Absent {
+        server: config.server,
+    };
+    tokio::time::timeout(config.timeout, shake_in_time(config))
+        .await
+        .unwrap_or(Err(absent))
 }
 
 async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
@@ -41,7 +45,9 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
         .map_err(|error| LinkError::System(error.to_string()))?;
     let connection = connecting.await.map_err(|error| {
         if mismatch.load(Ordering::Acquire) {
-            return LinkError::WrongCertificate { server: config.server };
+            return LinkError::WrongCertificate {
+                server: config.server,
+            };
         }
         explain(error, config.server)
     })?;
@@ -56,12 +62,21 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
     });
     control::write(&mut send, &hello).await?;
     match control::read(&mut recv).await {
-        Ok(ServerMessage::Hello(hello)) => Ok(Welcome { endpoint, connection, send, recv, hello }),
+        Ok(ServerMessage::Hello(hello)) => Ok(Welcome {
+            endpoint,
+            connection,
+            send,
+            recv,
+            hello,
+        }),
         Ok(ServerMessage::Refused(refused)) => Err(turned_away(refused)),
-        Ok(_) => Err(CodecError::NotCanonical("the server's first message is neither hello nor refusal").into()),
-        Err(LinkError::Protocol(CodecError::Version { found })) => {
-            Err(LinkError::Version(format!("the server speaks {found}; install the same release on both")))
-        }
+        Ok(_) => Err(CodecError::NotCanonical(
+            "the server's first message is neither hello nor refusal",
+        )
+        .into()),
+        Err(LinkError::Protocol(CodecError::Version { found })) => Err(LinkError::Version(
+            format!("the server speaks {found}; install the same release on both"),
+        )),
         Err(error) => Err(error),
     }
 }
@@ -71,18 +86,24 @@ fn turned_away(Refused { reason, text }: Refused) -> LinkError {
         RefusedReason::Version => LinkError::Version(text),
         RefusedReason::Token => LinkError::WrongToken(text),
         RefusedReason::Busy => LinkError::Busy(text),
-        RefusedReason::Exercise | RefusedReason::BadHello | RefusedReason::Server => LinkError::Refused(text),
+        RefusedReason::Exercise | RefusedReason::BadHello | RefusedReason::Server => {
+            LinkError::Refused(text)
+        }
     }
 }
 
 fn explain(error: ConnectionError, server: SocketAddr) -> LinkError {
     match error {
         ConnectionError::TimedOut => LinkError::Absent { server },
-        ConnectionError::VersionMismatch => LinkError::Version("the server speaks another version of QUIC".into()),
+        ConnectionError::VersionMismatch => {
+            LinkError::Version("the server speaks another version of QUIC".into())
+        }
         ConnectionError::ConnectionClosed(close)
             if close.error_code == TransportErrorCode::crypto(NO_APPLICATION_PROTOCOL) =>
         {
-            LinkError::Version("the server speaks another one; install the same release on both".into())
+            LinkError::Version(
+                "the server speaks another one; install the same release on both".into(),
+            )
         }
         other => LinkError::Lost(other.to_string()),
     }

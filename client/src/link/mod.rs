@@ -176,12 +176,16 @@ impl Link {
         match self.goodbye.recv_timeout(GOODBYE) {
             Ok(result) => result,
             Err(RecvTimeoutError::Timeout) => Err(LinkError::NoGoodbye),
-            Err(RecvTimeoutError::Disconnected) => Err(LinkError::Lost("the link's thread has ended".into())),
+            Err(RecvTimeoutError::Disconnected) => {
+                Err(LinkError::Lost("the link's thread has ended".into()))
+            }
         }
     }
 
     fn say(&self, message: ClientMessage) -> bool {
-        self.messages.as_ref().is_some_and(|messages| messages.try_send(message).is_ok())
+        self.messages
+            .as_ref()
+            .is_some_and(|messages| messages.try_send(message).is_ok())
     }
 }
 

@@ -58,7 +58,11 @@ impl Shared {
             rtt_ns: histogram()?,
             network_ns: histogram()?,
         };
-        Ok(Self { offered: AtomicU64::new(0), closed: AtomicBool::new(false), inner: Mutex::new(numbers) })
+        Ok(Self {
+            offered: AtomicU64::new(0),
+            closed: AtomicBool::new(false),
+            inner: Mutex::new(numbers),
+        })
     }
 
     /// A pose was offered. Wait-free.
@@ -99,13 +103,15 @@ impl Numbers {
     /// The first wrench that answers a pose arrived `rtt_ns` after the pose was read.
     pub fn answered(&mut self, rtt_ns: u64, hold_us: u32) {
         self.rtt_ns.saturating_record(rtt_ns);
-        self.network_ns.saturating_record(rtt_ns.saturating_sub(u64::from(hold_us) * 1000));
+        self.network_ns
+            .saturating_record(rtt_ns.saturating_sub(u64::from(hold_us) * 1000));
     }
 }
 
 /// Three significant digits from 1 ns to 10 s, all buckets there from the start.
 fn histogram() -> Result<Histogram<u64>, LinkError> {
-    Histogram::new_with_bounds(1, 10_000_000_000, 3).map_err(|error| LinkError::System(error.to_string()))
+    Histogram::new_with_bounds(1, 10_000_000_000, 3)
+        .map_err(|error| LinkError::System(error.to_string()))
 }
 
 fn percentiles(times_ns: &Histogram<u64>) -> Percentiles {

@@ -64,7 +64,9 @@ pub fn client_config(pin: Pin, mismatch: Arc<AtomicBool>) -> Result<ClientConfig
 }
 
 fn transport() -> Result<TransportConfig, LinkError> {
-    let idle = limits::IDLE.try_into().map_err(|_| LinkError::System("idle time is too long".into()))?;
+    let idle = limits::IDLE
+        .try_into()
+        .map_err(|_| LinkError::System("idle time is too long".into()))?;
     let mut transport = TransportConfig::default();
     transport
         .datagram_send_buffer_size(limits::POSE_SEND_BUFFER)

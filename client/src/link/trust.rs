@@ -22,7 +22,11 @@ pub(super) struct Pinned {
 
 impl Pinned {
     pub fn new(pin: Pin, provider: Arc<CryptoProvider>, mismatch: Arc<AtomicBool>) -> Self {
-        Self { pin, provider, mismatch }
+        Self {
+            pin,
+            provider,
+            mismatch,
+        }
     }
 
     fn matches(&self, certificate: &[u8]) -> bool {
@@ -31,7 +35,9 @@ impl Pinned {
             // TLS needs SHA-256 anyway: use its implementation instead of another crate's.
             Pin::Fingerprint(expected) => ring::cipher_suite::TLS13_AES_128_GCM_SHA256
                 .tls13()
-                .is_some_and(|suite| suite.common.hash_provider.hash(certificate).as_ref() == expected.as_slice()),
+                .is_some_and(|suite| {
+                    suite.common.hash_provider.hash(certificate).as_ref() == expected.as_slice()
+                }),
         }
     }
 }
@@ -49,7 +55,9 @@ impl ServerCertVerifier for Pinned {
             return Ok(ServerCertVerified::assertion());
         }
         self.mismatch.store(true, Ordering::Release);
-        Err(Error::InvalidCertificate(CertificateError::ApplicationVerificationFailure))
+        Err(Error::InvalidCertificate(
+            CertificateError::ApplicationVerificationFailure,
+        ))
     }
 
     fn verify_tls12_signature(
@@ -68,10 +76,17 @@ impl ServerCertVerifier for Pinned {
         certificate: &CertificateDer<'_>,
         signature: &DigitallySignedStruct,
     ) -> Result<HandshakeSignatureValid, Error> {
-        verify_tls13_signature(message, certificate, signature, &self.provider.signature_verification_algorithms)
+        verify_tls13_signature(
+            message,
+            certificate,
+            signature,
+            &self.provider.signature_verification_algorithms,
+        )
     }
 
     fn supported_verify_schemes(&self) -> Vec<SignatureScheme> {
-        self.provider.signature_verification_algorithms.supported_schemes()
+        self.provider
+            .signature_verification_algorithms
+            .supported_schemes()
     }
 }

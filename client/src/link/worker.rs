@@ -30,34 +30,44 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
     let (messages, messages_out) = channel(MESSAGES);
     let (answer_in, answer) = sync_channel(1);
     let (goodbye_in, goodbye) = sync_channel(1);
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()?;
     let (worker_shared, worker_bell) = (shared.clone(), bell.clone());
-    let thread = std::thread::Builder::new().name("sulcus-link".into()).spawn(move || {
-        runtime.block_on(async {
-            let welcome = match shake(&config).await {
-                Ok(welcome) => welcome,
-                // The other end waits for this very message.
-                Err(error) => return drop(answer_in.send(Err(error))),
-            };
-            let Welcome { endpoint, connection, send, recv, hello } = welcome;
-            let worker = Worker {
-                epoch: hello.epoch,
-                endpoint,
-                connection,
-                send,
-                poses: poses_out,
-                wrenches: wrenches_in,
-                bell: worker_bell,
-                shared: worker_shared,
-                sequence: 0,
-                last_tick: 0,
-                answered: None,
-            };
-            if answer_in.send(Ok(hello)).is_ok() {
-                worker.run(recv, messages_out, goodbye_in).await;
-            }
-        });
-    })?;
+    let thread = std::thread::Builder::new()
+        .name("sulcus-link".into())
+        .spawn(move || {
+            runtime.block_on(async {
+                let welcome = match shake(&config).await {
+                    Ok(welcome) => welcome,
+                    // The other end waits for this very message.
+                    Err(error) => return drop(answer_in.send(Err(error))),
+                };
+                let Welcome {
+                    endpoint,
+                    connection,
+                    send,
+                    recv,
+                    hello,
+                } = welcome;
+                let worker = Worker {
+                    epoch: hello.epoch,
+                    endpoint,
+                    connection,
+                    send,
+                    poses: poses_out,
+                    wrenches: wrenches_in,
+                    bell: worker_bell,
+                    shared: worker_shared,
+                    sequence: 0,
+                    last_tick: 0,
+                    answered: None,
+                };
+                if answer_in.send(Ok(hello)).is_ok() {
+                    worker.run(recv, messages_out, goodbye_in).await;
+                }
+            });
+        })?;
     let ended = || LinkError::System("the link's thread ended unexpectedly".into());
     let hello = answer.recv().map_err(|_| ended())??;
     Ok(Link {
@@ -104,7 +114,11 @@ impl Worker {
     }
 
     /// Carries packets until the goodbye.
-    async fn live(&mut self, recv: RecvStream, mut messages: Receiver<ClientMessage>) -> Result<Goodbye, LinkError> {
+    async fn live(
+        &mut self,
+        recv: RecvStream,
+        mut messages: Receiver<ClientMessage>,
+    ) -> Result<Goodbye, LinkError> {
         let listening = self.bell.listen()?;
         let mut answers = control::reader(recv);
         let mut connected = true;
@@ -151,7 +165,10 @@ impl Worker {
         if !self.poses.update() {
             return;
         }
-        let PosePacket { device_time_ns, tools } = *self.poses.output_buffer();
+        let PosePacket {
+            device_time_ns,
+            tools,
+        } = *self.poses.output_buffer();
         let datagram = PoseDatagram {
             epoch: self.epoch,
             sequence: self.sequence,
@@ -159,7 +176,9 @@ impl Worker {
             last_tick: self.last_tick,
             tools,
         };
-        let Ok(bytes) = datagram.to_bytes() else { return };
+        let Ok(bytes) = datagram.to_bytes() else {
+            return;
+        };
         // Full buffer: the oldest goes. Closed connection: the control stream's reader says so.
         if self.connection.send_datagram(bytes.to_vec().into()).is_ok() {
             self.sequence = self.sequence.wrapping_add(1);
@@ -176,7 +195,9 @@ impl Worker {
             return self.shared.count(|numbers| numbers.foreign += 1);
         }
         let echo = datagram.echo;
-        let age_ns = echo.valid.then(|| arrived_ns.saturating_sub(echo.device_time_ns));
+        let age_ns = echo
+            .valid
+            .then(|| arrived_ns.saturating_sub(echo.device_time_ns));
         let newest = self.shared.count(|numbers| {
             let newest = numbers.filter.judge(datagram.sequence) == Arrival::Newest;
             if let Some(age_ns) = age_ns
@@ -190,7 +211,11 @@ impl Worker {
         });
         if newest {
             self.last_tick = datagram.tick;
-            self.wrenches.write(Some(WrenchPacket { datagram, arrived_ns, age_ns }));
+            self.wrenches.write(Some(WrenchPacket {
+                datagram,
+                arrived_ns,
+                age_ns,
+            }));
         }
     }
 }

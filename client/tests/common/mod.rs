@@ -19,9 +19,15 @@ pub const RADIUS: f64 = 1e-3;
 pub fn scene() -> Scene {
     let plate: Vec<Sphere> = (-3..=3)
         .flat_map(|x| (-3..=3).map(move |y| Vec3::new(f64::from(x), f64::from(y), 0.0) * RADIUS))
-        .map(|centre| Sphere { centre, radius: RADIUS })
+        .map(|centre| Sphere {
+            centre,
+            radius: RADIUS,
+        })
         .collect();
-    let ball = [Sphere { centre: Vec3::zeros(), radius: RADIUS }];
+    let ball = [Sphere {
+        centre: Vec3::zeros(),
+        radius: RADIUS,
+    }];
     Scene {
         name: "plate".into(),
         source_hash: "none".into(),
@@ -65,12 +71,19 @@ impl Station {
         let folder = tempfile::tempdir().unwrap();
         let scene = scene();
         let bytes = scene.to_bytes().unwrap();
-        let mut config =
-            ServerConfig::new(Arc::new(scene), Arc::new(bytes), folder.path().join("recordings")).unwrap();
+        let mut config = ServerConfig::new(
+            Arc::new(scene),
+            Arc::new(bytes),
+            folder.path().join("recordings"),
+        )
+        .unwrap();
         config.station_key = Some(folder.path().join("station.key"));
         change(&mut config);
         let server = Server::start(config).unwrap();
-        Self { server: Some(server), folder }
+        Self {
+            server: Some(server),
+            folder,
+        }
     }
 
     pub fn server(&self) -> &ServerHandle {
@@ -92,10 +105,16 @@ impl Station {
 
 /// The ball held at `height` above the plate's centre plane, metres: below 2 mm it presses.
 pub fn pose(height: f64) -> PosePacket {
-    let mut packet = PosePacket { device_time_ns: now_ns(), ..PosePacket::default() };
+    let mut packet = PosePacket {
+        device_time_ns: now_ns(),
+        ..PosePacket::default()
+    };
     packet.tools[0] = ToolPose {
         present: true,
-        pose: WirePose { position: [1e-4, 2e-4, height as f32], ..WirePose::IDENTITY },
+        pose: WirePose {
+            position: [1e-4, 2e-4, height as f32],
+            ..WirePose::IDENTITY
+        },
         ..ToolPose::default()
     };
     packet
@@ -110,12 +129,17 @@ pub fn press(link: &mut Link, mut done: impl FnMut(&mut Link, u64) -> bool) {
         if done(link, k) {
             return;
         }
-        assert!(Instant::now() < patience, "waited in vain after {k} poses: {:?}", link.stats());
+        assert!(
+            Instant::now() < patience,
+            "waited in vain after {k} poses: {:?}",
+            link.stats()
+        );
         std::thread::sleep(Duration::from_millis(1));
     }
 }
 
 /// Upward force of the newest wrench, newtons.
 pub fn force_up(link: &mut Link) -> f32 {
-    link.latest_wrench().map_or(0.0, |packet| packet.datagram.tools[0].wrench.force[2])
+    link.latest_wrench()
+        .map_or(0.0, |packet| packet.datagram.tools[0].wrench.force[2])
 }

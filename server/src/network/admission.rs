@@ -19,11 +19,20 @@ const WRONG_TOKEN: Duration = Duration::from_millis(200);
 pub(super) async fn admit(connection: Connection, shared: Arc<Shared>) {
     let from = connection.remote_address();
     let streams = tokio::time::timeout(HELLO, async {
-        let (send, mut recv) = connection.accept_bi().await.map_err(|_| ReadError::Closed)?;
+        let (send, mut recv) = connection
+            .accept_bi()
+            .await
+            .map_err(|_| ReadError::Closed)?;
         let message = control::read(&mut recv).await;
         Ok::<_, ReadError>((send, recv, message))
     });
-    let Ok(Ok((mut send, recv, message))) = streams.await else {
+    let mut phase = shared.phase.clone();
+    let streams = tokio::select! {
+        streams = streams => streams,
+        // A server that ends does not wait for strangers.
+        _ = phase.changed() => return connection.close(CLOSE_REFUSED, b"server stopped"),
+    };
+    let Ok(Ok((mut send, recv, message))) = streams else {
         tracing::info!("{from} said no hello");
         connection.close(CLOSE_REFUSED, b"no hello");
         return;
@@ -36,7 +45,11 @@ pub(super) async fn admit(connection: Connection, shared: Arc<Shared>) {
         let text = "this station is in use by another client; wait until its session ends";
         return refuse(&connection, &mut send, refused(RefusedReason::Busy, text)).await;
     };
-    tracing::info!("{from} joins with device `{}`, client {}", clean(&hello.device), clean(&hello.program));
+    tracing::info!(
+        "{from} joins with device `{}`, client {}",
+        clean(&hello.device),
+        clean(&hello.program)
+    );
     welcome(connection, send, recv, hello, &shared, &mut station).await;
 }
 
@@ -51,17 +64,38 @@ async fn welcome(
     // A command from before is not meant for this client.
     while station.commands.try_recv().is_ok() {}
     let epoch = station.next_epoch();
-    if control::write(&mut send, &ServerMessage::Hello(server_hello(shared, epoch))).await {
-        let summary = session::run(connection, send, control::reader(recv), hello, shared, station).await;
+    if control::write(
+        &mut send,
+        &ServerMessage::Hello(server_hello(shared, epoch)),
+    )
+    .await
+    {
+        let summary = session::run(
+            connection,
+            send,
+            control::reader(recv),
+            hello,
+            shared,
+            station,
+        )
+        .await;
         station.summaries.extend(summary);
     }
 }
 
 /// The hello, or why it is not accepted.
-async fn judge(message: Result<ClientMessage, ReadError>, shared: &Shared) -> Result<ClientHello, Refused> {
+async fn judge(
+    message: Result<ClientMessage, ReadError>,
+    shared: &Shared,
+) -> Result<ClientHello, Refused> {
     let hello = match message {
         Ok(ClientMessage::Hello(hello)) => hello,
-        Ok(_) => return Err(refused(RefusedReason::BadHello, "the first message must be a hello")),
+        Ok(_) => {
+            return Err(refused(
+                RefusedReason::BadHello,
+                "the first message must be a hello",
+            ));
+        }
         Err(ReadError::Codec(CodecError::Version { found })) => {
             let text = format!(
                 "this server speaks protocol version {PROTOCOL_VERSION}, the client {found}; \
@@ -69,9 +103,20 @@ async fn judge(message: Result<ClientMessage, ReadError>, shared: &Shared) -> Re
             );
             return Err(refused(RefusedReason::Version, &text));
         }
-        Err(error) => return Err(refused(RefusedReason::BadHello, &format!("the hello cannot be read: {error}"))),
+        Err(error) => {
+            return Err(refused(
+                RefusedReason::BadHello,
+                &format!("the hello cannot be read: {error}"),
+            ));
+        }
     };
-    let names = [&hello.program, &hello.token, &hello.device, &hello.learner, &hello.exercise];
+    let names = [
+        &hello.program,
+        &hello.token,
+        &hello.device,
+        &hello.learner,
+        &hello.exercise,
+    ];
     if names.iter().any(|name| name.len() > NAME_BYTES) {
         let text = format!("a name in the hello is longer than {NAME_BYTES} bytes");
         return Err(refused(RefusedReason::BadHello, &text));
@@ -79,18 +124,27 @@ async fn judge(message: Result<ClientMessage, ReadError>, shared: &Shared) -> Re
     // Hashes compare in constant time, strings do not.
     if blake3::hash(hello.token.as_bytes()) != blake3::hash(shared.config.token.as_bytes()) {
         tokio::time::sleep(WRONG_TOKEN).await;
-        return Err(refused(RefusedReason::Token, "the token is wrong; use the one that the server printed"));
+        return Err(refused(
+            RefusedReason::Token,
+            "the token is wrong; use the one that the server printed",
+        ));
     }
     let offered = &shared.config.exercise.name;
     if !hello.exercise.is_empty() && &hello.exercise != offered {
-        let text = format!("exercise `{}` is not offered here; this station offers `{offered}`", clean(&hello.exercise));
+        let text = format!(
+            "exercise `{}` is not offered here; this station offers `{offered}`",
+            clean(&hello.exercise)
+        );
         return Err(refused(RefusedReason::Exercise, &text));
     }
     Ok(hello)
 }
 
 fn refused(reason: RefusedReason, text: &str) -> Refused {
-    Refused { reason, text: text.to_owned() }
+    Refused {
+        reason,
+        text: text.to_owned(),
+    }
 }
 
 async fn refuse(connection: &Connection, send: &mut SendStream, refused: Refused) {

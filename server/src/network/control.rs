@@ -19,9 +19,15 @@ pub(super) enum ReadError {
 /// Reads one message. Not cancel-safe: a message begun must be read to its end.
 pub(super) async fn read(stream: &mut RecvStream) -> Result<ClientMessage, ReadError> {
     let mut length = [0; LENGTH_BYTES];
-    stream.read_exact(&mut length).await.map_err(|_| ReadError::Closed)?;
+    stream
+        .read_exact(&mut length)
+        .await
+        .map_err(|_| ReadError::Closed)?;
     let mut body = vec![0; frame::body_length(length)?];
-    stream.read_exact(&mut body).await.map_err(|_| ReadError::Closed)?;
+    stream
+        .read_exact(&mut body)
+        .await
+        .map_err(|_| ReadError::Closed)?;
     Ok(frame::decode(&body)?)
 }
 

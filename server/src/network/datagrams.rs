@@ -24,7 +24,15 @@ pub(super) struct Datagrams {
 
 impl Datagrams {
     pub fn new(epoch: u32, poses: Input<Option<PoseIn>>, wrenches: Output<WrenchOut>) -> Self {
-        Self { epoch, filter: NewestWins::new(), poses, wrenches, sent: 0, foreign: 0, malformed: 0 }
+        Self {
+            epoch,
+            filter: NewestWins::new(),
+            poses,
+            wrenches,
+            sent: 0,
+            foreign: 0,
+            malformed: 0,
+        }
     }
 
     /// Begins a new epoch: whatever is still under way belongs to the past.
@@ -45,7 +53,10 @@ impl Datagrams {
             return;
         }
         if self.filter.judge(datagram.sequence) == Arrival::Newest {
-            self.poses.write(Some(PoseIn { datagram, arrived_ns }));
+            self.poses.write(Some(PoseIn {
+                datagram,
+                arrived_ns,
+            }));
         }
     }
 
@@ -54,7 +65,10 @@ impl Datagrams {
         if !self.wrenches.update() {
             return;
         }
-        let WrenchOut { mut datagram, pose_arrived_ns } = *self.wrenches.output_buffer();
+        let WrenchOut {
+            mut datagram,
+            pose_arrived_ns,
+        } = *self.wrenches.output_buffer();
         datagram.epoch = self.epoch;
         datagram.sequence = self.sent;
         if datagram.echo.valid {

@@ -68,7 +68,12 @@ pub(crate) async fn serve(
     quic: quinn::ServerConfig,
     shared: Arc<Shared>,
 ) -> Result<Vec<SessionSummary>, ServerError> {
-    let endpoint = Endpoint::new(EndpointConfig::default(), Some(quic), socket, Arc::new(TokioRuntime))?;
+    let endpoint = Endpoint::new(
+        EndpointConfig::default(),
+        Some(quic),
+        socket,
+        Arc::new(TokioRuntime),
+    )?;
     let mut phase = shared.phase.clone();
     let mut connections = tokio::task::JoinSet::new();
     while *phase.borrow_and_update() == Phase::Serve {

@@ -1,0 +1,20 @@
+//! Any bytes, through every decoder: no panic, and what decodes encodes to the same bytes.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use sulcus_proto::{ClientMessage, PoseDatagram, ServerMessage, WrenchDatagram, frame};
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(pose) = PoseDatagram::from_bytes(bytes) {
+        assert_eq!(pose.to_bytes().expect("encodes"), bytes);
+    }
+    if let Ok(wrench) = WrenchDatagram::from_bytes(bytes) {
+        assert_eq!(wrench.to_bytes().expect("encodes"), bytes);
+    }
+    if let Ok(message) = frame::decode::<ClientMessage>(bytes) {
+        assert_eq!(&frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..], bytes);
+    }
+    if let Ok(message) = frame::decode::<ServerMessage>(bytes) {
+        assert_eq!(&frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..], bytes);
+    }
+});

@@ -1,0 +1,5 @@
+//! The subcommands of `sulcus-server`, one file each.
+
+pub mod scene;
+pub mod serve;
+pub mod tree;

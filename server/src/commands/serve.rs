@@ -1,0 +1,186 @@
+//! `sulcus-server serve`: one station until Ctrl-C.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::Context;
+use clap::Args;
+use serde_json::json;
+use sulcus_core::Scene;
+use sulcus_proto::SessionSummary;
+use sulcus_proto::ticket::hex;
+use sulcus_scene::{BuildOptions, compile_default, compile_file};
+use tokio::signal::unix::{SignalKind, signal};
+
+use super::scene::Narrator;
+use crate::{Exercise, Server, ServerConfig, ServerHandle};
+
+/// Serve one station until Ctrl-C.
+#[derive(Clone, Debug, Args)]
+#[command(
+    long_about = "Serve one station until Ctrl-C: one client at a time, simulated at 1 kHz, every session recorded and signed.\n\nThe ticket printed at the start is all that a client needs besides the address: token and certificate in one line. It is new at every start; with --token the token stays the same.",
+    after_long_help = "Examples:\n  sulcus-server serve\n  sulcus-server serve --listen 0.0.0.0:4433 --scene crown.toml --recordings /srv/recordings\n  sulcus-server serve --certificate-out server.der --json | jq -r .ticket    (the first line is the address, the last the summaries)\n\nLate ticks: grant real-time scheduling with `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or raise `ulimit -r` and `ulimit -l`."
+)]
+pub struct ServeArgs {
+    /// UDP address to listen on; port 0: any free one
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4433")]
+    pub listen: SocketAddr,
+    /// Scene file (TOML) or compiled scene (.scene); default: a lower molar and a probe
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Folder for recordings, made when missing
+    #[arg(long, value_name = "DIR", default_value = "recordings")]
+    pub recordings: PathBuf,
+    /// Secret that clients must know; default: $SULCUS_TOKEN (other users cannot see it), else a random one
+    #[arg(long, value_name = "T")]
+    pub token: Option<String>,
+    /// Write the server's certificate (DER) here, for clients to pin
+    #[arg(long, value_name = "FILE")]
+    pub certificate_out: Option<PathBuf>,
+    /// Name of this station in recordings
+    #[arg(long, value_name = "NAME", default_value = "station")]
+    pub station: String,
+    /// Opaque learner id for recordings when the client names none; never a name
+    #[arg(long, value_name = "ID", default_value = "")]
+    pub learner: String,
+    /// Name of the exercise
+    #[arg(long, value_name = "NAME", default_value = "free")]
+    pub exercise: String,
+    /// Longest session, seconds
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_session: Option<u64>,
+    /// Key file that signs recordings, made on first use; default: in the user's state directory
+    #[arg(long, value_name = "FILE")]
+    pub key: Option<PathBuf>,
+    /// Do not ask for real-time scheduling and locked memory
+    #[arg(long)]
+    pub no_realtime: bool,
+    /// Print JSON: one object with address and ticket first, one with all sessions on the last line
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Serves; the exit code is 1 when a recording is not complete.
+///
+/// # Errors
+/// A scene, port, folder or value that cannot be used: one sentence.
+pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
+    let (scene, bytes) = load(args.scene.as_deref())?;
+    let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
+    config.listen = args.listen;
+    config.station.clone_from(&args.station);
+    config.learner.clone_from(&args.learner);
+    config.exercise = Exercise {
+        name: args.exercise.clone(),
+        ..Exercise::default()
+    };
+    config.station_key.clone_from(&args.key);
+    config.max_session = args.max_session.map(Duration::from_secs);
+    config.real_time = !args.no_realtime;
+    let from_environment = || {
+        std::env::var("SULCUS_TOKEN")
+            .ok()
+            .filter(|token| !token.is_empty())
+    };
+    if let Some(token) = args.token.clone().or_else(from_environment) {
+        config.token = token;
+    }
+    let scene_name = config.scene.name.clone();
+    let server = Server::start(config)?;
+    if let Some(path) = &args.certificate_out {
+        std::fs::write(path, server.certificate_der())
+            .with_context(|| format!("{}: cannot write the certificate", path.display()))?;
+    }
+    announce(&server, &scene_name, args.json);
+    wait_for_signal(&server)?;
+    eprintln!("ending the session, if one runs ...");
+    server.shutdown();
+    let sessions = server.join()?;
+    Ok(report(&sessions, args))
+}
+
+/// A scene file or a compiled scene, and its bytes.
+fn load(path: Option<&Path>) -> anyhow::Result<(Scene, Vec<u8>)> {
+    let narrator = Narrator::default();
+    let say = |stage: &str, share: f64| narrator.say(stage, share);
+    let compiled = match path {
+        Some(path) if path.extension().is_some_and(|ending| ending == "scene") => {
+            let bytes = std::fs::read(path)
+                .with_context(|| format!("{}: cannot read the scene", path.display()))?;
+            let scene = Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
+            return Ok((scene, bytes));
+        }
+        Some(path) => compile_file(path, &BuildOptions::cached(), &say)?,
+        None => compile_default(&BuildOptions::cached(), &say)?,
+    };
+    for warning in &compiled.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let bytes = compiled.scene.to_bytes()?;
+    Ok((compiled.scene, bytes))
+}
+
+fn announce(server: &ServerHandle, scene: &str, json: bool) {
+    let (address, ticket) = (server.local_addr(), server.ticket());
+    let fingerprint = hex(&ticket.fingerprint);
+    if json {
+        let object = json!({
+            "address": address.to_string(), "token": ticket.token,
+            "certificate_sha256": fingerprint, "ticket": ticket.to_string(),
+        });
+        println!("{object}");
+    } else {
+        println!("serving scene `{scene}` on {address}");
+        println!("  token        {}", ticket.token);
+        println!("  certificate  {fingerprint} (SHA-256)");
+        println!("  ticket       {ticket}");
+        println!("Ctrl-C ends the session and the server.");
+    }
+}
+
+/// Returns on Ctrl-C, on SIGTERM (containers), or when the server has ended by itself.
+fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()?;
+    runtime.block_on(async {
+        let mut terminate = signal(SignalKind::terminate())?;
+        let mut interrupt = signal(SignalKind::interrupt())?;
+        loop {
+            tokio::select! {
+                _ = interrupt.recv() => return Ok(()),
+                _ = terminate.recv() => return Ok(()),
+                () = tokio::time::sleep(Duration::from_millis(500)) => {
+                    if server.is_finished() {
+                        return Ok(());
+                    }
+                }
+            }
+        }
+    })
+}
+
+fn report(sessions: &[SessionSummary], args: &ServeArgs) -> u8 {
+    for session in sessions {
+        eprintln!(
+            "{}: {} ticks, {} missed, tick p50 {:.0} us, p99.9 {:.0} us, largest force {:.2} N{}",
+            args.recordings.join(&session.recording).display(),
+            session.ticks,
+            session.deadline_misses,
+            session.tick_us.p50,
+            session.tick_us.p999,
+            session.max_force_n,
+            if session.complete {
+                ""
+            } else {
+                ", NOT COMPLETE"
+            },
+        );
+    }
+    if args.json {
+        println!("{}", json!({ "sessions": sessions }));
+    }
+    u8::from(sessions.iter().any(|session| !session.complete))
+}

@@ -1,0 +1,148 @@
+//! Starting, steering and ending a server from another thread.
+
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use sulcus_proto::control::Command;
+use sulcus_proto::{SessionSummary, Ticket};
+use tokio::sync::{Mutex, mpsc, watch};
+
+use crate::identity::{Identity, fingerprint};
+use crate::network::{self, Phase, Shared, Station};
+use crate::{ServerConfig, ServerError, transport};
+
+/// Commands that wait for the network thread.
+const COMMANDS: usize = 64;
+
+/// A station's server.
+pub struct Server;
+
+/// A running server. Dropping it stops at once, without a goodbye (recordings are still finished);
+/// [`ServerHandle::shutdown`] and [`ServerHandle::join`] end it properly.
+pub struct ServerHandle {
+    local_addr: SocketAddr,
+    certificate_der: Vec<u8>,
+    ticket: Ticket,
+    commands: mpsc::Sender<Command>,
+    phase: watch::Sender<Phase>,
+    thread: Option<JoinHandle<Result<Vec<SessionSummary>, ServerError>>>,
+}
+
+impl Server {
+    /// Binds the socket, then serves on threads of its own.
+    ///
+    /// # Errors
+    /// A busy port, an unusable folder, or a value in the configuration that makes no sense.
+    pub fn start(config: ServerConfig) -> Result<ServerHandle, ServerError> {
+        config.validate()?;
+        std::fs::create_dir_all(&config.recordings).map_err(|source| ServerError::Recordings {
+            path: config.recordings.clone(),
+            source,
+        })?;
+        // Found out now, not when the first student has sat down.
+        crate::recording::station_key(config.station_key.as_deref())?;
+        let identity = Identity::generate(&config.station)?;
+        let quic = transport::server_config(&identity)?;
+        let socket = bind(config.listen)?;
+        let local_addr = socket.local_addr()?;
+        let certificate_der = identity.certificate.to_vec();
+        let ticket = Ticket {
+            token: config.token.clone(),
+            fingerprint: fingerprint(&certificate_der)?,
+        };
+
+        let (commands, commands_out) = mpsc::channel(COMMANDS);
+        let (phase, phase_out) = watch::channel(Phase::Serve);
+        let station = Station {
+            commands: commands_out,
+            epoch: 0,
+            summaries: Vec::new(),
+        };
+        let shared = Arc::new(Shared {
+            scene_hash: *blake3::hash(&config.scene_bytes).as_bytes(),
+            config,
+            phase: phase_out,
+            station: Arc::new(Mutex::new(station)),
+        });
+        // All sockets of a station on one thread: more would only add wake-ups.
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()?;
+        let thread = std::thread::Builder::new()
+            .name("sulcus-net".into())
+            .spawn(move || runtime.block_on(network::serve(socket, quic, shared)))?;
+        Ok(ServerHandle {
+            local_addr,
+            certificate_der,
+            ticket,
+            commands,
+            phase,
+            thread: Some(thread),
+        })
+    }
+}
+
+impl ServerHandle {
+    /// Where the server listens.
+    pub fn local_addr(&self) -> SocketAddr {
+        self.local_addr
+    }
+
+    /// The server's certificate, for clients to pin.
+    pub fn certificate_der(&self) -> &[u8] {
+        &self.certificate_der
+    }
+
+    /// Token and certificate fingerprint in one line, for a person to copy.
+    pub fn ticket(&self) -> &Ticket {
+        &self.ticket
+    }
+
+    /// Gives a command to the running session; `false` when too many wait or the server has ended.
+    /// A session that begins later does not see it.
+    pub fn command(&self, command: Command) -> bool {
+        self.commands.try_send(command).is_ok()
+    }
+
+    /// Ends the running session with a goodbye and stops serving; returns at once.
+    pub fn shutdown(&self) {
+        // Nobody listens: it has ended already.
+        let _ = self.phase.send(Phase::Shutdown);
+    }
+
+    /// Whether the server has ended.
+    pub fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Waits until the server has ended (after [`ServerHandle::shutdown`]) and returns the summaries
+    /// of its sessions, oldest first.
+    ///
+    /// # Errors
+    /// If the network thread failed.
+    pub fn join(mut self) -> Result<Vec<SessionSummary>, ServerError> {
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => Err(ServerError::Crashed),
+            None => Ok(Vec::new()),
+        }
+    }
+}
+
+impl Drop for ServerHandle {
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            let _ = self.phase.send(Phase::Halt);
+            // Its result has no taker; threads must not outlive the handle.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn bind(listen: SocketAddr) -> Result<UdpSocket, ServerError> {
+    UdpSocket::bind(listen).map_err(|source| match source.kind() {
+        std::io::ErrorKind::AddrInUse => ServerError::PortBusy { listen },
+        _ => ServerError::Listen { listen, source },
+    })
+}

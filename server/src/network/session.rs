@@ -1,0 +1,243 @@
+//! One session, from the hello to the goodbye.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use quinn::{Connection, SendStream};
+use sulcus_proto::control::{ClientHello, Command, EndReason, Goodbye};
+use sulcus_proto::{ClientMessage, ServerMessage, SessionSummary};
+use tokio::sync::mpsc::Receiver;
+use tokio::sync::watch;
+
+use super::control::{self, ReadError};
+use super::datagrams::Datagrams;
+use super::{CLOSE_OK, Phase, Shared, Station, close_after_last_word};
+use crate::handoff::{Edge, Flags};
+use crate::recording::Plan;
+use crate::running::{Running, Started};
+
+type Messages = Receiver<Result<ClientMessage, ReadError>>;
+
+/// Runs a session. `None`: the client left before it started anything.
+pub(super) async fn run(
+    connection: Connection,
+    mut send: SendStream,
+    mut messages: Messages,
+    hello: ClientHello,
+    shared: &Arc<Shared>,
+    station: &mut Station,
+) -> Option<SessionSummary> {
+    let mut phase = shared.phase.clone();
+    if let Err(reason) = started(&mut messages, &mut phase).await {
+        say_goodbye(
+            &connection,
+            &mut send,
+            SessionSummary::empty(reason),
+            "Nothing was started.",
+        )
+        .await;
+        return None;
+    }
+    // Opening a recording writes the whole scene: not on the thread that carries the packets.
+    let plan = Plan::new(&shared.config, &hello);
+    let config = shared.config.clone();
+    let opened = tokio::task::spawn_blocking(move || Running::start(&config, plan)).await;
+    let started = match opened {
+        Ok(Ok(started)) => started,
+        Ok(Err((reason, text))) => {
+            tracing::error!("{text}");
+            let summary = SessionSummary::empty(reason);
+            say_goodbye(&connection, &mut send, summary.clone(), &text).await;
+            return Some(summary);
+        }
+        // The runtime is going down.
+        Err(_) => return None,
+    };
+    let Started {
+        mut running,
+        poses,
+        wrenches,
+    } = started;
+    let mut datagrams = Datagrams::new(station.epoch, poses, wrenches);
+    let limit = shared.config.max_session;
+    let reason = live(
+        &connection,
+        &mut send,
+        &mut messages,
+        &mut running,
+        &mut datagrams,
+        station,
+        phase,
+        limit,
+    )
+    .await;
+
+    let poses = datagrams.counts();
+    let finished = tokio::task::spawn_blocking(move || running.finish(reason, poses)).await;
+    let (mut summary, text) = finished.unwrap_or_else(|_| {
+        (
+            SessionSummary::empty(EndReason::Simulation),
+            "The session ended unexpectedly.".to_owned(),
+        )
+    });
+    summary.foreign = datagrams.foreign;
+    summary.malformed = datagrams.malformed;
+    tracing::info!(
+        "session over ({:?}): {} ticks, recording {}",
+        summary.end,
+        summary.ticks,
+        summary.recording
+    );
+    say_goodbye(&connection, &mut send, summary.clone(), &text).await;
+    Some(summary)
+}
+
+/// Waits for the start.
+async fn started(
+    messages: &mut Messages,
+    phase: &mut watch::Receiver<Phase>,
+) -> Result<(), EndReason> {
+    loop {
+        tokio::select! {
+            _ = phase.changed() => return Err(EndReason::Shutdown),
+            message = messages.recv() => match message {
+                Some(Ok(ClientMessage::Start)) => return Ok(()),
+                Some(Ok(ClientMessage::Stop)) => return Err(EndReason::Stopped),
+                // There is nothing yet that these could act on.
+                Some(Ok(ClientMessage::Button(_) | ClientMessage::Event(_) | ClientMessage::Command(_))) => {}
+                Some(Ok(ClientMessage::Hello(_)) | Err(ReadError::Codec(_))) => return Err(EndReason::Protocol),
+                Some(Err(ReadError::Closed)) | None => return Err(EndReason::ConnectionLost),
+            },
+        }
+    }
+}
+
+/// Carries poses, wrenches and commands until something ends it.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the select loop borrows each part on its own"
+)]
+async fn live(
+    connection: &Connection,
+    send: &mut SendStream,
+    messages: &mut Messages,
+    running: &mut Running,
+    datagrams: &mut Datagrams,
+    station: &mut Station,
+    mut phase: watch::Receiver<Phase>,
+    limit: Option<Duration>,
+) -> EndReason {
+    let bell = match running.bell().listen() {
+        Ok(bell) => bell,
+        Err(error) => {
+            tracing::error!("cannot listen to the simulation: {error}");
+            return EndReason::Simulation;
+        }
+    };
+    let time_up = async {
+        match limit {
+            Some(limit) => tokio::time::sleep(limit).await,
+            None => std::future::pending().await,
+        }
+    };
+    tokio::pin!(time_up);
+    loop {
+        tokio::select! {
+            datagram = connection.read_datagram() => match datagram {
+                Ok(bytes) => datagrams.arrived(&bytes),
+                Err(_) => return EndReason::ConnectionLost,
+            },
+            ready = bell.readable() => {
+                if let Ok(mut ready) = ready {
+                    running.bell().silence();
+                    ready.clear_ready();
+                }
+                if Flags::is_up(&running.flags().record_failed) {
+                    return EndReason::Recording;
+                }
+                if Flags::is_up(&running.flags().simulation_over) {
+                    return EndReason::Simulation;
+                }
+                datagrams.send(connection);
+            },
+            message = messages.recv() => {
+                let edge = match message {
+                    Some(Ok(ClientMessage::Stop)) => return EndReason::Stopped,
+                    Some(Ok(ClientMessage::Command(command))) => edge_of(command),
+                    Some(Ok(ClientMessage::Button(edge))) => edge.pressed.then_some(Edge::Pressed {
+                        tool: edge.tool,
+                        button: edge.button,
+                    }),
+                    Some(Ok(ClientMessage::Event(event))) => {
+                        running.event(event);
+                        None
+                    }
+                    Some(Ok(ClientMessage::Hello(_) | ClientMessage::Start) | Err(ReadError::Codec(_))) => {
+                        return EndReason::Protocol;
+                    }
+                    Some(Err(ReadError::Closed)) | None => return EndReason::ConnectionLost,
+                };
+                apply(edge, send, running, datagrams, station).await;
+            },
+            Some(command) = station.commands.recv() => {
+                apply(edge_of(command), send, running, datagrams, station).await;
+            },
+            _ = phase.changed() => return EndReason::Shutdown,
+            () = &mut time_up => return EndReason::TimeUp,
+        }
+    }
+}
+
+/// `None`: a limit that is no force.
+fn edge_of(command: Command) -> Option<Edge> {
+    match command {
+        Command::Pause => Some(Edge::Paused(true)),
+        Command::Resume => Some(Edge::Paused(false)),
+        Command::ForceLimit(newtons) if newtons.is_finite() && newtons >= 0.0 => {
+            Some(Edge::ForceLimit(newtons))
+        }
+        Command::ForceLimit(newtons) => {
+            tracing::warn!(
+                "force limit {newtons} ignored: expected 0 (the scene's) or a positive force"
+            );
+            None
+        }
+    }
+}
+
+async fn apply(
+    edge: Option<Edge>,
+    send: &mut SendStream,
+    running: &mut Running,
+    datagrams: &mut Datagrams,
+    station: &mut Station,
+) {
+    let Some(edge) = edge else { return };
+    running.edge(edge);
+    if edge == Edge::Paused(false) {
+        // Poses from before or during the pause must not move anything now.
+        let epoch = station.next_epoch();
+        datagrams.begin_epoch(epoch);
+        // A connection that is gone shows in the next datagram read.
+        control::write(send, &ServerMessage::Epoch(epoch)).await;
+    }
+}
+
+async fn say_goodbye(
+    connection: &Connection,
+    send: &mut SendStream,
+    summary: SessionSummary,
+    text: &str,
+) {
+    let goodbye = ServerMessage::Goodbye(Goodbye {
+        text: text.to_owned(),
+        summary,
+    });
+    if connection.close_reason().is_none()
+        && control::write(send, &goodbye).await
+        && send.finish().is_ok()
+    {
+        close_after_last_word(connection, CLOSE_OK, b"goodbye").await;
+    }
+    connection.close(CLOSE_OK, b"goodbye");
+}

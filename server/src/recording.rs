@@ -1,0 +1,282 @@
+//! The recorder thread: takes what the simulation queues, writes and signs it, gives buffers back.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use rtrb::{Consumer, Producer};
+use sulcus_core::State;
+use sulcus_proto::SessionSummary;
+use sulcus_proto::control::{ClientHello, Event};
+use sulcus_sessions::{Level, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+
+use crate::ServerConfig;
+use crate::handoff::{Bell, Flags};
+use crate::realtime::unix_ns;
+use crate::utc::utc;
+
+/// How often the queue is emptied. It holds four seconds; the recorder itself flushes every 100 ms
+/// of record time.
+const POLL: Duration = Duration::from_millis(5);
+
+/// What the simulation queues. One queue for both, so that a snapshot follows its tick's row.
+pub(crate) enum Entry {
+    Row(Row),
+    Snapshot {
+        unix_ns: u64,
+        tick: u64,
+        bytes: Vec<u8>,
+    },
+}
+
+/// What the network says to the recorder.
+pub(crate) enum FromNetwork {
+    Event(Event),
+    /// Nothing more will be queued; write the end.
+    End(Box<SessionSummary>),
+}
+
+/// What became of a recording.
+#[derive(Debug)]
+pub(crate) struct Report {
+    pub file_name: String,
+    pub error: Option<String>,
+}
+
+/// What is known of a session before it is recorded.
+pub(crate) struct Plan {
+    learner: String,
+    client: String,
+    started_unix_ns: u64,
+}
+
+impl Plan {
+    pub fn new(config: &ServerConfig, hello: &ClientHello) -> Self {
+        let learner = if hello.learner.is_empty() {
+            &config.learner
+        } else {
+            &hello.learner
+        };
+        Self {
+            learner: learner.clone(),
+            client: format!("client {} with device {}", hello.program, hello.device),
+            started_unix_ns: unix_ns(),
+        }
+    }
+}
+
+/// A recorder with header, scene and the state before the first tick, and its file's name.
+pub(crate) struct Open(Recorder, String);
+
+/// Opens a recording under a name that no file has.
+///
+/// # Errors
+/// One sentence: no key, no folder, no space.
+pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
+    let header = SessionHeader {
+        exercise_name: config.exercise.name.clone(),
+        exercise: config.exercise.definition.clone(),
+        patient: config.patient.clone(),
+        rubric: config.rubric.clone(),
+        seed: config.exercise.seed,
+        station: config.station.clone(),
+        learner_id: plan.learner,
+        started_unix_ns: plan.started_unix_ns,
+        ..SessionHeader::new(config.scene_bytes.to_vec())
+    };
+    let stem = format!(
+        "{}-{}",
+        utc(plan.started_unix_ns),
+        config.exercise.name.replace('/', "-")
+    );
+    let (mut recorder, name) = create(&config.recordings, &stem, &header, config)?;
+    let begin = State::new(&config.scene).to_bytes();
+    recorder
+        .snapshot(plan.started_unix_ns, 0, &begin)
+        .and_then(|()| recorder.event(plan.started_unix_ns, Level::Info, &plan.client))
+        .and_then(|()| recorder.flush())
+        .map_err(|error| error.to_string())?;
+    Ok(Open(recorder, name))
+}
+
+fn create(
+    folder: &Path,
+    stem: &str,
+    header: &SessionHeader,
+    config: &ServerConfig,
+) -> Result<(Recorder, String), String> {
+    for attempt in 1.. {
+        let name = if attempt == 1 {
+            format!("{stem}.mcap")
+        } else {
+            format!("{stem}-{attempt}.mcap")
+        };
+        let key = station_key(config.station_key.as_deref()).map_err(|error| error.to_string())?;
+        match Recorder::create(&folder.join(&name), header, key) {
+            // Two sessions within a second.
+            Err(RecordError::Exists(_)) if attempt < 1000 => {}
+            Ok(recorder) => return Ok((recorder, name)),
+            Err(error) => return Err(error.to_string()),
+        }
+    }
+    Err(format!("every name for a recording is taken: {stem}"))
+}
+
+/// The key that signs recordings: in the file named, else at its usual place; made on first use.
+pub(crate) fn station_key(path: Option<&Path>) -> Result<StationKey, sulcus_sessions::KeyError> {
+    let path = path.map_or_else(StationKey::default_path, |path| Ok(PathBuf::from(path)))?;
+    StationKey::load_or_create(&path)
+}
+
+/// Starts the recorder's thread; it ends on [`FromNetwork::End`] or when both other sides are gone.
+pub(crate) fn spawn(
+    open: Open,
+    entries: Consumer<Entry>,
+    buffers: Producer<Vec<u8>>,
+    network: Receiver<FromNetwork>,
+    flags: Arc<Flags>,
+    bell: Bell,
+) -> std::io::Result<JoinHandle<Report>> {
+    let Open(recorder, file_name) = open;
+    let thread = Thread {
+        recorder,
+        entries,
+        buffers,
+        network,
+        flags,
+        bell,
+        error: None,
+    };
+    std::thread::Builder::new()
+        .name("sulcus-rec".into())
+        .spawn(move || thread.run(file_name))
+}
+
+struct Thread {
+    recorder: Recorder,
+    entries: Consumer<Entry>,
+    buffers: Producer<Vec<u8>>,
+    network: Receiver<FromNetwork>,
+    flags: Arc<Flags>,
+    bell: Bell,
+    error: Option<String>,
+}
+
+impl Thread {
+    fn run(mut self, file_name: String) -> Report {
+        let end = loop {
+            self.drain();
+            match self.network.try_recv() {
+                Ok(FromNetwork::Event(event)) => {
+                    let text = format!("{} at tick {}: {}", event.kind, event.tick, event.json);
+                    let result = self.recorder.event(unix_ns(), Level::Info, &text);
+                    self.check(result);
+                }
+                Ok(FromNetwork::End(summary)) => break Some(summary),
+                Err(TryRecvError::Empty) => std::thread::sleep(POLL),
+                // The session came apart: keep what there is.
+                Err(TryRecvError::Disconnected) => break None,
+            }
+        };
+        self.drain();
+        let Some(summary) = end else {
+            return Report {
+                file_name,
+                error: Some("the session came apart; the file is cut off".into()),
+            };
+        };
+        let text = format!("session ended: {:?}", summary.end);
+        let result = self.recorder.event(unix_ns(), Level::Info, &text);
+        self.check(result);
+        let finished = self.recorder.finish(SessionEnd {
+            ticks: summary.ticks,
+            skipped: summary.skipped,
+            dropped_rows: summary.rows_dropped,
+            deadline_misses: summary.deadline_misses,
+            exhausted: summary.exhausted,
+            lost: summary.poses.lost,
+            late: summary.poses.late + summary.poses.duplicate,
+        });
+        // The first failure is the one that explains the others.
+        let error = self.error.or(finished.err().map(|error| error.to_string()));
+        Report { file_name, error }
+    }
+
+    /// Writes all that is queued.
+    fn drain(&mut self) {
+        while let Ok(entry) = self.entries.pop() {
+            let result = match entry {
+                Entry::Row(row) => self.recorder.push(&row),
+                Entry::Snapshot {
+                    unix_ns,
+                    tick,
+                    bytes,
+                } => {
+                    let result = self.recorder.snapshot(unix_ns, tick, &bytes);
+                    // There is room for every buffer that was ever made.
+                    let _ = self.buffers.push(bytes);
+                    result
+                }
+            };
+            self.check(result);
+        }
+    }
+
+    /// Keeps the first failure and tells the network, which ends the session.
+    fn check(&mut self, result: Result<(), RecordError>) {
+        if let Err(error) = result
+            && self.error.is_none()
+        {
+            tracing::error!("{error}");
+            self.error = Some(error.to_string());
+            Flags::raise(&self.flags.record_failed);
+            self.bell.ring();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_failure_is_told_and_the_file_stays_whole() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("session.mcap");
+        let key = || StationKey::from_seed([1; 32]);
+        let mut recorder =
+            Recorder::create(&path, &SessionHeader::new(vec![]), key()).expect("created");
+        recorder.snapshot(0, 0, &[]).expect("snapshot");
+        let (mut entries, entries_out) = rtrb::RingBuffer::new(8);
+        let (buffers, _buffers) = rtrb::RingBuffer::new(1);
+        let (network, network_out) = std::sync::mpsc::channel();
+        let (flags, bell) = (Arc::new(Flags::default()), Bell::new().expect("eventfd"));
+        let row = |tick| Row {
+            tick,
+            time_unix_ns: tick,
+            input: sulcus_core::TickInput::IDLE,
+            hash: 0,
+            wrench: Default::default(),
+            status: Default::default(),
+        };
+        for tick in [1, 2, 2] {
+            entries.push(Entry::Row(row(tick))).expect("room");
+        }
+        let open = Open(recorder, "session.mcap".into());
+        let thread =
+            spawn(open, entries_out, buffers, network_out, flags.clone(), bell).expect("thread");
+        while !Flags::is_up(&flags.record_failed) {
+            std::thread::sleep(POLL);
+        }
+        let summary = SessionSummary::empty(sulcus_proto::control::EndReason::Recording);
+        network
+            .send(FromNetwork::End(Box::new(summary)))
+            .expect("heard");
+        let report = thread.join().expect("no panic");
+        assert!(report.error.expect("an error").contains("in order"));
+        let recording = sulcus_sessions::Recording::open(&path).expect("readable");
+        assert_eq!(recording.facts().rows, 2);
+    }
+}

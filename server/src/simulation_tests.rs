@@ -1,0 +1,224 @@
+//! The ticker by hand: no allocation, nothing lost silently.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use rtrb::RingBuffer;
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Sphere, SphereTree, Tool, Vec3};
+use sulcus_proto::PoseDatagram;
+use triple_buffer::triple_buffer;
+
+use super::*;
+
+#[test]
+fn a_missed_grid_point_is_skipped_not_caught_up() {
+    let grid = 50 * TICK_NS;
+    let missed = |now| grid_points_missed(grid, now);
+    assert_eq!(missed(grid - 1), 0);
+    assert_eq!(missed(grid + TICK_NS - 1), 0);
+    assert_eq!(missed(grid + TICK_NS), 1);
+    assert_eq!(missed(grid + 7 * TICK_NS + 3), 7);
+    assert_eq!(missed(grid + 1_000_000 * TICK_NS), u16::MAX);
+}
+
+#[test]
+fn status_bits_are_the_same_in_core_and_on_the_wire() {
+    use sulcus_core::output::status as core;
+    use sulcus_proto::status as wire;
+    let pairs = [
+        (core::ABSENT, wire::ABSENT),
+        (core::STALE, wire::STALE),
+        (core::PAUSED, wire::PAUSED),
+        (core::SATURATED, wire::SATURATED),
+        (core::SLEW_LIMITED, wire::SLEW_LIMITED),
+        (core::EXHAUSTED, wire::EXHAUSTED),
+        (core::SOLVER_FAILED, wire::SOLVER_FAILED),
+        (core::BAD_INPUT, wire::BAD_INPUT),
+        (core::SPEED_CLAMPED, wire::SPEED_CLAMPED),
+        (core::CONTACTS_FULL, wire::CONTACTS_FULL),
+        (core::TWIST_SATURATED, wire::TWIST_SATURATED),
+        (core::RAMPING, wire::RAMPING),
+        (core::FAULT, wire::FAULT),
+    ];
+    assert!(pairs.iter().all(|(core, wire)| core == wire));
+}
+
+thread_local! {
+    /// Calls to the allocator by this thread.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, with each thread's calls counted.
+struct Counting;
+
+// SAFETY: passes every call on unchanged; a constant thread-local needs no allocation itself.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// A ball over another.
+fn scene() -> Scene {
+    let ball = SphereTree::over_leaves(&[Sphere {
+        centre: Vec3::zeros(),
+        radius: 1e-3,
+    }])
+    .expect("a ball");
+    Scene {
+        name: "two balls".into(),
+        source_hash: String::new(),
+        params: Params::default(),
+        tools: vec![Tool {
+            name: "ball".into(),
+            tree: ball.clone(),
+            level: 3,
+            working_point: Vec3::zeros(),
+            tip: Vec3::zeros(),
+            tip_axis: -Vec3::z(),
+            stiffness_n_per_m: 500.0,
+            stiffness_nm_per_rad: 0.5,
+            park: Pose::new(Vec3::new(0.0, 0.0, 0.01), Quat::identity()),
+            bands: vec![],
+            mesh: DisplayMesh::default(),
+        }],
+        objects: vec![Object {
+            name: "ball".into(),
+            fdi: 0,
+            tree: ball,
+            level: 3,
+            tissue: TissueModel::Rigid,
+            mesh: DisplayMesh::default(),
+        }],
+    }
+}
+
+struct Bench {
+    ticker: Ticker,
+    poses: triple_buffer::Input<Option<PoseIn>>,
+    edges: Producer<Edge>,
+    entries: Consumer<Entry>,
+    buffers: Producer<Vec<u8>>,
+}
+
+fn bench(rows: usize) -> Bench {
+    let scene = Arc::new(scene());
+    let (poses, poses_out) = triple_buffer(&None);
+    let (wrenches, _) = triple_buffer(&WrenchOut::default());
+    let (edges, edges_out) = RingBuffer::new(8);
+    let (entries_in, entries) = RingBuffer::new(rows);
+    let (mut buffers, buffers_out) = RingBuffer::new(1);
+    buffers
+        .push(Vec::with_capacity(State::bytes_len(&scene)))
+        .expect("room");
+    let simulation = Simulation {
+        scene,
+        poses: poses_out,
+        edges: edges_out,
+        wrenches,
+        bell: Bell::new().expect("eventfd"),
+        flags: Arc::default(),
+        entries: entries_in,
+        buffers: buffers_out,
+        real_time: false,
+    };
+    let mut ticker = Ticker::new(simulation, Metrics::new().expect("histograms"));
+    ticker.grid.begin(monotonic_ns());
+    Bench {
+        ticker,
+        poses,
+        edges,
+        entries,
+        buffers,
+    }
+}
+
+fn pose(height: f32) -> Option<PoseIn> {
+    let mut datagram = PoseDatagram::default();
+    datagram.tools[0].present = true;
+    datagram.tools[0].pose.position[2] = height;
+    Some(PoseIn {
+        datagram,
+        arrived_ns: monotonic_ns(),
+    })
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let mut bench = bench(1024);
+    bench.ticker.next_snapshot = 100;
+    let before = CALLS.get();
+    for k in 0..300 {
+        bench.poses.write(pose(0.006 - 2e-5 * k as f32));
+        let _ = bench.edges.push(Edge::Pressed { tool: 0, button: 1 });
+        bench.ticker.step();
+    }
+    assert_eq!(CALLS.get(), before);
+    assert!(bench.ticker.metrics.ticks == 300 && bench.ticker.state.tick >= 300);
+    let mut summary =
+        sulcus_proto::SessionSummary::empty(sulcus_proto::control::EndReason::Stopped);
+    bench.ticker.metrics.fill(&mut summary);
+    assert!(summary.max_force_n > 0.1, "it did press: {summary:?}");
+}
+
+#[test]
+fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
+    let mut bench = bench(1024);
+    bench.ticker.next_snapshot = 3;
+    for k in 0..10 {
+        if k == 5 {
+            // Held up: grid points pass.
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        bench.ticker.step();
+    }
+    let (mut tick, mut snapshots) = (0, 0);
+    while let Ok(entry) = bench.entries.pop() {
+        match entry {
+            Entry::Row(row) => {
+                tick += 1 + u64::from(row.input.skipped);
+                assert_eq!(row.tick, tick);
+            }
+            Entry::Snapshot {
+                tick: of, bytes, ..
+            } => {
+                assert_eq!(of, tick);
+                assert_eq!(
+                    State::from_bytes(&bench.ticker.scene, &bytes).map(|state| state.tick),
+                    Ok(tick)
+                );
+                snapshots += 1;
+                bench.buffers.push(bytes).expect("room");
+            }
+        }
+    }
+    assert_eq!(snapshots, 1);
+    assert!(bench.ticker.metrics.skipped >= 5);
+    assert_eq!(
+        tick,
+        bench.ticker.metrics.ticks + bench.ticker.metrics.skipped
+    );
+}
+
+#[test]
+fn a_recorder_that_stalls_costs_rows_and_says_so() {
+    let mut bench = bench(4);
+    bench.ticker.next_snapshot = 5;
+    for _ in 0..10 {
+        bench.ticker.step();
+    }
+    assert_eq!(bench.ticker.metrics.rows_dropped, 6);
+    assert_eq!(bench.ticker.metrics.snapshots_dropped, 1);
+    assert_eq!(bench.ticker.metrics.ticks, 10);
+}
