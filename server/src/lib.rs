@@ -28,7 +28,6 @@ mod recording;
 mod running;
 mod simulation;
 mod transport;
-mod utc;
 
 pub use config::{Exercise, ServerConfig};
 pub use error::ServerError;

@@ -15,7 +15,6 @@ use sulcus_sessions::{Level, RecordError, Recorder, Row, SessionEnd, SessionHead
 use crate::ServerConfig;
 use crate::handoff::{Bell, Flags};
 use crate::realtime::unix_ns;
-use crate::utc::utc;
 
 /// How often the queue is emptied. It holds four seconds; the recorder itself flushes every 100 ms
 /// of record time.
@@ -86,12 +85,14 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         started_unix_ns: plan.started_unix_ns,
         ..SessionHeader::new(config.scene_bytes.to_vec())
     };
-    let stem = format!(
-        "{}-{}",
-        utc(plan.started_unix_ns),
-        config.exercise.name.replace('/', "-")
-    );
-    let (mut recorder, name) = create(&config.recordings, &stem, &header, config)?;
+    let key = station_key(config.station_key.as_deref()).map_err(|error| error.to_string())?;
+    let (mut recorder, path) = Recorder::create_in(&config.recordings, &header, &key)
+        .map_err(|error| error.to_string())?;
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     let begin = State::new(&config.scene).to_bytes();
     recorder
         .snapshot(plan.started_unix_ns, 0, &begin)
@@ -99,29 +100,6 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         .and_then(|()| recorder.flush())
         .map_err(|error| error.to_string())?;
     Ok(Open(recorder, name))
-}
-
-fn create(
-    folder: &Path,
-    stem: &str,
-    header: &SessionHeader,
-    config: &ServerConfig,
-) -> Result<(Recorder, String), String> {
-    for attempt in 1.. {
-        let name = if attempt == 1 {
-            format!("{stem}.mcap")
-        } else {
-            format!("{stem}-{attempt}.mcap")
-        };
-        let key = station_key(config.station_key.as_deref()).map_err(|error| error.to_string())?;
-        match Recorder::create(&folder.join(&name), header, key) {
-            // Two sessions within a second.
-            Err(RecordError::Exists(_)) if attempt < 1000 => {}
-            Ok(recorder) => return Ok((recorder, name)),
-            Err(error) => return Err(error.to_string()),
-        }
-    }
-    Err(format!("every name for a recording is taken: {stem}"))
 }
 
 /// The key that signs recordings: in the file named, else at its usual place; made on first use.

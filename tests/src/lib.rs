@@ -44,7 +44,9 @@ fn build(program: Program, release: bool) -> PathBuf {
         .package(program.name())
         .bin(program.name());
     let build = if release { build.release() } else { build };
-    let run = build.run().unwrap_or_else(|error| panic!("{} does not build: {error}", program.name()));
+    let run = build
+        .run()
+        .unwrap_or_else(|error| panic!("{} does not build: {error}", program.name()));
     run.path().to_path_buf()
 }
 
@@ -56,7 +58,9 @@ pub struct Place {
 impl Place {
     /// A new empty place.
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+        Self {
+            folder: tempfile::tempdir().expect("a temporary folder"),
+        }
     }
 
     /// A path in it.
@@ -70,7 +74,10 @@ impl Place {
         command
             .current_dir(self.folder.path())
             .env("SULCUS_STATE_DIR", self.path("state"))
-            .env("SULCUS_CACHE", std::env::temp_dir().join("sulcus-test-cache"))
+            .env(
+                "SULCUS_CACHE",
+                std::env::temp_dir().join("sulcus-test-cache"),
+            )
             .stdin(Stdio::null());
         command
     }
@@ -82,7 +89,11 @@ impl Place {
 
     /// Runs the program at `path` to its end.
     pub fn run_path(&self, path: &Path, arguments: &[&str]) -> Ended {
-        let output = self.command(path).args(arguments).output().expect("the program starts");
+        let output = self
+            .command(path)
+            .args(arguments)
+            .output()
+            .expect("the program starts");
         Ended::new(output)
     }
 
@@ -151,10 +162,18 @@ impl Ended {
     /// Asserts exit code 2 and one sentence on standard error that names all of `words`.
     pub fn refused(&self, words: &[&str]) {
         assert_eq!(self.code, 2, "{self:#?}");
-        let errors: Vec<&str> = self.stderr.lines().filter(|line| line.starts_with("error: ")).collect();
+        let errors: Vec<&str> = self
+            .stderr
+            .lines()
+            .filter(|line| line.starts_with("error: "))
+            .collect();
         assert_eq!(errors.len(), 1, "one error line: {self:#?}");
         for word in words {
-            assert!(errors[0].contains(word), "`{word}` is not in: {}", errors[0]);
+            assert!(
+                errors[0].contains(word),
+                "`{word}` is not in: {}",
+                errors[0]
+            );
         }
         assert!(!self.stderr.contains("panicked"), "{self:#?}");
     }
@@ -162,9 +181,10 @@ impl Ended {
 
 /// All rows of a recording.
 pub fn rows(recording: &sulcus_sessions::Recording) -> Vec<sulcus_sessions::Row> {
-    let message = |message: Result<sulcus_sessions::Message, _>| match message.expect("a sound message") {
-        sulcus_sessions::Message::Row(row) => Some(row),
-        _ => None,
-    };
+    let message =
+        |message: Result<sulcus_sessions::Message, _>| match message.expect("a sound message") {
+            sulcus_sessions::Message::Row(row) => Some(row),
+            _ => None,
+        };
     recording.messages().filter_map(message).collect()
 }

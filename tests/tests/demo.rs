@@ -18,20 +18,39 @@ const FIELDS: [&str; 10] = [
 #[test]
 fn the_virtual_demo_is_recorded_and_replays_bit_for_bit() {
     let place = Place::new();
-    let demo = place.run(Program::Client, &["demo", "--virtual", "--duration", "5", "--json"]).ok().json();
+    let demo = place
+        .run(
+            Program::Client,
+            &["demo", "--virtual", "--duration", "5", "--json"],
+        )
+        .ok()
+        .json();
     for field in FIELDS {
         assert!(demo.get(field).is_some(), "`{field}` is missing in {demo}");
     }
     assert_eq!(demo["ticks"], 5000);
     assert!(demo["rtt_us"].is_null() && demo["grade"].is_null());
     assert_eq!(demo["identical"], true);
-    assert!(demo["max_residual_um"].as_f64().expect("a number") <= 1.0, "{demo}");
-    assert!(demo["max_force_n"].as_f64().expect("a number") > 0.05, "it never touched: {demo}");
+    assert!(
+        demo["max_residual_um"].as_f64().expect("a number") <= 1.0,
+        "{demo}"
+    );
+    assert!(
+        demo["max_force_n"].as_f64().expect("a number") > 0.05,
+        "it never touched: {demo}"
+    );
 
     let file = place.recording();
     let file = file.to_str().expect("a plain path");
-    let replay = place.run(Program::Sessions, &["replay", "--audit", "--json", file]).ok().json();
-    assert_eq!((&replay["ticks"], &replay["identical"]), (&5000.into(), &true.into()), "{replay}");
+    let replay = place
+        .run(Program::Sessions, &["replay", "--audit", "--json", file])
+        .ok()
+        .json();
+    assert_eq!(
+        (&replay["ticks"], &replay["identical"]),
+        (&5000.into(), &true.into()),
+        "{replay}"
+    );
     assert!(replay["first_divergent_tick"].is_null(), "{replay}");
     let info = place.run(Program::Sessions, &["info", file]).ok();
     assert!(info.stdout.contains("crown"), "{info:#?}");
@@ -41,9 +60,17 @@ fn the_virtual_demo_is_recorded_and_replays_bit_for_bit() {
 fn the_same_seed_gives_the_same_session_and_another_seed_another() {
     let hashes = |seed: &str| {
         let place = Place::new();
-        place.run(Program::Client, &["demo", "--virtual", "--duration", "2", "--seed", seed]).ok();
+        place
+            .run(
+                Program::Client,
+                &["demo", "--virtual", "--duration", "2", "--seed", seed],
+            )
+            .ok();
         let recording = sulcus_sessions::Recording::open(&place.recording()).expect("opens");
-        sulcus_tests::rows(&recording).iter().map(|row| row.hash).collect::<Vec<u64>>()
+        sulcus_tests::rows(&recording)
+            .iter()
+            .map(|row| row.hash)
+            .collect::<Vec<u64>>()
     };
     let (a, b, c) = (hashes("7"), hashes("7"), hashes("8"));
     assert_eq!(a.len(), 2000);
@@ -54,10 +81,21 @@ fn the_same_seed_gives_the_same_session_and_another_seed_another() {
 #[test]
 fn the_judge_in_the_tick_replays_too() {
     let place = Place::new();
-    let demo = ["demo", "--virtual", "--duration", "2", "--solver", "clarabel", "--json"];
+    let demo = [
+        "demo",
+        "--virtual",
+        "--duration",
+        "2",
+        "--solver",
+        "clarabel",
+        "--json",
+    ];
     let demo = place.run(Program::Client, &demo).ok().json();
     assert_eq!(demo["identical"], true, "{demo}");
-    assert!(demo["max_residual_um"].as_f64().expect("a number") <= 1.0, "{demo}");
+    assert!(
+        demo["max_residual_um"].as_f64().expect("a number") <= 1.0,
+        "{demo}"
+    );
 }
 
 #[test]
@@ -65,43 +103,98 @@ fn a_debug_build_replays_what_a_release_build_recorded_with_either_solver() {
     let place = Place::new();
     for solver in ["active-set", "clarabel"] {
         let folder = format!("recordings/{solver}");
-        let demo = ["demo", "--virtual", "--duration", "3", "--solver", solver, "--recordings", &folder, "--json"];
-        let demo = place.run_path(Program::Client.release_path(), &demo).ok().json();
+        let demo = [
+            "demo",
+            "--virtual",
+            "--duration",
+            "3",
+            "--solver",
+            solver,
+            "--recordings",
+            &folder,
+            "--json",
+        ];
+        let demo = place
+            .run_path(Program::Client.release_path(), &demo)
+            .ok()
+            .json();
         assert_eq!(demo["identical"], true, "{demo}");
         let file = place.path(demo["recording"].as_str().expect("a path"));
-        let replay = place.run(Program::Sessions, &["replay", "--json", file.to_str().expect("plain")]).ok().json();
-        assert_eq!((&replay["ticks"], &replay["identical"]), (&3000.into(), &true.into()), "{solver}: {replay}");
+        let replay = place
+            .run(
+                Program::Sessions,
+                &["replay", "--json", file.to_str().expect("plain")],
+            )
+            .ok()
+            .json();
+        assert_eq!(
+            (&replay["ticks"], &replay["identical"]),
+            (&3000.into(), &true.into()),
+            "{solver}: {replay}"
+        );
     }
 }
 
 #[test]
 fn a_hard_case_can_be_performed() {
     let place = Place::new();
-    let demo = place.run(Program::Client, &["demo", "--virtual", "--exercise", "hard/wedge", "--json"]).ok().json();
+    let demo = place
+        .run(
+            Program::Client,
+            &["demo", "--virtual", "--exercise", "hard/wedge", "--json"],
+        )
+        .ok()
+        .json();
     assert_eq!(demo["identical"], true, "{demo}");
-    assert!(demo["max_residual_um"].as_f64().expect("a number") <= 1.0, "{demo}");
+    assert!(
+        demo["max_residual_um"].as_f64().expect("a number") <= 1.0,
+        "{demo}"
+    );
 }
 
 #[test]
 fn the_live_demo_loses_nothing_silently_and_replays() {
     let place = Place::new();
-    let demo = place.run(Program::Client, &["demo", "--duration", "4", "--json"]).ok().json();
+    let demo = place
+        .run(Program::Client, &["demo", "--duration", "4", "--json"])
+        .ok()
+        .json();
     // On a busy machine ticks are missed; what matters is that each is accounted for.
-    let (ticks, skipped) = (demo["ticks"].as_u64().expect("ticks"), demo["skipped"].as_u64().expect("skipped"));
+    let (ticks, skipped) = (
+        demo["ticks"].as_u64().expect("ticks"),
+        demo["skipped"].as_u64().expect("skipped"),
+    );
     assert!(ticks > 100, "{demo}");
     assert!(ticks + skipped >= 3000, "{demo}");
-    assert!(demo["deadline_misses"].as_u64().expect("misses") >= skipped, "{demo}");
+    assert!(
+        demo["deadline_misses"].as_u64().expect("misses") >= skipped,
+        "{demo}"
+    );
     assert_eq!(demo["identical"], true, "{demo}");
-    assert!(demo["rtt_us"]["p50"].as_f64().expect("a time") > 0.0, "{demo}");
-    assert!(demo["max_residual_um"].as_f64().expect("a number") <= 1.0, "{demo}");
+    assert!(
+        demo["rtt_us"]["p50"].as_f64().expect("a time") > 0.0,
+        "{demo}"
+    );
+    assert!(
+        demo["max_residual_um"].as_f64().expect("a number") <= 1.0,
+        "{demo}"
+    );
 
-    let replay = place.run(Program::Sessions, &["replay", "--json", place.recording().to_str().expect("plain")]);
+    let replay = place.run(
+        Program::Sessions,
+        &[
+            "replay",
+            "--json",
+            place.recording().to_str().expect("plain"),
+        ],
+    );
     assert_eq!(replay.ok().json()["ticks"], demo["ticks"]);
 }
 
 #[test]
 fn a_real_tooth_runs_through_the_demo() {
-    let mesh = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/meshes/tooth_36_first_molar.stl");
+    let mesh = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../shared/data/meshes/tooth_36_first_molar.stl");
     let Ok(mesh) = mesh.canonicalize() else {
         eprintln!("SKIPPED: no real tooth at {}", mesh.display());
         return;
@@ -113,9 +206,27 @@ fn a_real_tooth_runs_through_the_demo() {
          level = 3\nlevels = 4\ntissue = \"rigid\"\n"
     );
     std::fs::write(place.path("real.toml"), scene).expect("writes");
-    let demo = ["demo", "--virtual", "--duration", "5", "--scene", "real.toml", "--json"];
+    let demo = [
+        "demo",
+        "--virtual",
+        "--duration",
+        "5",
+        "--scene",
+        "real.toml",
+        "--json",
+    ];
     let demo = place.run(Program::Client, &demo).ok().json();
-    assert_eq!((&demo["identical"], &demo["scene"]), (&true.into(), &"real tooth".into()), "{demo}");
-    assert!(demo["max_residual_um"].as_f64().expect("a number") <= 1.0, "{demo}");
-    assert!(demo["max_force_n"].as_f64().expect("a number") > 0.05, "{demo}");
+    assert_eq!(
+        (&demo["identical"], &demo["scene"]),
+        (&true.into(), &"real tooth".into()),
+        "{demo}"
+    );
+    assert!(
+        demo["max_residual_um"].as_f64().expect("a number") <= 1.0,
+        "{demo}"
+    );
+    assert!(
+        demo["max_force_n"].as_f64().expect("a number") > 0.05,
+        "{demo}"
+    );
 }

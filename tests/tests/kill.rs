@@ -30,10 +30,22 @@ fn serve(place: &Place) -> Serving {
         .expect("the server starts");
     let mut first = String::new();
     let stdout = process.stdout.take().expect("piped");
-    BufReader::new(stdout).read_line(&mut first).expect("a first line");
-    let said: serde_json::Value = serde_json::from_str(&first).unwrap_or_else(|e| panic!("{e}: {first}"));
-    let text = |field: &str| said[field].as_str().unwrap_or_else(|| panic!("`{field}` in {first}")).to_owned();
-    Serving { process, address: text("address"), ticket: text("ticket") }
+    BufReader::new(stdout)
+        .read_line(&mut first)
+        .expect("a first line");
+    let said: serde_json::Value =
+        serde_json::from_str(&first).unwrap_or_else(|e| panic!("{e}: {first}"));
+    let text = |field: &str| {
+        said[field]
+            .as_str()
+            .unwrap_or_else(|| panic!("`{field}` in {first}"))
+            .to_owned()
+    };
+    Serving {
+        process,
+        address: text("address"),
+        ticket: text("ticket"),
+    }
 }
 
 #[test]
@@ -42,7 +54,16 @@ fn a_killed_server_lets_the_hand_go_gently_and_leaves_a_recording_that_replays()
     let (client, _) = (Program::Client.path(), Program::Server.path());
     let place = Place::new();
     let mut server = serve(&place);
-    let run = ["run", "--server", &server.address, "--ticket", &server.ticket, "--duration", "60", "--json"];
+    let run = [
+        "run",
+        "--server",
+        &server.address,
+        "--ticket",
+        &server.ticket,
+        "--duration",
+        "60",
+        "--json",
+    ];
     let session = place
         .command(client)
         .args(run)
@@ -54,29 +75,55 @@ fn a_killed_server_lets_the_hand_go_gently_and_leaves_a_recording_that_replays()
     std::thread::sleep(Duration::from_secs(5));
     server.process.kill().expect("SIGKILL");
     server.process.wait().expect("it is gone");
-    let ended = Ended::new(session.wait_with_output().expect("the client ends by itself"));
+    let ended = Ended::new(
+        session
+            .wait_with_output()
+            .expect("the client ends by itself"),
+    );
 
     assert_eq!(ended.code, 1, "{ended:#?}");
     let said = ended.json();
     let device = &said["device"];
-    let number = |field: &str| device[field].as_f64().unwrap_or_else(|| panic!("`{field}` in {said}"));
+    let number = |field: &str| {
+        device[field]
+            .as_f64()
+            .unwrap_or_else(|| panic!("`{field}` in {said}"))
+    };
     assert_eq!(device["server_lost"], true, "{said}");
     assert!(number("max_displayed_n") > 0.05, "it never touched: {said}");
     assert_eq!(number("last_displayed_n"), 0.0, "{said}");
     // No faster than the watchdog's ramp (at most 15 % of the force a step) and the tick's own slew.
-    assert!(number("max_displayed_step_n") <= 0.5 + 0.15 * number("max_displayed_n"), "{said}");
+    assert!(
+        number("max_displayed_step_n") <= 0.5 + 0.15 * number("max_displayed_n"),
+        "{said}"
+    );
 
     let recording = Recording::open(&place.recording()).expect("the recording opens");
-    assert!(matches!(recording.ending(), Ending::CutOff { .. }), "{:?}", recording.ending());
+    assert!(
+        matches!(recording.ending(), Ending::CutOff { .. }),
+        "{:?}",
+        recording.ending()
+    );
     let last_recorded = rows(&recording).last().expect("rows").tick;
     let last_heard = device["last_tick"].as_u64().expect("a tick");
-    assert!(last_recorded + 200 >= last_heard, "recorded to tick {last_recorded}, heard of {last_heard}");
+    assert!(
+        last_recorded + 200 >= last_heard,
+        "recorded to tick {last_recorded}, heard of {last_heard}"
+    );
 
     let file = place.recording();
-    let replay = place.run(Program::Sessions, &["replay", "--json", file.to_str().expect("plain")]).ok().json();
+    let replay = place
+        .run(
+            Program::Sessions,
+            &["replay", "--json", file.to_str().expect("plain")],
+        )
+        .ok()
+        .json();
     assert_eq!(replay["identical"], true, "{replay}");
     assert_eq!(replay["gradable"], false, "{replay}");
-    let info = place.run(Program::Sessions, &["info", file.to_str().expect("plain")]).ok();
+    let info = place
+        .run(Program::Sessions, &["info", file.to_str().expect("plain")])
+        .ok();
     assert!(info.stdout.contains("cut off"), "{info:#?}");
 }
 
@@ -85,7 +132,16 @@ fn a_server_stopped_properly_signs_and_the_next_client_can_come() {
     let place = Place::new();
     let server = serve(&place);
     let session = |n: usize| {
-        let run = ["run", "--server", &server.address, "--ticket", &server.ticket, "--duration", "1", "--json"];
+        let run = [
+            "run",
+            "--server",
+            &server.address,
+            "--ticket",
+            &server.ticket,
+            "--duration",
+            "1",
+            "--json",
+        ];
         let ended = place.run(Program::Client, &run).ok().json();
         assert_eq!(ended["device"]["server_lost"], false, "{ended}");
         let found = sulcus_tests::files_with(&place.path("recordings"), "mcap");
@@ -94,7 +150,17 @@ fn a_server_stopped_properly_signs_and_the_next_client_can_come() {
     session(1);
     session(2);
     for file in sulcus_tests::files_with(&place.path("recordings"), "mcap") {
-        let replay = place.run(Program::Sessions, &["replay", "--json", file.to_str().expect("plain")]).ok().json();
-        assert_eq!((&replay["identical"], &replay["gradable"]), (&true.into(), &true.into()), "{replay}");
+        let replay = place
+            .run(
+                Program::Sessions,
+                &["replay", "--json", file.to_str().expect("plain")],
+            )
+            .ok()
+            .json();
+        assert_eq!(
+            (&replay["identical"], &replay["gradable"]),
+            (&true.into(), &true.into()),
+            "{replay}"
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! From a closed mesh to a sphere tree, top down.
 //!
-//! A node owns a share of the surface samples. Its children share them out by [`crate::cluster`],
-//! each child is one ball fitted to its share by [`crate::fit`]. Distances are true distances to
+//! A node owns a share of the surface samples. Its children share them out by `cluster`,
+//! each child is one ball fitted to its share by `fit`. Distances are true distances to
 //! the mesh. The result is a function of mesh and options alone: seeds are fixed per node, and
 //! threads only ever compute whole nodes.
 
