@@ -43,6 +43,12 @@ pub struct LoopReport {
     pub server_lost: bool,
 }
 
+/// Most that the force displayed changes per period, newtons: what the server's own slew limit allows per tick
+/// at its default. Where wrenches were lost the newest may differ by many ticks' worth.
+const MAX_FORCE_STEP_N: f64 = 0.5;
+/// The same for the torque, newton-metres.
+const MAX_TORQUE_STEP_NM: f64 = 0.03;
+
 /// What happens to the input on its way, period by period (a hard case's lost packets and bad
 /// numbers).
 pub type Disturb = fn(u64, &mut TickInput);
@@ -72,6 +78,7 @@ pub fn run(
                 gated(&packet.datagram.tools[t], gate)
             })
         });
+        let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| slewed(&displayed[t], &felt[t]));
         for (now, before) in felt.iter().zip(&displayed) {
             let force = norm(&now.force);
             report.max_displayed_n = report.max_displayed_n.max(force);
@@ -111,6 +118,23 @@ pub fn run(
         }
     }
     report
+}
+
+/// `wanted`, as far as one period's limits allow from `before`.
+fn slewed(before: &Wrench, wanted: &Wrench) -> Wrench {
+    let step = |from: Vec3, to: Vec3, most: f64| {
+        let change = to - from;
+        let length = norm(&change);
+        if length > most {
+            from + change * (most / length)
+        } else {
+            to
+        }
+    };
+    Wrench {
+        force: step(before.force, wanted.force, MAX_FORCE_STEP_N),
+        torque: step(before.torque, wanted.torque, MAX_TORQUE_STEP_NM),
+    }
 }
 
 fn gated(sent: &ToolWrench, gate: f64) -> Wrench {
@@ -179,5 +203,26 @@ fn punctual() {
             "no real-time scheduling for the device: {}",
             std::io::Error::last_os_error()
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrenches_lost_for_a_while_do_not_come_back_as_a_jolt() {
+        let wanted = Wrench {
+            force: Vec3::new(3.3, 0.0, 0.0),
+            torque: Vec3::new(0.0, 0.2, 0.0),
+        };
+        let mut displayed = Wrench::ZERO;
+        for _ in 0..7 {
+            let next = slewed(&displayed, &wanted);
+            assert!(norm(&(next.force - displayed.force)) <= MAX_FORCE_STEP_N + 1e-12);
+            assert!(norm(&(next.torque - displayed.torque)) <= MAX_TORQUE_STEP_NM + 1e-12);
+            displayed = next;
+        }
+        assert_eq!(displayed, wanted);
     }
 }

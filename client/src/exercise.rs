@@ -32,6 +32,11 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// BLAKE3 of the compiled scene, as a server says it.
+    pub fn scene_hash(&self) -> [u8; 32] {
+        *blake3::hash(&self.scene_bytes).as_bytes()
+    }
+
     /// The exercise as it goes into the recording (TOML).
     pub fn definition(&self, seed: u64) -> String {
         format!(

@@ -35,11 +35,15 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
         solver,
         &steps,
     )?;
+    for warning in &prepared.warnings {
+        eprintln!("warning: {warning}");
+    }
     let link = Link::connect(config)?;
-    let theirs = link.hello().scene.clone();
-    if theirs != prepared.scene.name {
+    let hello = link.hello();
+    if hello.scene_hash != prepared.scene_hash() {
         bail!(
-            "the server simulates scene `{theirs}`, the simulated operator knows `{}`: name the server's with --scene",
+            "the server simulates scene `{}`, which is not the `{}` that the simulated operator knows: name the server's with --scene",
+            hello.scene,
             prepared.scene.name
         );
     }

@@ -34,7 +34,6 @@ impl Row {
 Little-endian, no padding.
 u64     tick          number of the tick on the clock's grid (1 kHz)
 u64     time_unix_ns  session clock, nanoseconds since the Unix epoch
-u8      level         tree level of contact; 255: as the scene says
 u8      paused        0 or 1
 u16     skipped       ticks of the grid missed just before this one
 f32     force_limit_n instructor's limit, N; 0: the scene's
@@ -118,7 +117,7 @@ mod tests {
     fn the_schema_adds_up_to_the_length() {
         assert_eq!(
             Row::BYTES,
-            8 + 8 + 1 + 1 + 2 + 4 + 2 * (1 + 2 + 2 + 12 + 16) + 2 * 26 + 8
+            8 + 8 + 1 + 2 + 4 + 2 * (1 + 2 + 2 + 12 + 16) + 2 * 26 + 8
         );
     }
 
@@ -126,9 +125,9 @@ mod tests {
         #[test]
         fn bytes_survive_a_round_trip(raw in proptest::collection::vec(any::<u8>(), Row::BYTES)) {
             let mut raw = raw;
-            raw[17] &= 1; // paused
-            raw[24] &= 3; // flags of the first tool
-            raw[57] &= 3; // and of the second
+            raw[16] &= 1; // paused
+            raw[23] &= 3; // flags of the first tool
+            raw[56] &= 3; // and of the second
             let row = Row::from_bytes(&raw).expect("valid flags");
             prop_assert_eq!(&row.to_bytes()[..], &raw[..]);
         }

@@ -84,7 +84,7 @@ impl Crown {
     /// The exercise on the tooth with FDI number `fdi`, or the first tooth, with the first tool.
     ///
     /// # Errors
-    /// When the scene has no tooth.
+    /// When the scene has no tooth, or its tooth no crown to go round.
     pub fn new(scene: &Scene, fdi: Option<u8>, params: CrownParams) -> Result<Self, NoCrown> {
         let wanted = |object: &&Object| fdi.map_or(object.fdi != 0, |fdi| object.fdi == fdi);
         let tooth = scene.objects.iter().find(wanted).ok_or_else(|| {
@@ -130,6 +130,14 @@ impl Crown {
             }));
         }
         let mean_radius = radius.iter().flatten().sum::<f64>() / (HEIGHTS * BEARINGS) as f64;
+        if radius.iter().flatten().any(|r| r.is_nan() || *r <= 0.0) {
+            return Err(NoCrown(format!(
+                "tooth `{}` has no surface all round between {:.1} and {:.1} mm below its top: is z up, and is it a tooth?",
+                tooth.name,
+                params.below_top[0] * 1e3,
+                params.below_top[1] * 1e3
+            )));
+        }
         Ok(Self {
             params,
             tool: ToolFrame::of(tool),
@@ -197,7 +205,9 @@ impl ToolFrame {
         let across = if across.norm() > 1e-6 {
             across.normalize()
         } else {
-            out.cross(&Vec3::x()).normalize()
+            // Not along the axis itself, whichever that is.
+            let least = Vec3::ith(out.iamin(), 1.0);
+            out.cross(&least).normalize()
         };
         Self {
             tip: tool.tip,
@@ -291,6 +301,38 @@ mod tests {
             let q = exp_rotation(&w);
             let back = nalgebra_rotation(&q.to_rotation_matrix().into_inner());
             assert!(q.angle_to(&back) < 1e-7, "{w:?}");
+        }
+    }
+
+    #[test]
+    fn a_straight_tool_along_any_axis_gets_a_rotation() {
+        for axis in [Vec3::x(), Vec3::y(), -Vec3::z()] {
+            let tool = sulcus_core::Tool {
+                name: "straight".into(),
+                tree: sulcus_core::SphereTree::over_leaves(&[sulcus_core::Sphere {
+                    centre: axis,
+                    radius: 1.0,
+                }])
+                .expect("valid"),
+                level: 0,
+                working_point: axis,
+                tip: axis,
+                tip_axis: axis,
+                stiffness_n_per_m: 500.0,
+                stiffness_nm_per_rad: 0.5,
+                park: Pose::identity(),
+                bands: Vec::new(),
+                mesh: sulcus_core::DisplayMesh::default(),
+            };
+            let pose = ToolFrame::of(&tool).at(&Vec3::zeros(), &-Vec3::z(), &Vec3::x());
+            assert!(
+                (pose.orientation * axis + Vec3::z()).norm() < 1e-12,
+                "{axis:?}: {pose:?}"
+            );
+            assert!(
+                pose.transform(&tool.tip).norm() < 1e-12,
+                "{axis:?}: {pose:?}"
+            );
         }
     }
 

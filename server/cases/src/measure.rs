@@ -28,7 +28,8 @@ pub struct Measures {
     pub exhausted_residual: f64,
     /// *Jump*: largest translation of the graphic tool's working point in a tick beyond the hand's, metres.
     pub jump: f64,
-    /// *Buzz*: mean length of the second difference of the raw force, newtons per tick.
+    /// *Buzz*: mean length of the second difference of the raw force over ticks under load, newtons per
+    /// tick.
     pub buzz: f64,
     /// *Force step*: largest change of the **raw** force in a tick beyond `k_t |dq_h|`, newtons.
     pub force_step: f64,
@@ -177,7 +178,8 @@ impl Observer {
             m.force_step = m
                 .force_step
                 .max(norm(&change) - tool.stiffness_n_per_m * hand);
-            if let Some(last) = self.last_force_change[t] {
+            let loaded = out.active > 0 || norm(&before.raw.force) > 0.0;
+            if let Some(last) = self.last_force_change[t].filter(|_| loaded) {
                 self.second_differences += norm(&(change - last));
                 self.second_difference_count += 1;
             }
@@ -202,7 +204,8 @@ impl Observer {
     }
 }
 
-/// `G log(q_h q_g^-1)` at the working point against the raw wrench, relative to the larger lever arm.
+/// `G log(q_h q_g^-1)` against the raw wrench, both at the working point: the force relative to the force, the
+/// torque to the torque there or to the force at a lever of a millimetre, whichever is larger.
 fn coupling_error(tool: &sulcus_core::Tool, now: &ToolTrace) -> f64 {
     let stretch =
         now.graphic.transform(&tool.working_point) - now.haptic.transform(&tool.working_point);
@@ -210,12 +213,13 @@ fn coupling_error(tool: &sulcus_core::Tool, now: &ToolTrace) -> f64 {
     let spring = Wrench {
         force: stretch * tool.stiffness_n_per_m,
         torque: twist * tool.stiffness_nm_per_rad,
-    }
-    .moved(&(now.haptic.orientation * tool.working_point));
-    let lever = norm(&tool.working_point).max(1e-3);
-    let force = norm(&(spring.force - now.raw.force)) / norm(&now.raw.force);
-    let torque = norm(&(spring.torque - now.raw.torque))
-        / (norm(&now.raw.force) * lever).max(norm(&now.raw.torque));
+    };
+    let raw = now
+        .raw
+        .moved(&-(now.haptic.orientation * tool.working_point));
+    let force = norm(&(spring.force - raw.force)) / norm(&raw.force);
+    let torque =
+        norm(&(spring.torque - raw.torque)) / norm(&raw.torque).max(norm(&raw.force) * 1e-3);
     force.max(torque)
 }
 

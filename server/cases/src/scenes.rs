@@ -88,6 +88,38 @@ pub fn thin_plate() -> Object {
     object("plate", &spheres)
 }
 
+/// As [`thin_plate`], 50 mm wide: nothing gets round it.
+pub fn wide_plate() -> Object {
+    let spheres: Vec<_> = grid(25e-3, 3e-4)
+        .map(|centre| Sphere {
+            centre,
+            radius: TIP_RADIUS,
+        })
+        .collect();
+    object("wide plate", &spheres)
+}
+
+/// A tool with a flat face of 12 by 12 spheres over a face of the same: every sphere can settle between
+/// four others.
+pub fn flat_on_flat() -> Scene {
+    let face = |z: f64| {
+        (0..144).map(move |k| Sphere {
+            centre: Vec3::new(
+                f64::from(k % 12) * 3e-4 - 1.65e-3,
+                f64::from(k / 12) * 3e-4 - 1.65e-3,
+                z,
+            ),
+            radius: 2e-4,
+        })
+    };
+    let mut scene = scene(
+        "flat on flat",
+        vec![object("face", &face(0.0).collect::<Vec<_>>())],
+    );
+    scene.tools[0].tree = tree(&face(-TIP_BELOW_DEVICE).collect::<Vec<_>>());
+    scene
+}
+
 /// A V of two plates along y that open upwards, 15 degrees to each side of the vertical; the rod
 /// sticks where it is as wide as the V.
 pub fn wedge() -> Object {

@@ -25,6 +25,10 @@ pub enum Driver {
 pub struct Bounds {
     /// Deepest residual of converged ticks.
     pub residual: f64,
+    /// Deepest overlap in exhausted ticks: not done yet, but never deep.
+    pub exhausted_residual: f64,
+    /// Most energy put out into the hand, joules: the closed loop must not drive it.
+    pub energy: f64,
     /// Largest share of ticks whose substeps ran out.
     pub exhausted_share: f64,
     /// Largest jump.
@@ -80,6 +84,14 @@ impl Bounds {
             }
         };
         most("residual", m.residual, self.residual, 1e6, "um");
+        most(
+            "residual, exhausted",
+            m.exhausted_residual,
+            self.exhausted_residual,
+            1e6,
+            "um",
+        );
+        most("energy", m.energy, self.energy, 1e3, "mJ");
         most(
             "exhausted share",
             m.exhausted as f64 / m.ticks.max(1) as f64,
@@ -138,6 +150,33 @@ fn stab(speed: f64) -> Box<dyn Script + Send> {
     })
 }
 
+/// Every 25 ms to another target, anywhere within 5 mm of the axis and from 8 mm below to 20 mm above the
+/// plate, turning about the tip, so that the speed clamp (which knows only the device point) has no say.
+fn tumble(t: f64) -> Pose {
+    let (k, share) = ((t / 0.025).floor(), t / 0.025 - (t / 0.025).floor());
+    let target = |k: f64| {
+        // A hash of the target's number that needs no state.
+        let unit = |salt: f64| {
+            let x = libm::sin(k * 12.9898 + salt * 78.233) * 43758.5453;
+            x - x.floor()
+        };
+        let side = |salt: f64| 2.0 * unit(salt) - 1.0;
+        let turn = Vec3::new(side(1.0), side(2.0), side(3.0)) * 1.2;
+        (
+            turn,
+            Vec3::new(
+                5e-3 * side(4.0),
+                5e-3 * side(5.0),
+                -8e-3 + 28e-3 * unit(6.0),
+            ),
+        )
+    };
+    let ((turn, tip), (next_turn, next_tip)) = (target(k), target(k + 1.0));
+    let facing = exp_rotation(&(turn + (next_turn - turn) * share));
+    let tip = tip + (next_tip - tip) * share;
+    Pose::new(tip + facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE), facing)
+}
+
 const THIN_PLATE: Case = Case {
     name: "thin-plate-0.5",
     about: "a plate of 0.5 mm, stabbed at 0.5 m/s: never through",
@@ -148,6 +187,8 @@ const THIN_PLATE: Case = Case {
     seed: 1,
     bounds: Bounds {
         residual: 1e-6,
+        exhausted_residual: 2e-5,
+        energy: 1e-3,
         exhausted_share: 0.001,
         jump: 5e-4,
         force_step: 0.05,
@@ -261,6 +302,72 @@ pub const TABLE: &[Case] = &[
         }),
         margin: no_margin,
         bounds: Bounds {
+            contact_ticks: 1000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "flat-on-flat",
+        about: "a face of 144 spheres pressed on another and lifted off: hundreds of rows, and the tool follows",
+        scene: scenes::flat_on_flat,
+        driver: Driver::Kinematic(|| {
+            let pose = |t: f64| {
+                let z = 2e-3 - 4e-3 * smoothstep(t / 0.8) + 12e-3 * smoothstep((t - 1.2) / 0.8);
+                Pose::new(
+                    device_over(Vec3::new(3e-4 * libm::sin(3.0 * t), 0.0, z)),
+                    Quat::identity(),
+                )
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 2.5,
+            })
+        }),
+        // Well clear of the face, the graphic tool must be with the hand.
+        margin: |_, output| {
+            let tool = &output.tools[0];
+            let at = |pose: &Pose| pose.transform(&Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE));
+            let clear = at(&tool.haptic).z > 3e-3 && output.tick > 1300;
+            if clear {
+                1e-3 - (at(&tool.haptic) - at(&tool.graphic)).norm()
+            } else {
+                f64::INFINITY
+            }
+        },
+        bounds: Bounds {
+            margin: 5e-4,
+            contact_ticks: 500,
+            force_step: 0.2,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "tumble",
+        about: "targets on both sides of a wide plate, another every 25 ms, turned by up to 1.2 rad about each axis: no sphere is ever through",
+        scene: || scenes::scene("wide plate", vec![scenes::wide_plate()]),
+        driver: Driver::Kinematic(|| {
+            Box::new(OneTool {
+                pose: tumble,
+                duration_s: 6.0,
+            })
+        }),
+        margin: |scene, output| {
+            let tool = &scene.tools[0];
+            let height =
+                |node: &sulcus_core::Node| output.tools[0].graphic.transform(&node.centre).z;
+            tool.tree
+                .shape_at(tool.level)
+                .map(|(_, node)| height(node))
+                .fold(f64::INFINITY, f64::min)
+        },
+        // Over a metre a second and 80 rad/s: what is asked is safety; the rest is what it came to.
+        bounds: Bounds {
+            exhausted_share: 0.02,
+            jump: 3.8e-3,
+            force_step: 2.0,
+            buzz: 0.2,
             contact_ticks: 1000,
             ..THIN_PLATE.bounds
         },

@@ -10,9 +10,10 @@ fn every_case_of_the_table_holds() {
         let report = run(case, |_| {});
         let m = &report.measures;
         println!(
-            "{:16} residual {:.3} um, jump {:.3} mm, force step {:.3} N, buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}",
+            "{:16} residual {:.3} um (exhausted {:.3}), jump {:.3} mm, force step {:.3} N, buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}",
             case.name,
             m.residual * 1e6,
+            m.exhausted_residual * 1e6,
             m.jump * 1e3,
             m.force_step,
             m.buzz,

@@ -35,6 +35,103 @@ impl Contact {
     }
 }
 
+/// The contacts of one pass, at most `limit` of them: a number of its own, not a `Vec`'s capacity,
+/// which an allocator may round up.
+#[derive(Debug)]
+pub struct ContactList {
+    contacts: Vec<Contact>,
+    limit: usize,
+    overflow: Overflow,
+}
+
+/// What happens to a contact that finds the list full.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overflow {
+    /// The query ends: the caller asks again with a smaller distance.
+    Stop,
+    /// The contact with the largest gap makes room, if it is larger.
+    KeepSmallestGaps,
+}
+
+impl ContactList {
+    /// An empty list with room for `most` contacts in any query.
+    pub fn with_capacity(most: usize) -> Self {
+        Self {
+            contacts: Vec::with_capacity(most),
+            limit: most,
+            overflow: Overflow::Stop,
+        }
+    }
+
+    /// Empties the list for a query of at most `limit` contacts.
+    pub fn begin(&mut self, limit: usize, overflow: Overflow) {
+        self.contacts.clear();
+        (self.limit, self.overflow) = (limit, overflow);
+    }
+
+    /// What was found, in no particular order until [`ContactList::sort`].
+    #[inline]
+    pub fn as_slice(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Sorts by [`Contact::key`].
+    pub fn sort(&mut self) {
+        self.contacts.sort_unstable_by_key(Contact::key);
+    }
+
+    fn push(&mut self, contact: Contact) -> Result<(), ContactsFull> {
+        if self.contacts.len() < self.limit {
+            self.contacts.push(contact);
+            if self.overflow == Overflow::KeepSmallestGaps && self.contacts.len() == self.limit {
+                for at in (0..self.limit / 2).rev() {
+                    self.sift_down(at);
+                }
+            }
+            return Ok(());
+        }
+        match self.overflow {
+            Overflow::Stop => Err(ContactsFull),
+            Overflow::KeepSmallestGaps => {
+                if self
+                    .contacts
+                    .first()
+                    .is_some_and(|worst| outranks(worst, &contact))
+                {
+                    self.contacts[0] = contact;
+                    self.sift_down(0);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Restores the heap (largest gap first) below `at`.
+    fn sift_down(&mut self, mut at: usize) {
+        loop {
+            let mut largest = at;
+            for child in [2 * at + 1, 2 * at + 2] {
+                if child < self.contacts.len()
+                    && outranks(&self.contacts[child], &self.contacts[largest])
+                {
+                    largest = child;
+                }
+            }
+            if largest == at {
+                return;
+            }
+            self.contacts.swap(at, largest);
+            at = largest;
+        }
+    }
+}
+
+/// Whether `a` goes before `b` does when room is short: larger gap, then larger key, so that the
+/// choice does not depend on the order of the query.
+fn outranks(a: &Contact, b: &Contact) -> bool {
+    a.gap > b.gap || (a.gap == b.gap && a.key() > b.key())
+}
+
 /// A tree at a pose: what one side of a query needs.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedTool<'a> {
@@ -51,7 +148,7 @@ pub struct PosedTool<'a> {
 }
 
 /// Traversal scratch; nothing in it outlives a query of one tool.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Predictor {
     /// World centres of tool nodes, filled as they are needed.
     centres: Vec<Vec3>,
@@ -89,16 +186,16 @@ impl Predictor {
     }
 
     /// Appends every pair of contact spheres of `tool` and `object` (nodes in world axes)
-    /// with a gap under `d` to `out`, up to its capacity.
+    /// with a gap under `d` to `out`.
     ///
     /// # Errors
-    /// When `out` is full; it then holds an arbitrary part.
+    /// When `out` is full and [`Overflow::Stop`] holds; it then has an arbitrary part.
     pub fn predict(
         &mut self,
         tool: &PosedTool<'_>,
         object: (u16, &[Node], u8),
         d: f64,
-        out: &mut Vec<Contact>,
+        out: &mut ContactList,
     ) -> Result<(), ContactsFull> {
         let (object_index, objects, object_level) = object;
         let rotation = tool.pose.orientation.to_rotation_matrix().into_inner();
@@ -119,9 +216,6 @@ impl Predictor {
                 if squared >= (reach + d) * (reach + d) {
                     continue;
                 }
-                if out.len() == out.capacity() {
-                    return Err(ContactsFull);
-                }
                 let distance = squared.sqrt();
                 // Concentric spheres have no normal: any direction is as good, take up.
                 let normal = if distance > 1e-12 {
@@ -137,7 +231,7 @@ impl Predictor {
                     normal,
                     gap: distance - reach,
                     arm: at - working_point,
-                });
+                })?;
                 continue;
             }
             // Open the larger of the two that can be opened.

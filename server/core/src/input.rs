@@ -56,13 +56,12 @@ impl ToolInput {
     };
 }
 
-/// Input of one tick.
+/// Input of one tick. (The level of detail is the scene's: a switch in mid-contact would have to map the
+/// state first, and will then be an input too.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TickInput {
     /// Per tool of the scene, in the scene's order; further slots absent.
     pub tools: [ToolInput; MAX_TOOLS],
-    /// Level of detail in use (tree level of contact), or [`TickInput::SCENE_LEVEL`].
-    pub level: u8,
     /// Instructor's pause: forces ramp to zero.
     pub paused: bool,
     /// Instructor's force limit, newtons; not above the scene's. Zero: the scene's limit.
@@ -72,15 +71,12 @@ pub struct TickInput {
 }
 
 impl TickInput {
-    /// `level` value that means "as the scene says".
-    pub const SCENE_LEVEL: u8 = u8::MAX;
     /// Length of [`TickInput::to_bytes`].
-    pub const BYTES: usize = 8 + MAX_TOOLS * TOOL_BYTES;
+    pub const BYTES: usize = HEAD_BYTES + MAX_TOOLS * TOOL_BYTES;
 
     /// No tool present, nothing commanded.
     pub const IDLE: TickInput = TickInput {
         tools: [ToolInput::ABSENT; MAX_TOOLS],
-        level: Self::SCENE_LEVEL,
         paused: false,
         force_limit_n: 0.0,
         skipped: 0,
@@ -90,14 +86,13 @@ impl TickInput {
     /// float, NaN payloads included.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
-        bytes[0] = self.level;
-        bytes[1] = u8::from(self.paused);
-        bytes[2..4].copy_from_slice(&self.skipped.to_le_bytes());
-        bytes[4..8].copy_from_slice(&self.force_limit_n.to_bits().to_le_bytes());
+        bytes[0] = u8::from(self.paused);
+        bytes[1..3].copy_from_slice(&self.skipped.to_le_bytes());
+        bytes[3..7].copy_from_slice(&self.force_limit_n.to_bits().to_le_bytes());
         for (tool, out) in self
             .tools
             .iter()
-            .zip(bytes[8..].chunks_exact_mut(TOOL_BYTES))
+            .zip(bytes[HEAD_BYTES..].chunks_exact_mut(TOOL_BYTES))
         {
             out[0] = u8::from(tool.present) | u8::from(tool.stale) << 1;
             out[1..3].copy_from_slice(&tool.age_ticks.to_le_bytes());
@@ -113,10 +108,13 @@ impl TickInput {
     /// Inverse of [`TickInput::to_bytes`]; `None` when a flag byte holds a value never written.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Option<Self> {
         let mut tools = [ToolInput::ABSENT; MAX_TOOLS];
-        if bytes[1] > 1 {
+        if bytes[0] > 1 {
             return None;
         }
-        for (tool, raw) in tools.iter_mut().zip(bytes[8..].chunks_exact(TOOL_BYTES)) {
+        for (tool, raw) in tools
+            .iter_mut()
+            .zip(bytes[HEAD_BYTES..].chunks_exact(TOOL_BYTES))
+        {
             if raw[0] > 3 {
                 return None;
             }
@@ -141,16 +139,17 @@ impl TickInput {
         }
         Some(TickInput {
             tools,
-            level: bytes[0],
-            paused: bytes[1] == 1,
-            skipped: u16::from_le_bytes([bytes[2], bytes[3]]),
+            paused: bytes[0] == 1,
+            skipped: u16::from_le_bytes([bytes[1], bytes[2]]),
             force_limit_n: f32::from_bits(u32::from_le_bytes([
-                bytes[4], bytes[5], bytes[6], bytes[7],
+                bytes[3], bytes[4], bytes[5], bytes[6],
             ])),
         })
     }
 }
 
+/// Pause, skipped ticks, force limit.
+const HEAD_BYTES: usize = 1 + 2 + 4;
 /// Flags, age, buttons and seven f32 of one tool.
 const TOOL_BYTES: usize = 5 + 7 * 4;
 
@@ -163,9 +162,9 @@ mod tests {
         #[test]
         fn bytes_survive_a_round_trip(raw in proptest::collection::vec(any::<u8>(), TickInput::BYTES)) {
             let mut bytes: [u8; TickInput::BYTES] = raw.try_into().expect("length");
-            bytes[1] &= 1;
-            bytes[8] &= 3;
-            bytes[8 + TOOL_BYTES] &= 3;
+            bytes[0] &= 1;
+            bytes[HEAD_BYTES] &= 3;
+            bytes[HEAD_BYTES + TOOL_BYTES] &= 3;
             let input = TickInput::from_bytes(&bytes).expect("valid flags");
             prop_assert_eq!(input.to_bytes(), bytes);
         }

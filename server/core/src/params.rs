@@ -8,7 +8,7 @@ use crate::optimise::SolverKind;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Params {
-    /// Smallest contact-prediction distance, metres. Default 5e-5, range 1e-5..1e-3. Larger: fewer
+    /// Smallest contact-prediction distance, metres. Default 5e-5, range 1e-6..1e-3. Larger: fewer
     /// substeps, more rows. Source: notes of the prototype, section 2 (the paper's fixed 0.5 mm
     /// is larger than the sphere spacing at level 3).
     pub predict_min: f64,
@@ -19,9 +19,9 @@ pub struct Params {
     /// Prediction distance added to the motion, metres. Default 3e-5.
     pub predict_bias: f64,
     /// Share of the prediction distance that the graphic tool may move between two collision
-    /// passes. Default 0.95, range 0.1..1 exclusive: at 1 or more the guarantee is lost.
+    /// passes. Default 0.95, range 0.1..0.99: at 1 or more the guarantee is lost.
     pub trust: f64,
-    /// Most collide-and-solve passes in a tick. Default 8 (3 to 16). More: faster hands stay exact,
+    /// Most collide-and-solve passes in a tick. Default 8, range 1..64. More: faster hands stay exact,
     /// longer worst tick.
     pub max_substeps: u8,
     /// A pass whose step stays under this ends the tick, metres. Default 5e-5.
@@ -34,9 +34,10 @@ pub struct Params {
     pub contact_compliance: f64,
     /// Which solver answers in the tick.
     pub solver: SolverKind,
-    /// Iteration cap of the solver. Default 400.
+    /// Iteration cap of the solver. Default 400, range 10..10000.
     pub max_iterations: u16,
-    /// Rows a tick can hold per tool. Default 512.
+    /// Rows that each tool's problem can hold. Default 1024, range 16..4096, with tissue to 1024 (its
+    /// matrix is dense). Where more sphere pairs are close the tick looks less far ahead.
     pub max_rows: u16,
     /// Fastest believable hand, m/s; faster input is clamped and counted. Default 10.
     pub max_hand_speed: f64,
@@ -70,7 +71,7 @@ impl Default for Params {
             contact_compliance: 1e-8,
             solver: SolverKind::ActiveSet,
             max_iterations: 400,
-            max_rows: 512,
+            max_rows: 1024,
             max_hand_speed: 10.0,
             max_hand_spin: 100.0,
             max_force: 3.3,

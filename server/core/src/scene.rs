@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::math::{Pose, Vec3};
+use crate::math::{Pose, Vec3, norm};
 use crate::params::{ParamError, Params, within};
 use crate::tissue::TissueModel;
 use crate::tree::SphereTree;
@@ -16,6 +16,8 @@ use crate::tree::SphereTree;
 pub const SCENE_VERSION: u16 = 1;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
+/// Most rows per tool where something yields: the matrix of compliances is dense.
+const MAX_TISSUE_ROWS: u16 = 1024;
 /// Largest compiled scene that is read, bytes.
 const MAX_SCENE_BYTES: usize = 256 << 20;
 
@@ -221,6 +223,33 @@ impl Scene {
                 self.objects.len().to_string(),
                 "at most 65535",
             );
+        }
+        let yields = self.objects.iter().any(|object| !object.tissue.is_rigid());
+        if yields && self.params.max_rows > MAX_TISSUE_ROWS {
+            return field(
+                "scene",
+                "max_rows",
+                self.params.max_rows.to_string(),
+                "at most 1024 with tissue",
+            );
+        }
+        let trees = self.tools.iter().map(|tool| (&tool.name, &tool.tree));
+        for (name, tree) in trees.chain(
+            self.objects
+                .iter()
+                .map(|object| (&object.name, &object.tree)),
+        ) {
+            // The root encloses all: farther spheres would leave nothing of the motion per pass.
+            let root = &tree.nodes()[0];
+            let reach = norm(&root.centre) + root.bound_radius;
+            if !within(reach, 0.0, 10.0) {
+                return field(
+                    &format!("`{name}`"),
+                    "sphere tree",
+                    format!("up to {reach} m from its origin"),
+                    "within 10 m",
+                );
+            }
         }
         for tool in &self.tools {
             let part = format!("tool `{}`", tool.name);

@@ -1,6 +1,7 @@
 //! Everything that outlives a tick, every warm start included; saved and restored exactly.
 
-use crate::math::{Pose, Vec3, Wrench, normalised};
+use crate::math::{Pose, Vec3, Wrench, norm, normalised};
+use crate::params::within;
 use crate::{MAX_TOOLS, Scene};
 
 /// What outlives a tick of one tool.
@@ -50,7 +51,7 @@ pub enum StateError {
         expected: usize,
     },
     /// A number that no tick can produce.
-    #[error("state byte {offset}: {what}")]
+    #[error("state, byte {offset}: {what}")]
     Value {
         /// Where.
         offset: usize,
@@ -153,6 +154,7 @@ impl State {
             tool.raw = reader.wrench()?;
             tool.twist_axis = reader.vector()?;
         }
+        check_ranges(scene, &state)?;
         for load in &mut state.loads {
             *load = reader.wrench()?;
         }
@@ -174,6 +176,32 @@ impl State {
         }
         Ok(state)
     }
+}
+
+/// What no tick produces must not come in by a file: a wrench beyond the scene's limits, a ramp beyond
+/// one, a tick that cannot be counted on from.
+fn check_ranges(scene: &Scene, state: &State) -> Result<(), StateError> {
+    let bad = |what| Err(StateError::Value { offset: 0, what });
+    if state.tick > u64::MAX / 2 {
+        return bad("a tick beyond counting");
+    }
+    // Head-room for rounding in the clamp.
+    const ROUNDING: f64 = 1.0 + 1e-9;
+    for tool in &state.tools {
+        if !within(tool.gain, 0.0, 1.0) {
+            return bad("a ramp outside 0 to 1");
+        }
+        if norm(&tool.sent.force) > scene.params.max_force * ROUNDING {
+            return bad("a force sent beyond the scene's limit");
+        }
+        if norm(&tool.sent.torque) > scene.params.max_torque * ROUNDING {
+            return bad("a torque sent beyond the scene's limit");
+        }
+        if norm(&tool.twist_axis) > ROUNDING {
+            return bad("a twist axis longer than one");
+        }
+    }
+    Ok(())
 }
 
 fn put_wrench(wrench: &Wrench, put: &mut impl FnMut(f64)) {

@@ -5,7 +5,7 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
-use crate::contact::{PosedTool, centre};
+use crate::contact::{Contact, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
 use crate::optimise::{
@@ -14,11 +14,11 @@ use crate::optimise::{
 use crate::output::status;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
-use crate::tick::Workspace;
+use crate::tick::{Pass, Workspace};
 use crate::tissue::{Gram, Site, refit};
 use crate::{MAX_TOOLS, Scene};
 
-/// Below this prediction distance a full contact list is given up for this tick, metres.
+/// Prediction distance at which a full contact list keeps the smallest gaps, metres.
 const SMALLEST_PREDICTION: f64 = 1e-6;
 
 /// What the group asks for, per tool slot.
@@ -28,8 +28,6 @@ pub(crate) struct Wanted {
     pub haptic: Pose,
     /// How far the hand moved in this tick at the farthest sphere, metres.
     pub hand_motion: f64,
-    /// Level of the tool's tree in contact.
-    pub level: u8,
 }
 
 /// How it went, per tool slot.
@@ -61,12 +59,12 @@ pub(crate) fn advance<P: StageProbe>(
     ws: &mut Workspace,
     group: &[usize],
     wanted: &[Wanted; MAX_TOOLS],
-    object_level: Option<u8>,
     probe: &mut P,
 ) -> [Reached; MAX_TOOLS] {
     let params = &scene.params;
     let mut reached = [Reached::NOTHING; MAX_TOOLS];
     let mut status_bits = 0;
+    let first = place(group);
     let mut converged = false;
     let hand_motion = group
         .iter()
@@ -83,16 +81,10 @@ pub(crate) fn advance<P: StageProbe>(
     while passes < params.max_substeps {
         passes += 1;
         probe.begin(Stage::Collide);
-        match collide(scene, state, ws, group, wanted, object_level, d) {
-            Some(used) if used < d => {
-                status_bits |= status::CONTACTS_FULL;
-                d = used;
-            }
-            Some(_) => {}
-            None => {
-                status_bits |= status::CONTACTS_FULL | status::SOLVER_FAILED;
-                break;
-            }
+        let used = collide(scene, state, ws, group, d);
+        if used < d {
+            status_bits |= status::CONTACTS_FULL;
+            d = used;
         }
         probe.begin(Stage::Optimise);
         let target = optimise(scene, state, ws, group, wanted);
@@ -101,14 +93,14 @@ pub(crate) fn advance<P: StageProbe>(
             status_bits |= status::SOLVER_FAILED;
             break;
         };
-        let tissue_motion = yield_target(scene, ws);
+        let tissue_motion = yield_target(scene, ws, first);
         let mut motion = 0.0;
         for &t in group {
             let (v, w) = step[t];
             motion = fmax(motion, norm(&v) + norm(&w) * ws.levers[t]);
         }
         let motion = motion + tissue_motion;
-        let share = if motion > params.trust * d {
+        let share = if motion > params.trust * d && !group.is_empty() {
             params.trust * d / motion
         } else {
             1.0
@@ -118,13 +110,14 @@ pub(crate) fn advance<P: StageProbe>(
             reached[t].min_gap = f64::INFINITY;
         }
         let mut deepest = f64::INFINITY;
-        for contact in &ws.contacts {
+        for contact in ws.passes[first].contacts.as_slice() {
             let gap = true_gap(scene, state, ws, contact);
             let slot = usize::from(contact.tool);
             reached[slot].min_gap = fmin(reached[slot].min_gap, gap);
             deepest = fmin(deepest, gap);
         }
-        let small = motion <= params.converged_step || ws.contacts.is_empty();
+        let free = ws.passes[first].contacts.as_slice().is_empty();
+        let small = motion <= params.converged_step || free;
         if share == 1.0 && small && deepest >= -params.converged_gap {
             converged = true;
             break;
@@ -134,16 +127,20 @@ pub(crate) fn advance<P: StageProbe>(
     if !converged && status_bits & status::SOLVER_FAILED == 0 {
         status_bits |= status::EXHAUSTED;
     }
+    let failed = status_bits & status::SOLVER_FAILED != 0;
     for &t in group {
-        let rows = ws
-            .contacts
-            .iter()
-            .filter(|contact| usize::from(contact.tool) == t);
-        let loads = ws.contacts.iter().zip(&ws.solution.lambda);
-        reached[t].rows = rows.count() as u16;
-        reached[t].active = loads
-            .filter(|(c, load)| usize::from(c.tool) == t && **load > 0.0)
-            .count() as u16;
+        let ours = || {
+            ws.passes[first]
+                .loaded()
+                .filter(|(contact, _)| usize::from(contact.tool) == t)
+        };
+        reached[t].rows = ours().count() as u16;
+        // Multipliers that were not applied load nothing.
+        reached[t].active = if failed {
+            0
+        } else {
+            ours().filter(|(_, load)| *load > 0.0).count() as u16
+        };
         reached[t].status = status_bits;
         reached[t].substeps = passes;
         reached[t].converged = converged;
@@ -151,17 +148,17 @@ pub(crate) fn advance<P: StageProbe>(
     reached
 }
 
-/// Lists the contacts at the present poses and shapes. Halves `d` while the list is full and
-/// returns what it used; `None` when even the smallest does not fit.
-fn collide(
-    scene: &Scene,
-    state: &State,
-    ws: &mut Workspace,
-    group: &[usize],
-    wanted: &[Wanted; MAX_TOOLS],
-    object_level: Option<u8>,
-    mut d: f64,
-) -> Option<f64> {
+/// Which of the workspace's passes a group uses: its first tool's. Where nobody holds a tool, tissue
+/// alone moves, in the first.
+fn place(group: &[usize]) -> usize {
+    group.first().copied().unwrap_or(0)
+}
+
+/// Lists the contacts at the present poses and shapes, within `d` or as far as the list reaches: halves
+/// `d` while it is full, and returns what it used. Where even the smallest finds more than the
+/// list holds (a flat tool on a flat face), the smallest gaps are kept: what is left out lies within
+/// that smallest distance, no pass moves farther, and the next one ranks anew.
+fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mut d: f64) -> f64 {
     for &k in &ws.yielding {
         let object = &scene.objects[k];
         let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
@@ -174,14 +171,21 @@ fn collide(
             &mut ws.nodes[k],
         );
     }
-    'again: while d >= SMALLEST_PREDICTION {
-        ws.contacts.clear();
+    let limit = usize::from(scene.params.max_rows) * group.len();
+    let contacts = &mut ws.passes[place(group)].contacts;
+    'again: loop {
+        let overflow = if d > SMALLEST_PREDICTION {
+            Overflow::Stop
+        } else {
+            Overflow::KeepSmallestGaps
+        };
+        contacts.begin(limit, overflow);
         for &t in group {
             let tool = &scene.tools[t];
             let posed = PosedTool {
                 nodes: tool.tree.nodes(),
                 pose: &state.tools[t].graphic,
-                level: wanted[t].level,
+                level: tool.level,
                 working_point: &tool.working_point,
                 slot: t as u8,
             };
@@ -192,23 +196,19 @@ fn collide(
                 } else {
                     &ws.nodes[k]
                 };
-                let level = object_level.unwrap_or(object.level);
                 if ws
                     .predictor
-                    .predict(&posed, (k as u16, nodes, level), d, &mut ws.contacts)
+                    .predict(&posed, (k as u16, nodes, object.level), d, contacts)
                     .is_err()
                 {
-                    d *= 0.5;
+                    d = fmax(0.5 * d, SMALLEST_PREDICTION);
                     continue 'again;
                 }
             }
         }
-        ws.contacts.sort_unstable_by_key(|contact| contact.key());
-        return Some(d);
+        contacts.sort();
+        return d;
     }
-    ws.contacts.clear();
-    ws.solution.lambda.clear();
-    None
 }
 
 /// Steps per tool: translation of the working point (metres) and rotation vector (radians).
@@ -243,8 +243,10 @@ fn optimise(
         }
         roots[t] = (root_t, root_r);
     }
-    ws.rows.clear();
-    for contact in &ws.contacts {
+    let first = place(group);
+    let pass = &mut ws.passes[first];
+    pass.rows.clear();
+    for contact in pass.contacts.as_slice() {
         let t = usize::from(contact.tool);
         let (root_t, root_r) = roots[t];
         let (n, m) = (
@@ -253,29 +255,30 @@ fn optimise(
         );
         let a = [n.x, n.y, n.z, m.x, m.y, m.z];
         let bias = contact.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
-        ws.rows.push(ProblemRow {
+        pass.rows.push(ProblemRow {
             a,
             tool: contact.tool,
             bias,
         });
     }
-    let tissue = fill_tissue(scene, ws);
+    let tissue = fill_tissue(scene, ws, first);
+    let Pass { rows, solution, .. } = &mut ws.passes[first];
     let problem = Problem {
-        rows: &ws.rows,
-        tissue: tissue.then(|| &ws.gram[..ws.rows.len() * ws.rows.len()]),
+        rows,
+        tissue: tissue.then(|| &ws.gram[..rows.len() * rows.len()]),
         contact_compliance: scene.params.contact_compliance,
         max_iterations: usize::from(scene.params.max_iterations),
     };
     match scene.params.solver {
-        SolverKind::ActiveSet => ws.active_set.solve(&problem, &mut ws.solution),
-        SolverKind::Clarabel => Clarabel.solve(&problem, &mut ws.solution),
+        SolverKind::ActiveSet => ws.active_set.solve(&problem, solution),
+        SolverKind::Clarabel => Clarabel.solve(&problem, solution),
     }
-    if ws.solution.status != SolveStatus::Solved {
+    if solution.status != SolveStatus::Solved {
         return None;
     }
     let mut steps = [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS];
     for &t in group {
-        let y = |k: usize| free_step[6 * t + k] + ws.solution.y[6 * t + k];
+        let y = |k: usize| free_step[6 * t + k] + solution.y[6 * t + k];
         let (root_t, root_r) = roots[t];
         steps[t] = (
             Vec3::new(y(0), y(1), y(2)) / root_t,
@@ -289,7 +292,7 @@ fn optimise(
 }
 
 /// Ranges of contacts on one object: they are sorted by object.
-fn runs(contacts: &[crate::contact::Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+fn runs(contacts: &[Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
     let mut next = 0;
     std::iter::from_fn(move || {
         let first = next;
@@ -305,23 +308,31 @@ fn runs(contacts: &[crate::contact::Contact]) -> impl Iterator<Item = std::ops::
 
 /// The tissue's part of the problem: compliance and the way from the free shape. False when
 /// nothing touched yields.
-fn fill_tissue(scene: &Scene, ws: &mut Workspace) -> bool {
-    let touched =
-        |c: &crate::contact::Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
-    if ws.yielding.is_empty() || !ws.contacts.iter().any(touched) {
+fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
+    let Pass {
+        contacts,
+        rows,
+        tissue,
+        ..
+    } = &mut ws.passes[first];
+    let contacts = contacts.as_slice();
+    let touched = |c: &Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
+    if ws.yielding.is_empty() || !contacts.iter().any(touched) {
+        *tissue = false;
         return false;
     }
-    let m = ws.contacts.len();
+    *tissue = true;
+    let m = contacts.len();
     ws.gram[..m * m].fill(0.0);
-    for run in runs(&ws.contacts) {
-        let k = usize::from(ws.contacts[run.start].object);
+    for run in runs(contacts) {
+        let k = usize::from(contacts[run.start].object);
         let object = &scene.objects[k];
         if object.tissue.is_rigid() {
             continue;
         }
         let model = object.tissue.model();
         ws.sites.clear();
-        for contact in &ws.contacts[run.clone()] {
+        for contact in &contacts[run.clone()] {
             ws.sites.push(Site {
                 sphere: contact.object_sphere,
                 normal: contact.normal,
@@ -334,7 +345,7 @@ fn fill_tissue(scene: &Scene, ws: &mut Workspace) -> bool {
         );
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
         let free = &ws.free[ws.shape_at[k]..ws.shape_at[k + 1]];
-        for (row, contact) in ws.rows[run.clone()].iter_mut().zip(&ws.contacts[run]) {
+        for (row, contact) in rows[run.clone()].iter_mut().zip(&contacts[run]) {
             let mut at_rest = [Vec3::zeros()];
             model.centres(&object.tree, free, &[contact.object_sphere], &mut at_rest);
             let now = ws.nodes[k][contact.object_sphere as usize].centre;
@@ -345,7 +356,7 @@ fn fill_tissue(scene: &Scene, ws: &mut Workspace) -> bool {
 }
 
 /// Writes the configurations under the multipliers to `target`; returns the largest motion there.
-fn yield_target(scene: &Scene, ws: &mut Workspace) -> f64 {
+fn yield_target(scene: &Scene, ws: &mut Workspace, first: usize) -> f64 {
     let mut motion = 0.0;
     for index in 0..ws.yielding.len() {
         let k = ws.yielding[index];
@@ -353,13 +364,13 @@ fn yield_target(scene: &Scene, ws: &mut Workspace) -> f64 {
         let model = object.tissue.model();
         ws.sites.clear();
         ws.site_loads.clear();
-        for (contact, load) in ws.contacts.iter().zip(&ws.solution.lambda) {
+        for (contact, load) in ws.passes[first].loaded() {
             if usize::from(contact.object) == k {
                 ws.sites.push(Site {
                     sphere: contact.object_sphere,
                     normal: contact.normal,
                 });
-                ws.site_loads.push(*load);
+                ws.site_loads.push(load);
             }
         }
         let at = ws.shape_at[k]..ws.shape_at[k + 1];
@@ -394,9 +405,9 @@ fn apply(
         // Loads on the objects about the working point first, then about the world's origin.
         let targets = &mut ws.loads[t * objects..(t + 1) * objects];
         targets.fill(Wrench::ZERO);
-        for (contact, lambda) in ws.contacts.iter().zip(&ws.solution.lambda) {
-            if usize::from(contact.tool) == t && *lambda > 0.0 {
-                let force = contact.normal * -*lambda;
+        for (contact, lambda) in ws.passes[place(group)].loaded() {
+            if usize::from(contact.tool) == t && lambda > 0.0 {
+                let force = contact.normal * -lambda;
                 let load = &mut targets[usize::from(contact.object)];
                 load.force += force;
                 load.torque += contact.arm.cross(&force);
@@ -414,12 +425,7 @@ fn apply(
 }
 
 /// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
-fn true_gap(
-    scene: &Scene,
-    state: &State,
-    ws: &Workspace,
-    contact: &crate::contact::Contact,
-) -> f64 {
+fn true_gap(scene: &Scene, state: &State, ws: &Workspace, contact: &Contact) -> f64 {
     let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
     let (tool, object) = (&scene.tools[t], &scene.objects[k]);
     let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];

@@ -3,7 +3,7 @@
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::contact::{Contact, Predictor};
+use crate::contact::{Contact, ContactList, Overflow, Predictor};
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
 use crate::math::{Vec3, Wrench, log_rotation, norm};
@@ -19,14 +19,13 @@ use crate::wrench::{Conditions, limited};
 
 /// Scratch of a tick, sized when the scene loads. Nothing in it outlives a tick: a fresh one gives
 /// the same bits.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Workspace {
     pub(crate) predictor: Predictor,
-    pub(crate) contacts: Vec<Contact>,
-    pub(crate) rows: Vec<ProblemRow>,
+    /// Per tool, or in the first tool's place where both share one problem.
+    pub(crate) passes: [Pass; MAX_TOOLS],
     pub(crate) gram: Vec<f64>,
     pub(crate) active_set: ActiveSet,
-    pub(crate) solution: Solution,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
     pub(crate) free: Vec<f64>,
@@ -47,6 +46,42 @@ pub struct Workspace {
     /// Largest distance of a sphere from the working point, per tool, metres.
     pub(crate) levers: [f64; MAX_TOOLS],
     bytes: Vec<u8>,
+}
+
+/// Contacts, problem and answer of the last pass of one group of tools.
+#[derive(Debug)]
+pub(crate) struct Pass {
+    pub contacts: ContactList,
+    pub rows: Vec<ProblemRow>,
+    pub solution: Solution,
+    /// Whether the matrix of tissue compliance belongs to this pass.
+    pub tissue: bool,
+}
+
+impl Pass {
+    fn with_capacity(rows: usize) -> Self {
+        Self {
+            contacts: ContactList::with_capacity(rows),
+            rows: Vec::with_capacity(rows),
+            solution: Solution::with_capacity(rows),
+            tissue: false,
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.contacts.begin(0, Overflow::Stop);
+        self.rows.clear();
+        self.solution.lambda.clear();
+        self.tissue = false;
+    }
+
+    /// Each contact with its multiplier.
+    pub fn loaded(&self) -> impl Iterator<Item = (&Contact, f64)> {
+        self.contacts
+            .as_slice()
+            .iter()
+            .zip(self.solution.lambda.iter().copied())
+    }
 }
 
 impl Workspace {
@@ -89,12 +124,14 @@ impl Workspace {
         };
         Self {
             predictor: Predictor::new(tool_nodes),
-            contacts: Vec::with_capacity(rows),
-            rows: Vec::with_capacity(rows),
+            passes: std::array::from_fn(|_| Pass::with_capacity(rows)),
             // Only tissue needs the dense matrix.
             gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
-            active_set: ActiveSet::with_capacity(rows),
-            solution: Solution::with_capacity(rows),
+            active_set: if yielding.is_empty() {
+                ActiveSet::rigid_only(rows)
+            } else {
+                ActiveSet::with_capacity(rows)
+            },
             sites: Vec::with_capacity(rows),
             site_loads: Vec::with_capacity(rows),
             free: vec![0.0; shape_len],
@@ -112,31 +149,28 @@ impl Workspace {
         }
     }
 
-    /// Contacts of the last problem solved, sorted, with their multipliers (newtons): what a test, a
-    /// view or an audit wants to know. Where two tools have separate problems, the last tool's.
+    /// Contacts of each tool's last problem, sorted, with their multipliers (newtons): what a test, a
+    /// view or an audit wants to know.
     pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
-        self.contacts
-            .iter()
-            .zip(self.solution.lambda.iter().copied())
+        self.passes.iter().flat_map(Pass::loaded)
     }
 
-    /// The last problem solved and its answer, for an independent solver to judge.
-    pub fn last_problem(&self, scene: &Scene) -> Option<(Problem<'_>, &Solution)> {
-        if self.rows.is_empty() || self.solution.lambda.len() != self.rows.len() {
-            return None;
-        }
-        let m = self.rows.len();
-        let touched = self
-            .contacts
-            .iter()
-            .any(|c| !scene.objects[usize::from(c.object)].tissue.is_rigid());
-        let problem = Problem {
-            rows: &self.rows,
-            tissue: touched.then(|| &self.gram[..m * m]),
-            contact_compliance: scene.params.contact_compliance,
-            max_iterations: usize::from(scene.params.max_iterations),
-        };
-        Some((problem, &self.solution))
+    /// The last problem of each tool (or of both together) and its answer, for an independent solver to
+    /// judge.
+    pub fn last_problems(&self, scene: &Scene) -> impl Iterator<Item = (Problem<'_>, &Solution)> {
+        let params = scene.params.clone();
+        let solved =
+            |pass: &&Pass| !pass.rows.is_empty() && pass.solution.lambda.len() == pass.rows.len();
+        self.passes.iter().filter(solved).map(move |pass| {
+            let m = pass.rows.len();
+            let problem = Problem {
+                rows: &pass.rows,
+                tissue: pass.tissue.then(|| &self.gram[..m * m]),
+                contact_compliance: params.contact_compliance,
+                max_iterations: usize::from(params.max_iterations),
+            };
+            (problem, &pass.solution)
+        })
     }
 
     /// Present configuration of object `k` at the end of the last tick (displacements), empty for
@@ -159,10 +193,8 @@ pub fn tick<P: StageProbe>(
 ) -> TickOutput {
     probe.begin(Stage::Prepare);
     let ticks = 1 + u64::from(input.skipped);
-    state.tick += ticks;
-    ws.contacts.clear();
-    ws.rows.clear();
-    ws.solution.lambda.clear();
+    state.tick = state.tick.saturating_add(ticks);
+    ws.passes.iter_mut().for_each(Pass::clear);
     free_step(scene, state, ws);
 
     let tools = scene.tools.len();
@@ -170,11 +202,9 @@ pub fn tick<P: StageProbe>(
     let mut wanted = [Wanted {
         haptic: state.tools[0].haptic,
         hand_motion: 0.0,
-        level: 0,
     }; MAX_TOOLS];
     let mut present = [0; MAX_TOOLS];
     let mut n_present = 0;
-    let override_level = (input.level != TickInput::SCENE_LEVEL).then_some(input.level);
     for t in 0..tools {
         let last = &state.tools[t];
         let slot = &input.tools[t];
@@ -193,7 +223,6 @@ pub fn tick<P: StageProbe>(
         wanted[t] = Wanted {
             haptic,
             hand_motion,
-            level: override_level.unwrap_or(tool.level),
         };
         present[n_present] = t;
         n_present += 1;
@@ -203,18 +232,10 @@ pub fn tick<P: StageProbe>(
     if ws.yielding.is_empty() {
         // Rigid: nothing couples the tools, each has its own problem.
         for &t in &present[..n_present] {
-            reached[t] = advance(scene, state, ws, &[t], &wanted, override_level, probe)[t];
+            reached[t] = advance(scene, state, ws, &[t], &wanted, probe)[t];
         }
     } else {
-        reached = advance(
-            scene,
-            state,
-            ws,
-            &present[..n_present],
-            &wanted,
-            override_level,
-            probe,
-        );
+        reached = advance(scene, state, ws, &present[..n_present], &wanted, probe);
     }
 
     probe.begin(Stage::Apply);
@@ -326,7 +347,8 @@ fn finish_tool(
     let limit = f64::from(input.force_limit_n);
     let most = scene.params.max_force;
     let now = Conditions {
-        wanted: present && !slot.stale && !input.paused,
+        // While no answer can be had the tool stands still: its last force must not stay in the hand.
+        wanted: present && !slot.stale && !input.paused && bits & status::SOLVER_FAILED == 0,
         force_limit: if limit > 0.0 && limit < most {
             limit
         } else {
@@ -335,6 +357,11 @@ fn finish_tool(
     };
     let (wrench, gain, limits) = limited(&kept.raw, &kept.sent, kept.gain, &now, &scene.params);
     bits |= limits;
+    if limits & status::FAULT != 0 {
+        // Whatever was not finite must not come back next tick.
+        loads.fill(Wrench::ZERO);
+        kept.raw = Wrench::ZERO;
+    }
     kept.sent = wrench;
     kept.gain = gain;
     kept.entered = present;

@@ -54,6 +54,9 @@ pub(crate) fn limited(
             params.max_torque_step,
             status::SLEW_LIMITED,
         );
+    // Where a limit was lowered the slew leads down to it; the scene's own limits hold at once.
+    let force = clamp(force, params.max_force, status::SATURATED);
+    let torque = clamp(torque, params.max_torque, status::SATURATED);
     let wrench = Wrench { force, torque };
     if !force.iter().chain(torque.iter()).all(|x| x.is_finite()) {
         return (Wrench::ZERO, 0.0, bits | status::FAULT);

@@ -1,4 +1,9 @@
-//! Dual active set for the contact problem: no allocation, bounded, same bits everywhere.
+//! Active-set solver of the contact problem: no allocation, bounded, same bits everywhere.
+//!
+//! It works on the dual, which is quickest while few rows bear load, as nearly always. Where more than
+//! a few dozen do and nothing yields (a flat tool on a flat face), it begins anew in the six unknowns
+//! of each tool (`rigid`), whose cost does not grow with them. The answer is unique, so both ways
+//! lead to the same.
 //!
 //! Goldfarb and Idnani (1983, doi:10.1007/BF02591962) with a unit Hessian is, on the dual, the
 //! non-negative least-squares scheme of Lawson and Hanson (1974, chapter 23): rows enter by the
@@ -6,17 +11,22 @@
 //! would turn negative leave. The Cholesky factor of `H_PP` grows by a row and shrinks by Givens
 //! rotations. Until it ends an iterate violates rows, so only a `Solved` answer may be applied.
 
+use super::rigid::RigidScratch;
 use super::{ContactSolver, Problem, Solution, SolveStatus};
 use crate::math::fmax;
 
+/// Active rows at which the six unknowns of a tool are the better place to work.
+const MANY: usize = 32;
 /// Rows enter while their violation exceeds this share of the problem's scale.
 const ENTRY_TOLERANCE: f64 = 1e-11;
 /// Head-room for rounding in `w`, per unit of the largest `H_ii lambda_i`.
 const ROUNDING: f64 = 1e-14;
 
 /// Scratch of the solver.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ActiveSet {
+    /// For problems without tissue.
+    rigid: RigidScratch,
     /// Row indices in the order in which they entered.
     active: Vec<usize>,
     /// Whether a row is active, or barred until the active set changes.
@@ -37,9 +47,26 @@ enum RowState {
 }
 
 impl ActiveSet {
-    /// Room for problems of up to `capacity` rows.
+    /// Room for problems of up to `capacity` rows, with tissue or without.
     pub fn with_capacity(capacity: usize) -> Self {
         Self {
+            rigid: RigidScratch::with_capacity(capacity),
+            ..Self::dense(capacity.max(MANY))
+        }
+    }
+
+    /// Room for problems of up to `capacity` rows without tissue: a small factor is enough.
+    pub fn rigid_only(capacity: usize) -> Self {
+        Self {
+            rigid: RigidScratch::with_capacity(capacity),
+            state: Vec::with_capacity(capacity),
+            ..Self::dense(MANY)
+        }
+    }
+
+    fn dense(capacity: usize) -> Self {
+        Self {
+            rigid: RigidScratch::with_capacity(0),
             active: Vec::with_capacity(capacity),
             state: Vec::with_capacity(capacity),
             factor: vec![0.0; capacity * capacity],
@@ -157,7 +184,10 @@ impl ContactSolver for ActiveSet {
         solution.y.fill(0.0);
         solution.iterations = 0;
         solution.status = SolveStatus::NumericalError;
-        if m > self.capacity || problem.rows.iter().any(|row| !row.bias.is_finite()) {
+        if problem.rows.iter().any(|row| !row.bias.is_finite()) {
+            return;
+        }
+        if problem.tissue.is_some() && m > self.capacity {
             return;
         }
         self.active.clear();
@@ -179,6 +209,11 @@ impl ContactSolver for ActiveSet {
                 solution.status = SolveStatus::Solved;
                 return;
             };
+            if problem.tissue.is_none() && self.active.len() == MANY {
+                solution.lambda.fill(0.0);
+                self.rigid.solve(problem, solution);
+                return;
+            }
             if !self.append(problem, entering) {
                 solution.status = SolveStatus::NumericalError;
                 return;

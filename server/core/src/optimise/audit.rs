@@ -1,4 +1,4 @@
-//! A second opinion on the last problem of a tick, for `replay --audit` and the tests.
+//! A second opinion on the last problems of a tick, for `replay --audit` and the tests.
 
 use super::{
     ContactSolver, Solution, SolveStatus, SolverKind, active_set::ActiveSet, clarabel::Clarabel,
@@ -18,32 +18,41 @@ pub struct Verdict {
     pub pose_difference: f64,
 }
 
-/// Solves the last problem of `ws` again with the solver that the scene does *not* use. `None` when
-/// the tick had no contact rows or no usable answer. Allocates; not for the tick.
+/// Solves the last problems of `ws` (one for each tool, or one for both) again with the solver that
+/// the scene does *not* use, and gives the worst verdict. `None` when the tick had no contact rows or
+/// no usable answer. Allocates; not for the tick.
 pub fn audit(scene: &Scene, ws: &Workspace) -> Option<Verdict> {
-    let (problem, own) = ws.last_problem(scene)?;
-    if own.status != SolveStatus::Solved {
-        return None;
-    }
-    let mut other = Solution::with_capacity(problem.rows.len());
-    match scene.params.solver {
-        SolverKind::ActiveSet => Clarabel.solve(&problem, &mut other),
-        SolverKind::Clarabel => {
-            ActiveSet::with_capacity(problem.rows.len()).solve(&problem, &mut other)
+    let mut worst: Option<Verdict> = None;
+    for (problem, own) in ws.last_problems(scene) {
+        if own.status != SolveStatus::Solved {
+            continue;
         }
-    }
-    let judge_solved = other.status == SolveStatus::Solved;
-    let mut pose_difference = 0.0;
-    if judge_solved {
-        for t in 0..scene.tools.len().min(MAX_TOOLS) {
-            let at = |y: &[f64]| Vec3::new(y[6 * t], y[6 * t + 1], y[6 * t + 2]);
-            let root = scene.tools[t].stiffness_n_per_m.sqrt();
-            pose_difference = fmax(pose_difference, norm(&(at(&own.y) - at(&other.y))) / root);
+        let mut other = Solution::with_capacity(problem.rows.len());
+        match scene.params.solver {
+            SolverKind::ActiveSet => Clarabel.solve(&problem, &mut other),
+            SolverKind::Clarabel => {
+                ActiveSet::with_capacity(problem.rows.len()).solve(&problem, &mut other)
+            }
         }
+        let judge_solved = other.status == SolveStatus::Solved;
+        let mut pose_difference = 0.0;
+        if judge_solved {
+            for (t, tool) in scene.tools.iter().enumerate().take(MAX_TOOLS) {
+                let at = |y: &[f64]| Vec3::new(y[6 * t], y[6 * t + 1], y[6 * t + 2]);
+                let root = tool.stiffness_n_per_m.sqrt();
+                pose_difference = fmax(pose_difference, norm(&(at(&own.y) - at(&other.y))) / root);
+            }
+        }
+        let verdict = Verdict {
+            kkt_residual: problem.kkt_residual(&own.lambda),
+            judge_solved,
+            pose_difference,
+        };
+        worst = Some(worst.map_or(verdict, |before| Verdict {
+            kkt_residual: fmax(before.kkt_residual, verdict.kkt_residual),
+            judge_solved: before.judge_solved && verdict.judge_solved,
+            pose_difference: fmax(before.pose_difference, verdict.pose_difference),
+        }));
     }
-    Some(Verdict {
-        kkt_residual: problem.kkt_residual(&own.lambda),
-        judge_solved,
-        pose_difference,
-    })
+    worst
 }

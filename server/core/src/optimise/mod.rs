@@ -14,6 +14,7 @@
 pub mod active_set;
 pub mod audit;
 pub mod clarabel;
+mod rigid;
 
 use serde::{Deserialize, Serialize};
 

@@ -296,6 +296,92 @@ fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
         assert!(out.tools[0].graphic.position.z > 0.09025 - 1e-4, "tick {k}");
     }
     assert!(full);
+    // And the way back is open: a full list must not hold the tool.
+    let mut lag = f64::INFINITY;
+    for k in 0..300 {
+        let out = tick(
+            &scene,
+            &mut state,
+            &mut ws,
+            &tip_at(-0.001 + 4e-5 * f64::from(k)),
+            &mut NoProbe,
+        );
+        lag = norm(&(out.tools[0].graphic.position - out.tools[0].haptic.position));
+    }
+    assert!(lag < 1e-6, "{lag:e} m behind the hand");
+}
+
+#[test]
+fn a_solver_without_an_answer_lets_the_hand_go_gently() {
+    let mut scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    for _ in 0..300 {
+        tick(&scene, &mut state, &mut ws, &tip_at(-0.002), &mut NoProbe);
+    }
+    let mut last = state.tools[0].sent.force.z;
+    assert!(last > 0.9);
+    let stood = state.tools[0].graphic;
+    scene.params.max_iterations = 0;
+    for k in 0..100 {
+        let out = tick(
+            &scene,
+            &mut state,
+            &mut ws,
+            &tip_at(-0.002 - 1e-6 * f64::from(k)),
+            &mut NoProbe,
+        );
+        assert!(out.tools[0].status & status::SOLVER_FAILED != 0);
+        assert_eq!(
+            out.tools[0].graphic, stood,
+            "no unusable answer may move the tool"
+        );
+        let force = out.tools[0].wrench.force.z;
+        assert!((force - last).abs() < 0.1, "tick {k}: {force} after {last}");
+        last = force;
+    }
+    assert_eq!(last, 0.0);
+}
+
+#[test]
+fn a_state_that_no_tick_makes_is_refused() {
+    let scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
+    let good = State::new(&scene);
+    let refused = |change: fn(&mut State)| {
+        let mut state = good.clone();
+        change(&mut state);
+        State::from_bytes(&scene, &state.to_bytes()).is_err()
+    };
+    assert!(!refused(|_| {}));
+    assert!(refused(|state| state.tick = u64::MAX));
+    assert!(refused(|state| state.tools[0].gain = 50.0));
+    assert!(refused(|state| state.tools[0].sent.force.x = 1000.0));
+    assert!(refused(|state| state.tools[0].sent.torque.y = f64::NAN));
+    assert!(refused(|state| state.tools[1].twist_axis.z = 2.0));
+    assert!(State::from_bytes(&scene, &good.to_bytes()[1..]).is_err());
+}
+
+#[test]
+fn two_tools_have_two_problems_and_both_can_be_judged() {
+    let mut scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
+    scene.tools.push(rod_tool(Vec3::new(0.0, 0.0, -0.086)));
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    for _ in 0..300 {
+        let mut input = tip_at(-0.002);
+        let beside = Pose::new(Vec3::new(0.002, 0.0, 0.08905), Quat::identity());
+        input.tools[1] = ToolInput {
+            pose: (&beside).into(),
+            present: true,
+            ..ToolInput::ABSENT
+        };
+        tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+    }
+    assert_eq!(ws.last_problems(&scene).count(), 2);
+    let loaded = |tool: u8| {
+        ws.contacts()
+            .any(|(c, lambda)| c.tool == tool && lambda > 0.1)
+    };
+    assert!(loaded(0) && loaded(1));
+    assert!(crate::optimise::audit::audit(&scene, &ws).is_some_and(|v| v.judge_solved));
 }
 
 #[test]
