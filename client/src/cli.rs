@@ -1,6 +1,5 @@
 //! The command line of `sulcus-client`.
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -46,7 +45,7 @@ pub struct DemoArgs {
     /// Lock-step without sockets or clock, faster than real time
     #[arg(long = "virtual")]
     pub virtual_time: bool,
-    /// Length of the session in seconds
+    /// Length of the session in seconds (a hard case has its own)
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
     pub duration: f64,
     /// What to perform: `crown`, or a hard case as `hard/NAME` (see `--list-exercises`)
@@ -77,8 +76,9 @@ pub struct DemoArgs {
 pub struct RunArgs {
     /// Address of the server
     #[arg(long, value_name = "HOST:PORT")]
-    pub server: SocketAddr,
-    /// The server's ticket, one line as it prints it: token and certificate together
+    pub server: String,
+    /// The server's ticket, one line as it prints it: token and certificate together; also from the
+    /// environment as SULCUS_TICKET, where other users of the machine cannot see it
     #[arg(long, value_name = "LINE", conflicts_with_all = ["token", "certificate"])]
     pub ticket: Option<String>,
     /// The server's token, with --certificate

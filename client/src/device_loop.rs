@@ -11,6 +11,7 @@ use sulcus_core::{MAX_TOOLS, TickInput, ToolInput, Vec3, Wrench};
 use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
 
 use crate::device::Device;
+use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
 /// Period of a device, nanoseconds.
@@ -39,8 +40,10 @@ pub struct LoopReport {
     pub gate_closings: u64,
     /// Newest tick heard of.
     pub last_tick: u64,
-    /// Whether the server fell silent for good.
-    pub server_lost: bool,
+    /// Whether no wrench came any more: the server fell silent, or ended the session.
+    pub server_silent: bool,
+    /// Whether someone asked to end before the time.
+    pub interrupted: bool,
 }
 
 /// Most that the force displayed changes per period, newtons: what the server's own slew limit allows per tick
@@ -63,16 +66,25 @@ pub fn run(
 ) -> LoopReport {
     punctual();
     let mut report = LoopReport::default();
-    let (mut displayed, mut closed_for, mut was_open, mut heard) =
-        ([Wrench::ZERO; MAX_TOOLS], 0, false, false);
+    let (mut displayed, mut closed_for, mut was_open) = ([Wrench::ZERO; MAX_TOOLS], 0, false);
     let mut grid_ns = now_ns() + PERIOD_NS;
+    let mut waited = 0;
     while report.periods < periods {
+        if interrupt::asked() {
+            report.interrupted = true;
+            break;
+        }
         sleep_until(grid_ns);
         let late = now_ns().saturating_sub(grid_ns) / PERIOD_NS;
         let now = now_ns();
         let gate = link.force_gate(now);
         let newest = link.latest_wrench();
-        heard |= newest.is_some();
+        if newest.is_none() && waited < START_PERIODS && link.is_open() {
+            // The server is still opening its recording: what the hands did now would be lost.
+            waited += 1 + late;
+            grid_ns += (late + 1) * PERIOD_NS;
+            continue;
+        }
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
             newest.map_or(Wrench::ZERO, |packet| {
                 gated(&packet.datagram.tools[t], gate)
@@ -110,10 +122,11 @@ pub fn run(
         report.gate_closings += u64::from(was_open && gate < 1.0);
         was_open = gate >= 1.0;
         closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
-        if closed_for >= if heard { GONE_PERIODS } else { START_PERIODS }
-            || !link.is_open() && gate == 0.0
+        // The gate of a session that has just begun is still rising.
+        if closed_for >= GONE_PERIODS
+            || !link.is_open() && report.last_displayed_n == 0.0 && gate == 0.0
         {
-            report.server_lost = true;
+            report.server_silent = true;
             break;
         }
     }

@@ -1,10 +1,12 @@
 //! `run`: joins a server that is already running.
 
+use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::Path;
 
 use anyhow::{Context, bail};
 use serde_json::json;
 use sulcus_core::optimise::SolverKind;
+use sulcus_proto::control::EndReason;
 
 use crate::cli::RunArgs;
 use crate::device::Simulated;
@@ -54,13 +56,19 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
         None,
         &steps,
     )?;
+    let summary = ran.goodbye.as_ref().ok().map(|goodbye| &goodbye.summary);
     if args.json {
+        let text = ran
+            .goodbye
+            .as_ref()
+            .map_or_else(ToString::to_string, |goodbye| goodbye.text.clone());
+        let lost = ran.goodbye.is_err();
         println!(
             "{}",
-            json!({ "device": ran.report, "link": ran.stats, "session": ran.summary })
+            json!({ "device": ran.report, "link": ran.stats, "session": summary, "goodbye": text, "server_lost": lost })
         );
     } else {
-        let r = &ran.report;
+        let (r, rtt, network) = (&ran.report, &ran.stats.rtt_us, &ran.stats.network_us);
         println!(
             "device        {} periods, {} overslept",
             r.periods, r.overslept
@@ -70,26 +78,48 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
             r.max_displayed_n, r.max_displayed_step_n, r.last_displayed_n
         );
         println!(
-            "round trip    p50 {:.0}  p99 {:.0} us",
-            ran.stats.rtt_us.p50, ran.stats.rtt_us.p99
+            "pose to wrench  p50 {:.0}  p99 {:.0} us, waiting for the server's tick included",
+            rtt.p50, rtt.p99
         );
-        if let Some(summary) = &ran.summary {
+        println!(
+            "network       p50 {:.0}  p99 {:.0} us, both ways",
+            network.p50, network.p99
+        );
+        if let Some(summary) = summary {
             println!(
                 "session       {} ticks, recorded by the server as {}",
                 summary.ticks, summary.recording
             );
         }
     }
-    if ran.report.server_lost {
-        eprintln!("error: the server fell silent; the force was taken to zero");
-        return Ok(1);
+    match &ran.goodbye {
+        Err(error) => {
+            eprintln!("error: {error}; the force was taken to zero");
+            Ok(1)
+        }
+        Ok(goodbye) => {
+            if goodbye.summary.end != EndReason::Stopped {
+                eprintln!("the server ended the session: {}", goodbye.text);
+            }
+            Ok(u8::from(!goodbye.summary.complete))
+        }
     }
-    Ok(0)
 }
 
 fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
-    let mut config = match (&args.ticket, &args.token, &args.certificate) {
-        (Some(ticket), _, _) => LinkConfig::new(args.server, &ticket.parse()?, &args.device),
+    let server = resolve(&args.server)?;
+    // The environment, unlike arguments, is not shown to other users of the machine.
+    let from_environment = || {
+        std::env::var("SULCUS_TICKET")
+            .ok()
+            .filter(|ticket| !ticket.is_empty())
+    };
+    let ticket = match (&args.ticket, &args.token) {
+        (None, None) => from_environment(),
+        (ticket, _) => ticket.clone(),
+    };
+    let mut config = match (&ticket, &args.token, &args.certificate) {
+        (Some(ticket), _, _) => LinkConfig::new(server, &ticket.parse()?, &args.device),
         (None, Some(token), Some(file)) => {
             let ticket = sulcus_proto::Ticket {
                 token: token.clone(),
@@ -98,15 +128,25 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
             let pin = Pin::Certificate(read(file)?);
             LinkConfig {
                 pin,
-                ..LinkConfig::new(args.server, &ticket, &args.device)
+                ..LinkConfig::new(server, &ticket, &args.device)
             }
         }
         _ => bail!(
-            "whom to trust is missing: give --ticket as the server prints it, or --token with --certificate"
+            "whom to trust is missing: give --ticket (or SULCUS_TICKET) as the server prints it, or --token with --certificate"
         ),
     };
     config.learner.clone_from(&args.learner);
     Ok(config)
+}
+
+/// The first address of `HOST:PORT`.
+fn resolve(server: &str) -> anyhow::Result<SocketAddr> {
+    let mut found = server
+        .to_socket_addrs()
+        .with_context(|| format!("cannot find the server `{server}`, expected HOST:PORT"))?;
+    found
+        .next()
+        .with_context(|| format!("the name in `{server}` has no address"))
 }
 
 fn read(file: &Path) -> anyhow::Result<Vec<u8>> {

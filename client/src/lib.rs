@@ -8,6 +8,7 @@ pub mod cli;
 pub mod demo;
 pub mod device;
 pub mod exercise;
+pub mod interrupt;
 pub mod join;
 pub mod link;
 pub mod perform;
@@ -15,6 +16,8 @@ pub mod progress;
 pub mod stats;
 
 mod device_loop;
+
+use std::io::IsTerminal;
 
 use clap::Parser;
 
@@ -27,15 +30,47 @@ pub fn run() -> u8 {
                 .unwrap_or_else(|_| "warn".into()),
         )
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
         .without_time()
         .init();
-    let done = match cli.command {
-        None => demo::run(&cli::DemoArgs::default()),
-        Some(cli::Command::Demo(args)) => demo::run(&args),
-        Some(cli::Command::Run(args)) => join::run(&args),
+    interrupt::listen();
+    let (done, json) = match cli.command {
+        None => (demo::run(&cli::DemoArgs::default()), false),
+        Some(cli::Command::Demo(args)) => (demo::run(&args), args.json),
+        Some(cli::Command::Run(args)) => (join::run(&args), args.json),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
+        let text = sentence(&error);
+        if json {
+            println!("{}", serde_json::json!({ "error": text }));
+        }
+        eprintln!("error: {text}");
         2
     })
+}
+
+/// The error and its causes in one line; a cause that the line already ends with is not said twice.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |said, cause| {
+        let cause = cause.to_string();
+        match said.as_str() {
+            "" => cause,
+            said if said.ends_with(&cause) => said.to_owned(),
+            said => format!("{said}: {cause}"),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let cause = std::io::Error::other("disk on fire");
+        let error = anyhow::Error::new(cause).context("cannot write");
+        assert_eq!(sentence(&error), "cannot write: disk on fire");
+        let error = anyhow::anyhow!("disk on fire").context("cannot write: disk on fire");
+        assert_eq!(sentence(&error), "cannot write: disk on fire");
+    }
 }

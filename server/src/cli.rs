@@ -1,6 +1,7 @@
 //! The command line of `sulcus-server`: what is asked, and the exit code.
 
 use std::ffi::OsString;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -27,14 +28,15 @@ enum Command {
     Tree(tree::TreeArgs),
 }
 
-/// An error and its causes as one sentence; a cause that an outer error already tells is left out.
+/// An error and its causes as one sentence; a cause with which the outer error already ends is left
+/// out.
 fn sentence(error: &anyhow::Error) -> String {
     error
         .chain()
         .map(ToString::to_string)
         .fold(String::new(), |told, cause| match told.is_empty() {
             true => cause,
-            false if told.contains(&cause) => told,
+            false if told.ends_with(&cause) => told,
             false => format!("{told}: {cause}"),
         })
 }
@@ -58,6 +60,8 @@ where
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        // No colour codes in a file or a journal.
+        .with_ansi(std::io::stderr().is_terminal())
         .try_init();
     let outcome = match cli.command {
         Command::Serve(args) => serve::run(&args),
@@ -94,5 +98,10 @@ mod tests {
             sentence(&error.expect_err("an error")),
             "a.toml: cannot read it: no such file"
         );
+        // What only happens to stand somewhere before is not the cause told.
+        let error = Err::<(), _>(anyhow!("disk"))
+            .context("disk.toml")
+            .expect_err("an error");
+        assert_eq!(sentence(&error), "disk.toml: disk");
     }
 }

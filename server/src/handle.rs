@@ -71,7 +71,12 @@ impl Server {
             .build()?;
         let thread = std::thread::Builder::new()
             .name("sulcus-net".into())
-            .spawn(move || runtime.block_on(network::serve(socket, quic, shared)))?;
+            .spawn(move || {
+                let served = runtime.block_on(network::serve(socket, quic, shared));
+                // Sessions have ended; whatever is stuck in the system is not waited for.
+                runtime.shutdown_background();
+                served
+            })?;
         Ok(ServerHandle {
             local_addr,
             certificate_der,

@@ -17,8 +17,8 @@ pub(crate) struct Inputs {
     pose: Option<PoseIn>,
     paused: bool,
     force_limit_n: f32,
-    /// Buttons that went down since the last tick: seen for one tick at least, even when every pose
-    /// that held them was lost.
+    /// Buttons that went down since the tool's last tick with a hand: seen for one tick at least, even
+    /// when every pose that held them was lost. Kept until there is a tick to see them in.
     pressed: [u16; MAX_TOOLS],
 }
 
@@ -64,7 +64,6 @@ impl Inputs {
             skipped,
             ..TickInput::IDLE
         };
-        let pressed = std::mem::take(&mut self.pressed);
         let Some(pose) = &self.pose else { return input };
         // It may have arrived after this tick began.
         let age_ns = now_ns.saturating_sub(pose.arrived_ns);
@@ -80,7 +79,7 @@ impl Inputs {
                     present: true,
                     stale,
                     age_ticks,
-                    buttons: tool.buttons | pressed[slot],
+                    buttons: tool.buttons | std::mem::take(&mut self.pressed[slot]),
                 };
             }
         }
@@ -155,6 +154,18 @@ mod tests {
             tool: 9,
             button: 99,
         });
+        assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
+        assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
+    }
+
+    #[test]
+    fn a_press_waits_for_a_pose_and_a_hand() {
+        let mut inputs = Inputs::new(1);
+        inputs.edge(Edge::Pressed { tool: 0, button: 3 });
+        assert_eq!(inputs.take(0, 0), TickInput::IDLE);
+        inputs.pose(pose(0, [false, false]));
+        assert_eq!(inputs.take(0, 0), TickInput::IDLE);
+        inputs.pose(pose(0, [true, false]));
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
     }

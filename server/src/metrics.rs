@@ -1,9 +1,9 @@
 //! What the simulation thread measures of itself. Everything is sized before the first tick.
 
 use hdrhistogram::Histogram;
-use sulcus_core::TickOutput;
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
+use sulcus_core::{MAX_TOOLS, TickOutput};
 use sulcus_proto::{Percentiles, SessionSummary};
 
 /// Longest time told apart, nanoseconds; longer ones count as this.
@@ -21,6 +21,9 @@ pub(crate) struct Metrics {
     pub snapshots_dropped: u64,
     residual_m: f64,
     exhausted: u64,
+    /// From (re)entry to the first converged tick the graphic tool travels to the hand: substeps that
+    /// run out then are no finding.
+    arriving: [bool; MAX_TOOLS],
     stale: u64,
     force_n: f64,
 }
@@ -49,6 +52,7 @@ impl Metrics {
             snapshots_dropped: 0,
             residual_m: 0.0,
             exhausted: 0,
+            arriving: [true; MAX_TOOLS],
             stale: 0,
             force_n: 0.0,
         })
@@ -60,18 +64,20 @@ impl Metrics {
         self.cpu_ns.saturating_record(times.cpu_ns);
         self.wall_ns.saturating_record(times.wall_ns);
         self.wake_ns.saturating_record(times.wake_ns);
-        for tool in &output.tools {
+        for (tool, arriving) in output.tools.iter().zip(&mut self.arriving) {
             let force = norm(&tool.wrench.force);
             if force > self.force_n {
                 self.force_n = force;
             }
             if tool.status & status::ABSENT != 0 {
+                *arriving = true;
                 continue;
             }
+            *arriving &= !tool.converged;
             if tool.converged && -tool.min_gap > self.residual_m {
                 self.residual_m = -tool.min_gap;
             }
-            self.exhausted += u64::from(tool.status & status::EXHAUSTED != 0);
+            self.exhausted += u64::from(!*arriving && tool.status & status::EXHAUSTED != 0);
             self.stale += u64::from(tool.status & status::STALE != 0);
         }
     }
@@ -110,7 +116,49 @@ fn percentiles(times_ns: &Histogram<u64>) -> Percentiles {
 
 #[cfg(test)]
 mod tests {
+    use sulcus_core::output::ToolOutput;
+    use sulcus_core::{Pose, Wrench};
+
     use super::*;
+
+    #[test]
+    fn exhaustion_counts_from_arrival() {
+        let mut metrics = Metrics::new().expect("histograms");
+        let times = TickTimes {
+            wake_ns: 0,
+            cpu_ns: 1,
+            wall_ns: 1,
+        };
+        let mut tick = |bits, converged| {
+            let tool = |status, converged| ToolOutput {
+                wrench: Wrench::ZERO,
+                raw_wrench: Wrench::ZERO,
+                graphic: Pose::identity(),
+                haptic: Pose::identity(),
+                status,
+                substeps: 0,
+                rows: 0,
+                active: 0,
+                min_gap: f64::INFINITY,
+                converged,
+            };
+            let output = TickOutput {
+                tick: 0,
+                hash: 0,
+                tools: [tool(bits, converged), tool(status::ABSENT, true)],
+            };
+            metrics.tick(times, &output);
+            metrics.exhausted
+        };
+        // Arrival, twice: at the start and after an absence.
+        for before in [0, 1] {
+            assert_eq!(tick(status::EXHAUSTED, false), before);
+            assert_eq!(tick(status::EXHAUSTED, false), before);
+            assert_eq!(tick(0, true), before);
+            assert_eq!(tick(status::EXHAUSTED, false), before + 1);
+            assert_eq!(tick(status::ABSENT, true), before + 1);
+        }
+    }
 
     #[test]
     fn percentiles_are_microseconds() {

@@ -20,6 +20,9 @@ use crate::realtime::unix_ns;
 /// of record time.
 const POLL: Duration = Duration::from_millis(5);
 
+/// Slots in the queue of events: more than a person causes, less than a flood.
+pub(crate) const EVENTS: usize = 256;
+
 /// What the simulation queues. One queue for both, so that a snapshot follows its tick's row.
 pub(crate) enum Entry {
     Row(Row),
@@ -229,7 +232,7 @@ mod tests {
         recorder.snapshot(0, 0, &[]).expect("snapshot");
         let (mut entries, entries_out) = rtrb::RingBuffer::new(8);
         let (buffers, _buffers) = rtrb::RingBuffer::new(1);
-        let (network, network_out) = std::sync::mpsc::channel();
+        let (network, network_out) = std::sync::mpsc::sync_channel(EVENTS);
         let (flags, bell) = (Arc::new(Flags::default()), Bell::new().expect("eventfd"));
         let row = |tick| Row {
             tick,

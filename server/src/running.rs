@@ -1,7 +1,7 @@
 //! A session's two threads and the hand-overs between them, seen from the network.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Sender, channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use rtrb::{Producer, RingBuffer};
@@ -14,16 +14,61 @@ use triple_buffer::{Input, Output, triple_buffer};
 use crate::ServerConfig;
 use crate::handoff::{Bell, EDGES, Edge, Flags, PoseIn, ROWS, SNAPSHOTS, WrenchOut};
 use crate::metrics::Metrics;
-use crate::recording::{self, FromNetwork, Plan, Report};
+use crate::recording::{self, EVENTS, FromNetwork, Plan, Report};
 use crate::simulation::Simulation;
+
+/// Events of one session, bytes of kind and content: a recording is for the hand, not for whatever a
+/// client likes to say.
+const EVENT_BYTES: usize = 1024 * 1024;
+
+/// Stops the simulation when a session is given up without [`Running::finish`].
+struct Abandoned(Arc<Flags>);
+
+impl Drop for Abandoned {
+    fn drop(&mut self) {
+        Flags::raise(&self.0.stop);
+    }
+}
+
+/// The recorder's ear for events: bounded in number and in bytes, never blocks.
+struct Events {
+    to_recorder: SyncSender<FromNetwork>,
+    bytes: usize,
+    /// Found the queue full or the bytes used up.
+    dropped: u64,
+}
+
+impl Events {
+    fn new(to_recorder: SyncSender<FromNetwork>) -> Self {
+        Self {
+            to_recorder,
+            bytes: 0,
+            dropped: 0,
+        }
+    }
+
+    fn push(&mut self, event: Event) {
+        let bytes = self.bytes + event.kind.len() + event.json.len();
+        // A recorder that is gone has raised its flag.
+        if bytes <= EVENT_BYTES && self.to_recorder.try_send(FromNetwork::Event(event)).is_ok() {
+            self.bytes = bytes;
+            return;
+        }
+        if self.dropped == 0 {
+            tracing::warn!("the client sends more events than are recorded: some are dropped");
+        }
+        self.dropped += 1;
+    }
+}
 
 /// A session whose threads run.
 pub(crate) struct Running {
     flags: Arc<Flags>,
+    _abandoned: Abandoned,
     bell: Bell,
     edges: Producer<Edge>,
     edges_dropped: u64,
-    to_recorder: Sender<FromNetwork>,
+    events: Events,
     simulation: JoinHandle<Metrics>,
     recorder: JoinHandle<Report>,
 }
@@ -50,7 +95,7 @@ impl Running {
             let (mut buffers, buffers_out) = RingBuffer::new(SNAPSHOTS);
             let bytes = State::bytes_len(&config.scene);
             while buffers.push(Vec::with_capacity(bytes)).is_ok() {}
-            let (to_recorder, from_network) = channel();
+            let (to_recorder, from_network) = sync_channel(EVENTS);
             let recorder = recording::spawn(
                 recorder,
                 entries_out,
@@ -73,11 +118,12 @@ impl Running {
             // Should this fail, the recorder sees its queue and channel abandoned and finishes.
             let simulation = simulation.spawn()?;
             let running = Running {
+                _abandoned: Abandoned(flags.clone()),
                 flags,
                 bell,
                 edges,
                 edges_dropped: 0,
-                to_recorder,
+                events: Events::new(to_recorder),
                 simulation,
                 recorder,
             };
@@ -113,10 +159,9 @@ impl Running {
         }
     }
 
-    /// Hands an event to the recorder.
+    /// Hands an event to the recorder; one too many is counted.
     pub fn event(&mut self, event: Event) {
-        // A recorder that is gone has raised its flag.
-        let _ = self.to_recorder.send(FromNetwork::Event(event));
+        self.events.push(event);
     }
 
     /// Stops the simulation, finishes and signs the recording; blocks until both are done. Returns
@@ -124,7 +169,8 @@ impl Running {
     pub fn finish(self, reason: EndReason, poses: ArrivalCounts) -> (SessionSummary, String) {
         Flags::raise(&self.flags.stop);
         let mut summary = SessionSummary::empty(reason);
-        summary.edges_dropped = self.edges_dropped;
+        // One counter for all that a client said and that went nowhere.
+        summary.edges_dropped = self.edges_dropped + self.events.dropped;
         summary.poses = poses;
         match self.simulation.join() {
             Ok(metrics) => metrics.fill(&mut summary),
@@ -132,6 +178,7 @@ impl Running {
         }
         // With the simulation gone, the queue holds all there will ever be.
         let _ = self
+            .events
             .to_recorder
             .send(FromNetwork::End(Box::new(summary.clone())));
         let mut text = match summary.end {
@@ -175,5 +222,33 @@ impl Running {
             tracing::error!("{text}");
         }
         (summary, text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(bytes: usize) -> Event {
+        Event {
+            tick: 1,
+            kind: String::new(),
+            json: "x".repeat(bytes),
+        }
+    }
+
+    #[test]
+    fn events_are_bounded_in_number_and_in_bytes() {
+        let (sender, recorder) = sync_channel(EVENTS);
+        let mut events = Events::new(sender);
+        for _ in 0..EVENTS + 2 {
+            events.push(event(1));
+        }
+        assert_eq!(events.dropped, 2);
+        assert_eq!(recorder.try_iter().count(), EVENTS);
+        events.push(event(EVENT_BYTES - EVENTS));
+        events.push(event(1));
+        assert_eq!(events.dropped, 3);
+        assert_eq!(recorder.try_iter().count(), 1);
     }
 }

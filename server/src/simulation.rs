@@ -135,7 +135,9 @@ impl Ticker {
 
         self.collect();
         let input = self.inputs.take(now_ns, skipped);
-        let (cpu, wall) = (thread_cpu_ns(), monotonic_ns());
+        // The wall's window encloses the CPU's: CPU time never exceeds wall time.
+        let wall = monotonic_ns();
+        let cpu = thread_cpu_ns();
         let output = tick(
             &self.scene,
             &mut self.state,
@@ -143,7 +145,8 @@ impl Ticker {
             &input,
             &mut NoProbe,
         );
-        let (cpu_end, wall_end) = (thread_cpu_ns(), monotonic_ns());
+        let cpu_end = thread_cpu_ns();
+        let wall_end = monotonic_ns();
 
         // The hand first, the record after.
         self.link.wrenches.write(wrench_out(

@@ -21,7 +21,7 @@ use crate::replay::{ReplayOptions, ReplayReport, replay};
 #[command(
     name = "sulcus-sessions",
     version,
-    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs, a signature does not hold, a file is damaged), 2 usage or bad input."
+    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs, a signature does not hold, a file is damaged or cut off: not gradable), 2 usage or bad input."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -103,6 +103,10 @@ where
             return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
         }
     };
+    let json = match &cli.command {
+        Command::Info(args) => args.json,
+        Command::Replay(args) => args.json,
+    };
     let outcome = match cli.command {
         Command::Info(args) => for_each(&args.files, args.json, "bytes", info_of),
         Command::Replay(args) => options(&args).and_then(|options| {
@@ -112,6 +116,9 @@ where
         }),
     };
     outcome.unwrap_or_else(|error| {
+        if json {
+            println!("{}", json!({ "error": format!("{error:#}") }));
+        }
         complain(&error);
         ExitCode::from(2)
     })
@@ -257,8 +264,6 @@ fn for_each(
     }
     if json {
         let object = match <[Value; 1]>::try_from(objects) {
-            // A single bad file has said so on standard error.
-            Ok([only]) if only.get("error").is_some() => return Ok(ExitCode::from(code)),
             Ok([only]) => only,
             Err(objects) => summary(objects, total),
         };

@@ -83,10 +83,12 @@ pub struct ReplayReport {
 }
 
 impl ReplayReport {
-    /// Whether something is wrong: it differs, a signature does not hold, or bytes are damaged. A
-    /// recording that was merely cut off is sound as far as it goes.
+    /// Whether there is something to say but "all is well": it differs, a signature does not hold, bytes
+    /// are damaged, or it cannot be graded (a recording that was cut off is sound as far as it goes, and
+    /// is not the whole session).
     pub fn is_finding(&self) -> bool {
-        !self.identical
+        !self.gradable
+            || !self.identical
             || !self.chain_ok
             || matches!(self.signature, Signature::Invalid { .. })
             || matches!(self.ending, Ending::Damaged { .. })

@@ -151,13 +151,14 @@ fn the_signer_can_be_given_as_file_or_digits() {
 }
 
 #[test]
-fn a_cut_off_file_is_sound_as_far_as_it_goes() {
+fn a_cut_off_file_is_sound_as_far_as_it_goes_and_cannot_be_graded() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("cut.mcap");
     let bytes = recorded(800);
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     let output = run(&["replay", text_of(&path), "--json"]);
-    assert_eq!(code(&output), 0);
+    // Exit code 1 is a finding: not gradable is one.
+    assert_eq!(code(&output), 1);
     let json = json_of(&output);
     assert_eq!(json["identical"], true);
     assert_eq!(json["gradable"], false);

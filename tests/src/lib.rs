@@ -1,7 +1,8 @@
 //! The programs from outside, over real sockets and real files: how the tests start them.
 
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 
 /// A program of the workspace.
@@ -187,4 +188,52 @@ pub fn rows(recording: &sulcus_sessions::Recording) -> Vec<sulcus_sessions::Row>
             _ => None,
         };
     recording.messages().filter_map(message).collect()
+}
+
+/// A server in its own process, and what it said first. Killed when dropped.
+pub struct Serving {
+    /// The process.
+    pub process: Child,
+    /// Where it listens.
+    pub address: String,
+    /// What a client needs besides.
+    pub ticket: String,
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Place {
+    /// Starts `sulcus-server serve` on a free port of loopback with further arguments.
+    pub fn serve(&self, arguments: &[&str]) -> Serving {
+        let mut process = self
+            .command(Program::Server.path())
+            .args(["serve", "--listen", "127.0.0.1:0", "--json"])
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the server starts");
+        let mut first = String::new();
+        let stdout = process.stdout.take().expect("piped");
+        BufReader::new(stdout)
+            .read_line(&mut first)
+            .expect("a first line");
+        let said: serde_json::Value =
+            serde_json::from_str(&first).unwrap_or_else(|e| panic!("{e}: {first}"));
+        let text = |field: &str| {
+            said[field]
+                .as_str()
+                .unwrap_or_else(|| panic!("`{field}` in {first}"))
+                .to_owned()
+        };
+        Serving {
+            address: text("address"),
+            ticket: text("ticket"),
+            process,
+        }
+    }
 }

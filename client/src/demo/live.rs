@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use sulcus_proto::control::EndReason;
 use sulcus_server::{Exercise, Server, ServerConfig};
 
 use crate::cli::DemoArgs;
@@ -51,9 +52,18 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     let wall_s = begin.elapsed().as_secs_f64();
     server.shutdown();
     server.join()?;
-    let summary = ran.summary.context("the embedded server fell silent")?;
+    let goodbye = ran.goodbye.context("the embedded server was lost")?;
+    let summary = &goodbye.summary;
     if summary.recording.is_empty() {
-        bail!("the session left no recording");
+        bail!("{}", goodbye.text);
+    }
+    let recording: PathBuf = args.recordings.join(&summary.recording);
+    if summary.end != EndReason::Stopped {
+        bail!(
+            "{}; what was recorded until then is {}",
+            goodbye.text,
+            recording.display()
+        );
     }
     if !summary.complete {
         eprintln!(
@@ -61,7 +71,6 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
             summary.rows_dropped
         );
     }
-    let recording: PathBuf = args.recordings.join(&summary.recording);
     let checked = check::check(&recording, steps)?;
     Ok(DemoSummary {
         recording,
@@ -74,6 +83,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         tick_us: summary.tick_us,
         tick_wall_us: summary.tick_wall_us,
         rtt_us: (ran.stats.answered > 0).then_some(ran.stats.rtt_us),
+        network_us: (ran.stats.answered > 0).then_some(ran.stats.network_us),
         max_residual_um: checked.measures.residual * 1e6,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
@@ -81,6 +91,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         late: summary.poses.late + ran.stats.wrenches.late,
         identical: checked.report.identical,
         first_divergent_tick: checked.report.first_divergent_tick,
+        gradable: checked.report.gradable,
         signature_valid: checked.signature_valid(),
         realtime_factor: (summary.ticks + summary.skipped) as f64 * sulcus_core::TICK_S / wall_s,
         replay_realtime_factor: checked.report.realtime_factor,

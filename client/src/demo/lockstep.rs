@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
+use sulcus_cases::Observer;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
 };
@@ -11,6 +12,7 @@ use sulcus_proto::Percentiles;
 use sulcus_sessions::{Recorder, Row, SessionEnd, SessionHeader, StationKey};
 
 use crate::exercise::Prepared;
+use crate::interrupt;
 use crate::progress::Steps;
 use crate::stats::{histogram, percentiles, thread_cpu_ns};
 
@@ -60,10 +62,17 @@ pub fn run(
     recorder.snapshot(started, 0, &state.to_bytes())?;
     let (mut cpu, mut wall) = (histogram(), histogram());
     let mut felt = [Wrench::ZERO; MAX_TOOLS];
-    let mut exhausted = 0;
+    let mut observer = Observer::new(&scene);
+    // Counts only here: the full query of all pairs comes with the check.
+    observer.residual_every = u64::MAX;
     let bar = steps.bar("performing");
     let begin = Instant::now();
+    let mut done = 0;
     for k in 1..=ticks {
+        if interrupt::asked() {
+            break;
+        }
+        done = k;
         let mut input = TickInput::IDLE;
         input.tools = prepared.operator.step(&felt);
         if let Some(case) = prepared.case {
@@ -74,11 +83,7 @@ pub fn run(
         cpu.saturating_record(thread_cpu_ns() - cpu_0);
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
         felt = as_sent(&output);
-        exhausted += output
-            .tools
-            .iter()
-            .filter(|t| t.status & sulcus_core::output::status::EXHAUSTED != 0)
-            .count() as u64;
+        observer.observe(&scene, &input, &output);
         let now = started + k * 1_000_000;
         recorder.push(&Row::new(now, &input, &output))?;
         if k.is_multiple_of(SNAPSHOT_TICKS) {
@@ -89,15 +94,15 @@ pub fn run(
         }
     }
     recorder.finish(SessionEnd {
-        ticks,
-        exhausted,
+        ticks: done,
+        exhausted: observer.measures().exhausted,
         ..SessionEnd::default()
     })?;
     let wall_s = begin.elapsed().as_secs_f64();
     bar.done();
     Ok(Lockstep {
         recording,
-        ticks,
+        ticks: done,
         tick_us: percentiles(&cpu).unwrap_or_default(),
         tick_wall_us: percentiles(&wall).unwrap_or_default(),
         wall_s,

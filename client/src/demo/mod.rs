@@ -35,6 +35,12 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         args.solver.into(),
         &steps,
     )?;
+    if prepared.case.is_some() && args.duration != DemoArgs::default().duration {
+        eprintln!(
+            "warning: `{}` has its own length; --duration has no effect",
+            prepared.name
+        );
+    }
     for warning in &prepared.warnings {
         eprintln!("warning: {warning}");
     }
@@ -54,7 +60,9 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     } else {
         println!("{}", summary.text());
     }
-    Ok(u8::from(!(summary.identical && summary.signature_valid)))
+    Ok(u8::from(
+        !(summary.identical && summary.signature_valid && summary.gradable),
+    ))
 }
 
 #[cfg(feature = "embedded")]
@@ -86,6 +94,7 @@ fn run_virtual(
         tick_us: ran.tick_us,
         tick_wall_us: ran.tick_wall_us,
         rtt_us: None,
+        network_us: None,
         max_residual_um: checked.measures.residual * 1e6,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
@@ -93,6 +102,7 @@ fn run_virtual(
         late: 0,
         identical: checked.report.identical,
         first_divergent_tick: checked.report.first_divergent_tick,
+        gradable: checked.report.gradable,
         signature_valid: checked.signature_valid(),
         realtime_factor: ran.ticks as f64 * sulcus_core::TICK_S / ran.wall_s,
         replay_realtime_factor: checked.report.realtime_factor,

@@ -27,8 +27,11 @@ pub struct DemoSummary {
     pub tick_us: Percentiles,
     /// Wall time of a tick.
     pub tick_wall_us: Percentiles,
-    /// Round trip from a pose to the first wrench that answers it; null in virtual time.
+    /// From a pose to the first wrench that answers it, waiting for the server's next tick included; null
+    /// in virtual time.
     pub rtt_us: Option<Percentiles>,
+    /// The same without the time that the server held the pose; null in virtual time.
+    pub network_us: Option<Percentiles>,
     /// Deepest penetration of any converged tick, by a full query of all pairs.
     pub max_residual_um: f64,
     /// Tool-ticks whose substeps ran out, after arrival.
@@ -43,6 +46,8 @@ pub struct DemoSummary {
     pub identical: bool,
     /// First tick that differs, if any.
     pub first_divergent_tick: Option<u64>,
+    /// Whether a grade may rest on the recording.
+    pub gradable: bool,
     /// Whether the recording's signatures hold.
     pub signature_valid: bool,
     /// Speed of the simulation against real time; about 1 when live.
@@ -92,10 +97,19 @@ impl DemoSummary {
             format!("tick, wall    {}", times(&self.tick_wall_us)),
         ];
         if let Some(rtt) = &self.rtt_us {
-            lines.push(format!("round trip    {}", times(rtt)));
+            lines.push(format!(
+                "round trip    {} (waiting for the tick included)",
+                times(rtt)
+            ));
             lines.push(format!(
                 "datagrams     {} lost, {} late",
                 self.lost, self.late
+            ));
+        }
+        if let Some(network) = &self.network_us {
+            lines.push(format!(
+                "network       {} (of it, both ways)",
+                times(network)
             ));
         }
         lines.push(format!(
@@ -113,6 +127,9 @@ impl DemoSummary {
             Some(tick) => format!("replay        DIFFERS from tick {tick} on"),
             None => "replay        DIFFERS".into(),
         });
+        if !self.gradable {
+            lines.push("grading       NOT POSSIBLE: the recording is not complete".into());
+        }
         if !self.signature_valid {
             lines.push("signature     NOT VALID".into());
         }

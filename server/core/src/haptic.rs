@@ -120,6 +120,7 @@ mod tests {
             haptic: pose,
             graphic: pose,
             entered: true,
+            bad_ticks: 0,
             gain: 1.0,
             sent: zero,
             raw: zero,

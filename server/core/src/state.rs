@@ -13,6 +13,8 @@ pub struct ToolState {
     pub graphic: Pose,
     /// Whether the tool was present in the last tick.
     pub entered: bool,
+    /// Ticks in a row whose pose was unusable.
+    pub bad_ticks: u16,
     /// Ramp of the wrench, 0 to 1.
     pub gain: f64,
     /// Wrench sent last, about the device point.
@@ -60,8 +62,8 @@ pub enum StateError {
     },
 }
 
-/// Bytes of one tool: two poses, a flag, the ramp, two wrenches, an axis.
-const TOOL_BYTES: usize = 2 * 7 * 8 + 1 + 8 + 2 * 6 * 8 + 3 * 8;
+/// Bytes of one tool: two poses, a flag, a count, the ramp, two wrenches, an axis.
+const TOOL_BYTES: usize = 2 * 7 * 8 + 1 + 2 + 8 + 2 * 6 * 8 + 3 * 8;
 
 impl State {
     /// The state before the first tick: tools parked, tissue at rest.
@@ -75,6 +77,7 @@ impl State {
                 haptic: park,
                 graphic: park,
                 entered: false,
+                bad_ticks: 0,
                 gain: 0.0,
                 sent: Wrench::ZERO,
                 raw: Wrench::ZERO,
@@ -127,6 +130,7 @@ impl State {
         self.tissue.iter().for_each(|x| put(*x));
         for tool in &self.tools {
             bytes.push(u8::from(tool.entered));
+            bytes.extend_from_slice(&tool.bad_ticks.to_le_bytes());
         }
     }
 
@@ -172,7 +176,8 @@ impl State {
                     });
                 }
             };
-            reader.at += 1;
+            tool.bad_ticks = u16::from_le_bytes([bytes[reader.at + 1], bytes[reader.at + 2]]);
+            reader.at += 3;
         }
         Ok(state)
     }

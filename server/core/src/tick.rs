@@ -17,6 +17,9 @@ use crate::tissue::Site;
 use crate::tree::Node;
 use crate::wrench::{Conditions, limited};
 
+/// Unusable poses in a row after which the tool counts as stale: the watchdog's time.
+const BAD_TICKS_STALE: u16 = 50;
+
 /// Scratch of a tick, sized when the scene loads. Nothing in it outlives a tick: a fresh one gives
 /// the same bits.
 #[derive(Debug)]
@@ -338,7 +341,14 @@ fn finish_tool(
         // Nobody holds it: it loads nothing, while the last wrench ramps out.
         loads.fill(Wrench::ZERO);
     }
-    if slot.stale {
+    kept.bad_ticks = if bits & status::BAD_INPUT != 0 {
+        kept.bad_ticks.saturating_add(1)
+    } else {
+        0
+    };
+    // A device that sends nothing usable is as silent as one that sends nothing.
+    let stale = slot.stale || kept.bad_ticks >= BAD_TICKS_STALE;
+    if stale {
         bits |= status::STALE;
     }
     if input.paused {
@@ -348,7 +358,7 @@ fn finish_tool(
     let most = scene.params.max_force;
     let now = Conditions {
         // While no answer can be had the tool stands still: its last force must not stay in the hand.
-        wanted: present && !slot.stale && !input.paused && bits & status::SOLVER_FAILED == 0,
+        wanted: present && !stale && !input.paused && bits & status::SOLVER_FAILED == 0,
         force_limit: if limit > 0.0 && limit < most {
             limit
         } else {

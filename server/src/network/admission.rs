@@ -80,6 +80,8 @@ async fn welcome(
         )
         .await;
         station.summaries.extend(summary);
+    } else {
+        connection.close(CLOSE_REFUSED, b"hello not taken");
     }
 }
 
@@ -152,6 +154,7 @@ async fn refuse(connection: &Connection, send: &mut SendStream, refused: Refused
     if control::write(send, &ServerMessage::Refused(refused)).await && send.finish().is_ok() {
         close_after_last_word(connection, CLOSE_REFUSED, b"refused").await;
     }
+    connection.close(CLOSE_REFUSED, b"refused");
 }
 
 fn server_hello(shared: &Shared, epoch: u32) -> ServerHello {

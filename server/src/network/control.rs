@@ -1,9 +1,17 @@
 //! The control stream: whole messages in, whole messages out.
 
-use quinn::{RecvStream, SendStream};
+use std::time::Duration;
+
+use quinn::{RecvStream, SendStream, VarInt};
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
 use tokio::sync::mpsc;
+
+/// Time a client has to take one control message. Without it, one that grants no stream window would
+/// hold a task, and with it the station, for as long as it keeps its connection alive.
+const WRITE: Duration = Duration::from_secs(2);
+/// Application code of a control stream given up half-way through a message.
+const GIVEN_UP: VarInt = VarInt::from_u32(1);
 
 /// Why no further message comes.
 #[derive(Debug, thiserror::Error)]
@@ -31,12 +39,22 @@ pub(super) async fn read(stream: &mut RecvStream) -> Result<ClientMessage, ReadE
     Ok(frame::decode(&body)?)
 }
 
-/// Writes one message; `false` when the connection is gone.
+/// Writes one message; `false` when the connection is gone or the client does not take the message
+/// in [`WRITE`]. Nothing more can be written then.
 pub(super) async fn write(stream: &mut SendStream, message: &ServerMessage) -> bool {
-    match frame::encode(message) {
-        Ok(bytes) => stream.write_all(&bytes).await.is_ok(),
+    let bytes = match frame::encode(message) {
+        Ok(bytes) => bytes,
         Err(error) => {
             tracing::error!("cannot encode a control message: {error}");
+            return false;
+        }
+    };
+    match tokio::time::timeout(WRITE, stream.write_all(&bytes)).await {
+        Ok(written) => written.is_ok(),
+        Err(_) => {
+            tracing::warn!("the client takes no control messages");
+            // Half a message may be out: a further one must fail at once, not follow it.
+            let _ = stream.reset(GIVEN_UP);
             false
         }
     }
@@ -56,4 +74,82 @@ pub(super) fn reader(mut stream: RecvStream) -> mpsc::Receiver<Result<ClientMess
         }
     });
     receiver
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::time::Instant;
+
+    use quinn::crypto::rustls::QuicClientConfig;
+    use quinn::{ClientConfig, Endpoint, TransportConfig};
+    use sulcus_proto::ALPN;
+
+    use super::*;
+    use crate::identity::Identity;
+    use crate::transport;
+
+    /// A client that keeps its connection alive but takes no byte of any stream.
+    fn deaf(identity: &Identity) -> ClientConfig {
+        let mut roots = rustls::RootCertStore::empty();
+        roots.add(identity.certificate.clone()).expect("a root");
+        let provider = Arc::new(rustls::crypto::ring::default_provider());
+        let mut tls = rustls::ClientConfig::builder_with_provider(provider)
+            .with_protocol_versions(&[&rustls::version::TLS13])
+            .expect("TLS 1.3")
+            .with_root_certificates(roots)
+            .with_no_client_auth();
+        tls.alpn_protocols = vec![ALPN.to_vec()];
+        let crypto = QuicClientConfig::try_from(tls).expect("QUIC");
+        let mut transport = TransportConfig::default();
+        transport
+            .stream_receive_window(VarInt::from_u32(0))
+            .keep_alive_interval(Some(Duration::from_millis(500)));
+        let mut config = ClientConfig::new(Arc::new(crypto));
+        config.transport_config(Arc::new(transport));
+        config
+    }
+
+    #[test]
+    fn a_client_without_a_window_does_not_hold_a_write() {
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .expect("runtime");
+        runtime.block_on(async {
+            let identity = Identity::generate("localhost").expect("identity");
+            let any = ([127, 0, 0, 1], 0).into();
+            let server = transport::server_config(&identity).expect("config");
+            let server = Endpoint::server(server, any).expect("server");
+            let address = server.local_addr().expect("address");
+            let client = Endpoint::client(any).expect("client");
+            let connecting = client
+                .connect_with(deaf(&identity), address, "localhost")
+                .expect("connecting");
+            let (theirs, ours) = tokio::join!(async { connecting.await.expect("joins") }, async {
+                server
+                    .accept()
+                    .await
+                    .expect("someone")
+                    .await
+                    .expect("joins")
+            });
+            let (mut asks, _hears) = theirs.open_bi().await.expect("a stream");
+            asks.write_all(b"x").await.expect("written");
+            let (mut send, _recv) = ours.accept_bi().await.expect("a stream");
+
+            let message = ServerMessage::Epoch(1);
+            let begun = Instant::now();
+            assert!(!write(&mut send, &message).await);
+            let first = begun.elapsed();
+            assert!(first >= WRITE && first < 2 * WRITE, "{first:?}");
+            // The goodbye that follows costs no further wait.
+            assert!(!write(&mut send, &message).await);
+            assert!(begun.elapsed() < first + WRITE / 2);
+            assert!(
+                ours.close_reason().is_none(),
+                "only the stream was given up"
+            );
+        });
+    }
 }

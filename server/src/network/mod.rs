@@ -10,8 +10,10 @@ use std::time::Duration;
 
 use quinn::{Connection, Endpoint, EndpointConfig, TokioRuntime, VarInt};
 use sulcus_proto::SessionSummary;
-use sulcus_proto::control::Command;
+use sulcus_proto::control::{Command, EndReason};
+use sulcus_proto::limits::HELLO;
 use tokio::sync::{Mutex, mpsc, watch};
+use tokio::task::JoinSet;
 
 use crate::{ServerConfig, ServerError};
 
@@ -59,6 +61,11 @@ const CLOSE_OK: VarInt = VarInt::from_u32(0);
 const CLOSE_REFUSED: VarInt = VarInt::from_u32(1);
 /// Time a client has to read the last message and close.
 const LAST_WORD: Duration = Duration::from_secs(2);
+/// Time that connections have to end by themselves once the server ends: a message that is not taken,
+/// a goodbye that is not taken, the last word, and some to finish the recording.
+const FAREWELL: Duration = Duration::from_secs(10);
+/// Time that a recording has to be finished after that, on a slow disk.
+const FINISHING: Duration = Duration::from_secs(20);
 /// Connections being served at once, refused ones included.
 const CONNECTIONS: usize = 64;
 
@@ -75,7 +82,7 @@ pub(crate) async fn serve(
         Arc::new(TokioRuntime),
     )?;
     let mut phase = shared.phase.clone();
-    let mut connections = tokio::task::JoinSet::new();
+    let mut connections = JoinSet::new();
     while *phase.borrow_and_update() == Phase::Serve {
         tokio::select! {
             _ = phase.changed() => {}
@@ -89,23 +96,39 @@ pub(crate) async fn serve(
             },
         }
     }
-    if *phase.borrow() == Phase::Halt {
-        endpoint.close(CLOSE_OK, b"server stopped");
-    }
     // Sessions see the phase too; each finishes its recording before its task ends.
-    while connections.join_next().await.is_some() {}
+    let halted = *phase.borrow() == Phase::Halt;
+    let ended = !halted && all_ended(&mut connections, FAREWELL).await;
+    // From here on nothing waits for a client any more.
     endpoint.close(CLOSE_OK, b"server stopped");
+    let unfinished = !ended
+        && !all_ended(&mut connections, FINISHING).await
+        // Only a session holds it that long.
+        && shared.station.try_lock().is_err();
+    connections.shutdown().await;
     // Let the last packets out, but do not wait for clients that are gone.
     let _ = tokio::time::timeout(LAST_WORD, endpoint.wait_idle()).await;
     let mut station = shared.station.lock().await;
+    if unfinished {
+        tracing::error!("the session did not end in time; its recording may be cut off");
+        let summary = SessionSummary::empty(EndReason::Recording);
+        station.summaries.push(summary);
+    }
     Ok(std::mem::take(&mut station.summaries))
+}
+
+/// Waits until all connections have ended, at most this long; whether they have.
+async fn all_ended(connections: &mut JoinSet<()>, limit: Duration) -> bool {
+    let all = async { while connections.join_next().await.is_some() {} };
+    tokio::time::timeout(limit, all).await.is_ok()
 }
 
 async fn connection(incoming: quinn::Incoming, shared: Arc<Shared>) {
     let from = incoming.remote_address();
-    match incoming.await {
-        Ok(connection) => admission::admit(connection, shared).await,
-        Err(error) => tracing::info!("connection from {from} failed: {error}"),
+    match tokio::time::timeout(HELLO, incoming).await {
+        Ok(Ok(connection)) => admission::admit(connection, shared).await,
+        Ok(Err(error)) => tracing::info!("connection from {from} failed: {error}"),
+        Err(_) => tracing::info!("connection from {from} failed: the handshake takes too long"),
     }
 }
 

@@ -18,6 +18,9 @@ use crate::running::{Running, Started};
 
 type Messages = Receiver<Result<ClientMessage, ReadError>>;
 
+/// Time a station has from its hello to its start: meanwhile nobody else can have it.
+const START: Duration = Duration::from_secs(20);
+
 /// Runs a session. `None`: the client left before it started anything.
 pub(super) async fn run(
     connection: Connection,
@@ -28,14 +31,9 @@ pub(super) async fn run(
     station: &mut Station,
 ) -> Option<SessionSummary> {
     let mut phase = shared.phase.clone();
-    if let Err(reason) = started(&mut messages, &mut phase).await {
-        say_goodbye(
-            &connection,
-            &mut send,
-            SessionSummary::empty(reason),
-            "Nothing was started.",
-        )
-        .await;
+    if let Err((reason, text)) = started(&mut messages, &mut phase, START).await {
+        tracing::info!("session over before its start ({reason:?})");
+        say_goodbye(&connection, &mut send, SessionSummary::empty(reason), &text).await;
         return None;
     }
     // Opening a recording writes the whole scene: not on the thread that carries the packets.
@@ -92,8 +90,25 @@ pub(super) async fn run(
     Some(summary)
 }
 
-/// Waits for the start.
+/// Waits for the start, at most this long; or why there is none, with one sentence for people.
 async fn started(
+    messages: &mut Messages,
+    phase: &mut watch::Receiver<Phase>,
+    limit: Duration,
+) -> Result<(), (EndReason, String)> {
+    match tokio::time::timeout(limit, start_said(messages, phase)).await {
+        Ok(said) => said.map_err(|reason| (reason, "Nothing was started.".to_owned())),
+        Err(_) => {
+            let text = format!(
+                "Nothing was started within {} s; connect again.",
+                limit.as_secs()
+            );
+            Err((EndReason::TimeUp, text))
+        }
+    }
+}
+
+async fn start_said(
     messages: &mut Messages,
     phase: &mut watch::Receiver<Phase>,
 ) -> Result<(), EndReason> {
@@ -177,10 +192,14 @@ async fn live(
                     }
                     Some(Err(ReadError::Closed)) | None => return EndReason::ConnectionLost,
                 };
-                apply(edge, send, running, datagrams, station).await;
+                if !apply(edge, send, running, datagrams, station).await {
+                    return EndReason::ConnectionLost;
+                }
             },
             Some(command) = station.commands.recv() => {
-                apply(edge_of(command), send, running, datagrams, station).await;
+                if !apply(edge_of(command), send, running, datagrams, station).await {
+                    return EndReason::ConnectionLost;
+                }
             },
             _ = phase.changed() => return EndReason::Shutdown,
             () = &mut time_up => return EndReason::TimeUp,
@@ -205,22 +224,23 @@ fn edge_of(command: Command) -> Option<Edge> {
     }
 }
 
+/// Hands an edge on; `false` when the client does not take what it must know of it.
 async fn apply(
     edge: Option<Edge>,
     send: &mut SendStream,
     running: &mut Running,
     datagrams: &mut Datagrams,
     station: &mut Station,
-) {
-    let Some(edge) = edge else { return };
+) -> bool {
+    let Some(edge) = edge else { return true };
     running.edge(edge);
-    if edge == Edge::Paused(false) {
-        // Poses from before or during the pause must not move anything now.
-        let epoch = station.next_epoch();
-        datagrams.begin_epoch(epoch);
-        // A connection that is gone shows in the next datagram read.
-        control::write(send, &ServerMessage::Epoch(epoch)).await;
+    if edge != Edge::Paused(false) {
+        return true;
     }
+    // Poses from before or during the pause must not move anything now.
+    let epoch = station.next_epoch();
+    datagrams.begin_epoch(epoch);
+    control::write(send, &ServerMessage::Epoch(epoch)).await
 }
 
 async fn say_goodbye(
@@ -240,4 +260,31 @@ async fn say_goodbye(
         close_after_last_word(connection, CLOSE_OK, b"goodbye").await;
     }
     connection.close(CLOSE_OK, b"goodbye");
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn a_station_is_not_held_without_a_start() {
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_time()
+            .build()
+            .expect("runtime");
+        runtime.block_on(async {
+            let (_phase, mut phase) = watch::channel(Phase::Serve);
+            let (sender, mut messages) = channel(4);
+            let limit = Duration::from_millis(30);
+            let (reason, text) = started(&mut messages, &mut phase, limit)
+                .await
+                .expect_err("nothing was said");
+            assert_eq!(reason, EndReason::TimeUp);
+            assert!(text.contains("connect again"), "{text}");
+            sender.send(Ok(ClientMessage::Start)).await.expect("room");
+            assert_eq!(started(&mut messages, &mut phase, limit).await, Ok(()));
+        });
+    }
 }

@@ -402,3 +402,30 @@ fn the_judge_confirms_a_tick_in_contact() {
     }
     assert!(crate::optimise::audit::audit(&scene, &ws).is_some());
 }
+
+#[test]
+fn a_device_that_sends_only_unusable_poses_is_let_go() {
+    let scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let mut last = 0.0;
+    for k in 0..700 {
+        let mut input = tip_at(-0.002);
+        if (300..500).contains(&k) {
+            input.tools[0].pose.position[1] = f32::NAN;
+        }
+        let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+        let force = out.tools[0].wrench.force.z;
+        assert!((force - last).abs() < 0.1, "tick {k}: {force} after {last}");
+        if k == 340 {
+            assert!(force > 0.9, "a few bad poses are nothing: {force}");
+        }
+        if k == 499 {
+            assert_eq!(
+                (force, out.tools[0].status & status::STALE),
+                (0.0, status::STALE)
+            );
+        }
+        last = force;
+    }
+    assert!((last - 1.0).abs() < 1e-3, "{last}");
+}
