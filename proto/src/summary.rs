@@ -53,7 +53,7 @@ pub struct SessionSummary {
     pub foreign: u64,
     /// Datagrams that did not decode.
     pub malformed: u64,
-    /// Commands and button edges that found their ring full.
+    /// Commands, button edges and events that found no room.
     pub edges_dropped: u64,
     /// Rows that found the recorder's queue full.
     pub rows_dropped: u64,
