@@ -56,7 +56,8 @@ const MAX_TORQUE_STEP_NM: f64 = 0.03;
 /// numbers).
 pub type Disturb = fn(u64, &mut TickInput);
 
-/// Runs `device` on `link` for `periods` periods, or until the server is gone. `done` counts along.
+/// Runs `device` on `link` for `periods` periods, and the few more that it takes to let the hand go; or
+/// until someone interrupts it, or the server is gone. `done` counts along.
 pub fn run(
     link: &mut Link,
     device: &mut dyn Device,
@@ -69,14 +70,16 @@ pub fn run(
     let (mut displayed, mut closed_for, mut was_open) = ([Wrench::ZERO; MAX_TOOLS], 0, false);
     let mut grid_ns = now_ns() + PERIOD_NS;
     let mut waited = 0;
-    while report.periods < periods {
-        if interrupt::asked() {
-            report.interrupted = true;
+    loop {
+        report.interrupted |= interrupt::asked();
+        // The end, too, lets the hand go by the slew limit: the loop goes on until nothing is displayed.
+        let leaving = report.interrupted || report.periods >= periods;
+        if leaving && report.last_displayed_n == 0.0 {
             break;
         }
         sleep_until(grid_ns);
-        let late = now_ns().saturating_sub(grid_ns) / PERIOD_NS;
         let now = now_ns();
+        let late = now.saturating_sub(grid_ns) / PERIOD_NS;
         let gate = link.force_gate(now);
         let newest = link.latest_wrench();
         if newest.is_none() && waited < START_PERIODS && link.is_open() {
@@ -86,11 +89,11 @@ pub fn run(
             continue;
         }
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
-            newest.map_or(Wrench::ZERO, |packet| {
+            let wanted = newest.filter(|_| !leaving).map_or(Wrench::ZERO, |packet| {
                 gated(&packet.datagram.tools[t], gate)
-            })
+            });
+            slewed(&displayed[t], &wanted)
         });
-        let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| slewed(&displayed[t], &felt[t]));
         for (now, before) in felt.iter().zip(&displayed) {
             let force = norm(&now.force);
             report.max_displayed_n = report.max_displayed_n.max(force);

@@ -52,6 +52,46 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
 }
 
 #[test]
+fn an_interrupted_client_lets_the_hand_go_before_it_leaves() {
+    let client = Program::Client.path();
+    let place = Place::new();
+    let server = place.serve(&[]);
+    let session = place
+        .command(client)
+        .args([
+            "run",
+            "--server",
+            &server.address,
+            "--ticket",
+            &server.ticket,
+            "--duration",
+            "60",
+            "--json",
+        ])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the client starts");
+    // Long enough to be in contact.
+    std::thread::sleep(Duration::from_secs(5));
+    interrupt(session.id());
+    let ended = Ended::new(session.wait_with_output().expect("it ends")).ok();
+    let said = ended.json();
+    let device = &said["device"];
+    assert_eq!(device["interrupted"], true, "{said}");
+    assert!(
+        device["max_displayed_n"].as_f64().expect("a force") > 0.05,
+        "it never touched: {said}"
+    );
+    assert_eq!(device["last_displayed_n"], 0.0, "{said}");
+    assert!(
+        device["max_displayed_step_n"].as_f64().expect("a force") <= 0.5 + 1e-9,
+        "{said}"
+    );
+    assert_eq!(said["session"]["end"], "stopped", "{said}");
+}
+
+#[test]
 fn the_servers_time_limit_is_its_word_and_not_a_loss() {
     let place = Place::new();
     let server = place.serve(&["--max-session", "2"]);

@@ -24,9 +24,6 @@ impl Checked {
     }
 }
 
-/// The full query of all sphere pairs runs on every so many ticks.
-const RESIDUAL_EVERY: u64 = 1;
-
 /// Replays the recording at `path`.
 ///
 /// # Errors
@@ -35,7 +32,6 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let recording = Recording::open(path)?;
     let scene = recording.scene()?;
     let mut observer = Observer::new(&scene);
-    observer.residual_every = RESIDUAL_EVERY;
     let rows = recording.len().max(1) as f64;
     let bar = steps.bar("replaying");
     let report = replay_observed(

@@ -8,6 +8,7 @@ use sulcus_proto::newest::ArrivalCounts;
 use sulcus_proto::{NewestWins, Percentiles};
 
 use super::LinkError;
+use crate::stats::percentiles;
 
 /// How packets have fared so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -92,8 +93,8 @@ impl Shared {
             wrenches: numbers.filter.counts(),
             foreign: numbers.foreign,
             malformed: numbers.malformed,
-            rtt_us: percentiles(&numbers.rtt_ns),
-            network_us: percentiles(&numbers.network_ns),
+            rtt_us: percentiles(&numbers.rtt_ns).unwrap_or_default(),
+            network_us: percentiles(&numbers.network_ns).unwrap_or_default(),
             answered: numbers.rtt_ns.len(),
         })
     }
@@ -112,14 +113,4 @@ impl Numbers {
 fn histogram() -> Result<Histogram<u64>, LinkError> {
     Histogram::new_with_bounds(1, 10_000_000_000, 3)
         .map_err(|error| LinkError::System(error.to_string()))
-}
-
-fn percentiles(times_ns: &Histogram<u64>) -> Percentiles {
-    let us = |ns: u64| ns as f64 / 1e3;
-    Percentiles {
-        p50: us(times_ns.value_at_quantile(0.5)),
-        p99: us(times_ns.value_at_quantile(0.99)),
-        p999: us(times_ns.value_at_quantile(0.999)),
-        max: us(times_ns.max()),
-    }
 }

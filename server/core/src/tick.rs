@@ -161,7 +161,8 @@ impl Workspace {
     /// The last problem of each tool (or of both together) and its answer, for an independent solver to
     /// judge.
     pub fn last_problems(&self, scene: &Scene) -> impl Iterator<Item = (Problem<'_>, &Solution)> {
-        let params = scene.params.clone();
+        let contact_compliance = scene.params.contact_compliance;
+        let max_iterations = usize::from(scene.params.max_iterations);
         let solved =
             |pass: &&Pass| !pass.rows.is_empty() && pass.solution.lambda.len() == pass.rows.len();
         self.passes.iter().filter(solved).map(move |pass| {
@@ -169,8 +170,8 @@ impl Workspace {
             let problem = Problem {
                 rows: &pass.rows,
                 tissue: pass.tissue.then(|| &self.gram[..m * m]),
-                contact_compliance: params.contact_compliance,
-                max_iterations: usize::from(params.max_iterations),
+                contact_compliance,
+                max_iterations,
             };
             (problem, &pass.solution)
         })
