@@ -12,6 +12,7 @@ use crate::cluster::{Feature, split};
 use crate::distance::MeshDistance;
 use crate::fit::fit;
 use crate::medial::inscribed_centre;
+use crate::polish::{PolishOptions, Surface, polish};
 use crate::mesh::TriMesh;
 use crate::random::Random;
 use crate::{parallel, sample};
@@ -75,6 +76,17 @@ struct Share {
     children: u8,
 }
 
+/// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
+/// cut along their axis by the centres, discs and bulky things by both.
+const ALPHAS: [f64; 4] = [0.4, 0.02, 0.2, 0.7];
+
+struct Builder<'a> {
+    surface: Surface<'a>,
+    /// Inscribed-ball centre of each sample.
+    centres: &'a [Vec3],
+    options: &'a TreeOptions,
+}
+
 /// Builds the tree of a mesh that passed [`crate::check::check`]. `progress` gets a stage and how
 /// much of the whole is done, 0 to 1.
 ///
@@ -94,88 +106,205 @@ pub fn build_tree(
     let centres: Vec<Vec3> = parallel::map(samples.len(), |s| {
         inscribed_centre(&distance, &samples[s], 0.5 * size)
     });
-    let features: Vec<Feature> = samples
-        .iter()
-        .zip(&centres)
-        .map(|(sample, m)| {
-            let (p, m) = (sample.point * options.alpha, m * (1.0 - options.alpha));
-            [p.x, p.y, p.z, m.x, m.y, m.z]
-        })
-        .collect();
-    let smallest = 1e-6 * size;
-    let fitted = |members: &[u32], start: Option<Sphere>, random: &mut Random| {
-        fit(
-            &distance, &samples, &centres, members, start, smallest, random,
-        )
+    let importance = vec![1.0; samples.len()];
+    let builder = Builder {
+        surface: Surface {
+            distance: &distance,
+            samples: &samples,
+            importance: &importance,
+            smallest: 1e-6 * size,
+        },
+        centres: &centres,
+        options,
     };
-
-    let all: Vec<u32> = (0..samples.len() as u32).collect();
-    let sphere = fitted(&all, None, &mut Random::new(0)).1;
-    let mut levels = vec![vec![Share {
-        members: all,
-        sphere,
-        first_child: 0,
-        children: 0,
-    }]];
-    for level in 1..=options.levels {
-        progress(
-            "spheres",
-            0.3 + 0.7 * f64::from(level - 1) / f64::from(options.levels),
-        );
-        let parents = &levels[usize::from(level) - 1];
-        let families: Vec<Vec<(Vec<u32>, Sphere)>> = parallel::map(parents.len(), |index| {
-            let parent = &parents[index];
-            if parent.members.len() < 16
-                || worst(&parent.members, &parent.sphere, &samples) < options.good_enough
-            {
-                return Vec::new();
-            }
-            let mut random = Random::new((u64::from(level) << 32) | index as u64);
-            // The best of a few ways to share out.
-            let mut best = (f64::INFINITY, Vec::new());
-            // Below level 3 the shape is fine enough for the first answer to do.
-            let (tries, rounds) = if level > 3 { (1, 1) } else { (TRIES, ROUNDS) };
-            for _ in 0..tries {
-                let split = split(&features, &parent.members, 8, &mut random);
-                let mut parts: Vec<_> = split.into_iter().map(|part| (part, None)).collect();
-                for round in 0..=rounds {
-                    let mut cost = 0.0;
-                    let mut family = Vec::with_capacity(parts.len());
-                    for (part, start) in parts {
-                        let (own, sphere) = fitted(&part, start, &mut random);
-                        cost += own * part.len() as f64;
-                        family.push((part, sphere));
-                    }
-                    parts = if round < rounds {
-                        reshared(&family, &samples)
-                    } else {
-                        Vec::new()
-                    };
-                    if cost < best.0 {
-                        best = (cost, family);
-                    }
-                }
-            }
-            best.1
-        });
-        let mut children = Vec::new();
-        for (parent, family) in levels[usize::from(level) - 1].iter_mut().zip(families) {
-            parent.first_child = children.len() as u32;
-            parent.children = family.len() as u8;
-            children.extend(family.into_iter().map(|(members, sphere)| Share {
-                members,
-                sphere,
-                first_child: 0,
-                children: 0,
-            }));
-        }
-        if children.is_empty() {
-            break;
-        }
-        levels.push(children);
+    let mut density = importance.clone();
+    let adapt: usize = std::env::var("ADAPT").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
+    for _ in 0..adapt {
+        let levels = builder.levels(&density, options.levels.min(3), progress);
+        builder.adapt(&levels, &mut density);
     }
+    let levels = builder.levels(&density, options.levels, progress);
     progress("spheres", 1.0);
     tree(&levels)
+}
+
+impl Builder<'_> {
+    fn fitted(
+        &self,
+        members: &[u32],
+        start: Option<Sphere>,
+        random: &mut Random,
+    ) -> (f64, Sphere) {
+        fit(
+            self.surface.distance,
+            self.surface.samples,
+            self.centres,
+            members,
+            start,
+            self.surface.smallest,
+            random,
+        )
+    }
+
+    fn levels(&self, density: &[f64], depth: u8, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
+        let all: Vec<u32> = (0..self.surface.samples.len() as u32).collect();
+        let sphere = self.fitted(&all, None, &mut Random::new(0)).1;
+        let mut levels = vec![vec![Share {
+            members: all,
+            sphere,
+            first_child: 0,
+            children: 0,
+        }]];
+        for level in 1..=depth {
+            progress(
+                "spheres",
+                0.3 + 0.7 * f64::from(level - 1) / f64::from(self.options.levels),
+            );
+            let parents = &levels[usize::from(level) - 1];
+            let families = parallel::map(parents.len(), |index| {
+                self.family(&parents[index], level, index, density)
+            });
+            let mut children = Vec::new();
+            for (parent, family) in levels[usize::from(level) - 1].iter_mut().zip(families) {
+                parent.first_child = children.len() as u32;
+                parent.children = family.len() as u8;
+                children.extend(family.into_iter().map(|(members, sphere)| Share {
+                    members,
+                    sphere,
+                    first_child: 0,
+                    children: 0,
+                }));
+            }
+            if children.is_empty() {
+                break;
+            }
+            levels.push(children);
+            self.polish(&mut levels);
+        }
+        levels
+    }
+
+    /// Moves the finest level as a whole and shares its samples out anew.
+    fn polish(&self, levels: &mut [Vec<Share>]) {
+        let Some((finest, above)) = levels.split_last_mut() else {
+            return;
+        };
+        let movable = finest.len();
+        let mut spheres: Vec<Sphere> = finest.iter().map(|share| share.sphere).collect();
+        spheres.extend(
+            above
+                .iter()
+                .flatten()
+                .filter(|share| share.children == 0)
+                .map(|share| share.sphere),
+        );
+        let rounds: usize = std::env::var("ROUNDS").ok().and_then(|v| v.parse().ok()).unwrap_or(12);
+        let options = PolishOptions {
+            rounds,
+            ball_points: 96,
+        };
+        let owner = polish(&self.surface, &mut spheres, movable, &options);
+        for share in finest.iter_mut() {
+            share.members.clear();
+        }
+        for (sample, k) in owner.iter().enumerate() {
+            if let Some(share) = finest.get_mut(*k as usize) {
+                share.members.push(sample as u32);
+            }
+        }
+        for (share, sphere) in finest.iter_mut().zip(&spheres) {
+            share.sphere = *sphere;
+        }
+    }
+
+    /// Children of a node, with the samples that they own.
+    fn family(
+        &self,
+        parent: &Share,
+        level: u8,
+        index: usize,
+        density: &[f64],
+    ) -> Vec<(Vec<u32>, Sphere)> {
+        let samples = self.surface.samples;
+        if parent.members.len() < 16
+            || worst(&parent.members, &parent.sphere, samples) < self.options.good_enough
+        {
+            return Vec::new();
+        }
+        let mut random = Random::new((u64::from(level) << 32) | index as u64);
+        let weights: Vec<f64> = parent.members.iter().map(|&m| density[m as usize]).collect();
+        // The best of a few ways to share out.
+        let mut best = (f64::INFINITY, Vec::new());
+        // Below level 3 the shape is fine enough for fewer tries to do.
+        let rounds = if level > 3 { 1 } else { ROUNDS };
+        let tries = if level > 3 { 2 } else { TRIES };
+        for alpha in &ALPHAS[..tries] {
+            let features: Vec<Feature> = parent
+                .members
+                .iter()
+                .map(|&m| {
+                    let (p, c) = (
+                        samples[m as usize].point * *alpha,
+                        self.centres[m as usize] * (1.0 - alpha),
+                    );
+                    [p.x, p.y, p.z, c.x, c.y, c.z]
+                })
+                .collect();
+            let split = split(&features, &weights, 8, &mut random);
+            let mut parts: Vec<_> = split
+                .into_iter()
+                .map(|part| {
+                    let members: Vec<u32> = part.iter().map(|&k| parent.members[k as usize]).collect();
+                    (members, None)
+                })
+                .collect();
+            for round in 0..=rounds {
+                let mut cost = 0.0;
+                let mut family: Vec<(Vec<u32>, Sphere)> = Vec::with_capacity(parts.len());
+                for (part, start) in parts {
+                    let (own, sphere) = self.fitted(&part, start, &mut random);
+                    cost += own * part.iter().map(|&m| density[m as usize]).sum::<f64>();
+                    family.push((part, sphere));
+                }
+                parts = if round < rounds {
+                    reshared(&family, samples)
+                } else {
+                    Vec::new()
+                };
+                if cost < best.0 {
+                    best = (cost, family);
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Where spheres of the finest level fit badly, samples shall count for more when they are shared
+    /// out, so that all fit alike. The error of a sphere grows with the area it stands for.
+    fn adapt(&self, levels: &[Vec<Share>], density: &mut [f64]) {
+        let gamma: f64 = std::env::var("GAMMA").ok().and_then(|v| v.parse().ok()).unwrap_or(0.7);
+        let Some(finest) = levels.last() else { return };
+        let samples = self.surface.samples;
+        let mut wanted = vec![0.0; finest.len()];
+        for (wanted, share) in wanted.iter_mut().zip(finest) {
+            let mut sum = 0.0;
+            for &m in &share.members {
+                let off = (samples[m as usize].point - share.sphere.centre).norm() - share.sphere.radius;
+                sum += (off * off) * (off * off);
+            }
+            let n = share.members.len().max(1) as f64;
+            *wanted = libm::pow(sum / n, 0.25) / n;
+        }
+        let mut sorted = wanted.clone();
+        sorted.sort_by(f64::total_cmp);
+        let middle = sorted[sorted.len() / 2];
+        for (wanted, share) in wanted.iter().zip(finest) {
+            let factor = (wanted / middle).powf(gamma).clamp(0.1, 10.0);
+            for &m in &share.members {
+                density[m as usize] = factor;
+            }
+        }
+    }
 }
 
 /// Gives each sample to the ball of the family whose surface is nearest.

@@ -55,7 +55,7 @@ pub fn level_error(tree: &SphereTree, level: u8, distance: &MeshDistance) -> Lev
     let area: f64 = spheres.iter().map(|s| s.radius * s.radius).sum();
     let inward = parallel::map(spheres.len(), |k| {
         let share = spheres[k].radius * spheres[k].radius / area;
-        let count = ((share * POINTS as f64) as usize).clamp(24, 4000);
+        let count = ((share * POINTS as f64) as usize).clamp(200, 4000);
         let touching: Vec<Sphere> = spheres
             .iter()
             .enumerate()

@@ -1,6 +1,6 @@
 //! Points spread evenly over a mesh: by area, without randomness.
 
-use sulcus_core::Vec3;
+use sulcus_core::{Sphere, Vec3};
 
 use crate::distance::MeshDistance;
 
@@ -55,4 +55,15 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
         }
     }
     samples
+}
+
+/// Points spread evenly over a ball's surface (Fibonacci's spiral).
+pub(crate) fn ball_points(sphere: &Sphere, count: usize) -> impl Iterator<Item = Vec3> {
+    let (centre, radius) = (sphere.centre, sphere.radius);
+    (0..count).map(move |k| {
+        let z = 1.0 - (2.0 * k as f64 + 1.0) / count as f64;
+        let angle = 2.399_963_229_728_653 * k as f64;
+        let ring = (1.0 - z * z).sqrt();
+        centre + Vec3::new(ring * libm::cos(angle), ring * libm::sin(angle), z) * radius
+    })
 }

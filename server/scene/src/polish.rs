@@ -1,0 +1,249 @@
+//! All spheres of a level moved together until the union fits the surface both ways.
+//!
+//! A family of eight fits its own share of the surface; what its neighbours do there it does not
+//! know. Here each sample belongs to the sphere whose surface is nearest, whoever its parent is, and
+//! each sphere takes one damped Gauss-Newton step on the samples it owns and on the part of its own
+//! surface that no other sphere covers. Errors count by a mixed norm: squares for the mean, a high
+//! power for the largest (iteratively reweighted least squares).
+
+use nalgebra::{Matrix4, Vector4};
+use sulcus_core::{Sphere, Vec3};
+
+use crate::distance::MeshDistance;
+use crate::nearest_sphere::NearestSphere;
+use crate::parallel;
+use crate::sample::{Sample, ball_points};
+
+/// What is fitted.
+pub(crate) struct Surface<'a> {
+    pub distance: &'a MeshDistance,
+    pub samples: &'a [Sample],
+    /// Importance of each sample, 1 where nothing was asked for.
+    pub importance: &'a [f64],
+    /// Smallest radius, metres.
+    pub smallest: f64,
+}
+
+/// How long and how hard.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PolishOptions {
+    pub rounds: usize,
+    /// Points on each sphere whose exposed part must lie on the mesh.
+    pub ball_points: usize,
+}
+
+/// Power of the error in the cost's second term.
+const POWER: i32 = 8;
+/// Multiple of the level's rms error at which the second term equals the first.
+const KNEE: f64 = 3.0;
+/// Weight of the exposed part of a sphere against the samples that it owns.
+const EXPOSED: f64 = 0.5;
+/// Longest step of a sphere in one round, of its radius.
+const LONGEST: f64 = 0.25;
+
+/// Moves `spheres[..movable]`; the rest take part but stay. Returns the sphere that each sample
+/// belongs to.
+pub(crate) fn polish(
+    surface: &Surface<'_>,
+    spheres: &mut Vec<Sphere>,
+    movable: usize,
+    options: &PolishOptions,
+) -> Vec<u32> {
+    let mut owned = assign(surface, spheres, None);
+    let mut best = (f64::INFINITY, spheres.clone(), owned.clone());
+    // The knee is fixed by the first state, so that costs of rounds compare.
+    let knee = KNEE * rms(surface, &owned).max(1e-9);
+    for round in 0..=options.rounds {
+        let exposed = exposed(surface, spheres, movable, options.ball_points);
+        let cost = cost(surface, &owned, &exposed, knee);
+        if cost < best.0 {
+            best = (cost, spheres.clone(), owned.clone());
+        }
+        if round == options.rounds {
+            break;
+        }
+        let mine = shares(&owned, spheres.len());
+        let moved = parallel::map(movable, |k| {
+            step(surface, &spheres[k], &mine[k], &exposed[k], knee)
+        });
+        spheres[..movable].copy_from_slice(&moved);
+        owned = assign(surface, spheres, Some(&owned));
+    }
+    *spheres = best.1;
+    best.2.iter().map(|(_, k)| *k).collect()
+}
+
+type Owned = Vec<(f64, u32)>;
+
+fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>) -> Owned {
+    let index = NearestSphere::new(spheres);
+    parallel::map(surface.samples.len(), |s| {
+        index.nearest(&surface.samples[s].point, before.map(|owned| owned[s].1))
+    })
+}
+
+/// Samples of each sphere.
+pub(crate) fn shares(owned: &Owned, spheres: usize) -> Vec<Vec<u32>> {
+    let mut mine = vec![Vec::new(); spheres];
+    for (sample, (_, k)) in owned.iter().enumerate() {
+        mine[*k as usize].push(sample as u32);
+    }
+    mine
+}
+
+fn rms(surface: &Surface<'_>, owned: &Owned) -> f64 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for ((gap, _), w) in owned.iter().zip(surface.importance) {
+        sum += w * gap * gap;
+        weight += w;
+    }
+    (sum / weight).sqrt()
+}
+
+fn penalty(error: f64, knee: f64) -> f64 {
+    error * error * (1.0 + (error / knee).powi(POWER - 2))
+}
+
+/// Weight of a residual such that weighted squares have the penalty's gradient.
+fn weight(error: f64, knee: f64) -> f64 {
+    1.0 + 0.5 * f64::from(POWER) * (error / knee).powi(POWER - 2)
+}
+
+fn cost(surface: &Surface<'_>, owned: &Owned, exposed: &[Vec<Exposed>], knee: f64) -> f64 {
+    let own: f64 = owned
+        .iter()
+        .zip(surface.importance)
+        .map(|((gap, _), w)| w * penalty(*gap, knee))
+        .sum();
+    let out: f64 = exposed
+        .iter()
+        .flatten()
+        .map(|e| e.weight * penalty(e.off, knee))
+        .sum();
+    own + out
+}
+
+/// A point of a sphere's surface that no other sphere covers.
+struct Exposed {
+    /// Signed distance to the mesh, metres.
+    off: f64,
+    /// Its gradient.
+    gradient: Vec3,
+    /// Unit direction from the sphere's centre.
+    out: Vec3,
+    weight: f64,
+}
+
+fn exposed(
+    surface: &Surface<'_>,
+    spheres: &[Sphere],
+    movable: usize,
+    points: usize,
+) -> Vec<Vec<Exposed>> {
+    let index = NearestSphere::new(spheres);
+    let area = surface.distance.mesh().area() / surface.samples.len() as f64;
+    parallel::map(movable, |k| {
+        let sphere = &spheres[k];
+        let share = 4.0 * std::f64::consts::PI * sphere.radius * sphere.radius / points as f64;
+        ball_points(sphere, points)
+            .filter(|p| !index.covered(p, k as u32))
+            .map(|p| {
+                let near = surface.distance.nearest(&p);
+                let off = near.signed;
+                let gradient = if off.abs() > 1e-12 {
+                    (p - near.point) / off
+                } else {
+                    surface.distance.face_normal(near.triangle)
+                };
+                Exposed {
+                    off,
+                    gradient,
+                    out: (p - sphere.centre) / sphere.radius,
+                    weight: EXPOSED * (share / area).min(10.0),
+                }
+            })
+            .collect()
+    })
+}
+
+/// One damped Gauss-Newton step of one sphere, halved until it helps.
+fn step(
+    surface: &Surface<'_>,
+    sphere: &Sphere,
+    mine: &[u32],
+    exposed: &[Exposed],
+    knee: f64,
+) -> Sphere {
+    if mine.is_empty() {
+        return *sphere;
+    }
+    let (mut hessian, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
+    let mut add = |row: Vector4<f64>, error: f64, w: f64| {
+        let w = w * weight(error, knee);
+        hessian += row * row.transpose() * w;
+        gradient += row * (w * error);
+    };
+    for &s in mine {
+        let between = surface.samples[s as usize].point - sphere.centre;
+        let apart = between.norm();
+        if apart < 1e-12 {
+            continue;
+        }
+        let u = between / apart;
+        add(
+            Vector4::new(-u.x, -u.y, -u.z, -1.0),
+            apart - sphere.radius,
+            surface.importance[s as usize],
+        );
+    }
+    for e in exposed {
+        let g = e.gradient;
+        add(Vector4::new(g.x, g.y, g.z, g.dot(&e.out)), e.off, e.weight);
+    }
+    let damping = 1e-3 * hessian.trace();
+    hessian += Matrix4::identity() * damping;
+    let Some(factor) = hessian.cholesky() else {
+        return *sphere;
+    };
+    let mut step = -factor.solve(&gradient);
+    let length = step.norm();
+    if length > LONGEST * sphere.radius {
+        step *= LONGEST * sphere.radius / length;
+    }
+    let value = |candidate: &Sphere| -> f64 {
+        let own: f64 = mine
+            .iter()
+            .map(|&s| {
+                let apart = (surface.samples[s as usize].point - candidate.centre).norm();
+                surface.importance[s as usize] * penalty(apart - candidate.radius, knee)
+            })
+            .sum();
+        let (dc, dr) = (
+            candidate.centre - sphere.centre,
+            candidate.radius - sphere.radius,
+        );
+        let out: f64 = exposed
+            .iter()
+            .map(|e| {
+                let off = e.off + e.gradient.dot(&(dc + e.out * dr));
+                e.weight * penalty(off, knee)
+            })
+            .sum();
+        own + out
+    };
+    let now = value(sphere);
+    for _ in 0..4 {
+        let candidate = Sphere {
+            centre: sphere.centre + step.xyz(),
+            radius: sphere.radius + step.w,
+        };
+        if candidate.radius > surface.smallest
+            && value(&candidate) < now
+            && surface.distance.signed(&candidate.centre) < 0.0
+        {
+            return candidate;
+        }
+        step *= 0.5;
+    }
+    *sphere
+}
