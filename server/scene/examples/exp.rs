@@ -8,14 +8,32 @@ fn main() {
     let args: Vec<String> = std::env::args().collect();
     let levels: u8 = args[1].parse().unwrap();
     for name in &args[2..] {
-        let (name, alpha) = match name.split_once(':') { Some((n,a)) => (n.to_string(), a.parse().unwrap()), None => (name.clone(), 0.4) };
+        let (name, kind) = match name.split_once(':') { Some((n, k)) => (n.to_string(), k.to_string()), None => (name.clone(), String::new()) };
         let file = Path::new("/work/shared/data/meshes").join(format!("{name}.stl"));
         let mesh = load_stl(&file, Unit::Millimetre).unwrap();
         let t = Instant::now();
-        let tree = build_tree(&mesh, &TreeOptions { levels, alpha, samples: (10*8usize.pow(levels as u32)).max(60_000), ..TreeOptions::default() }, &|_, _| ()).unwrap();
+        let tooth = MeshDistance::new(load_stl(Path::new("/work/shared/data/meshes/tooth_36_first_molar.stl"), Unit::Millimetre).unwrap());
+        let weight: f64 = std::env::var("FOCUS").ok().and_then(|v| v.parse().ok()).unwrap_or(20.0);
+        let zone = |p: &sulcus_core::Vec3| p.z > 1e-3 && tooth.signed(p).abs() < 0.6e-3;
+        let per: usize = std::env::var("PER").ok().and_then(|v| v.parse().ok()).unwrap_or(60);
+        let options = TreeOptions { levels, volumetric: kind == "v", samples: (per.min(if levels > 4 {12} else {60}) * 8usize.pow(levels as u32)).max(20_000).min(400_000), ..TreeOptions::default() };
+        let tree = sulcus_scene::build::build_weighted(&mesh, &options, &|p| if kind == "p" && zone(p) { weight } else { 1.0 }, &|_, _| ()).unwrap();
         let s = t.elapsed().as_secs_f64();
         println!("{name} {s:.1} s");
         let d = MeshDistance::new(mesh);
+        if std::env::var("WORST").is_ok() {
+            let spheres: Vec<_> = tree.shape_at(levels).map(|(_, n)| n.sphere()).collect();
+            let mut worst: Vec<(f64, _)> = sulcus_scene::sample::surface(&d, 60000, 0.5).into_iter().map(|s| {
+                let (g, k) = spheres.iter().enumerate().map(|(k, x)| ((s.point - x.centre).norm() - x.radius, k)).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+                (g, (s.point * 1e3, s.normal, spheres[k].radius * 1e3)) }).collect();
+            worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+            for w in worst.iter().take(200).step_by(14) { println!("    {:.3} at {:.2?} n {:.2?} r {:.3}", w.0 * 1e3, w.1.0.as_slice(), w.1.1.as_slice(), w.1.2); }
+        }
+        if kind == "p" { for l in 1..=levels {
+            let spheres: Vec<_> = tree.shape_at(l).map(|(_, n)| n.sphere()).collect();
+            let w: Vec<f64> = sulcus_scene::sample::surface(&d, 200000, 0.5).into_iter().filter(|s| zone(&s.point)).map(|s| 1e3*spheres.iter().map(|x| (s.point - x.centre).norm() - x.radius).fold(f64::INFINITY, f64::min).abs()).collect();
+            println!("  zone L{l} {} mean {:.4} max {:.4}", w.len(), w.iter().sum::<f64>() / w.len() as f64, w.iter().fold(0.0f64, |a, b| a.max(*b)));
+        } }
         for l in 1..=levels {
             let e = level_error(&tree, l, &d);
             println!("  L{l} {:5} m2s {:.4} {:.4} {:.4}   s2m {:.4} {:.4} {:.4}", e.spheres, e.mesh_to_spheres_mm.mean, e.mesh_to_spheres_mm.p95, e.mesh_to_spheres_mm.max, e.spheres_to_mesh_mm.mean, e.spheres_to_mesh_mm.p95, e.spheres_to_mesh_mm.max);

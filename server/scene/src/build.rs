@@ -1,9 +1,10 @@
 //! From a closed mesh to a sphere tree, top down.
 //!
-//! A node owns a share of the surface samples. Its children share them out by `cluster`,
-//! each child is one ball fitted to its share by `fit`. Distances are true distances to
-//! the mesh. The result is a function of mesh and options alone: seeds are fixed per node, and
-//! threads only ever compute whole nodes.
+//! A node owns a share of the surface samples. Its children share them out by `cluster`, each child is
+//! one ball fitted to its share by `fit`, and then the whole level is fitted at once by `level`, across
+//! families. Of a thing that deforms as a whole the two coarsest levels come from its `volume`. Distances
+//! are true distances to the mesh. The result is a function of mesh and options alone: seeds are
+//! fixed per node, and threads only ever compute whole nodes.
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
@@ -11,32 +12,39 @@ use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
 use crate::cluster::{Feature, split};
 use crate::distance::MeshDistance;
 use crate::fit::fit;
+use crate::level::{Effort, Level, fit_level};
 use crate::medial::inscribed_centre;
-use crate::polish::{PolishOptions, Surface, polish};
 use crate::mesh::TriMesh;
+use crate::polish::{Surface, shares};
 use crate::random::Random;
-use crate::{parallel, sample};
+use crate::{parallel, sample, volume};
 
 /// Changes whenever the same input gives another tree; part of the cache key.
-pub const BUILDER_VERSION: u32 = 1;
+pub const BUILDER_VERSION: u32 = 2;
 
-/// Ways of sharing out that are tried for each node.
-const TRIES: usize = 4;
+/// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
+/// cut along their axis by the centres, discs and bulky things by both.
+const ALPHAS: [f64; 4] = [0.4, 0.02, 0.2, 0.7];
 /// Times that samples then move to the ball that they fit best.
 const ROUNDS: usize = 3;
+/// Importance of a sample on a sharp edge: edges have no area, but they are what a tool catches on.
+const EDGE_IMPORTANCE: f64 = 2.0;
+/// Samples that a node must own to be split.
+const LEAST_SAMPLES: usize = 16;
 
 /// How a tree is built.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
     /// Finest level, 1 to 6. Level L holds at most 8^L spheres.
     pub levels: u8,
-    /// Samples spread over the surface. At least ten for each sphere of the finest level.
+    /// Samples spread over the surface, sharp edges apart. At least ten for each sphere of the finest
+    /// level.
     pub samples: usize,
-    /// Weight of place against inscribed-ball centre when samples are shared out, 0 to 1. 0.4 for
-    /// bulky things and discs, near 0 for rods.
-    pub alpha: f64,
     /// A node that fits its samples better than this is not split, metres.
     pub good_enough: f64,
+    /// Whether levels 1 and 2 share out the volume instead of following the surface: for things that
+    /// deform as a whole, whose skeleton needs inner nodes and a bottom layer.
+    pub volumetric: bool,
 }
 
 impl Default for TreeOptions {
@@ -44,8 +52,8 @@ impl Default for TreeOptions {
         Self {
             levels: 4,
             samples: 60_000,
-            alpha: 0.4,
             good_enough: 1e-6,
+            volumetric: false,
         }
     }
 }
@@ -76,15 +84,15 @@ struct Share {
     children: u8,
 }
 
-/// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
-/// cut along their axis by the centres, discs and bulky things by both.
-const ALPHAS: [f64; 4] = [0.4, 0.02, 0.2, 0.7];
-
-struct Builder<'a> {
-    surface: Surface<'a>,
-    /// Inscribed-ball centre of each sample.
-    centres: &'a [Vec3],
-    options: &'a TreeOptions,
+impl Share {
+    fn leaf(members: Vec<u32>, sphere: Sphere) -> Self {
+        Self {
+            members,
+            sphere,
+            first_child: 0,
+            children: 0,
+        }
+    }
 }
 
 /// Builds the tree of a mesh that passed [`crate::check::check`]. `progress` gets a stage and how
@@ -97,16 +105,36 @@ pub fn build_tree(
     options: &TreeOptions,
     progress: &dyn Fn(&str, f64),
 ) -> Result<SphereTree, TreeBuildError> {
+    build_weighted(mesh, options, &|_| 1.0, progress)
+}
+
+/// Builds the tree of a mesh, with more spheres where `importance` (of a surface point, metres; 1 is
+/// ordinary) is higher.
+///
+/// # Errors
+/// If an option is out of range.
+pub fn build_weighted(
+    mesh: &TriMesh,
+    options: &TreeOptions,
+    importance: &(dyn Fn(&Vec3) -> f64 + Sync),
+    progress: &dyn Fn(&str, f64),
+) -> Result<SphereTree, TreeBuildError> {
     options.validate()?;
     let distance = MeshDistance::new(mesh.clone());
-    let samples = sample::surface(&distance, options.samples, 0.0);
+    let mut samples = sample::surface(&distance, options.samples, 0.0);
+    let even = samples.len();
+    let spacing = (mesh.area() / options.samples as f64).sqrt();
+    samples.extend(sample::sharp_edges(&distance, spacing));
+    let importance: Vec<f64> = parallel::map(samples.len(), |s| {
+        let asked = importance(&samples[s].point);
+        if s < even { asked } else { asked * EDGE_IMPORTANCE }
+    });
     let (low, high) = mesh.bounds();
     let size = (high - low).norm();
     progress("inscribed balls", 0.02);
     let centres: Vec<Vec3> = parallel::map(samples.len(), |s| {
         inscribed_centre(&distance, &samples[s], 0.5 * size)
     });
-    let importance = vec![1.0; samples.len()];
     let builder = Builder {
         surface: Surface {
             distance: &distance,
@@ -117,153 +145,174 @@ pub fn build_tree(
         centres: &centres,
         options,
     };
-    let mut density = importance.clone();
-    let adapt: usize = std::env::var("ADAPT").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
-    for _ in 0..adapt {
-        let levels = builder.levels(&density, options.levels.min(3), progress);
-        builder.adapt(&levels, &mut density);
-    }
-    let levels = builder.levels(&density, options.levels, progress);
+    let levels = builder.levels(progress);
     progress("spheres", 1.0);
     tree(&levels)
 }
 
+struct Builder<'a> {
+    surface: Surface<'a>,
+    /// Inscribed-ball centre of each sample.
+    centres: &'a [Vec3],
+    options: &'a TreeOptions,
+}
+
 impl Builder<'_> {
+    fn levels(&self, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
+        let all: Vec<u32> = (0..self.surface.samples.len() as u32).collect();
+        let sphere = self.fitted(&all, None, &mut Random::new(0)).1;
+        let mut levels = vec![vec![Share::leaf(all, sphere)]];
+        if self.options.volumetric {
+            self.volumetric(&mut levels);
+        }
+        // The work of a level grows about fivefold from one to the next.
+        let done = |level: u8| libm::pow(5.0, f64::from(level) - f64::from(self.options.levels));
+        while levels.len() <= usize::from(self.options.levels) {
+            let level = levels.len() as u8;
+            progress(&format!("level {level}"), 0.1 + 0.9 * done(level - 1));
+            let parents = &mut levels[usize::from(level) - 1];
+            let families = parallel::map(parents.len(), |k| self.family(&parents[k], level, k));
+            let mut fitted = Level {
+                spheres: Vec::new(),
+                families: Vec::new(),
+                parents: parents.len(),
+            };
+            for (k, (parent, family)) in parents.iter_mut().zip(families).enumerate() {
+                parent.children = family.len() as u8;
+                fitted.families.extend(family.iter().map(|_| k as u32));
+                fitted.spheres.extend(family);
+            }
+            if fitted.spheres.is_empty() {
+                break;
+            }
+            fitted.spheres.extend(
+                levels
+                    .iter()
+                    .flatten()
+                    .filter(|share| share.children == 0)
+                    .map(|share| share.sphere),
+            );
+            self.add_level(&mut levels, fitted);
+        }
+        levels
+    }
+
+    /// Levels 1 and 2 by volume, where the solid is thick enough for that.
+    fn volumetric(&self, levels: &mut Vec<Vec<Share>>) {
+        let families = volume::cells(self.surface.distance, self.surface.samples);
+        if families.is_empty() || self.options.levels < 2 {
+            return;
+        }
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        levels[0][0].children = families.len() as u8;
+        for (cell, inner) in families {
+            first.push(Share {
+                first_child: second.len() as u32,
+                children: inner.len() as u8,
+                ..Share::leaf(cell.samples, cell.sphere)
+            });
+            second.extend(
+                inner
+                    .into_iter()
+                    .map(|cell| Share::leaf(cell.samples, cell.sphere)),
+            );
+        }
+        levels.push(first);
+        levels.push(second);
+    }
+
+    /// Fits the level as a whole and appends it.
+    fn add_level(&self, levels: &mut Vec<Vec<Share>>, mut fitted: Level) {
+        let depth = levels.len() as u8;
+        let owned = fit_level(
+            &self.surface,
+            self.centres,
+            &mut fitted,
+            &Effort::of(depth),
+            u64::from(depth) << 40,
+        );
+        let mut children: Vec<(u32, Share)> = fitted
+            .families
+            .iter()
+            .zip(&fitted.spheres)
+            .zip(shares(&owned, fitted.spheres.len()))
+            .map(|((family, sphere), members)| (*family, Share::leaf(members, *sphere)))
+            .collect();
+        children.sort_by_key(|(family, _)| *family);
+        if let Some(parents) = levels.last_mut() {
+            for parent in parents.iter_mut() {
+                parent.children = 0;
+            }
+            for (k, (family, _)) in children.iter().enumerate() {
+                let parent = &mut parents[*family as usize];
+                if parent.children == 0 {
+                    parent.first_child = k as u32;
+                }
+                parent.children += 1;
+            }
+        }
+        levels.push(children.into_iter().map(|(_, share)| share).collect());
+    }
+
     fn fitted(
         &self,
         members: &[u32],
         start: Option<Sphere>,
         random: &mut Random,
     ) -> (f64, Sphere) {
+        let surface = &self.surface;
         fit(
-            self.surface.distance,
-            self.surface.samples,
+            surface.distance,
+            surface.samples,
             self.centres,
             members,
             start,
-            self.surface.smallest,
+            surface.smallest,
             random,
         )
     }
 
-    fn levels(&self, density: &[f64], depth: u8, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
-        let all: Vec<u32> = (0..self.surface.samples.len() as u32).collect();
-        let sphere = self.fitted(&all, None, &mut Random::new(0)).1;
-        let mut levels = vec![vec![Share {
-            members: all,
-            sphere,
-            first_child: 0,
-            children: 0,
-        }]];
-        for level in 1..=depth {
-            progress(
-                "spheres",
-                0.3 + 0.7 * f64::from(level - 1) / f64::from(self.options.levels),
-            );
-            let parents = &levels[usize::from(level) - 1];
-            let families = parallel::map(parents.len(), |index| {
-                self.family(&parents[index], level, index, density)
-            });
-            let mut children = Vec::new();
-            for (parent, family) in levels[usize::from(level) - 1].iter_mut().zip(families) {
-                parent.first_child = children.len() as u32;
-                parent.children = family.len() as u8;
-                children.extend(family.into_iter().map(|(members, sphere)| Share {
-                    members,
-                    sphere,
-                    first_child: 0,
-                    children: 0,
-                }));
-            }
-            if children.is_empty() {
-                break;
-            }
-            levels.push(children);
-            self.polish(&mut levels);
-        }
-        levels
-    }
-
-    /// Moves the finest level as a whole and shares its samples out anew.
-    fn polish(&self, levels: &mut [Vec<Share>]) {
-        let Some((finest, above)) = levels.split_last_mut() else {
-            return;
-        };
-        let movable = finest.len();
-        let mut spheres: Vec<Sphere> = finest.iter().map(|share| share.sphere).collect();
-        spheres.extend(
-            above
-                .iter()
-                .flatten()
-                .filter(|share| share.children == 0)
-                .map(|share| share.sphere),
-        );
-        let rounds: usize = std::env::var("ROUNDS").ok().and_then(|v| v.parse().ok()).unwrap_or(12);
-        let options = PolishOptions {
-            rounds,
-            ball_points: 96,
-        };
-        let owner = polish(&self.surface, &mut spheres, movable, &options);
-        for share in finest.iter_mut() {
-            share.members.clear();
-        }
-        for (sample, k) in owner.iter().enumerate() {
-            if let Some(share) = finest.get_mut(*k as usize) {
-                share.members.push(sample as u32);
-            }
-        }
-        for (share, sphere) in finest.iter_mut().zip(&spheres) {
-            share.sphere = *sphere;
-        }
-    }
-
-    /// Children of a node, with the samples that they own.
-    fn family(
-        &self,
-        parent: &Share,
-        level: u8,
-        index: usize,
-        density: &[f64],
-    ) -> Vec<(Vec<u32>, Sphere)> {
-        let samples = self.surface.samples;
-        if parent.members.len() < 16
-            || worst(&parent.members, &parent.sphere, samples) < self.options.good_enough
+    /// First guess of a node's children.
+    fn family(&self, parent: &Share, level: u8, index: usize) -> Vec<Sphere> {
+        let (samples, members) = (self.surface.samples, &parent.members);
+        if members.len() < LEAST_SAMPLES
+            || (!(self.options.volumetric && level <= 3)
+                && worst(members, &parent.sphere, samples) < self.options.good_enough)
         {
             return Vec::new();
         }
         let mut random = Random::new((u64::from(level) << 32) | index as u64);
-        let weights: Vec<f64> = parent.members.iter().map(|&m| density[m as usize]).collect();
-        // The best of a few ways to share out.
+        let weights: Vec<f64> = members
+            .iter()
+            .map(|&m| self.surface.importance[m as usize])
+            .collect();
+        // The best of a few ways to share out; below level 3 the shape is fine enough for fewer to do.
+        let (tries, rounds) = if level > 3 { (2, 1) } else { (4, ROUNDS) };
         let mut best = (f64::INFINITY, Vec::new());
-        // Below level 3 the shape is fine enough for fewer tries to do.
-        let rounds = if level > 3 { 1 } else { ROUNDS };
-        let tries = if level > 3 { 2 } else { TRIES };
         for alpha in &ALPHAS[..tries] {
-            let features: Vec<Feature> = parent
-                .members
+            let features: Vec<Feature> = members
                 .iter()
                 .map(|&m| {
-                    let (p, c) = (
-                        samples[m as usize].point * *alpha,
-                        self.centres[m as usize] * (1.0 - alpha),
-                    );
+                    let p = samples[m as usize].point * *alpha;
+                    let c = self.centres[m as usize] * (1.0 - alpha);
                     [p.x, p.y, p.z, c.x, c.y, c.z]
                 })
                 .collect();
-            let split = split(&features, &weights, 8, &mut random);
-            let mut parts: Vec<_> = split
-                .into_iter()
-                .map(|part| {
-                    let members: Vec<u32> = part.iter().map(|&k| parent.members[k as usize]).collect();
-                    (members, None)
-                })
-                .collect();
+            let mut parts: Vec<(Vec<u32>, Option<Sphere>)> =
+                split(&features, &weights, 8, &mut random)
+                    .into_iter()
+                    .map(|part| (part.iter().map(|&k| members[k as usize]).collect(), None))
+                    .collect();
             for round in 0..=rounds {
                 let mut cost = 0.0;
                 let mut family: Vec<(Vec<u32>, Sphere)> = Vec::with_capacity(parts.len());
                 for (part, start) in parts {
                     let (own, sphere) = self.fitted(&part, start, &mut random);
-                    cost += own * part.iter().map(|&m| density[m as usize]).sum::<f64>();
+                    let weight: f64 = part
+                        .iter()
+                        .map(|&m| self.surface.importance[m as usize])
+                        .sum();
+                    cost += own * weight;
                     family.push((part, sphere));
                 }
                 parts = if round < rounds {
@@ -272,38 +321,11 @@ impl Builder<'_> {
                     Vec::new()
                 };
                 if cost < best.0 {
-                    best = (cost, family);
+                    best = (cost, family.into_iter().map(|(_, sphere)| sphere).collect());
                 }
             }
         }
         best.1
-    }
-
-    /// Where spheres of the finest level fit badly, samples shall count for more when they are shared
-    /// out, so that all fit alike. The error of a sphere grows with the area it stands for.
-    fn adapt(&self, levels: &[Vec<Share>], density: &mut [f64]) {
-        let gamma: f64 = std::env::var("GAMMA").ok().and_then(|v| v.parse().ok()).unwrap_or(0.7);
-        let Some(finest) = levels.last() else { return };
-        let samples = self.surface.samples;
-        let mut wanted = vec![0.0; finest.len()];
-        for (wanted, share) in wanted.iter_mut().zip(finest) {
-            let mut sum = 0.0;
-            for &m in &share.members {
-                let off = (samples[m as usize].point - share.sphere.centre).norm() - share.sphere.radius;
-                sum += (off * off) * (off * off);
-            }
-            let n = share.members.len().max(1) as f64;
-            *wanted = libm::pow(sum / n, 0.25) / n;
-        }
-        let mut sorted = wanted.clone();
-        sorted.sort_by(f64::total_cmp);
-        let middle = sorted[sorted.len() / 2];
-        for (wanted, share) in wanted.iter().zip(finest) {
-            let factor = (wanted / middle).powf(gamma).clamp(0.1, 10.0);
-            for &m in &share.members {
-                density[m as usize] = factor;
-            }
-        }
     }
 }
 
@@ -373,12 +395,6 @@ impl TreeOptions {
                 self.samples as f64,
                 (500..=2_000_000).contains(&self.samples),
                 "500 to 2000000",
-            ),
-            (
-                "alpha",
-                self.alpha,
-                (0.0..=1.0).contains(&self.alpha),
-                "0 to 1",
             ),
             (
                 "good_enough",

@@ -31,8 +31,8 @@ pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions) -> blake3::Hash {
     hasher.update(&BUILDER_VERSION.to_le_bytes());
     hasher.update(&[options.levels]);
     hasher.update(&(options.samples as u64).to_le_bytes());
-    hasher.update(&options.alpha.to_bits().to_le_bytes());
     hasher.update(&options.good_enough.to_bits().to_le_bytes());
+    hasher.update(&[u8::from(options.volumetric)]);
     mesh.hash_into(&mut hasher);
     hasher.finalize()
 }
@@ -147,7 +147,7 @@ mod tests {
         let other = key(
             &mesh,
             &TreeOptions {
-                alpha: 0.3,
+                volumetric: true,
                 ..options
             },
         );

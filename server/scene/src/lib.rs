@@ -14,6 +14,7 @@ pub mod distance;
 pub mod error;
 pub mod file;
 mod fit;
+mod level;
 pub mod load;
 pub mod medial;
 pub mod mesh;
@@ -23,9 +24,11 @@ pub mod parametric;
 mod parts;
 mod polish;
 mod random;
+mod relocate;
 pub mod sample;
 pub mod shapes;
 mod validate;
+mod volume;
 
 pub use cache::default_cache_dir;
 pub use compile::{

@@ -58,10 +58,19 @@ impl<'a> NearestSphere<'a> {
             let sphere = &self.spheres[k as usize];
             (p - sphere.centre).norm() - sphere.radius
         };
-        let mut best = match guess {
+        let start = match guess {
             Some(k) => (apart(k), k),
             None => (f64::INFINITY, 0),
         };
+        self.search(p, start, u32::MAX)
+    }
+
+    fn search(&self, p: &Vec3, start: (f64, u32), without: u32) -> (f64, u32) {
+        let apart = |k: u32| {
+            let sphere = &self.spheres[k as usize];
+            (p - sphere.centre).norm() - sphere.radius
+        };
+        let mut best = start;
         let mut stack = [(0_u32, f64::NEG_INFINITY); 64];
         let mut top = usize::from(!self.boxes.is_empty());
         while top > 0 {
@@ -73,6 +82,9 @@ impl<'a> NearestSphere<'a> {
             let here = &self.boxes[index as usize];
             if here.count > 0 {
                 for &k in &self.order[here.next as usize..(here.next + here.count) as usize] {
+                    if k == without {
+                        continue;
+                    }
                     let found = apart(k);
                     // Ties go to the lower index, whatever the order of the visit.
                     if found < best.0 || (found == best.0 && k < best.1) {
@@ -96,6 +108,16 @@ impl<'a> NearestSphere<'a> {
             top += 2;
         }
         best
+    }
+
+    /// Distance to the nearest surface of all spheres but `own`.
+    pub fn nearest_but(&self, p: &Vec3, own: u32) -> f64 {
+        self.search(p, (f64::INFINITY, 0), own).0
+    }
+
+    /// The nearest of all spheres but `own`.
+    pub fn nearest_other(&self, p: &Vec3, own: u32) -> u32 {
+        self.search(p, (f64::INFINITY, 0), own).1
     }
 
     /// Whether `p` lies inside a sphere other than `own`.

@@ -32,7 +32,7 @@ pub(crate) struct Compiler<'a> {
 impl Compiler<'_> {
     pub fn tool(&mut self, entry: &ToolEntry) -> Result<Tool, BuildError> {
         let part = format!("tool `{}`", entry.name);
-        let (touching, display, working_point, tip, tip_axis, bands, alpha) = match entry.kind {
+        let (touching, display, working_point, tip, tip_axis, bands) = match entry.kind {
             Some(ToolKind::PeriodontalProbe) => {
                 let probe: Probe = entry.probe.clone().unwrap_or_default();
                 let (point, tip, axis) = (probe.working_point(), probe.tip(), probe.tip_axis());
@@ -43,7 +43,6 @@ impl Compiler<'_> {
                     tip,
                     axis,
                     probe.bands(),
-                    ROD_ALPHA,
                 )
             }
             None => {
@@ -57,7 +56,6 @@ impl Compiler<'_> {
                     mm(entry.tip_mm),
                     axis,
                     Vec::new(),
-                    0.3,
                 )
             }
         };
@@ -68,7 +66,6 @@ impl Compiler<'_> {
         };
         let wanted = TreeOptions {
             levels: entry.levels,
-            alpha,
             good_enough,
             ..TreeOptions::default()
         };
@@ -181,9 +178,6 @@ impl Compiler<'_> {
         Ok((tree, level.min(wanted.levels)))
     }
 }
-
-/// Rods are shared out along their axis, not around it.
-const ROD_ALPHA: f64 = 0.02;
 
 fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
     let nodes = tree.nodes().iter().map(|node| {

@@ -34,30 +34,28 @@ pub(crate) struct PolishOptions {
 
 /// Power of the error in the cost's second term.
 const POWER: i32 = 8;
-/// Multiple of the level's rms error at which the second term equals the first.
-const KNEE: f64 = 3.0;
 /// Weight of the exposed part of a sphere against the samples that it owns.
-const EXPOSED: f64 = 0.5;
+const EXPOSED: f64 = 1.0;
 /// Longest step of a sphere in one round, of its radius.
 const LONGEST: f64 = 0.25;
 
-/// Moves `spheres[..movable]`; the rest take part but stay. Returns the sphere that each sample
-/// belongs to.
+/// Moves `spheres[..movable]`; the rest take part but stay. Gives the best state's cost and, per sample,
+/// distance to and index of the nearest sphere. `knee` is the error at which the high
+/// power equals the square.
 pub(crate) fn polish(
     surface: &Surface<'_>,
-    spheres: &mut Vec<Sphere>,
+    spheres: &mut [Sphere],
     movable: usize,
+    knee: f64,
     options: &PolishOptions,
-) -> Vec<u32> {
+) -> (f64, Owned) {
     let mut owned = assign(surface, spheres, None);
-    let mut best = (f64::INFINITY, spheres.clone(), owned.clone());
-    // The knee is fixed by the first state, so that costs of rounds compare.
-    let knee = KNEE * rms(surface, &owned).max(1e-9);
+    let mut best = (f64::INFINITY, spheres.to_vec(), owned.clone());
     for round in 0..=options.rounds {
-        let exposed = exposed(surface, spheres, movable, options.ball_points);
+        let exposed = exposed(surface, spheres, movable, options.ball_points, knee);
         let cost = cost(surface, &owned, &exposed, knee);
         if cost < best.0 {
-            best = (cost, spheres.clone(), owned.clone());
+            best = (cost, spheres.to_vec(), owned.clone());
         }
         if round == options.rounds {
             break;
@@ -69,13 +67,16 @@ pub(crate) fn polish(
         spheres[..movable].copy_from_slice(&moved);
         owned = assign(surface, spheres, Some(&owned));
     }
-    *spheres = best.1;
-    best.2.iter().map(|(_, k)| *k).collect()
+    spheres.copy_from_slice(&best.1);
+    (best.0, best.2)
 }
 
-type Owned = Vec<(f64, u32)>;
+/// Distance to the nearest sphere's surface and that sphere, per sample.
+pub(crate) type Owned = Vec<(f64, u32)>;
 
-fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>) -> Owned {
+/// Distance to and index of the nearest sphere, per sample.
+pub(crate) fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>,
+) -> Owned {
     let index = NearestSphere::new(spheres);
     parallel::map(surface.samples.len(), |s| {
         index.nearest(&surface.samples[s].point, before.map(|owned| owned[s].1))
@@ -83,7 +84,7 @@ fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>) -> 
 }
 
 /// Samples of each sphere.
-pub(crate) fn shares(owned: &Owned, spheres: usize) -> Vec<Vec<u32>> {
+pub(crate) fn shares(owned: &[(f64, u32)], spheres: usize) -> Vec<Vec<u32>> {
     let mut mine = vec![Vec::new(); spheres];
     for (sample, (_, k)) in owned.iter().enumerate() {
         mine[*k as usize].push(sample as u32);
@@ -91,16 +92,18 @@ pub(crate) fn shares(owned: &Owned, spheres: usize) -> Vec<Vec<u32>> {
     mine
 }
 
-fn rms(surface: &Surface<'_>, owned: &Owned) -> f64 {
+/// Root mean square of the error, metres.
+pub(crate) fn rms_of(surface: &Surface<'_>, owned: &[(f64, u32)]) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for ((gap, _), w) in owned.iter().zip(surface.importance) {
         sum += w * gap * gap;
         weight += w;
     }
-    (sum / weight).sqrt()
+    (sum / weight).sqrt().max(1e-9)
 }
 
-fn penalty(error: f64, knee: f64) -> f64 {
+/// Cost of an error.
+pub(crate) fn penalty(error: f64, knee: f64) -> f64 {
     error * error * (1.0 + (error / knee).powi(POWER - 2))
 }
 
@@ -139,6 +142,7 @@ fn exposed(
     spheres: &[Sphere],
     movable: usize,
     points: usize,
+    deepest: f64,
 ) -> Vec<Vec<Exposed>> {
     let index = NearestSphere::new(spheres);
     let area = surface.distance.mesh().area() / surface.samples.len() as f64;
@@ -147,8 +151,10 @@ fn exposed(
         let share = 4.0 * std::f64::consts::PI * sphere.radius * sphere.radius / points as f64;
         ball_points(sphere, points)
             .filter(|p| !index.covered(p, k as u32))
-            .map(|p| {
-                let near = surface.distance.nearest(&p);
+            .map(|p| (p, surface.distance.nearest(&p)))
+            // Deeper ones line a cavity inside, where nothing can touch them.
+            .filter(|(_, near)| near.signed > -deepest)
+            .map(|(p, near)| {
                 let off = near.signed;
                 let gradient = if off.abs() > 1e-12 {
                     (p - near.point) / off

@@ -57,6 +57,34 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
     samples
 }
 
+/// Points along the sharp edges, `spacing` metres apart, corners included: places of no area that
+/// samples of the surface miss, and where the error is largest.
+pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64) -> Vec<Sample> {
+    let mesh = distance.mesh();
+    let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(mesh.triangles.len() * 3);
+    for (t, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            edges.push((from.min(to), from.max(to), t as u32));
+        }
+    }
+    edges.sort_unstable();
+    let mut samples = Vec::new();
+    for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let [one, other] = shared else { continue };
+        let (n, m) = (distance.face_normal(one.2), distance.face_normal(other.2));
+        if n.dot(&m) > SHARP_COS || n.dot(&m) < -0.999 {
+            continue;
+        }
+        let (from, to) = (mesh.vertices[one.0 as usize], mesh.vertices[one.1 as usize]);
+        let pieces = ((to - from).norm() / spacing).ceil().clamp(1.0, 1e4) as usize;
+        samples.extend((0..=pieces).map(|k| Sample {
+            point: from + (to - from) * (k as f64 / pieces as f64),
+            normal: (n + m).normalize(),
+        }));
+    }
+    samples
+}
+
 /// Points spread evenly over a ball's surface (Fibonacci's spiral).
 pub(crate) fn ball_points(sphere: &Sphere, count: usize) -> impl Iterator<Item = Vec3> {
     let (centre, radius) = (sphere.centre, sphere.radius);

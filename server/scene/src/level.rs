@@ -1,0 +1,132 @@
+//! One level of spheres fitted as a whole: polishing and relocation in turns.
+
+use sulcus_core::{Sphere, Vec3};
+
+use crate::polish::{Owned, PolishOptions, Surface, assign, polish, rms_of};
+use crate::relocate::{Move, relocate};
+
+/// The spheres of a level with their families, that is, their parents' indices.
+#[derive(Clone)]
+pub(crate) struct Level {
+    /// First the level's own spheres, then childless ones of coarser levels, which stay.
+    pub spheres: Vec<Sphere>,
+    /// Parent of each of the level's own spheres.
+    pub families: Vec<u32>,
+    /// Parents in the level above.
+    pub parents: usize,
+}
+
+/// How much work a level is worth: the coarse ones only serve culling, the finest are many.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Effort {
+    /// Error, as a multiple of the level's rms error, above which the high power rules: one phase each.
+    pub knees: &'static [f64],
+    /// Most relocations in a phase.
+    pub relocations: usize,
+    /// Rounds of polishing after a relocation.
+    pub rounds: usize,
+    /// Rounds of polishing at the end.
+    pub last_rounds: usize,
+}
+
+impl Effort {
+    pub fn of(level: u8) -> Self {
+        let (knees, relocations, rounds, last_rounds): (&[f64], _, _, _) = match level {
+            0..=2 => (&[3.0, 2.0], 4, 4, 4),
+            3 => (&[2.0, 1.5, 1.2, 1.2], 20, 4, 12),
+            4 => (&[2.0, 1.5, 1.2], 8, 3, 6),
+            _ => (&[2.0, 1.5], 3, 2, 3),
+        };
+        Self {
+            knees,
+            relocations,
+            rounds,
+            last_rounds,
+        }
+    }
+}
+
+/// Points on a sphere that are looked at for its exposed part.
+const BALL_POINTS: usize = 96;
+/// A relocation that saves less than this share is the last of its phase.
+const LEAST_GAIN: f64 = 0.02;
+/// How much of what a sphere's loss would cost at once is believed, at first and at last: its neighbours
+/// close up afterwards, by how much only a try can tell.
+const BELIEF: (f64, f64) = (0.15, 1e-3);
+
+/// Fits `level` to the surface. `inscribed` holds each sample's inscribed-ball centre. Returns the
+/// sphere that each sample belongs to.
+pub(crate) fn fit_level(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    level: &mut Level,
+    effort: &Effort,
+    seed: u64,
+) -> Owned {
+    let movable = level.families.len();
+    let options = |rounds| PolishOptions {
+        rounds,
+        ball_points: BALL_POINTS,
+    };
+    let mut owned = assign(surface, &level.spheres, None);
+    let (&last_knee, knees) = effort.knees.split_last().unwrap_or((&2.0, &[]));
+    for (phase, knee) in knees.iter().enumerate() {
+        // Fixed within a phase, so that costs compare.
+        let knee = knee * rms_of(surface, &owned);
+        let (mut cost, start) = polish(
+            surface,
+            &mut level.spheres,
+            movable,
+            knee,
+            &options(effort.rounds),
+        );
+        owned = start;
+        let (mut most, mut belief) = (movable.div_ceil(16), BELIEF.0);
+        for relocation in 0..effort.relocations {
+            let mut tried = level.clone();
+            let wish = Move {
+                knee,
+                most,
+                belief,
+                seed: seed ^ ((phase * 64 + relocation) as u64) << 20,
+            };
+            let moved = relocate(surface, inscribed, &mut tried, &owned, &wish);
+            if moved == 0 {
+                belief *= 0.1;
+                if belief < BELIEF.1 {
+                    break;
+                }
+                continue;
+            }
+            let (tried_cost, tried_owned) = polish(
+                surface,
+                &mut tried.spheres,
+                movable,
+                knee,
+                &options(effort.rounds),
+            );
+            if tried_cost >= cost {
+                // Fewer at once may still help.
+                most = moved / 4;
+                if most == 0 {
+                    break;
+                }
+                continue;
+            }
+            let gain = 1.0 - tried_cost / cost;
+            (*level, cost, owned) = (tried, tried_cost, tried_owned);
+            if gain < LEAST_GAIN {
+                break;
+            }
+        }
+    }
+    let knee = last_knee * rms_of(surface, &owned);
+    polish(
+        surface,
+        &mut level.spheres,
+        movable,
+        knee,
+        &options(effort.last_rounds),
+    )
+    .1
+}

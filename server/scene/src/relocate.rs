@@ -1,0 +1,279 @@
+//! Spheres moved from where they are hardly needed to where the fit is worst.
+//!
+//! Polishing moves spheres little by little; it cannot bring one from a flat cheek to a sharp cusp. Here the
+//! sphere whose loss costs least takes half of the samples of the one that fits worst. A tree node
+//! has at most eight children: where the family at the new place is full, neighbours are handed on
+//! from family to family until one has room.
+
+use std::collections::VecDeque;
+
+use sulcus_core::tree::MAX_CHILDREN;
+use sulcus_core::{Sphere, Vec3};
+
+use crate::cluster::{Feature, split};
+use crate::fit::fit;
+use crate::nearest_sphere::NearestSphere;
+use crate::parallel;
+use crate::level::Level;
+use crate::polish::{Surface, penalty, shares};
+use crate::random::Random;
+
+/// Share of its cost that a sphere saves by being halved: the error falls to a half, its square to a
+/// quarter; less is promised.
+const SAVED: f64 = 0.6;
+/// Families looked at as neighbours.
+const NEIGHBOURS: usize = 10;
+
+/// What is wished for.
+pub(crate) struct Move {
+    /// Error at which the high power equals the square, metres.
+    pub knee: f64,
+    /// Most spheres that move.
+    pub most: usize,
+    /// Share of what a sphere's loss would cost at once that is believed.
+    pub belief: f64,
+    /// Of the random tries.
+    pub seed: u64,
+}
+
+/// Moves the level's own spheres, whose families change with them. `owned` is the distance to the
+/// nearest sphere and its index, per sample. Returns how many moved.
+pub(crate) fn relocate(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    level: &mut Level,
+    owned: &[(f64, u32)],
+    wish: &Move,
+) -> usize {
+    let movable = level.families.len();
+    let knee = wish.knee;
+    let spheres = &mut level.spheres;
+    let mine = shares(owned, spheres.len());
+    let index = NearestSphere::new(&*spheres);
+    let importance = |s: u32| surface.importance[s as usize];
+    // What each sphere costs now, and what would be added without it.
+    let costs: Vec<(f64, f64)> = parallel::map(movable, |k| {
+        let (mut cost, mut loss) = (0.0, 0.0);
+        for &s in &mine[k] {
+            let now = penalty(owned[s as usize].0, knee);
+            let point = &surface.samples[s as usize].point;
+            cost += importance(s) * now;
+            loss += importance(s) * (penalty(index.nearest_but(point, k as u32), knee) - now);
+        }
+        (cost, loss)
+    });
+    let mut victims: Vec<usize> = (0..movable).collect();
+    victims.sort_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1).then(a.cmp(&b)));
+    let mut targets: Vec<usize> = (0..movable).filter(|&k| mine[k].len() >= 8).collect();
+    targets.sort_by(|&a, &b| costs[b].0.total_cmp(&costs[a].0).then(a.cmp(&b)));
+
+    let place = |k: usize| centroid(surface, &mine[k]).unwrap_or(spheres[k].centre);
+    let places: Vec<Vec3> = (0..movable).map(place).collect();
+    // A victim's neighbours take over what it held: none of them may be touched in the same round.
+    let mut locked = vec![false; movable];
+    let (mut moves, mut next) = (Vec::new(), 0);
+    for &target in &targets {
+        if moves.len() == wish.most {
+            break;
+        }
+        if locked[target] {
+            continue;
+        }
+        while next < victims.len() && (locked[victims[next]] || victims[next] == target) {
+            next += 1;
+        }
+        let Some(&victim) = victims.get(next) else { break };
+        if costs[victim].1 * wish.belief > costs[target].0 * SAVED {
+            break;
+        }
+        next += 1;
+        for &s in &mine[victim] {
+            let heir = index.nearest_other(&surface.samples[s as usize].point, victim as u32);
+            if let Some(lock) = locked.get_mut(heir as usize) {
+                *lock = true;
+            }
+        }
+        locked[victim] = true;
+        locked[target] = true;
+        moves.push((victim, target));
+    }
+    let halves = parallel::map(moves.len(), |m| {
+        halved(surface, inscribed, &mine[moves[m].1], wish.seed ^ m as u64)
+    });
+    let mut places = places;
+    let mut families = Families::new(&mut level.families, level.parents, &places);
+    let mut moved = 0;
+    for ((victim, target), halves) in moves.into_iter().zip(halves) {
+        let Some([one, other]) = halves else { continue };
+        if !families.join(victim, target, &places) {
+            continue;
+        }
+        spheres[target] = one;
+        spheres[victim] = other;
+        places[victim] = places[target];
+        moved += 1;
+    }
+    moved
+}
+
+fn centroid(surface: &Surface<'_>, members: &[u32]) -> Option<Vec3> {
+    let sum: Vec3 = members
+        .iter()
+        .map(|&s| surface.samples[s as usize].point)
+        .sum();
+    (!members.is_empty()).then(|| sum / members.len() as f64)
+}
+
+/// Two spheres for the samples of one.
+fn halved(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    members: &[u32],
+    seed: u64,
+) -> Option<[Sphere; 2]> {
+    let mut random = Random::new(seed);
+    let mut best: (f64, Option<[Sphere; 2]>) = (f64::INFINITY, None);
+    for alpha in [1.0, 0.3] {
+        let features: Vec<Feature> = members
+            .iter()
+            .map(|&m| {
+                let p = surface.samples[m as usize].point * alpha;
+                let c = inscribed[m as usize] * (1.0 - alpha);
+                [p.x, p.y, p.z, c.x, c.y, c.z]
+            })
+            .collect();
+        let parts = split(&features, &vec![1.0; members.len()], 2, &mut random);
+        let [one, other] = parts.as_slice() else {
+            continue;
+        };
+        let mut cost = 0.0;
+        let spheres = [one, other].map(|part| {
+            let part: Vec<u32> = part.iter().map(|&k| members[k as usize]).collect();
+            let (own, sphere) = fit(
+                surface.distance,
+                surface.samples,
+                inscribed,
+                &part,
+                None,
+                surface.smallest,
+                &mut random,
+            );
+            cost += own * part.len() as f64;
+            sphere
+        });
+        if cost < best.0 {
+            best = (cost, Some(spheres));
+        }
+    }
+    best.1
+}
+
+/// Who belongs to whom, with room for at most eight each.
+struct Families<'a> {
+    of: &'a mut [u32],
+    counts: Vec<usize>,
+    middles: Vec<Vec3>,
+}
+
+impl<'a> Families<'a> {
+    fn new(of: &'a mut [u32], parents: usize, places: &[Vec3]) -> Self {
+        let mut counts = vec![0_usize; parents];
+        let mut middles = vec![Vec3::zeros(); parents];
+        for (family, place) in of.iter().zip(places) {
+            counts[*family as usize] += 1;
+            middles[*family as usize] += place;
+        }
+        for (middle, count) in middles.iter_mut().zip(&counts) {
+            if *count > 0 {
+                *middle /= *count as f64;
+            }
+        }
+        Self {
+            of,
+            counts,
+            middles,
+        }
+    }
+
+    /// Brings child `one` into the family of `other`; where that is full, neighbours are handed on. False
+    /// (and nothing changed) when no family within reach has room.
+    fn join(&mut self, one: usize, other: usize, places: &[Vec3]) -> bool {
+        let (from, wanted) = (self.of[one], self.of[other]);
+        // The place that it leaves is room, too.
+        self.of[one] = u32::MAX;
+        self.counts[from as usize] -= 1;
+        let Some(chain) = self.chain_to_room(wanted) else {
+            self.of[one] = from;
+            self.counts[from as usize] += 1;
+            return false;
+        };
+        for pair in chain.windows(2).rev() {
+            self.hand_on(pair[0], pair[1], places);
+        }
+        self.of[one] = wanted;
+        self.counts[wanted as usize] += 1;
+        true
+    }
+
+    /// From family to neighbouring family, `wanted` first, to the nearest with room.
+    fn chain_to_room(&self, wanted: u32) -> Option<Vec<u32>> {
+        let mut reached_from = vec![u32::MAX; self.counts.len()];
+        reached_from[wanted as usize] = wanted;
+        let mut queue = VecDeque::from([wanted]);
+        while let Some(here) = queue.pop_front() {
+            if self.counts[here as usize] < MAX_CHILDREN {
+                let mut chain = vec![here];
+                let mut at = here;
+                while at != wanted {
+                    at = reached_from[at as usize];
+                    chain.push(at);
+                }
+                chain.reverse();
+                return Some(chain);
+            }
+            for f in self.neighbours(here) {
+                if reached_from[f as usize] == u32::MAX {
+                    reached_from[f as usize] = here;
+                    queue.push_back(f);
+                }
+            }
+        }
+        None
+    }
+
+    /// The nearest families with children, nearest first.
+    fn neighbours(&self, here: u32) -> Vec<u32> {
+        let mut near: Vec<(f64, u32)> = Vec::with_capacity(NEIGHBOURS + 1);
+        for f in (0..self.counts.len() as u32).filter(|&f| f != here) {
+            if self.counts[f as usize] == 0 {
+                continue;
+            }
+            let apart = (self.middles[f as usize] - self.middles[here as usize]).norm_squared();
+            if near.len() == NEIGHBOURS && apart >= near[NEIGHBOURS - 1].0 {
+                continue;
+            }
+            let at = near.partition_point(|&(d, _)| d <= apart);
+            near.insert(at, (apart, f));
+            near.truncate(NEIGHBOURS);
+        }
+        near.into_iter().map(|(_, f)| f).collect()
+    }
+
+    /// Gives family `to` the child of `from` that is nearest to it and farthest from its own.
+    fn hand_on(&mut self, from: u32, to: u32, places: &[Vec3]) {
+        let child = (0..self.of.len())
+            .filter(|&k| self.of[k] == from)
+            .min_by(|&a, &b| {
+                let loss = |k: usize| {
+                    (places[k] - self.middles[to as usize]).norm()
+                        - (places[k] - self.middles[from as usize]).norm()
+                };
+                loss(a).total_cmp(&loss(b)).then(a.cmp(&b))
+            });
+        if let Some(child) = child {
+            self.of[child] = to;
+            self.counts[from as usize] -= 1;
+            self.counts[to as usize] += 1;
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The two coarsest levels of a thing that deforms as a whole.
+//!
+//! Balls fitted to a surface have their centres near its medial sheet: of an ellipsoid, on its middle plane.
+//! A skeleton of springs needs nodes through the depth and a layer at the bottom to hold on to. So
+//! levels 1 and 2 share out the *volume*; the finer ones are fitted to the surface below them.
+
+use sulcus_core::{Sphere, Vec3};
+
+use crate::cluster::{Feature, split};
+use crate::distance::MeshDistance;
+use crate::nearest_sphere::NearestSphere;
+use crate::parallel;
+use crate::random::Random;
+use crate::sample::Sample;
+
+/// Points of the grid that fills the solid, about.
+const POINTS: f64 = 24_000.0;
+/// Tries of sharing out a cell.
+const TRIES: u64 = 6;
+/// A cell with less than this share of the mean number of samples is inner: it gets no children.
+const INNER: f64 = 0.25;
+
+/// One cell: a ball of the cell's volume at its middle, within the solid.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    pub sphere: Sphere,
+    points: Vec<u32>,
+    /// Surface samples that belong to it.
+    pub samples: Vec<u32>,
+}
+
+/// Points of a regular grid inside the solid, metres.
+pub(crate) fn inner_points(distance: &MeshDistance) -> Vec<Vec3> {
+    let (low, high) = distance.mesh().bounds();
+    let size: Vec3 = high - low;
+    let step = libm::cbrt(distance.mesh().signed_volume() / POINTS);
+    let counts = size.map(|x| ((x / step) as usize + 1).clamp(1, 2000));
+    let total = counts.x * counts.y * counts.z;
+    let at = |k: usize| {
+        let (x, y, z) = (
+            k % counts.x,
+            k / counts.x % counts.y,
+            k / (counts.x * counts.y),
+        );
+        low + Vec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5) * step
+    };
+    let inside = parallel::map(total, |k| distance.signed(&at(k)) < 0.0);
+    (0..total).filter(|&k| inside[k]).map(at).collect()
+}
+
+/// Cells of level 1, each with its cells of level 2. Empty where the solid is too thin for a grid.
+pub(crate) fn cells(distance: &MeshDistance, samples: &[Sample]) -> Vec<(Cell, Vec<Cell>)> {
+    let points = inner_points(distance);
+    if points.len() < 64 {
+        return Vec::new();
+    }
+    let one = distance.mesh().signed_volume() / points.len() as f64;
+    let all: Vec<u32> = (0..points.len() as u32).collect();
+    let mut families: Vec<(Cell, Vec<Cell>)> = shared_out(distance, &points, &all, one, 1)
+        .into_iter()
+        .enumerate()
+        .map(|(k, cell)| {
+            let inner = shared_out(distance, &points, &cell.points, one, 2 + k as u64);
+            (cell, inner)
+        })
+        .collect();
+
+    // Samples go to the nearest cell; cells that hardly reach the surface give theirs up.
+    let mut closed = vec![false; families.iter().map(|(_, cells)| cells.len()).sum()];
+    for round in 0..2 {
+        let spheres: Vec<Sphere> = families
+            .iter()
+            .flat_map(|(_, cells)| cells.iter().map(|cell| cell.sphere))
+            .collect();
+        let open: Vec<usize> = (0..spheres.len()).filter(|&k| !closed[k]).collect();
+        let offered: Vec<Sphere> = open.iter().map(|&k| spheres[k]).collect();
+        let index = NearestSphere::new(&offered);
+        let nearest = parallel::map(samples.len(), |s| index.nearest(&samples[s].point, None).1);
+        let mut mine = vec![Vec::new(); spheres.len()];
+        for (sample, k) in nearest.into_iter().enumerate() {
+            mine[open[k as usize]].push(sample as u32);
+        }
+        if round == 0 {
+            let mean = samples.len() as f64 / spheres.len() as f64;
+            for (closed, mine) in closed.iter_mut().zip(&mine) {
+                *closed = (mine.len() as f64) < INNER * mean;
+            }
+            continue;
+        }
+        for (cell, mine) in families
+            .iter_mut()
+            .flat_map(|(_, cells)| cells)
+            .zip(mine)
+        {
+            cell.samples = mine;
+        }
+    }
+    for (cell, inner) in &mut families {
+        cell.samples = inner.iter().flat_map(|c| c.samples.clone()).collect();
+        cell.samples.sort_unstable();
+    }
+    families
+}
+
+/// Up to eight cells of about the same volume.
+fn shared_out(
+    distance: &MeshDistance,
+    points: &[Vec3],
+    members: &[u32],
+    volume: f64,
+    seed: u64,
+) -> Vec<Cell> {
+    let features: Vec<Feature> = members
+        .iter()
+        .map(|&m| {
+            let p = points[m as usize];
+            [p.x, p.y, p.z, 0.0, 0.0, 0.0]
+        })
+        .collect();
+    let weights = vec![1.0; members.len()];
+    let mut best = (f64::INFINITY, Vec::new());
+    for attempt in 0..TRIES {
+        let mut random = Random::new(seed * 1000 + attempt);
+        let cells: Vec<Cell> = split(&features, &weights, 8, &mut random)
+            .into_iter()
+            .map(|part| {
+                let own: Vec<u32> = part.iter().map(|&k| members[k as usize]).collect();
+                ball_of(distance, points, own, volume)
+            })
+            .collect();
+        let spread: f64 = cells
+            .iter()
+            .flat_map(|cell| {
+                cell.points
+                    .iter()
+                    .map(|&p| (points[p as usize] - cell.sphere.centre).norm_squared())
+            })
+            .sum();
+        if spread < best.0 {
+            best = (spread, cells);
+        }
+    }
+    best.1
+}
+
+fn ball_of(distance: &MeshDistance, points: &[Vec3], own: Vec<u32>, volume: f64) -> Cell {
+    let mean = own.iter().map(|&k| points[k as usize]).sum::<Vec3>() / own.len() as f64;
+    // A bent cell's middle may lie outside: then the nearest of its points.
+    let mut centre = points[own[0] as usize];
+    if distance.signed(&mean) < 0.0 {
+        centre = mean;
+    } else {
+        for &k in &own {
+            let p = points[k as usize];
+            if (p - mean).norm_squared() < (centre - mean).norm_squared() {
+                centre = p;
+            }
+        }
+    }
+    let depth = -distance.signed(&centre);
+    let whole = libm::cbrt(0.75 * volume * own.len() as f64 / std::f64::consts::PI);
+    Cell {
+        sphere: Sphere {
+            centre,
+            radius: whole.min(depth).max(1e-2 * whole),
+        },
+        points: own,
+        samples: Vec::new(),
+    }
+}
