@@ -64,9 +64,9 @@ pub struct ToolEntry {
     pub kind: Option<ToolKind>,
     /// Dimensions of a parametric probe that differ from the defaults.
     pub probe: Option<Probe>,
-    /// STL file, relative to the scene file; its origin is the device point.
+    /// STL, OBJ or PLY file, relative to the scene file; its origin is the device point.
     pub mesh: Option<PathBuf>,
-    /// Unit of the STL file.
+    /// Unit of the mesh file.
     pub unit: Option<Unit>,
     /// Reference point of the optimisation, at the working end, tool frame, mm.
     pub working_point_mm: Option<[f64; 3]>,
@@ -106,9 +106,9 @@ pub struct ObjectEntry {
     pub kind: Option<ObjectKind>,
     /// Dimensions of a parametric molar that differ from the defaults.
     pub molar: Option<Molar>,
-    /// STL file, relative to the scene file.
+    /// STL, OBJ or PLY file, relative to the scene file.
     pub mesh: Option<PathBuf>,
-    /// Unit of the STL file.
+    /// Unit of the mesh file.
     pub unit: Option<Unit>,
     /// Where its origin lies in the world, mm.
     #[serde(default)]

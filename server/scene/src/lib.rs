@@ -1,7 +1,7 @@
 //! Offline: meshes to sphere trees, scene files, the parametric parts.
 //!
 //! [`compile::compile_file`] turns a scene file into a [`sulcus_core::Scene`]: [`load`] and
-//! [`parametric`] give meshes, [`check`] refuses what is not a solid, [`build`] makes sphere trees
+//! [`parametric`] give meshes, [`repair`] mends what has one right answer and says so, [`check`] refuses what is not a solid, [`build`] makes sphere trees
 //! from true distances ([`distance`]), [`error`] measures them. Results are functions of their
 //! input alone: no clock, no randomness but fixed seeds, no dependence on the number of threads.
 
@@ -11,6 +11,7 @@ pub mod check;
 mod cluster;
 pub mod compile;
 pub mod distance;
+mod edges;
 pub mod error;
 pub mod file;
 mod fit;
@@ -21,11 +22,14 @@ mod parallel;
 pub mod parametric;
 mod parts;
 mod random;
+pub mod repair;
 pub mod sample;
 pub mod shapes;
+pub mod solid;
 mod validate;
 
 pub use cache::default_cache_dir;
 pub use compile::{
     BuildError, BuildOptions, Compiled, compile_default, compile_file, default_scene,
 };
+pub use solid::{Solid, SolidError, read_solid};

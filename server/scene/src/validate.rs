@@ -269,12 +269,12 @@ fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) ->
         (false, false, _) => wrong(
             field("mesh"),
             "missing",
-            "a path to an STL file, or `kind` instead",
+            "a path to an STL, OBJ or PLY file, or `kind` instead",
         ),
         (false, true, false) => wrong(
             field("unit"),
             "missing",
-            "\"mm\" or \"m\", because STL has no unit",
+            "\"mm\" or \"m\", because mesh files do not name their unit",
         ),
         (true, false, true) => wrong(field("unit"), "given", "nothing without `mesh`"),
         _ => Ok(()),
