@@ -8,7 +8,9 @@ use serde::Serialize;
 use sulcus_core::Vec3;
 
 pub use crate::edges::Opening;
-use crate::edges::{Place, Sets, Side, by_edge, first_few, open_sides, openings, rounded, sides};
+use crate::edges::{
+    Length, Place, Sets, Side, by_edge, first_few, open_sides, openings, rounded, sides,
+};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
 
@@ -68,7 +70,7 @@ pub enum MeshError {
         found: [f64; 3],
     },
     /// Implausible size, mostly a wrong unit.
-    #[error("{file}: found an overall size of {} mm, expected 0.5 to 500 mm: {}", rounded(*size_mm), advice(*size_mm, *unit))]
+    #[error("{file}: found an overall size of {} mm, expected 0.5 to 500 mm: {}", Length(*size_mm), advice(*size_mm, *unit))]
     Scale {
         /// Which mesh.
         file: String,
@@ -220,7 +222,7 @@ fn advice(size_mm: f64, unit: Option<Unit>) -> String {
             let symbol = other.symbol();
             return format!(
                 "in {name} it would be {} mm, so say `unit = \"{symbol}\"` in a scene file or `--unit {symbol}` on the command line",
-                rounded(size_mm * factor)
+                Length(size_mm * factor)
             );
         }
     }

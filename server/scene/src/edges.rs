@@ -104,7 +104,7 @@ impl std::fmt::Display for Opening {
             f,
             "{} edges, {} mm across, at {} mm",
             self.edges,
-            rounded(self.diameter_mm),
+            Length(self.diameter_mm),
             Place(self.at_mm)
         )
     }
@@ -175,6 +175,19 @@ pub(crate) fn rounded(x: f64) -> f64 {
         x
     } else {
         (x * 1e3).round() / 1e3
+    }
+}
+
+/// A length for reading, mm with three decimals, or two digits where those would be zeros.
+pub(crate) struct Length(pub f64);
+
+impl std::fmt::Display for Length {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.abs() < 1e-2 && self.0 != 0.0 {
+            write!(f, "{:.1e}", self.0)
+        } else {
+            write!(f, "{}", rounded(self.0))
+        }
     }
 }
 

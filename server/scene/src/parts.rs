@@ -13,7 +13,7 @@ use crate::compile::{BuildError, BuildOptions};
 use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
-use crate::parametric::Probe;
+use crate::parametric::{Mirror, Probe};
 use crate::solid::read_solid;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
@@ -45,6 +45,19 @@ impl Compiler<'_> {
                     axis,
                     probe.bands(),
                     ROD_ALPHA,
+                )
+            }
+            Some(ToolKind::MouthMirror) => {
+                let mirror: Mirror = entry.mirror.clone().unwrap_or_default();
+                let (point, tip, axis) = (mirror.working_point(), mirror.tip(), mirror.tip_axis());
+                (
+                    mirror.touching_mesh(),
+                    mirror.display_mesh(),
+                    point,
+                    tip,
+                    axis,
+                    Vec::new(),
+                    TreeOptions::default().alpha,
                 )
             }
             None => {

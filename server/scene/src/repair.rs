@@ -21,7 +21,7 @@ use std::fmt;
 use serde::Serialize;
 use sulcus_core::Vec3;
 
-use crate::edges::{Opening, Place, first_few, open_sides, rounded, sides};
+use crate::edges::{Length, Opening, Place, first_few, open_sides, rounded, sides};
 use crate::mesh::TriMesh;
 
 pub(crate) use weld::join_equal;
@@ -89,7 +89,7 @@ impl From<Opening> for ClosedHole {
 
 impl fmt::Display for ClosedHole {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (edges, across, at) = (self.edges, self.diameter_mm, Place(self.at_mm));
+        let (edges, across, at) = (self.edges, Length(self.diameter_mm), Place(self.at_mm));
         write!(f, "{edges} edges, {across} mm across, at {at} mm")
     }
 }
@@ -119,9 +119,9 @@ impl Repairs {
         }
         if self.welded_vertices > 0 {
             said.push(format!(
-                "{} welded to another no farther away than {:.1e} mm",
+                "{} welded to another no farther away than {} mm",
                 vertices(self.welded_vertices),
-                self.largest_weld_mm
+                Length(self.largest_weld_mm)
             ));
         }
         if self.degenerate_triangles > 0 {
@@ -205,7 +205,7 @@ pub fn repair(mut mesh: TriMesh) -> (TriMesh, Repairs) {
 }
 
 /// Drops vertices that no triangle uses; the others keep their order. Returns how many.
-fn drop_unused(mesh: &mut TriMesh) -> usize {
+pub(crate) fn drop_unused(mesh: &mut TriMesh) -> usize {
     let mut used = vec![false; mesh.vertices.len()];
     for &v in mesh.triangles.iter().flatten() {
         used[v as usize] = true;

@@ -258,3 +258,19 @@ fn a_scene_from_the_cache_is_the_same_scene() {
         compiled.warnings
     );
 }
+
+#[test]
+fn a_mirror_from_numbers_is_a_tool() {
+    let dir = with_ball(&icosphere(0.002, 2));
+    let (_, object) = BALL.split_once("[[object]]").expect("an object");
+    let text = format!(
+        "name = \"mirror\"\n[[tool]]\nname = \"mirror\"\nkind = \"mouth_mirror\"\npark_mm = [0, 0, 120]\n[[object]]{object}"
+    );
+    let scene = compile(dir.path(), &text).expect("compiles").scene;
+    let tool = &scene.tools[0];
+    assert!((tool.working_point.norm() - 0.09).abs() < 1e-12 && tool.bands.is_empty());
+    // Only disc and neck touch, the whole instrument is shown.
+    assert!(tool.tree.lever_from(&tool.working_point) < 0.035);
+    let heights = tool.mesh.vertices.iter().map(|v| v[2]);
+    assert!(heights.fold(f32::MIN, f32::max) > 0.06);
+}
