@@ -183,7 +183,7 @@ pub(crate) struct Length(pub f64);
 
 impl std::fmt::Display for Length {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if self.0.abs() < 1e-2 && self.0 != 0.0 {
+        if self.0.abs() < 1e-3 && self.0 != 0.0 {
             write!(f, "{:.1e}", self.0)
         } else {
             write!(f, "{}", rounded(self.0))

@@ -23,6 +23,9 @@ pub use stl::to_stl;
 /// Largest file that is read, bytes: some twenty million triangles of binary STL.
 pub const LARGEST_FILE: u64 = 1 << 30;
 
+/// What some editors put before text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Unit of length of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unit {
@@ -138,7 +141,10 @@ pub fn load_mesh(file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
 ///
 /// # Errors
 /// If the bytes are not a mesh, in one sentence.
-pub fn parse_mesh(bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
+pub fn parse_mesh(mut bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
+    if bytes.starts_with(BYTE_ORDER_MARK) && !stl::is_binary(&bytes) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+    }
     let parsed = match sniff(&bytes).or_else(|| named(file)) {
         Some(Format::Stl) => stl::parse(bytes),
         Some(Format::Obj) => obj::parse(&bytes),

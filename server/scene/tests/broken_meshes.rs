@@ -96,15 +96,29 @@ fn a_flipped_face_is_counted_and_placed() {
 
 #[test]
 fn a_surface_that_cannot_be_oriented_is_refused() {
-    // A Moebius band, closed by nothing: 5 triangles (Moebius' own), then its double cover is not
-    // what anybody meant. Its rim is open, so that is what is said.
-    let band = TriMesh {
-        vertices: (0..5)
+    // The projective plane with six vertices: closed, one-sided.
+    let one_sided = TriMesh {
+        vertices: (0..6)
             .map(|k| Vec3::new(f64::from(k), f64::from(k * k), f64::from(k * k * k)) * 1e-4)
             .collect(),
-        triangles: (0..5_u32).map(|k| [k, (k + 1) % 5, (k + 2) % 5]).collect(),
+        triangles: vec![
+            [0, 1, 2],
+            [0, 2, 3],
+            [0, 3, 4],
+            [0, 4, 5],
+            [0, 5, 1],
+            [1, 2, 4],
+            [2, 3, 5],
+            [3, 4, 1],
+            [4, 5, 2],
+            [5, 1, 3],
+        ],
     };
-    assert!(told(&band, Unit::Millimetre).contains("5 open edges in 1 hole (5 edges, "));
+    let said = told(&one_sided, Unit::Millimetre);
+    assert!(
+        said.contains("edges whose two triangles face opposite ways"),
+        "{said}"
+    );
 }
 
 #[test]
