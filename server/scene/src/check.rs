@@ -13,6 +13,7 @@ use crate::edges::{
 };
 use crate::load::Unit;
 use crate::mesh::TriMesh;
+use crate::repair::SMALL_HOLE_SHARE;
 
 /// Smallest and largest plausible overall size (longest edge of the bounding box), metres.
 pub const PLAUSIBLE_SIZE_M: (f64, f64) = (0.5e-3, 0.5);
@@ -81,8 +82,8 @@ pub enum MeshError {
     },
     /// The surface has holes.
     #[error(
-        "{file}: found {edges} open edges in {} ({}), expected a closed surface without holes",
-        counted(openings.len(), "hole"), first_few(openings)
+        "{file}: found {edges} open edges in {} ({}), expected a closed surface without holes (of those in files, small ones up to {} % of the size are closed on reading)",
+        counted(openings.len(), "hole"), first_few(openings), 100.0 * SMALL_HOLE_SHARE
     )]
     Open {
         /// Which mesh.

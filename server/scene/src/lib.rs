@@ -1,8 +1,9 @@
 //! Offline: meshes to sphere trees, scene files, the parametric parts.
 //!
 //! [`compile::compile_file`] turns a scene file into a [`sulcus_core::Scene`]: [`load`] and
-//! [`parametric`] give meshes, [`repair`] mends what has one right answer and says so, [`check`] refuses what is not a solid, [`build`] makes sphere trees
-//! from true distances ([`distance`]), [`error`] measures them. Results are functions of their
+//! [`parametric`] give meshes, [`repair`] mends what has one right answer and says so, [`check`]
+//! refuses what is not a solid ([`solid::read_solid`] is the three in one), [`build`] makes sphere
+//! trees from true distances ([`distance`]), [`error`] measures them. Results are functions of their
 //! input alone: no clock, no randomness but fixed seeds, no dependence on the number of threads.
 
 pub mod build;
