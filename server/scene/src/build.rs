@@ -17,6 +17,7 @@ use crate::medial::inscribed_centre;
 use crate::mesh::TriMesh;
 use crate::polish::{Surface, shares};
 use crate::random::Random;
+use crate::sample::Sample;
 use crate::{parallel, sample, volume};
 
 /// Changes whenever the same input gives another tree; part of the cache key.
@@ -121,14 +122,7 @@ pub fn build_weighted(
 ) -> Result<SphereTree, TreeBuildError> {
     options.validate()?;
     let distance = MeshDistance::new(mesh.clone());
-    let mut samples = sample::surface(&distance, options.samples, 0.0);
-    let even = samples.len();
-    let spacing = (mesh.area() / options.samples as f64).sqrt();
-    samples.extend(sample::sharp_edges(&distance, spacing));
-    let importance: Vec<f64> = parallel::map(samples.len(), |s| {
-        let asked = importance(&samples[s].point);
-        if s < even { asked } else { asked * EDGE_IMPORTANCE }
-    });
+    let (samples, importance) = weighted_samples(&distance, options.samples, importance);
     let (low, high) = mesh.bounds();
     let size = (high - low).norm();
     progress("inscribed balls", 0.02);
@@ -148,6 +142,43 @@ pub fn build_weighted(
     let levels = builder.levels(progress);
     progress("spheres", 1.0);
     tree(&levels)
+}
+
+/// Candidates for each sample that is kept, where importance differs.
+const CANDIDATES: usize = 8;
+
+/// Samples of the surface and its sharp edges with their weights. Where importance is higher, samples are
+/// both denser and heavier, by its square root each: a sphere needs samples enough to be fitted to.
+fn weighted_samples(
+    distance: &MeshDistance,
+    count: usize,
+    importance: &(dyn Fn(&Vec3) -> f64 + Sync),
+) -> (Vec<Sample>, Vec<f64>) {
+    let rooted = |samples: &[Sample]| -> Vec<f64> {
+        parallel::map(samples.len(), |s| importance(&samples[s].point).sqrt())
+    };
+    let mut samples = sample::surface(distance, count, 0.0);
+    let mut roots = rooted(&samples);
+    if roots.iter().any(|&root| root != roots[0]) {
+        let candidates = sample::surface(distance, CANDIDATES * count, 0.0);
+        let chances = rooted(&candidates);
+        let share = chances.iter().sum::<f64>() / count as f64;
+        (samples, roots) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut due = 0.0;
+        for (candidate, chance) in candidates.into_iter().zip(chances) {
+            due += chance / share;
+            if due >= 1.0 {
+                due -= 1.0;
+                samples.push(candidate);
+                roots.push(chance);
+            }
+        }
+    }
+    let spacing = (distance.mesh().area() / count as f64).sqrt();
+    let edges = sample::sharp_edges(distance, spacing);
+    roots.extend(rooted(&edges).iter().map(|root| root * EDGE_IMPORTANCE));
+    samples.extend(edges);
+    (samples, roots)
 }
 
 struct Builder<'a> {
@@ -332,7 +363,7 @@ impl Builder<'_> {
 /// Gives each sample to the ball of the family whose surface is nearest.
 fn reshared(
     family: &[(Vec<u32>, Sphere)],
-    samples: &[sample::Sample],
+    samples: &[Sample],
 ) -> Vec<(Vec<u32>, Option<Sphere>)> {
     let mut parts: Vec<_> = family
         .iter()
@@ -354,7 +385,7 @@ fn reshared(
 }
 
 /// Largest distance of a sample from the ball's surface, metres.
-fn worst(members: &[u32], sphere: &Sphere, samples: &[sample::Sample]) -> f64 {
+fn worst(members: &[u32], sphere: &Sphere, samples: &[Sample]) -> f64 {
     members.iter().fold(0.0, |worst, &m| {
         let off = ((samples[m as usize].point - sphere.centre).norm() - sphere.radius).abs();
         if off > worst { off } else { worst }

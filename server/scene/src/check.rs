@@ -1,13 +1,26 @@
 //! Whether a mesh is a solid that can be touched: finite, of plausible size, closed, manifold,
-//! consistently oriented, outward, one piece. What fails is refused with numbers, never repaired.
+//! consistently oriented, outward, one piece. What fails is refused with numbers and places, never
+//! repaired. Places are millimetres in the mesh's own frame, which is that of its file.
+
+use std::fmt;
 
 use serde::Serialize;
 use sulcus_core::Vec3;
 
+pub use crate::edges::Opening;
+use crate::edges::{
+    Length, Place, Sets, Side, by_edge, first_few, open_sides, openings, rounded, sides,
+};
+use crate::load::Unit;
 use crate::mesh::TriMesh;
+use crate::repair::SMALL_HOLE_SHARE;
 
 /// Smallest and largest plausible overall size (longest edge of the bounding box), metres.
 pub const PLAUSIBLE_SIZE_M: (f64, f64) = (0.5e-3, 0.5);
+
+/// A solid encloses more than this share of the cube of its size; less is rounding. A needle a
+/// thousand times as long as thick encloses a millionth.
+pub const LEAST_VOLUME_SHARE: f64 = 1e-9;
 
 /// What a usable mesh is like.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,71 +71,169 @@ pub enum MeshError {
         found: [f64; 3],
     },
     /// Implausible size, mostly a wrong unit.
-    #[error(
-        "{file}: found an overall size of {size_mm} mm, expected 0.5 to 500 mm: is it in another unit?"
-    )]
+    #[error("{file}: found an overall size of {} mm, expected 0.5 to 500 mm: {}", Length(*size_mm), advice(*size_mm, *unit))]
     Scale {
         /// Which mesh.
         file: String,
         /// Longest edge of the bounding box, millimetres.
         size_mm: f64,
+        /// The unit that it was read in, where that is known.
+        unit: Option<Unit>,
     },
     /// The surface has holes.
-    #[error("{file}: found {edges} open edges, expected a closed surface without holes")]
+    #[error(
+        "{file}: found {edges} open edges in {} ({}), expected a closed surface without holes (of those in files, small ones up to {} % of the size are closed on reading)",
+        counted(openings.len(), "hole"), first_few(openings), 100.0 * SMALL_HOLE_SHARE
+    )]
     Open {
         /// Which mesh.
         file: String,
         /// Edges with one triangle only.
         edges: usize,
+        /// What they surround, widest first.
+        openings: Vec<Opening>,
     },
     /// More than two triangles share an edge.
     #[error(
-        "{file}: found {edges} edges shared by more than two triangles, expected exactly two everywhere"
+        "{file}: found {} shared by more than two triangles, the first at {} mm, expected exactly two everywhere",
+        counted(*edges, "edge"), Place(*at_mm)
     )]
     NonManifold {
         /// Which mesh.
         file: String,
         /// Such edges.
         edges: usize,
+        /// Middle of the first one, mm.
+        at_mm: [f64; 3],
     },
     /// Neighbouring triangles face opposite ways.
     #[error(
-        "{file}: found {edges} edges whose two triangles face opposite ways, expected all triangles to face outwards"
+        "{file}: found {} whose two triangles face opposite ways, the first at {} mm, expected all triangles to face outwards",
+        counted(*edges, "edge"), Place(*at_mm)
     )]
     Flipped {
         /// Which mesh.
         file: String,
         /// Such edges.
         edges: usize,
+        /// Middle of the first one, mm.
+        at_mm: [f64; 3],
     },
     /// Two parts of the surface touch in one vertex.
     #[error(
-        "{file}: found {vertices} vertices where the surface touches itself, expected a manifold"
+        "{file}: found {} where the surface touches itself, the first at {} mm, expected a manifold",
+        if *vertices == 1 { "1 vertex".to_owned() } else { format!("{vertices} vertices") }, Place(*at_mm)
     )]
     Pinched {
         /// Which mesh.
         file: String,
         /// Such vertices.
         vertices: usize,
+        /// The first one, mm.
+        at_mm: [f64; 3],
     },
     /// More than one piece.
-    #[error("{file}: found {pieces} separate pieces, expected one")]
+    #[error(
+        "{file}: found {} separate pieces ({}), expected one",
+        pieces.len(), first_few(pieces)
+    )]
     Pieces {
         /// Which mesh.
         file: String,
-        /// How many.
-        pieces: usize,
+        /// The pieces, most triangles first.
+        pieces: Vec<Piece>,
     },
     /// All triangles face inwards, or nothing is enclosed.
     #[error(
-        "{file}: found an enclosed volume of {volume_mm3} mm3, expected a positive one (triangles facing outwards)"
+        "{file}: found an enclosed volume of {volume_mm3} mm3 between {} and {} mm, expected a positive one (triangles facing outwards)",
+        Place(*low_mm), Place(*high_mm)
     )]
     InsideOut {
         /// Which mesh.
         file: String,
         /// The signed volume, cubic millimetres.
         volume_mm3: f64,
+        /// Lowest corner of its box, mm.
+        low_mm: [f64; 3],
+        /// Highest corner of its box, mm.
+        high_mm: [f64; 3],
     },
+    /// So little is enclosed that it is rounding.
+    #[error(
+        "{file}: found an enclosed volume of {volume_mm3:.1e} mm3 between {} and {} mm, which is flat, expected a solid",
+        Place(*low_mm), Place(*high_mm)
+    )]
+    Flat {
+        /// Which mesh.
+        file: String,
+        /// The signed volume, cubic millimetres.
+        volume_mm3: f64,
+        /// Lowest corner of its box, mm.
+        low_mm: [f64; 3],
+        /// Highest corner of its box, mm.
+        high_mm: [f64; 3],
+    },
+}
+
+impl MeshError {
+    /// The same error, knowing the unit in which the mesh was read.
+    pub fn read_in(mut self, read_in: Unit) -> Self {
+        if let MeshError::Scale { unit, .. } = &mut self {
+            *unit = Some(read_in);
+        }
+        self
+    }
+}
+
+/// A connected part of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// Its triangles.
+    pub triangles: usize,
+    /// Lowest corner of its box, mm.
+    pub low_mm: [f64; 3],
+    /// Highest corner of its box, mm.
+    pub high_mm: [f64; 3],
+}
+
+impl fmt::Display for Piece {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (low, high) = (Place(self.low_mm), Place(self.high_mm));
+        let triangles = counted(self.triangles, "triangle");
+        write!(f, "{triangles} between {low} and {high} mm")
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+/// What to do about an implausible size.
+fn advice(size_mm: f64, unit: Option<Unit>) -> String {
+    let plausible = |mm: f64| (PLAUSIBLE_SIZE_M.0..=PLAUSIBLE_SIZE_M.1).contains(&(mm * 1e-3));
+    let tries = [
+        (Unit::Millimetre, 1e-3, "millimetres"),
+        (Unit::Metre, 1e3, "metres"),
+    ];
+    for (other, factor, name) in tries {
+        if unit != Some(other) && plausible(size_mm * factor) {
+            let symbol = other.symbol();
+            return format!(
+                "in {name} it would be {} mm, so say `unit = \"{symbol}\"` in a scene file or `--unit {symbol}` on the command line",
+                Length(size_mm * factor)
+            );
+        }
+    }
+    match unit {
+        Some(unit) => format!(
+            "it was read in {}, and neither millimetres nor metres make a plausible size of it, so scale it before",
+            unit.symbol()
+        ),
+        None => "neither millimetres nor metres make a plausible size of it".to_owned(),
+    }
 }
 
 /// Checks a mesh; `file` is how messages call it.
@@ -161,47 +272,70 @@ pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
     if !(PLAUSIBLE_SIZE_M.0..=PLAUSIBLE_SIZE_M.1).contains(&size.max()) {
         return Err(MeshError::Scale {
             file: file(),
-            size_mm: rounded(size.max() * 1e3),
+            size_mm: size.max() * 1e3,
+            unit: None,
         });
     }
-    let edges = Edges::of(mesh);
-    if edges.open > 0 {
+    let sides = sides(mesh);
+    let open = open_sides(&sides);
+    if !open.is_empty() {
         return Err(MeshError::Open {
             file: file(),
-            edges: edges.open,
+            edges: open.len(),
+            openings: openings(mesh, &open),
         });
     }
-    if edges.crowded > 0 {
+    let middle = |side: &Side| -> [f64; 3] {
+        let [a, b] = side.walked().map(|v| mesh.vertices[v as usize]);
+        ((a + b) * 0.5e3).into()
+    };
+    let edges = Edges::of(&sides);
+    if let Some(first) = edges.first_crowded {
         return Err(MeshError::NonManifold {
             file: file(),
             edges: edges.crowded,
+            at_mm: middle(&first),
         });
     }
-    if edges.flipped > 0 {
+    if let Some(first) = edges.first_flipped {
         return Err(MeshError::Flipped {
             file: file(),
             edges: edges.flipped,
+            at_mm: middle(&first),
         });
     }
     let pinched = pinched(mesh);
-    if pinched > 0 {
+    if let Some(&first) = pinched.first() {
         return Err(MeshError::Pinched {
             file: file(),
-            vertices: pinched,
+            vertices: pinched.len(),
+            at_mm: (mesh.vertices[first as usize] * 1e3).into(),
         });
     }
     let (pieces, used) = pieces(mesh);
-    if pieces > 1 {
+    if pieces.len() > 1 {
         return Err(MeshError::Pieces {
             file: file(),
             pieces,
         });
     }
     let volume_mm3 = rounded(mesh.signed_volume() * 1e9);
-    if volume_mm3 <= 0.0 {
+    let (low_mm, high_mm) = ((low * 1e3).into(), (high * 1e3).into());
+    let least_mm3 = LEAST_VOLUME_SHARE * 1e9 * size.max() * size.max() * size.max();
+    if volume_mm3.abs() <= least_mm3 {
+        return Err(MeshError::Flat {
+            file: file(),
+            volume_mm3,
+            low_mm,
+            high_mm,
+        });
+    }
+    if volume_mm3 < 0.0 {
         return Err(MeshError::InsideOut {
             file: file(),
             volume_mm3,
+            low_mm,
+            high_mm,
         });
     }
     let euler = used as i64 - edges.total as i64 + mesh.triangles.len() as i64;
@@ -215,54 +349,41 @@ pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
     })
 }
 
-/// Three decimals, for reading.
-fn rounded(x: f64) -> f64 {
-    if x.abs() < 1e-3 {
-        x
-    } else {
-        (x * 1e3).round() / 1e3
-    }
-}
-
 #[derive(Default)]
 struct Edges {
     total: usize,
-    open: usize,
     crowded: usize,
+    first_crowded: Option<Side>,
     flipped: usize,
+    first_flipped: Option<Side>,
 }
 
 impl Edges {
-    fn of(mesh: &TriMesh) -> Self {
-        let mut all: Vec<(u32, u32, bool)> = Vec::with_capacity(mesh.triangles.len() * 3);
-        for &[a, b, c] in &mesh.triangles {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                all.push((from.min(to), from.max(to), from < to));
-            }
-        }
-        all.sort_unstable();
+    fn of(sides: &[Side]) -> Self {
         let mut edges = Edges::default();
-        for same in all.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        for edge in by_edge(sides) {
             edges.total += 1;
-            match same {
-                [_] => edges.open += 1,
-                [one, other] => edges.flipped += usize::from(one.2 == other.2),
-                _ => edges.crowded += 1,
+            if edge.len() > 2 {
+                edges.crowded += 1;
+                edges.first_crowded.get_or_insert(edge[0]);
+            } else if edge.len() == 2 && edge[0].forward == edge[1].forward {
+                edges.flipped += 1;
+                edges.first_flipped.get_or_insert(edge[0]);
             }
         }
         edges
     }
 }
 
-/// Number of vertices whose triangles form more than one fan. Needs an oriented closed surface.
-fn pinched(mesh: &TriMesh) -> usize {
+/// Vertices whose triangles form more than one fan. Needs an oriented closed surface.
+fn pinched(mesh: &TriMesh) -> Vec<u32> {
     // Around a vertex v each triangle leads from one neighbour to the next: (v, from) -> to.
     let mut steps: Vec<(u32, u32, u32)> = Vec::with_capacity(mesh.triangles.len() * 3);
     for &[a, b, c] in &mesh.triangles {
         steps.extend([(a, b, c), (b, c, a), (c, a, b)]);
     }
     steps.sort_unstable();
-    let mut pinched = 0;
+    let mut pinched = Vec::new();
     for fan in steps.chunk_by(|a, b| a.0 == b.0) {
         let start = fan[0].1;
         let (mut at, mut walked) = (start, 0);
@@ -273,33 +394,44 @@ fn pinched(mesh: &TriMesh) -> usize {
                 break;
             }
         }
-        pinched += usize::from(walked != fan.len());
+        if walked != fan.len() {
+            pinched.push(fan[0].0);
+        }
     }
     pinched
 }
 
-/// Number of connected pieces, and of vertices that belong to a triangle.
-fn pieces(mesh: &TriMesh) -> (usize, usize) {
-    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    fn root(parent: &mut [u32], mut v: u32) -> u32 {
-        while parent[v as usize] != v {
-            parent[v as usize] = parent[parent[v as usize] as usize];
-            v = parent[v as usize];
-        }
-        v
-    }
+/// The connected pieces, most triangles first, and the number of vertices that belong to a triangle.
+fn pieces(mesh: &TriMesh) -> (Vec<Piece>, usize) {
+    let mut sets = Sets::new(mesh.vertices.len());
     let mut used = vec![false; mesh.vertices.len()];
     for &[a, b, c] in &mesh.triangles {
         for v in [a, b, c] {
             used[v as usize] = true;
-        }
-        for other in [b, c] {
-            let (one, two) = (root(&mut parent, a), root(&mut parent, other));
-            parent[two as usize] = one;
+            sets.join(a, v);
         }
     }
-    let roots = (0..parent.len())
-        .filter(|&v| used[v] && parent[v] as usize == v)
-        .count();
-    (roots, used.iter().filter(|&&u| u).count())
+    let mut piece_of = vec![usize::MAX; mesh.vertices.len()];
+    let mut pieces: Vec<(usize, Vec3, Vec3)> = Vec::new();
+    for triangle in &mesh.triangles {
+        let set = sets.find(triangle[0]) as usize;
+        if piece_of[set] == usize::MAX {
+            piece_of[set] = pieces.len();
+            let corner = mesh.vertices[set];
+            pieces.push((0, corner, corner));
+        }
+        let piece = &mut pieces[piece_of[set]];
+        piece.0 += 1;
+        for v in triangle.map(|v| mesh.vertices[v as usize]) {
+            piece.1 = piece.1.zip_map(&v, sulcus_core::math::fmin);
+            piece.2 = piece.2.zip_map(&v, sulcus_core::math::fmax);
+        }
+    }
+    pieces.sort_by_key(|piece| std::cmp::Reverse(piece.0));
+    let pieces = pieces.into_iter().map(|(triangles, low, high)| Piece {
+        triangles,
+        low_mm: (low * 1e3).into(),
+        high_mm: (high * 1e3).into(),
+    });
+    (pieces.collect(), used.iter().filter(|&&used| used).count())
 }

@@ -11,6 +11,7 @@ use crate::check::MeshError;
 use crate::file::{self, FileError, SceneFile};
 use crate::load::LoadError;
 use crate::parts::Compiler;
+use crate::solid::SolidError;
 
 /// Text of the scene that is used when none is named.
 pub const DEFAULT_SCENE: &str = include_str!("../../scenes/crown.toml");
@@ -85,6 +86,15 @@ pub enum BuildError {
         /// How deep, millimetres.
         depth_mm: f64,
     },
+}
+
+impl From<SolidError> for BuildError {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Load(error) => Self::Load(error),
+            SolidError::Mesh(error) => Self::Mesh(error),
+        }
+    }
 }
 
 /// Compiles a scene file. `progress` gets what is being done and how much of the whole is done.

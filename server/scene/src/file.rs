@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
-use crate::parametric::{Molar, Probe};
+use crate::parametric::{Mirror, Molar, Probe};
 
 /// A scene file as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,8 @@ pub struct SceneFile {
 pub enum ToolKind {
     /// A UNC-15 probe.
     PeriodontalProbe,
+    /// A mouth mirror. A `stiffness_nmm_per_rad` of 3000 suits it.
+    MouthMirror,
 }
 
 /// An object that is made from numbers.
@@ -64,9 +66,11 @@ pub struct ToolEntry {
     pub kind: Option<ToolKind>,
     /// Dimensions of a parametric probe that differ from the defaults.
     pub probe: Option<Probe>,
-    /// STL file, relative to the scene file; its origin is the device point.
+    /// Dimensions of a parametric mirror that differ from the defaults.
+    pub mirror: Option<Mirror>,
+    /// STL, OBJ or PLY file, relative to the scene file; its origin is the device point.
     pub mesh: Option<PathBuf>,
-    /// Unit of the STL file.
+    /// Unit of the mesh file.
     pub unit: Option<Unit>,
     /// Reference point of the optimisation, at the working end, tool frame, mm.
     pub working_point_mm: Option<[f64; 3]>,
@@ -106,9 +110,9 @@ pub struct ObjectEntry {
     pub kind: Option<ObjectKind>,
     /// Dimensions of a parametric molar that differ from the defaults.
     pub molar: Option<Molar>,
-    /// STL file, relative to the scene file.
+    /// STL, OBJ or PLY file, relative to the scene file.
     pub mesh: Option<PathBuf>,
-    /// Unit of the STL file.
+    /// Unit of the mesh file.
     pub unit: Option<Unit>,
     /// Where its origin lies in the world, mm.
     #[serde(default)]

@@ -105,6 +105,7 @@ pub(crate) fn fit_level(
                 knee,
                 &options(effort.rounds),
             );
+
             if tried_cost >= cost {
                 // Fewer at once may still help.
                 most = moved / 4;

@@ -1,8 +1,9 @@
 //! Offline: meshes to sphere trees, scene files, the parametric parts.
 //!
 //! [`compile::compile_file`] turns a scene file into a [`sulcus_core::Scene`]: [`load`] and
-//! [`parametric`] give meshes, [`check`] refuses what is not a solid, [`build`] makes sphere trees
-//! from true distances ([`distance`]), [`error`] measures them. Results are functions of their
+//! [`parametric`] give meshes, [`repair`] mends what has one right answer and says so, [`check`]
+//! refuses what is not a solid ([`solid::read_solid`] is the three in one), [`build`] makes sphere
+//! trees from true distances ([`distance`]), [`error`] measures them. Results are functions of their
 //! input alone: no clock, no randomness but fixed seeds, no dependence on the number of threads.
 
 pub mod build;
@@ -11,6 +12,7 @@ pub mod check;
 mod cluster;
 pub mod compile;
 pub mod distance;
+mod edges;
 pub mod error;
 pub mod file;
 mod fit;
@@ -25,8 +27,10 @@ mod parts;
 mod polish;
 mod random;
 mod relocate;
+pub mod repair;
 pub mod sample;
 pub mod shapes;
+pub mod solid;
 mod validate;
 mod volume;
 
@@ -34,3 +38,4 @@ pub use cache::default_cache_dir;
 pub use compile::{
     BuildError, BuildOptions, Compiled, compile_default, compile_file, default_scene,
 };
+pub use solid::{Solid, SolidError, read_solid};

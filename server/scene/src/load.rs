@@ -1,12 +1,30 @@
-//! Reading STL files, binary and ASCII. STL has no unit: whoever names the file names the unit.
+//! Mesh files into memory: STL, OBJ and PLY, text and binary.
+//!
+//! None of the three names its unit: whoever names the file names the unit. The content decides
+//! which format it is, because extensions lie; the extension decides only what a message speaks of
+//! when the content is not recognised. Bytes may be anything: they never cause a panic, and memory
+//! stays in proportion to the size of the file, whatever its header announces.
+//!
+//! Nothing is mended here ([`crate::repair`]) and nothing is judged ([`crate::check`]).
 
-use std::io::Cursor;
+mod obj;
+mod ply;
+mod stl;
+
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sulcus_core::Vec3;
 
 use crate::mesh::TriMesh;
+
+pub use stl::to_stl;
+
+/// Largest file that is read, bytes: some twenty million triangles of binary STL.
+pub const LARGEST_FILE: u64 = 1 << 30;
+
+/// What some editors put before text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Unit of length of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,6 +43,14 @@ impl Unit {
         match self {
             Unit::Millimetre => 1e-3,
             Unit::Metre => 1.0,
+        }
+    }
+
+    /// How scene files and the command line call it.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::Millimetre => "mm",
+            Unit::Metre => "m",
         }
     }
 }
@@ -51,145 +77,179 @@ pub enum LoadError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file is not STL.
-    #[error("{}: found {what}, expected a binary or ASCII STL file", file.display())]
+    /// The file is larger than [`LARGEST_FILE`].
+    #[error("{}: found more than {LARGEST_FILE} bytes, expected a mesh of at most that size", file.display())]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+    },
+    /// The file is not a mesh in a format that is known.
+    #[error("{}: found {found}, expected {expected}", file.display())]
     Format {
         /// The file.
         file: PathBuf,
-        /// What is wrong.
-        what: String,
+        /// What is in it, and where.
+        found: String,
+        /// What should be there.
+        expected: &'static str,
     },
 }
 
-/// Reads an STL file and welds vertices with equal coordinates. Metres.
+/// What was found where something else should be.
+#[derive(Debug, PartialEq)]
+struct Malformed {
+    found: String,
+    expected: &'static str,
+}
+
+impl Malformed {
+    fn new(found: impl Into<String>, expected: &'static str) -> Self {
+        Self {
+            found: found.into(),
+            expected,
+        }
+    }
+}
+
+/// Reads an STL, OBJ or PLY file. Metres, in the file's own frame; polygons become fans of
+/// triangles, groups and objects become one mesh. STL repeats every corner, so corners with equal
+/// coordinates become one vertex; OBJ and PLY have indices, which stay as they are.
 ///
 /// # Errors
-/// If the file cannot be read or is not STL. Whether the mesh is usable is not looked at here.
-pub fn load_stl(file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
-    let bytes = std::fs::read(file).map_err(|source| LoadError::Read {
+/// If the file cannot be read or is not a mesh file, in one sentence. Whether the mesh is usable is
+/// not looked at here.
+pub fn load_mesh(file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
+    let read = |source| LoadError::Read {
         file: file.to_owned(),
         source,
-    })?;
-    parse_stl(bytes, unit).map_err(|what| LoadError::Format {
-        file: file.to_owned(),
-        what,
-    })
+    };
+    let mut bytes = Vec::new();
+    std::fs::File::open(file)
+        .map_err(read)?
+        .take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(read)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(LoadError::TooLarge {
+            file: file.to_owned(),
+        });
+    }
+    parse_mesh(bytes, file, unit)
 }
 
-/// Bytes before the first triangle of a binary STL file.
-const HEADER: usize = 84;
-/// Bytes of a triangle.
-const RECORD: usize = 50;
-
-/// Reads STL from bytes and welds vertices with equal coordinates. Metres.
+/// The same from bytes; `file` is how messages call them, its extension as in [`load_mesh`].
 ///
 /// # Errors
-/// One clause that says what was found.
-pub fn parse_stl(mut bytes: Vec<u8>, unit: Unit) -> Result<TriMesh, String> {
-    let counted = bytes
-        .get(80..HEADER)
-        .and_then(|count| count.try_into().ok())
-        .map(|count| HEADER + RECORD * u32::from_le_bytes(count) as usize);
-    if bytes.starts_with(b"solid") && counted == Some(bytes.len()) {
-        // Many exporters begin binary files with "solid" too; the length tells them apart.
-        bytes[..5].copy_from_slice(b"SOLID");
-    } else if bytes.starts_with(b"solid\n") || bytes.starts_with(b"solid\r") {
-        // The reader wants a name after "solid".
-        bytes.splice(5..5, *b" -");
-    } else if !bytes.starts_with(b"solid") {
-        match counted {
-            Some(length) if length == bytes.len() => {}
-            Some(length) => {
-                return Err(format!(
-                    "{} bytes where the header announces {length}",
-                    bytes.len()
-                ));
-            }
-            None => return Err(format!("{} bytes", bytes.len())),
-        }
+/// If the bytes are not a mesh, in one sentence.
+pub fn parse_mesh(mut bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
+    if bytes.starts_with(BYTE_ORDER_MARK) && !stl::is_binary(&bytes) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
     }
-    let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let scale = unit.metres();
-    let welded = TriMesh {
-        vertices: mesh
-            .vertices
-            .iter()
-            .map(|v| Vec3::from(v.0.map(f64::from)) * scale)
-            .collect(),
-        triangles: mesh
-            .faces
-            .iter()
-            .map(|face| face.vertices.map(|v| v as u32))
-            .collect(),
+    let parsed = match sniff(&bytes).or_else(|| named(file)) {
+        Some(Format::Stl) => stl::parse(bytes),
+        Some(Format::Obj) => obj::parse(&bytes),
+        Some(Format::Ply) => ply::parse(bytes),
+        None => Err(Malformed::new(
+            format!("{} bytes of something else", bytes.len()),
+            "a mesh as STL, OBJ or PLY",
+        )),
     };
-    Ok(welded.welded())
+    let mut mesh = parsed.map_err(|Malformed { found, expected }| LoadError::Format {
+        file: file.to_owned(),
+        found,
+        expected,
+    })?;
+    for vertex in &mut mesh.vertices {
+        *vertex *= unit.metres();
+    }
+    Ok(mesh)
 }
 
-/// A mesh as binary STL bytes in millimetres (for export and tests).
-pub fn to_stl(mesh: &TriMesh) -> Vec<u8> {
-    let mut bytes = vec![0; 80];
-    bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
-    for triangle in 0..mesh.triangles.len() {
-        let area = mesh.area_vector(triangle);
-        let length = area.norm();
-        let normal = if length > 0.0 {
-            area / length
-        } else {
-            Vec3::zeros()
-        };
-        for v in std::iter::once(normal).chain(mesh.corners(triangle).map(|corner| corner * 1e3)) {
-            bytes.extend(v.iter().flat_map(|x| (*x as f32).to_le_bytes()));
-        }
-        bytes.extend([0, 0]);
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Format {
+    Stl,
+    Obj,
+    Ply,
+}
+
+fn named(file: &Path) -> Option<Format> {
+    let extension = file.extension()?.to_str()?;
+    [
+        ("stl", Format::Stl),
+        ("obj", Format::Obj),
+        ("ply", Format::Ply),
+    ]
+    .into_iter()
+    .find(|(name, _)| extension.eq_ignore_ascii_case(name))
+    .map(|(_, format)| format)
+}
+
+/// What the content says that it is, where it says so clearly.
+fn sniff(bytes: &[u8]) -> Option<Format> {
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        return Some(Format::Ply);
     }
-    bytes
+    if stl::is_binary(bytes) || stl::is_text(bytes) {
+        return Some(Format::Stl);
+    }
+    // An OBJ file is text whose first line that is no comment and no name begins with a known word.
+    let start = &bytes[..bytes.len().min(1 << 16)];
+    if start.contains(&0) {
+        return None;
+    }
+    start
+        .split(|&byte| byte == b'\n' || byte == b'\r')
+        .any(|line| {
+            let mut words = line
+                .split(|byte| byte.is_ascii_whitespace())
+                .filter(|word| !word.is_empty());
+            words.next() == Some(b"v")
+                && words.clone().count() >= 3
+                && words.take(3).all(|word| {
+                    std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok())
+                })
+        })
+        .then_some(Format::Obj)
+}
+
+/// Text out of a file or a crate for a message: one line, not long.
+fn brief(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let line = words.join(" ");
+    match line.char_indices().nth(120) {
+        Some((end, _)) => format!("{}...", &line[..end]),
+        None => line,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes::cuboid;
 
     #[test]
-    fn binary_files_come_back_even_if_they_begin_with_solid() {
-        let mesh = cuboid(Vec3::new(0.001, 0.002, 0.003));
-        let mut bytes = to_stl(&mesh);
-        for header in [b"plain ", b"solid "] {
-            bytes[..6].copy_from_slice(header);
-            let back = parse_stl(bytes.clone(), Unit::Millimetre).expect("binary STL");
-            assert_eq!((back.vertices.len(), back.triangles.len()), (8, 12));
-            assert!((back.signed_volume() / mesh.signed_volume() - 1.0).abs() < 1e-6);
+    fn the_content_decides_and_the_extension_helps() {
+        let cases: [(&[u8], &str, Option<Format>); 7] = [
+            (b"ply\nformat ascii 1.0\n", "a.stl", Some(Format::Ply)),
+            (
+                b"# exported\no tooth\nv 0 0 1\n",
+                "a.stl",
+                Some(Format::Obj),
+            ),
+            (b"solid x\nfacet normal 0 0 1\n", "a.obj", Some(Format::Stl)),
+            (b"solid x\nendsolid x\n", "a", Some(Format::Stl)),
+            (b"vn 0 0 1\n", "a.OBJ", Some(Format::Obj)),
+            (b"\0\0\0", "a.ply", Some(Format::Ply)),
+            (b"hello", "a.txt", None),
+        ];
+        for (bytes, name, expected) in cases {
+            let found = sniff(bytes).or_else(|| named(Path::new(name)));
+            assert_eq!(found, expected, "{name}");
         }
     }
 
     #[test]
-    fn ascii_files_are_read_with_and_without_a_name() {
-        let body = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
-        for head in ["solid\n", "solid cube\n", "solid\r\n"] {
-            let mesh =
-                parse_stl(format!("{head}{body}").into_bytes(), Unit::Metre).expect("ASCII STL");
-            assert_eq!(mesh.triangles.len(), 1);
-            assert_eq!(mesh.bounds().1, Vec3::new(1.0, 1.0, 0.0));
-        }
-    }
-
-    #[test]
-    fn what_is_not_stl_is_refused_with_a_sentence() {
-        assert!(
-            parse_stl(b"v 0 0 0".to_vec(), Unit::Metre)
-                .expect_err("not STL")
-                .contains("7 bytes")
-        );
-        let mut short = to_stl(&cuboid(Vec3::repeat(0.01)));
-        short.pop();
-        assert!(
-            parse_stl(short, Unit::Metre)
-                .expect_err("cut")
-                .contains("announces 684")
-        );
-        let missing = load_stl(Path::new("no/such.stl"), Unit::Metre)
-            .expect_err("missing")
-            .to_string();
-        assert!(missing.starts_with("no/such.stl: cannot read"), "{missing}");
+    fn messages_stay_on_one_line_and_short() {
+        assert_eq!(brief("a\n\tb  c"), "a b c");
+        assert_eq!(brief(&"ü".repeat(500)).chars().count(), 123);
     }
 }

@@ -65,47 +65,6 @@ impl TriMesh {
         self
     }
 
-    /// Joins vertices with exactly equal coordinates (0.0 equals -0.0) and drops triangles that
-    /// have two corners in one place, which are lines and bound nothing. Nothing else is repaired.
-    pub fn welded(&self) -> Self {
-        // Sorting instead of hashing keeps the order of vertices a function of the input alone.
-        let key = |v: &Vec3| {
-            [
-                (v.x + 0.0).to_bits(),
-                (v.y + 0.0).to_bits(),
-                (v.z + 0.0).to_bits(),
-            ]
-        };
-        let mut order: Vec<u32> = (0..self.vertices.len() as u32).collect();
-        order.sort_by_key(|&v| (key(&self.vertices[v as usize]), v));
-        let mut first = vec![0_u32; self.vertices.len()];
-        let mut leader = 0;
-        for (position, &v) in order.iter().enumerate() {
-            let same = position > 0
-                && key(&self.vertices[v as usize]) == key(&self.vertices[leader as usize]);
-            if !same {
-                leader = v;
-            }
-            first[v as usize] = leader;
-        }
-        let mut new_index = vec![u32::MAX; self.vertices.len()];
-        let mut welded = TriMesh::default();
-        for triangle in &self.triangles {
-            let joined = triangle.map(|v| first[v as usize]);
-            if joined[0] == joined[1] || joined[1] == joined[2] || joined[2] == joined[0] {
-                continue;
-            }
-            welded.triangles.push(joined.map(|v| {
-                if new_index[v as usize] == u32::MAX {
-                    new_index[v as usize] = welded.vertices.len() as u32;
-                    welded.vertices.push(self.vertices[v as usize]);
-                }
-                new_index[v as usize]
-            }));
-        }
-        welded
-    }
-
     /// The mesh to look at: single precision, metres, one colour (sRGB with alpha).
     pub fn to_display(&self, colour: [u8; 4]) -> DisplayMesh {
         DisplayMesh {
@@ -136,7 +95,6 @@ impl TriMesh {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::shapes::icosphere;
 
     #[test]
@@ -148,24 +106,5 @@ mod tests {
         );
         assert!((mesh.signed_volume() / volume - 1.0).abs() < 0.01);
         assert!((mesh.area() / area - 1.0).abs() < 0.01);
-    }
-
-    #[test]
-    fn welding_joins_equal_corners_and_signed_zeros_only() {
-        let mesh = icosphere(0.005, 1);
-        let mut soup = TriMesh::default();
-        for t in 0..mesh.triangles.len() {
-            let base = soup.vertices.len() as u32;
-            // Flip the sign of zeros in every other triangle.
-            soup.vertices.extend(
-                mesh.corners(t)
-                    .map(|v| v.map(|x| if x == 0.0 && t % 2 == 0 { -0.0 } else { x })),
-            );
-            soup.triangles.push([base, base + 1, base + 2]);
-        }
-        soup.triangles.push([0, 0, 1]);
-        let welded = soup.welded();
-        assert_eq!(welded.vertices.len(), mesh.vertices.len());
-        assert_eq!(welded.triangles.len(), mesh.triangles.len());
     }
 }

@@ -11,9 +11,10 @@ use crate::cache;
 use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
 use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
-use crate::load::{Unit, load_stl};
+use crate::load::Unit;
 use crate::mesh::TriMesh;
-use crate::parametric::Probe;
+use crate::parametric::{Mirror, Probe};
+use crate::solid::read_solid;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
@@ -45,8 +46,20 @@ impl Compiler<'_> {
                     probe.bands(),
                 )
             }
+            Some(ToolKind::MouthMirror) => {
+                let mirror: Mirror = entry.mirror.clone().unwrap_or_default();
+                let (point, tip, axis) = (mirror.working_point(), mirror.tip(), mirror.tip_axis());
+                (
+                    mirror.touching_mesh(),
+                    mirror.display_mesh(),
+                    point,
+                    tip,
+                    axis,
+                    Vec::new(),
+                )
+            }
             None => {
-                let mesh = self.load(entry.mesh.as_deref(), entry.unit)?;
+                let mesh = self.load(&part, entry.mesh.as_deref(), entry.unit)?;
                 let mm = |point: Option<[f64; 3]>| Vec3::from(point.unwrap_or_default()) * 1e-3;
                 let axis = Vec3::from(entry.tip_axis.unwrap_or([0.0, 0.0, -1.0])).normalize();
                 (
@@ -90,7 +103,7 @@ impl Compiler<'_> {
         let part = format!("object `{}`", entry.name);
         let mesh = match entry.kind {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
-            None => self.load(entry.mesh.as_deref(), entry.unit)?,
+            None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
         };
         let wanted = TreeOptions {
             levels: entry.levels,
@@ -114,16 +127,24 @@ impl Compiler<'_> {
         })
     }
 
-    fn load(&self, mesh: Option<&Path>, unit: Option<Unit>) -> Result<TriMesh, BuildError> {
+    fn load(
+        &mut self,
+        part: &str,
+        mesh: Option<&Path>,
+        unit: Option<Unit>,
+    ) -> Result<TriMesh, BuildError> {
         // The file was checked to name both.
         let file = self
             .path
             .parent()
             .unwrap_or(Path::new(""))
             .join(mesh.unwrap_or(Path::new("")));
-        let mesh = load_stl(&file, unit.unwrap_or(Unit::Millimetre))?;
-        check(&mesh, &file.display().to_string())?;
-        Ok(mesh)
+        let solid = read_solid(&file, unit.unwrap_or(Unit::Millimetre))?;
+        for sentence in solid.repairs.sentences() {
+            self.warnings
+                .push(format!("{part}: {}: {sentence}", file.display()));
+        }
+        Ok(solid.mesh)
     }
 
     /// Builds or fetches a tree; also gives the contact level, no deeper than the tree.

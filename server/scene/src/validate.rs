@@ -2,7 +2,8 @@
 
 use sulcus_core::MAX_TOOLS;
 
-use crate::file::{ObjectEntry, SceneFile, ToolEntry};
+use crate::file::{ObjectEntry, SceneFile, ToolEntry, ToolKind};
+use crate::parametric::Mirror;
 
 /// A value that cannot stand.
 pub(crate) struct Wrong {
@@ -86,11 +87,18 @@ fn tool(entry: &ToolEntry) -> Checked {
             );
         }
     }
-    if entry.probe.is_some() && entry.kind.is_none() {
+    if entry.probe.is_some() && entry.kind != Some(ToolKind::PeriodontalProbe) {
         return wrong(
             field("probe"),
             "given",
             "nothing without kind = \"periodontal_probe\"",
+        );
+    }
+    if entry.mirror.is_some() && entry.kind != Some(ToolKind::MouthMirror) {
+        return wrong(
+            field("mirror"),
+            "given",
+            "nothing without kind = \"mouth_mirror\"",
         );
     }
     levels(&field, entry.level, entry.levels)?;
@@ -190,7 +198,46 @@ fn tool(entry: &ToolEntry) -> Checked {
             "0 to 10 mm",
         )?;
     }
-    Ok(())
+    match &entry.mirror {
+        Some(mirror) => dimensions(&field, mirror),
+        None => Ok(()),
+    }
+}
+
+fn dimensions(field: &dyn Fn(&str) -> String, mirror: &Mirror) -> Checked {
+    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
+        let field = |key: &str| field(&format!("mirror.{key}"));
+        number(&field, key, x, low, high, expected)
+    };
+    let (disc, thickness) = (mirror.disc_diameter_mm, mirror.disc_thickness_mm);
+    let end = disc + mirror.neck_mm + 5.0;
+    range("disc_diameter_mm", disc, 16.0, 30.0, "16 to 30 mm")?;
+    range("disc_thickness_mm", thickness, 1.0, 4.0, "1 to 4 mm")?;
+    range(
+        "edge_radius_mm",
+        mirror.edge_radius_mm,
+        0.1,
+        0.5 * thickness,
+        "0.1 mm to half of disc_thickness_mm",
+    )?;
+    range("disc_deg", mirror.disc_deg, 0.0, 80.0, "0 to 80 degrees")?;
+    range(
+        "neck_diameter_mm",
+        mirror.neck_diameter_mm,
+        0.8,
+        thickness,
+        "0.8 mm to disc_thickness_mm",
+    )?;
+    range("neck_mm", mirror.neck_mm, 3.0, 10.0, "3 to 10 mm")?;
+    range("reach_mm", mirror.reach_mm, 60.0, 150.0, "60 to 150 mm")?;
+    range(
+        "touching_mm",
+        mirror.touching_mm,
+        end,
+        55.0,
+        "disc_diameter_mm + neck_mm + 5 mm to 55 mm",
+    )?;
+    range("length_mm", mirror.length_mm, 150.0, 220.0, "150 to 220 mm")
 }
 
 fn object(entry: &ObjectEntry) -> Checked {
@@ -269,12 +316,12 @@ fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) ->
         (false, false, _) => wrong(
             field("mesh"),
             "missing",
-            "a path to an STL file, or `kind` instead",
+            "a path to an STL, OBJ or PLY file, or `kind` instead",
         ),
         (false, true, false) => wrong(
             field("unit"),
             "missing",
-            "\"mm\" or \"m\", because STL has no unit",
+            "\"mm\" or \"m\", because mesh files do not name their unit",
         ),
         (true, false, true) => wrong(field("unit"), "given", "nothing without `mesh`"),
         _ => Ok(()),

@@ -73,3 +73,40 @@ fn a_value_out_of_range_is_named_with_its_range() {
         with("[[tool]]", "[params]\ntrust = 2.0\n[[tool]]").contains("`trust` in [params] is 2")
     );
 }
+
+#[test]
+fn a_mirror_is_understood_and_its_dimensions_are_checked() {
+    let mirror = GOOD.replace(
+        "kind = \"periodontal_probe\"",
+        "kind = \"mouth_mirror\"\nmirror = { disc_diameter_mm = 24.0 }",
+    );
+    let scene = parse(&mirror, Path::new("my.toml")).expect("good");
+    let dimensions = scene.tools[0].mirror.as_ref().expect("dimensions");
+    assert_eq!(
+        (dimensions.disc_diameter_mm, dimensions.disc_thickness_mm),
+        (24.0, 2.0)
+    );
+    let with = |to: &str| message(&mirror.replace("disc_diameter_mm = 24.0", to));
+    assert!(
+        with("disc_diameter_mm = 5.0")
+            .contains("`mirror.disc_diameter_mm` of tool `probe` is 5, expected 16 to 30 mm")
+    );
+    assert!(with("edge_radius_mm = 1.5").contains("expected 0.1 mm to half of disc_thickness_mm"));
+    assert!(with("neck_diameter_mm = 3.0").contains("expected 0.8 mm to disc_thickness_mm"));
+    assert!(with("touching_mm = 20.0").contains("is 20, expected disc_diameter_mm + neck_mm + 5"));
+    assert!(with("disc_deg = nan").contains("`mirror.disc_deg` of tool `probe` is NaN"));
+    assert!(with("diameter = 1.0").contains("unknown field `diameter`"));
+    // Dimensions of something else.
+    assert!(
+        message(
+            &mirror
+                .replace("mirror = {", "probe = {")
+                .replace("disc_diameter", "tip_diameter")
+        )
+        .contains("`probe` of tool `probe` is given, expected nothing without kind")
+    );
+    assert!(
+        message(&mirror.replace("mouth_mirror", "periodontal_probe"))
+            .contains("`mirror` of tool `probe` is given, expected nothing without kind")
+    );
+}

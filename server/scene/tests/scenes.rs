@@ -123,18 +123,55 @@ fn the_source_hash_follows_text_and_meshes() {
 }
 
 #[test]
+fn what_was_repaired_is_a_warning_with_the_name_of_the_part() {
+    let whole = icosphere(0.002, 2);
+    let dir = with_ball(&whole);
+    assert!(
+        compile(dir.path(), BALL)
+            .expect("compiles")
+            .warnings
+            .is_empty()
+    );
+    let mut broken = whole.clone();
+    broken.triangles.pop();
+    broken.triangles[7].swap(0, 1);
+    let dir = with_ball(&broken);
+    let compiled = compile(dir.path(), BALL).expect("compiles");
+    let [turned, hole, ..] = &compiled.warnings[..] else {
+        panic!("{:?}", compiled.warnings)
+    };
+    assert_eq!(compiled.warnings.len(), 4, "two parts of the same mesh");
+    let file = dir.path().join("ball.stl").display().to_string();
+    assert!(
+        turned.starts_with(&format!("tool `ball end`: {file}: 1 triangle was turned")),
+        "{turned}"
+    );
+    assert!(
+        hole.starts_with(&format!(
+            "tool `ball end`: {file}: 1 small hole was closed (3 edges, "
+        )),
+        "{hole}"
+    );
+    assert!(compiled.warnings[2].starts_with("object `ball`: "));
+}
+
+#[test]
 fn broken_meshes_and_wrong_units_are_refused_by_file_name() {
     let ball = icosphere(0.002, 2);
     let mut hole = ball.clone();
-    hole.triangles.pop();
+    let gone = hole.triangles[0][0];
+    hole.triangles.retain(|t| !t.contains(&gone));
     let message = compile(with_ball(&hole).path(), BALL).expect_err("refused");
     assert!(
-        message.contains("ball.stl: found 3 open edges"),
+        message.contains("ball.stl: found 5 open edges in 1 hole (5 edges, "),
         "{message}"
     );
     let dir = with_ball(&ball);
     let message = compile(dir.path(), &BALL.replace("\"mm\"", "\"m\"")).expect_err("refused");
-    assert!(message.contains("is it in another unit?"), "{message}");
+    assert!(
+        message.contains("in millimetres it would be 4 mm, so say `unit = \"mm\"`"),
+        "{message}"
+    );
     let message = compile(dir.path(), &BALL.replace("ball.stl", "bell.stl")).expect_err("refused");
     assert!(
         message.contains("bell.stl: cannot read the file"),
@@ -220,4 +257,20 @@ fn a_scene_from_the_cache_is_the_same_scene() {
         "{:?}",
         compiled.warnings
     );
+}
+
+#[test]
+fn a_mirror_from_numbers_is_a_tool() {
+    let dir = with_ball(&icosphere(0.002, 2));
+    let (_, object) = BALL.split_once("[[object]]").expect("an object");
+    let text = format!(
+        "name = \"mirror\"\n[[tool]]\nname = \"mirror\"\nkind = \"mouth_mirror\"\npark_mm = [0, 0, 120]\n[[object]]{object}"
+    );
+    let scene = compile(dir.path(), &text).expect("compiles").scene;
+    let tool = &scene.tools[0];
+    assert!((tool.working_point.norm() - 0.09).abs() < 1e-12 && tool.bands.is_empty());
+    // Only disc and neck touch, the whole instrument is shown.
+    assert!(tool.tree.lever_from(&tool.working_point) < 0.035);
+    let heights = tool.mesh.vertices.iter().map(|v| v[2]);
+    assert!(heights.fold(f32::MIN, f32::max) > 0.06);
 }

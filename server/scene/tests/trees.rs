@@ -5,13 +5,13 @@ use std::sync::Mutex;
 
 use sulcus_core::{SphereTree, Vec3};
 use sulcus_scene::build::{TreeBuildError, TreeOptions, build_tree};
-use sulcus_scene::check::check;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::level_error;
-use sulcus_scene::load::{Unit, load_stl};
+use sulcus_scene::load::Unit;
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::parametric::{Molar, Probe};
 use sulcus_scene::shapes::{ellipsoid, icosphere};
+use sulcus_scene::solid::{Solid, read_solid};
 
 fn tree(mesh: &TriMesh, options: &TreeOptions) -> SphereTree {
     build_tree(mesh, options, &|_, _| ()).expect("a tree")
@@ -99,8 +99,7 @@ fn a_real_tooth_meets_its_bounds() {
         );
         return;
     }
-    let mesh = load_stl(&file, Unit::Millimetre).expect("readable");
-    let report = check(&mesh, "tooth 36").expect("a solid");
+    let Solid { mesh, report, .. } = read_solid(&file, Unit::Millimetre).expect("a solid");
     assert_eq!(report.triangles, 4800);
     assert!((report.volume_mm3 - 1085.7).abs() < 0.1, "{report:?}");
     let tree = tree(&mesh, &to_level(3));

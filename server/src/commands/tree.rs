@@ -7,10 +7,10 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 use sulcus_scene::build::{TreeOptions, build_tree};
-use sulcus_scene::check::check;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{LevelError, tree_errors};
-use sulcus_scene::load::{Unit, load_stl};
+use sulcus_scene::load::Unit;
+use sulcus_scene::solid::{Solid, read_solid};
 
 use super::scene::Narrator;
 
@@ -49,8 +49,11 @@ struct Report<'a> {
 /// # Errors
 /// If the mesh cannot be read or is not a closed surface.
 pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
-    let mesh = load_stl(&args.mesh, args.unit)?;
-    let described = check(&mesh, &args.mesh.display().to_string())?;
+    let Solid {
+        mesh,
+        report: described,
+        ..
+    } = read_solid(&args.mesh, args.unit)?;
     let defaults = TreeOptions::default();
     let options = TreeOptions {
         levels: args.levels,

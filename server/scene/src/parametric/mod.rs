@@ -1,10 +1,12 @@
-//! Shapes from a handful of numbers: a tooth and a probe that need no data and no licence.
+//! Shapes from a handful of numbers: a tooth, a probe and a mirror that need no data and no licence.
 
 mod blend;
+pub mod mirror;
 pub mod molar;
 pub mod polygonise;
 pub mod probe;
 mod tube;
 
+pub use mirror::Mirror;
 pub use molar::Molar;
 pub use probe::Probe;

@@ -30,6 +30,10 @@ pub(crate) fn walk(pieces: &[Piece], start: f64, at: f64) -> Station {
     let direction = |angle: f64| Vec3::new(libm::sin(angle), 0.0, libm::cos(angle));
     let (mut point, mut angle, mut left) = (Vec3::zeros(), start, at);
     for (k, piece) in pieces.iter().enumerate() {
+        if piece.length <= 0.0 {
+            // A bend of no angle.
+            continue;
+        }
         let part = if left < piece.length || k + 1 == pieces.len() {
             left
         } else {
