@@ -16,7 +16,7 @@ fn main() {
         let weight: f64 = std::env::var("FOCUS").ok().and_then(|v| v.parse().ok()).unwrap_or(20.0);
         let zone = |p: &sulcus_core::Vec3| p.z > 1e-3 && tooth.signed(p).abs() < 0.6e-3;
         let per: usize = std::env::var("PER").ok().and_then(|v| v.parse().ok()).unwrap_or(60);
-        let options = TreeOptions { levels, volumetric: kind == "v", samples: (per.min(if levels > 4 {12} else {60}) * 8usize.pow(levels as u32)).max(20_000).min(400_000), ..TreeOptions::default() };
+        let options = TreeOptions { levels, volumetric: kind == "v", ..TreeOptions::default() };
         let tree = sulcus_scene::build::build_weighted(&mesh, &options, &|p| if kind == "p" && zone(p) { weight } else { 1.0 }, &|_, _| ()).unwrap();
         let s = t.elapsed().as_secs_f64();
         println!("{name} {s:.1} s");

@@ -15,7 +15,7 @@ use crate::fit::fit;
 use crate::level::{Effort, Level, fit_level};
 use crate::medial::inscribed_centre;
 use crate::mesh::TriMesh;
-use crate::polish::{Surface, shares};
+use crate::polish::{Surface, assign, shares};
 use crate::random::Random;
 use crate::sample::Sample;
 use crate::{parallel, sample, volume};
@@ -30,16 +30,19 @@ const ALPHAS: [f64; 4] = [0.4, 0.02, 0.2, 0.7];
 const ROUNDS: usize = 3;
 /// Importance of a sample on a sharp edge: edges have no area, but they are what a tool catches on.
 const EDGE_IMPORTANCE: f64 = 2.0;
+/// Samples for each sphere that a level may have, level by level.
+const SAMPLES_PER_SPHERE: [usize; 7] = [500, 500, 200, 100, 30, 12, 10];
+/// Fewest samples of a level.
+const FEWEST_SAMPLES: usize = 6000;
 /// Samples that a node must own to be split.
-const LEAST_SAMPLES: usize = 16;
+const LEAST_SAMPLES: usize = 8;
 
 /// How a tree is built.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
     /// Finest level, 1 to 6. Level L holds at most 8^L spheres.
     pub levels: u8,
-    /// Samples spread over the surface, sharp edges apart. At least ten for each sphere of the finest
-    /// level.
+    /// Most samples of the surface that any level is fitted to; coarse levels need fewer.
     pub samples: usize,
     /// A node that fits its samples better than this is not split, metres.
     pub good_enough: f64,
@@ -52,7 +55,7 @@ impl Default for TreeOptions {
     fn default() -> Self {
         Self {
             levels: 4,
-            samples: 60_000,
+            samples: 400_000,
             good_enough: 1e-6,
             volumetric: false,
         }
@@ -78,20 +81,21 @@ pub enum TreeBuildError {
 }
 
 struct Share {
-    members: Vec<u32>,
     sphere: Sphere,
     /// Children in the next level.
     first_child: u32,
     children: u8,
+    /// Whether it lies inside and never gets children.
+    inner: bool,
 }
 
 impl Share {
-    fn leaf(members: Vec<u32>, sphere: Sphere) -> Self {
+    fn leaf(sphere: Sphere) -> Self {
         Self {
-            members,
             sphere,
             first_child: 0,
             children: 0,
+            inner: false,
         }
     }
 }
@@ -122,26 +126,54 @@ pub fn build_weighted(
 ) -> Result<SphereTree, TreeBuildError> {
     options.validate()?;
     let distance = MeshDistance::new(mesh.clone());
-    let (samples, importance) = weighted_samples(&distance, options.samples, importance);
-    let (low, high) = mesh.bounds();
-    let size = (high - low).norm();
-    progress("inscribed balls", 0.02);
-    let centres: Vec<Vec3> = parallel::map(samples.len(), |s| {
-        inscribed_centre(&distance, &samples[s], 0.5 * size)
-    });
     let builder = Builder {
-        surface: Surface {
-            distance: &distance,
-            samples: &samples,
-            importance: &importance,
-            smallest: 1e-6 * size,
-        },
-        centres: &centres,
+        distance: &distance,
+        importance,
         options,
     };
     let levels = builder.levels(progress);
     progress("spheres", 1.0);
     tree(&levels)
+}
+
+/// What a level is fitted to.
+struct Samples {
+    samples: Vec<Sample>,
+    weights: Vec<f64>,
+    /// Inscribed-ball centre of each.
+    inscribed: Vec<Vec3>,
+    /// Smallest radius of a sphere, metres.
+    smallest: f64,
+}
+
+impl Samples {
+    fn of(
+        distance: &MeshDistance,
+        count: usize,
+        importance: &(dyn Fn(&Vec3) -> f64 + Sync),
+    ) -> Self {
+        let (samples, weights) = weighted_samples(distance, count, importance);
+        let (low, high) = distance.mesh().bounds();
+        let size = (high - low).norm();
+        let inscribed = parallel::map(samples.len(), |s| {
+            inscribed_centre(distance, &samples[s], 0.5 * size)
+        });
+        Self {
+            samples,
+            weights,
+            inscribed,
+            smallest: 1e-6 * size,
+        }
+    }
+
+    fn surface<'a>(&'a self, distance: &'a MeshDistance) -> Surface<'a> {
+        Surface {
+            distance,
+            samples: &self.samples,
+            importance: &self.weights,
+            smallest: self.smallest,
+        }
+    }
 }
 
 /// Candidates for each sample that is kept, where importance differs.
@@ -182,82 +214,90 @@ fn weighted_samples(
 }
 
 struct Builder<'a> {
-    surface: Surface<'a>,
-    /// Inscribed-ball centre of each sample.
-    centres: &'a [Vec3],
+    distance: &'a MeshDistance,
+    importance: &'a (dyn Fn(&Vec3) -> f64 + Sync),
     options: &'a TreeOptions,
 }
 
 impl Builder<'_> {
+    fn samples(&self, level: u8) -> Samples {
+        let wanted = SAMPLES_PER_SPHERE[usize::from(level)] * 8_usize.pow(u32::from(level));
+        let count = wanted.max(FEWEST_SAMPLES).min(self.options.samples);
+        Samples::of(self.distance, count, self.importance)
+    }
+
     fn levels(&self, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
-        let all: Vec<u32> = (0..self.surface.samples.len() as u32).collect();
-        let sphere = self.fitted(&all, None, &mut Random::new(0)).1;
-        let mut levels = vec![vec![Share::leaf(all, sphere)]];
-        if self.options.volumetric {
-            self.volumetric(&mut levels);
+        let mut samples = self.samples(1);
+        let all: Vec<u32> = (0..samples.samples.len() as u32).collect();
+        let sphere = self
+            .fitted(&samples, &all, None, &mut Random::new(0))
+            .1;
+        let mut levels = vec![vec![Share::leaf(sphere)]];
+        if self.options.volumetric && self.options.levels >= 2 {
+            volumetric(self.distance, &samples.samples, &mut levels);
         }
         // The work of a level grows about fivefold from one to the next.
         let done = |level: u8| libm::pow(5.0, f64::from(level) - f64::from(self.options.levels));
         while levels.len() <= usize::from(self.options.levels) {
             let level = levels.len() as u8;
-            progress(&format!("level {level}"), 0.1 + 0.9 * done(level - 1));
-            let parents = &mut levels[usize::from(level) - 1];
-            let families = parallel::map(parents.len(), |k| self.family(&parents[k], level, k));
-            let mut fitted = Level {
-                spheres: Vec::new(),
-                families: Vec::new(),
-                parents: parents.len(),
-            };
-            for (k, (parent, family)) in parents.iter_mut().zip(families).enumerate() {
-                parent.children = family.len() as u8;
-                fitted.families.extend(family.iter().map(|_| k as u32));
-                fitted.spheres.extend(family);
+            progress(&format!("level {level}"), done(level - 1));
+            if level > 1 {
+                samples = self.samples(level);
             }
-            if fitted.spheres.is_empty() {
+            if !self.add_level(&mut levels, &samples) {
                 break;
             }
-            fitted.spheres.extend(
-                levels
-                    .iter()
-                    .flatten()
-                    .filter(|share| share.children == 0)
-                    .map(|share| share.sphere),
-            );
-            self.add_level(&mut levels, fitted);
         }
         levels
     }
 
-    /// Levels 1 and 2 by volume, where the solid is thick enough for that.
-    fn volumetric(&self, levels: &mut Vec<Vec<Share>>) {
-        let families = volume::cells(self.surface.distance, self.surface.samples);
-        if families.is_empty() || self.options.levels < 2 {
-            return;
-        }
-        let (mut first, mut second) = (Vec::new(), Vec::new());
-        levels[0][0].children = families.len() as u8;
-        for (cell, inner) in families {
-            first.push(Share {
-                first_child: second.len() as u32,
-                children: inner.len() as u8,
-                ..Share::leaf(cell.samples, cell.sphere)
-            });
-            second.extend(
-                inner
-                    .into_iter()
-                    .map(|cell| Share::leaf(cell.samples, cell.sphere)),
-            );
-        }
-        levels.push(first);
-        levels.push(second);
-    }
-
-    /// Fits the level as a whole and appends it.
-    fn add_level(&self, levels: &mut Vec<Vec<Share>>, mut fitted: Level) {
+    /// Splits the nodes of the finest level, fits the children as a whole and appends them. False when
+    /// every node is good enough as it is.
+    fn add_level(&self, levels: &mut Vec<Vec<Share>>, samples: &Samples) -> bool {
         let depth = levels.len() as u8;
-        let owned = fit_level(
-            &self.surface,
-            self.centres,
+        let surface = samples.surface(self.distance);
+        let Some((parents, above)) = levels.split_last_mut() else {
+            return false;
+        };
+        let childless = above.iter().flatten().filter(|share| share.children == 0);
+        // Inner nodes of a volumetric level are the shape below, but nobody's parents.
+        let shape: Vec<Sphere> = parents
+            .iter()
+            .chain(childless)
+            .map(|share| share.sphere)
+            .collect();
+        let owned = match depth {
+            1 => vec![(0.0, 0); surface.samples.len()],
+            _ => assign(&surface, &shape, None),
+        };
+        let mine = shares(&owned, shape.len());
+        let families = parallel::map(parents.len(), |k| {
+            if parents[k].inner {
+                Vec::new()
+            } else {
+                self.family(samples, &parents[k].sphere, &mine[k], depth, k)
+            }
+        });
+        let mut fitted = Level {
+            spheres: Vec::new(),
+            families: Vec::new(),
+            parents: parents.len(),
+        };
+        let mut childless: Vec<Sphere> = shape[parents.len()..].to_vec();
+        for (k, family) in families.into_iter().enumerate() {
+            if family.is_empty() {
+                childless.push(shape[k]);
+            }
+            fitted.families.extend(family.iter().map(|_| k as u32));
+            fitted.spheres.extend(family);
+        }
+        if fitted.spheres.is_empty() {
+            return false;
+        }
+        fitted.spheres.extend(childless);
+        fit_level(
+            &surface,
+            &samples.inscribed,
             &mut fitted,
             &Effort::of(depth),
             u64::from(depth) << 40,
@@ -266,56 +306,58 @@ impl Builder<'_> {
             .families
             .iter()
             .zip(&fitted.spheres)
-            .zip(shares(&owned, fitted.spheres.len()))
-            .map(|((family, sphere), members)| (*family, Share::leaf(members, *sphere)))
+            .map(|(family, sphere)| (*family, Share::leaf(*sphere)))
             .collect();
         children.sort_by_key(|(family, _)| *family);
-        if let Some(parents) = levels.last_mut() {
-            for parent in parents.iter_mut() {
-                parent.children = 0;
+        for (k, (family, _)) in children.iter().enumerate() {
+            let parent = &mut parents[*family as usize];
+            if parent.children == 0 {
+                parent.first_child = k as u32;
             }
-            for (k, (family, _)) in children.iter().enumerate() {
-                let parent = &mut parents[*family as usize];
-                if parent.children == 0 {
-                    parent.first_child = k as u32;
-                }
-                parent.children += 1;
-            }
+            parent.children += 1;
         }
         levels.push(children.into_iter().map(|(_, share)| share).collect());
+        true
     }
 
     fn fitted(
         &self,
+        samples: &Samples,
         members: &[u32],
         start: Option<Sphere>,
         random: &mut Random,
     ) -> (f64, Sphere) {
-        let surface = &self.surface;
         fit(
-            surface.distance,
-            surface.samples,
-            self.centres,
+            self.distance,
+            &samples.samples,
+            &samples.inscribed,
             members,
             start,
-            surface.smallest,
+            samples.smallest,
             random,
         )
     }
 
-    /// First guess of a node's children.
-    fn family(&self, parent: &Share, level: u8, index: usize) -> Vec<Sphere> {
-        let (samples, members) = (self.surface.samples, &parent.members);
+    /// First guess of a node's children; none where the node itself is good enough.
+    fn family(
+        &self,
+        all: &Samples,
+        sphere: &Sphere,
+        members: &[u32],
+        level: u8,
+        index: usize,
+    ) -> Vec<Sphere> {
+        let samples = &all.samples;
+        let by_volume = self.options.volumetric && level <= 3;
         if members.len() < LEAST_SAMPLES
-            || (!(self.options.volumetric && level <= 3)
-                && worst(members, &parent.sphere, samples) < self.options.good_enough)
+            || (!by_volume && worst(members, sphere, samples) < self.options.good_enough)
         {
             return Vec::new();
         }
         let mut random = Random::new((u64::from(level) << 32) | index as u64);
         let weights: Vec<f64> = members
             .iter()
-            .map(|&m| self.surface.importance[m as usize])
+            .map(|&m| all.weights[m as usize])
             .collect();
         // The best of a few ways to share out; below level 3 the shape is fine enough for fewer to do.
         let (tries, rounds) = if level > 3 { (2, 1) } else { (4, ROUNDS) };
@@ -325,7 +367,7 @@ impl Builder<'_> {
                 .iter()
                 .map(|&m| {
                     let p = samples[m as usize].point * *alpha;
-                    let c = self.centres[m as usize] * (1.0 - alpha);
+                    let c = all.inscribed[m as usize] * (1.0 - alpha);
                     [p.x, p.y, p.z, c.x, c.y, c.z]
                 })
                 .collect();
@@ -338,10 +380,10 @@ impl Builder<'_> {
                 let mut cost = 0.0;
                 let mut family: Vec<(Vec<u32>, Sphere)> = Vec::with_capacity(parts.len());
                 for (part, start) in parts {
-                    let (own, sphere) = self.fitted(&part, start, &mut random);
+                    let (own, sphere) = self.fitted(all, &part, start, &mut random);
                     let weight: f64 = part
                         .iter()
-                        .map(|&m| self.surface.importance[m as usize])
+                        .map(|&m| all.weights[m as usize])
                         .sum();
                     cost += own * weight;
                     family.push((part, sphere));
@@ -358,6 +400,29 @@ impl Builder<'_> {
         }
         best.1
     }
+}
+
+/// Levels 1 and 2 by volume, where the solid is thick enough for that.
+fn volumetric(distance: &MeshDistance, samples: &[Sample], levels: &mut Vec<Vec<Share>>) {
+    let families = volume::cells(distance, samples);
+    if families.is_empty() {
+        return;
+    }
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    levels[0][0].children = families.len() as u8;
+    for family in families {
+        first.push(Share {
+            first_child: second.len() as u32,
+            children: family.cells.len() as u8,
+            ..Share::leaf(family.sphere)
+        });
+        second.extend(family.cells.into_iter().map(|cell| Share {
+            inner: cell.inner,
+            ..Share::leaf(cell.sphere)
+        }));
+    }
+    levels.push(first);
+    levels.push(second);
 }
 
 /// Gives each sample to the ball of the family whose surface is nearest.

@@ -2,7 +2,7 @@
 
 use sulcus_core::{Sphere, Vec3};
 
-use crate::polish::{Owned, PolishOptions, Surface, assign, polish, rms_of};
+use crate::polish::{PolishOptions, Surface, assign, polish, rms_of};
 use crate::relocate::{Move, relocate};
 
 /// The spheres of a level with their families, that is, their parents' indices.
@@ -27,6 +27,8 @@ pub(crate) struct Effort {
     pub rounds: usize,
     /// Rounds of polishing at the end.
     pub last_rounds: usize,
+    /// Points on a sphere that are looked at for its exposed part.
+    pub ball_points: usize,
 }
 
 impl Effort {
@@ -34,39 +36,37 @@ impl Effort {
         let (knees, relocations, rounds, last_rounds): (&[f64], _, _, _) = match level {
             0..=2 => (&[3.0, 2.0], 4, 4, 4),
             3 => (&[2.0, 1.5, 1.2, 1.2], 20, 4, 12),
-            4 => (&[2.0, 1.5, 1.2], 8, 3, 6),
-            _ => (&[2.0, 1.5], 3, 2, 3),
+            4 => (&[2.0, 1.5], 5, 3, 5),
+            _ => (&[1.5], 0, 0, 4),
         };
         Self {
             knees,
             relocations,
             rounds,
             last_rounds,
+            ball_points: if level > 3 { 48 } else { 96 },
         }
     }
 }
 
-/// Points on a sphere that are looked at for its exposed part.
-const BALL_POINTS: usize = 96;
 /// A relocation that saves less than this share is the last of its phase.
 const LEAST_GAIN: f64 = 0.02;
 /// How much of what a sphere's loss would cost at once is believed, at first and at last: its neighbours
 /// close up afterwards, by how much only a try can tell.
 const BELIEF: (f64, f64) = (0.15, 1e-3);
 
-/// Fits `level` to the surface. `inscribed` holds each sample's inscribed-ball centre. Returns the
-/// sphere that each sample belongs to.
+/// Fits `level` to the surface. `inscribed` holds each sample's inscribed-ball centre.
 pub(crate) fn fit_level(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
     level: &mut Level,
     effort: &Effort,
     seed: u64,
-) -> Owned {
+) {
     let movable = level.families.len();
     let options = |rounds| PolishOptions {
         rounds,
-        ball_points: BALL_POINTS,
+        ball_points: effort.ball_points,
     };
     let mut owned = assign(surface, &level.spheres, None);
     let (&last_knee, knees) = effort.knees.split_last().unwrap_or((&2.0, &[]));
@@ -128,6 +128,5 @@ pub(crate) fn fit_level(
         movable,
         knee,
         &options(effort.last_rounds),
-    )
-    .1
+    );
 }

@@ -161,9 +161,6 @@ impl Compiler<'_> {
             .levels
             .min(self.options.deepest.unwrap_or(u8::MAX))
             .max(1);
-        // Between 10 and 60 samples for each sphere of the finest level.
-        let spheres = 8_usize.pow(u32::from(wanted.levels));
-        wanted.samples = wanted.samples.clamp(10 * spheres, 60 * spheres).max(1000);
         let key = cache::key(mesh, &wanted);
         let (done, parts) = (self.done as f64, self.parts as f64);
         self.done += 1;

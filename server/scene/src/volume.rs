@@ -20,13 +20,20 @@ const TRIES: u64 = 6;
 /// A cell with less than this share of the mean number of samples is inner: it gets no children.
 const INNER: f64 = 0.25;
 
-/// One cell: a ball of the cell's volume at its middle, within the solid.
+/// A cell: a ball of the cell's volume at its middle, within the solid.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     pub sphere: Sphere,
+    /// Whether it hardly reaches the surface.
+    pub inner: bool,
     points: Vec<u32>,
-    /// Surface samples that belong to it.
-    pub samples: Vec<u32>,
+}
+
+/// A cell of level 1 with its cells of level 2.
+#[derive(Clone, Debug)]
+pub(crate) struct Family {
+    pub sphere: Sphere,
+    pub cells: Vec<Cell>,
 }
 
 /// Points of a regular grid inside the solid, metres.
@@ -49,55 +56,35 @@ pub(crate) fn inner_points(distance: &MeshDistance) -> Vec<Vec3> {
 }
 
 /// Cells of level 1, each with its cells of level 2. Empty where the solid is too thin for a grid.
-pub(crate) fn cells(distance: &MeshDistance, samples: &[Sample]) -> Vec<(Cell, Vec<Cell>)> {
+pub(crate) fn cells(distance: &MeshDistance, samples: &[Sample]) -> Vec<Family> {
     let points = inner_points(distance);
     if points.len() < 64 {
         return Vec::new();
     }
     let one = distance.mesh().signed_volume() / points.len() as f64;
     let all: Vec<u32> = (0..points.len() as u32).collect();
-    let mut families: Vec<(Cell, Vec<Cell>)> = shared_out(distance, &points, &all, one, 1)
+    let mut families: Vec<Family> = shared_out(distance, &points, &all, one, 1)
         .into_iter()
         .enumerate()
-        .map(|(k, cell)| {
-            let inner = shared_out(distance, &points, &cell.points, one, 2 + k as u64);
-            (cell, inner)
+        .map(|(k, cell)| Family {
+            sphere: cell.sphere,
+            cells: shared_out(distance, &points, &cell.points, one, 2 + k as u64),
         })
         .collect();
-
-    // Samples go to the nearest cell; cells that hardly reach the surface give theirs up.
-    let mut closed = vec![false; families.iter().map(|(_, cells)| cells.len()).sum()];
-    for round in 0..2 {
-        let spheres: Vec<Sphere> = families
-            .iter()
-            .flat_map(|(_, cells)| cells.iter().map(|cell| cell.sphere))
-            .collect();
-        let open: Vec<usize> = (0..spheres.len()).filter(|&k| !closed[k]).collect();
-        let offered: Vec<Sphere> = open.iter().map(|&k| spheres[k]).collect();
-        let index = NearestSphere::new(&offered);
-        let nearest = parallel::map(samples.len(), |s| index.nearest(&samples[s].point, None).1);
-        let mut mine = vec![Vec::new(); spheres.len()];
-        for (sample, k) in nearest.into_iter().enumerate() {
-            mine[open[k as usize]].push(sample as u32);
-        }
-        if round == 0 {
-            let mean = samples.len() as f64 / spheres.len() as f64;
-            for (closed, mine) in closed.iter_mut().zip(&mine) {
-                *closed = (mine.len() as f64) < INNER * mean;
-            }
-            continue;
-        }
-        for (cell, mine) in families
-            .iter_mut()
-            .flat_map(|(_, cells)| cells)
-            .zip(mine)
-        {
-            cell.samples = mine;
-        }
+    let spheres: Vec<Sphere> = families
+        .iter()
+        .flat_map(|family| family.cells.iter().map(|cell| cell.sphere))
+        .collect();
+    let index = NearestSphere::new(&spheres);
+    let nearest = parallel::map(samples.len(), |s| index.nearest(&samples[s].point, None).1);
+    let mut counts = vec![0_usize; spheres.len()];
+    for k in nearest {
+        counts[k as usize] += 1;
     }
-    for (cell, inner) in &mut families {
-        cell.samples = inner.iter().flat_map(|c| c.samples.clone()).collect();
-        cell.samples.sort_unstable();
+    let few = INNER * samples.len() as f64 / spheres.len() as f64;
+    let cells = families.iter_mut().flat_map(|family| &mut family.cells);
+    for (cell, count) in cells.zip(counts) {
+        cell.inner = (count as f64) < few;
     }
     families
 }
@@ -165,6 +152,6 @@ fn ball_of(distance: &MeshDistance, points: &[Vec3], own: Vec<u32>, volume: f64)
             radius: whole.min(depth).max(1e-2 * whole),
         },
         points: own,
-        samples: Vec::new(),
+        inner: false,
     }
 }
