@@ -229,9 +229,7 @@ impl Builder<'_> {
     fn levels(&self, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
         let mut samples = self.samples(1);
         let all: Vec<u32> = (0..samples.samples.len() as u32).collect();
-        let sphere = self
-            .fitted(&samples, &all, None, &mut Random::new(0))
-            .1;
+        let sphere = self.fitted(&samples, &all, None, &mut Random::new(0)).1;
         let mut levels = vec![vec![Share::leaf(sphere)]];
         if self.options.volumetric && self.options.levels >= 2 {
             volumetric(self.distance, &samples.samples, &mut levels);
@@ -355,10 +353,7 @@ impl Builder<'_> {
             return Vec::new();
         }
         let mut random = Random::new((u64::from(level) << 32) | index as u64);
-        let weights: Vec<f64> = members
-            .iter()
-            .map(|&m| all.weights[m as usize])
-            .collect();
+        let weights: Vec<f64> = members.iter().map(|&m| all.weights[m as usize]).collect();
         // The best of a few ways to share out; below level 3 the shape is fine enough for fewer to do.
         let (tries, rounds) = if level > 3 { (2, 1) } else { (4, ROUNDS) };
         let mut best = (f64::INFINITY, Vec::new());
@@ -381,10 +376,7 @@ impl Builder<'_> {
                 let mut family: Vec<(Vec<u32>, Sphere)> = Vec::with_capacity(parts.len());
                 for (part, start) in parts {
                     let (own, sphere) = self.fitted(all, &part, start, &mut random);
-                    let weight: f64 = part
-                        .iter()
-                        .map(|&m| all.weights[m as usize])
-                        .sum();
+                    let weight: f64 = part.iter().map(|&m| all.weights[m as usize]).sum();
                     cost += own * weight;
                     family.push((part, sphere));
                 }
@@ -426,10 +418,7 @@ fn volumetric(distance: &MeshDistance, samples: &[Sample], levels: &mut Vec<Vec<
 }
 
 /// Gives each sample to the ball of the family whose surface is nearest.
-fn reshared(
-    family: &[(Vec<u32>, Sphere)],
-    samples: &[Sample],
-) -> Vec<(Vec<u32>, Option<Sphere>)> {
+fn reshared(family: &[(Vec<u32>, Sphere)], samples: &[Sample]) -> Vec<(Vec<u32>, Option<Sphere>)> {
     let mut parts: Vec<_> = family
         .iter()
         .map(|(_, sphere)| (Vec::new(), Some(*sphere)))

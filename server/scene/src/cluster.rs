@@ -63,12 +63,7 @@ pub(crate) fn split(
     split
 }
 
-fn seeds(
-    features: &[Feature],
-    weights: &[f64],
-    parts: usize,
-    random: &mut Random,
-) -> Vec<Feature> {
+fn seeds(features: &[Feature], weights: &[f64], parts: usize, random: &mut Random) -> Vec<Feature> {
     let first = ((random.unit() * features.len() as f64) as usize).min(features.len() - 1);
     let mut centres = vec![features[first]];
     let mut apart = vec![f64::INFINITY; features.len()];

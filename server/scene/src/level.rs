@@ -2,7 +2,7 @@
 
 use sulcus_core::{Sphere, Vec3};
 
-use crate::polish::{PolishOptions, Surface, assign, polish, rms_of};
+use crate::polish::{Norm, PolishOptions, Surface, assign, polish, rms_of};
 use crate::relocate::{Move, relocate};
 
 /// The spheres of a level with their families, that is, their parents' indices.
@@ -34,10 +34,10 @@ pub(crate) struct Effort {
 impl Effort {
     pub fn of(level: u8) -> Self {
         let (knees, relocations, rounds, last_rounds): (&[f64], _, _, _) = match level {
-            0..=2 => (&[3.0, 2.0], 4, 4, 4),
-            3 => (&[2.0, 1.5, 1.2, 1.2], 20, 4, 12),
-            4 => (&[2.0, 1.5], 5, 3, 5),
-            _ => (&[1.5], 0, 0, 4),
+            0..=2 => (&[3.0, 3.0], 4, 4, 4),
+            3 => (&[2.0, 1.5, 3.0], 20, 4, 40),
+            4 => (&[2.0, 3.0], 5, 3, 6),
+            _ => (&[3.0], 0, 0, 4),
         };
         Self {
             knees,
@@ -49,6 +49,9 @@ impl Effort {
     }
 }
 
+/// Power of the error while spheres are relocated, and at the end, where the largest error counts.
+const POWER: i32 = 8;
+const LAST_POWER: i32 = 16;
 /// A relocation that saves less than this share is the last of its phase.
 const LEAST_GAIN: f64 = 0.02;
 /// How much of what a sphere's loss would cost at once is believed, at first and at last: its neighbours
@@ -72,25 +75,31 @@ pub(crate) fn fit_level(
     let (&last_knee, knees) = effort.knees.split_last().unwrap_or((&2.0, &[]));
     for (phase, knee) in knees.iter().enumerate() {
         // Fixed within a phase, so that costs compare.
-        let knee = knee * rms_of(surface, &owned);
+        let norm = Norm {
+            knee: knee * rms_of(surface, &owned),
+            power: POWER,
+        };
         let (mut cost, start) = polish(
             surface,
             &mut level.spheres,
             movable,
-            knee,
+            norm,
             &options(effort.rounds),
         );
         owned = start;
         let (mut most, mut belief) = (movable.div_ceil(16), BELIEF.0);
+        let mut barred = Vec::new();
         for relocation in 0..effort.relocations {
             let mut tried = level.clone();
             let wish = Move {
-                knee,
+                norm,
                 most,
                 belief,
+                barred: &barred,
                 seed: seed ^ ((phase * 64 + relocation) as u64) << 20,
             };
-            let moved = relocate(surface, inscribed, &mut tried, &owned, &wish);
+            let helped = relocate(surface, inscribed, &mut tried, &owned, &wish);
+            let moved = helped.len();
             if moved == 0 {
                 belief *= 0.1;
                 if belief < BELIEF.1 {
@@ -102,15 +111,15 @@ pub(crate) fn fit_level(
                 surface,
                 &mut tried.spheres,
                 movable,
-                knee,
+                norm,
                 &options(effort.rounds),
             );
 
             if tried_cost >= cost {
-                // Fewer at once may still help.
-                most = moved / 4;
-                if most == 0 {
-                    break;
+                // Fewer at once may still help, or others.
+                most = (moved / 4).max(1);
+                if moved < 4 {
+                    barred.extend(helped);
                 }
                 continue;
             }
@@ -121,12 +130,15 @@ pub(crate) fn fit_level(
             }
         }
     }
-    let knee = last_knee * rms_of(surface, &owned);
+    let norm = Norm {
+        knee: last_knee * rms_of(surface, &owned),
+        power: LAST_POWER,
+    };
     polish(
         surface,
         &mut level.spheres,
         movable,
-        knee,
+        norm,
         &options(effort.last_rounds),
     );
 }

@@ -138,9 +138,7 @@ impl<'a> NearestSphere<'a> {
             }
             for &k in &self.order[here.next as usize..(here.next + here.count) as usize] {
                 let sphere = &self.spheres[k as usize];
-                if k != own
-                    && (p - sphere.centre).norm_squared() < sphere.radius * sphere.radius
-                {
+                if k != own && (p - sphere.centre).norm_squared() < sphere.radius * sphere.radius {
                     return true;
                 }
             }

@@ -24,6 +24,26 @@ pub(crate) struct Surface<'a> {
     pub smallest: f64,
 }
 
+/// What an error costs: `e^2 (1 + (e / knee)^(power - 2))`. Squares rule below the knee and
+/// bring down the mean, the high power rules above it and brings down the largest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Norm {
+    /// Error at which both terms are equal, metres.
+    pub knee: f64,
+    pub power: i32,
+}
+
+impl Norm {
+    pub fn of(self, error: f64) -> f64 {
+        error * error * (1.0 + (error / self.knee).powi(self.power - 2))
+    }
+
+    /// Weight of a residual such that weighted squares have the norm's gradient.
+    fn weight(self, error: f64) -> f64 {
+        1.0 + 0.5 * f64::from(self.power) * (error / self.knee).powi(self.power - 2)
+    }
+}
+
 /// How long and how hard.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PolishOptions {
@@ -32,28 +52,25 @@ pub(crate) struct PolishOptions {
     pub ball_points: usize,
 }
 
-/// Power of the error in the cost's second term.
-const POWER: i32 = 8;
 /// Weight of the exposed part of a sphere against the samples that it owns.
 const EXPOSED: f64 = 1.0;
 /// Longest step of a sphere in one round, of its radius.
 const LONGEST: f64 = 0.25;
 
 /// Moves `spheres[..movable]`; the rest take part but stay. Gives the best state's cost and, per sample,
-/// distance to and index of the nearest sphere. `knee` is the error at which the high
-/// power equals the square.
+/// distance to and index of the nearest sphere.
 pub(crate) fn polish(
     surface: &Surface<'_>,
     spheres: &mut [Sphere],
     movable: usize,
-    knee: f64,
+    norm: Norm,
     options: &PolishOptions,
 ) -> (f64, Owned) {
     let mut owned = assign(surface, spheres, None);
     let mut best = (f64::INFINITY, spheres.to_vec(), owned.clone());
     for round in 0..=options.rounds {
-        let exposed = exposed(surface, spheres, movable, options.ball_points, knee);
-        let cost = cost(surface, &owned, &exposed, knee);
+        let exposed = exposed(surface, spheres, movable, options.ball_points, norm.knee);
+        let cost = cost(surface, &owned, &exposed, norm);
         if cost < best.0 {
             best = (cost, spheres.to_vec(), owned.clone());
         }
@@ -62,7 +79,7 @@ pub(crate) fn polish(
         }
         let mine = shares(&owned, spheres.len());
         let moved = parallel::map(movable, |k| {
-            step(surface, &spheres[k], &mine[k], &exposed[k], knee)
+            step(surface, &spheres[k], &mine[k], &exposed[k], norm)
         });
         spheres[..movable].copy_from_slice(&moved);
         owned = assign(surface, spheres, Some(&owned));
@@ -75,8 +92,7 @@ pub(crate) fn polish(
 pub(crate) type Owned = Vec<(f64, u32)>;
 
 /// Distance to and index of the nearest sphere, per sample.
-pub(crate) fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>,
-) -> Owned {
+pub(crate) fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>) -> Owned {
     let index = NearestSphere::new(spheres);
     parallel::map(surface.samples.len(), |s| {
         index.nearest(&surface.samples[s].point, before.map(|owned| owned[s].1))
@@ -102,26 +118,16 @@ pub(crate) fn rms_of(surface: &Surface<'_>, owned: &[(f64, u32)]) -> f64 {
     (sum / weight).sqrt().max(1e-9)
 }
 
-/// Cost of an error.
-pub(crate) fn penalty(error: f64, knee: f64) -> f64 {
-    error * error * (1.0 + (error / knee).powi(POWER - 2))
-}
-
-/// Weight of a residual such that weighted squares have the penalty's gradient.
-fn weight(error: f64, knee: f64) -> f64 {
-    1.0 + 0.5 * f64::from(POWER) * (error / knee).powi(POWER - 2)
-}
-
-fn cost(surface: &Surface<'_>, owned: &Owned, exposed: &[Vec<Exposed>], knee: f64) -> f64 {
+fn cost(surface: &Surface<'_>, owned: &Owned, exposed: &[Vec<Exposed>], norm: Norm) -> f64 {
     let own: f64 = owned
         .iter()
         .zip(surface.importance)
-        .map(|((gap, _), w)| w * penalty(*gap, knee))
+        .map(|((gap, _), w)| w * norm.of(*gap))
         .sum();
     let out: f64 = exposed
         .iter()
         .flatten()
-        .map(|e| e.weight * penalty(e.off, knee))
+        .map(|e| e.weight * norm.of(e.off))
         .sum();
     own + out
 }
@@ -178,14 +184,14 @@ fn step(
     sphere: &Sphere,
     mine: &[u32],
     exposed: &[Exposed],
-    knee: f64,
+    norm: Norm,
 ) -> Sphere {
     if mine.is_empty() {
         return *sphere;
     }
     let (mut hessian, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
     let mut add = |row: Vector4<f64>, error: f64, w: f64| {
-        let w = w * weight(error, knee);
+        let w = w * norm.weight(error);
         hessian += row * row.transpose() * w;
         gradient += row * (w * error);
     };
@@ -221,7 +227,7 @@ fn step(
             .iter()
             .map(|&s| {
                 let apart = (surface.samples[s as usize].point - candidate.centre).norm();
-                surface.importance[s as usize] * penalty(apart - candidate.radius, knee)
+                surface.importance[s as usize] * norm.of(apart - candidate.radius)
             })
             .sum();
         let (dc, dr) = (
@@ -232,7 +238,7 @@ fn step(
             .iter()
             .map(|e| {
                 let off = e.off + e.gradient.dot(&(dc + e.out * dr));
-                e.weight * penalty(off, knee)
+                e.weight * norm.of(off)
             })
             .sum();
         own + out

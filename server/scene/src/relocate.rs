@@ -12,10 +12,10 @@ use sulcus_core::{Sphere, Vec3};
 
 use crate::cluster::{Feature, split};
 use crate::fit::fit;
+use crate::level::Level;
 use crate::nearest_sphere::NearestSphere;
 use crate::parallel;
-use crate::level::Level;
-use crate::polish::{Surface, penalty, shares};
+use crate::polish::{Norm, Surface, shares};
 use crate::random::Random;
 
 /// Share of its cost that a sphere saves by being halved: the error falls to a half, its square to a
@@ -25,28 +25,31 @@ const SAVED: f64 = 0.6;
 const NEIGHBOURS: usize = 10;
 
 /// What is wished for.
-pub(crate) struct Move {
-    /// Error at which the high power equals the square, metres.
-    pub knee: f64,
+pub(crate) struct Move<'a> {
+    /// What errors cost.
+    pub norm: Norm,
     /// Most spheres that move.
     pub most: usize,
     /// Share of what a sphere's loss would cost at once that is believed.
     pub belief: f64,
+    /// Spheres that were helped in vain.
+    pub barred: &'a [u32],
     /// Of the random tries.
     pub seed: u64,
 }
 
 /// Moves the level's own spheres, whose families change with them. `owned` is the distance to the
-/// nearest sphere and its index, per sample. Returns how many moved.
+/// nearest sphere and its index, per sample. Returns the spheres that were
+/// given half of their share of.
 pub(crate) fn relocate(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
     level: &mut Level,
     owned: &[(f64, u32)],
-    wish: &Move,
-) -> usize {
+    wish: &Move<'_>,
+) -> Vec<u32> {
     let movable = level.families.len();
-    let knee = wish.knee;
+    let norm = wish.norm;
     let spheres = &mut level.spheres;
     let mine = shares(owned, spheres.len());
     let index = NearestSphere::new(&*spheres);
@@ -55,16 +58,18 @@ pub(crate) fn relocate(
     let costs: Vec<(f64, f64)> = parallel::map(movable, |k| {
         let (mut cost, mut loss) = (0.0, 0.0);
         for &s in &mine[k] {
-            let now = penalty(owned[s as usize].0, knee);
+            let now = norm.of(owned[s as usize].0);
             let point = &surface.samples[s as usize].point;
             cost += importance(s) * now;
-            loss += importance(s) * (penalty(index.nearest_but(point, k as u32), knee) - now);
+            loss += importance(s) * (norm.of(index.nearest_but(point, k as u32)) - now);
         }
         (cost, loss)
     });
     let mut victims: Vec<usize> = (0..movable).collect();
     victims.sort_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1).then(a.cmp(&b)));
-    let mut targets: Vec<usize> = (0..movable).filter(|&k| mine[k].len() >= 8).collect();
+    let mut targets: Vec<usize> = (0..movable)
+        .filter(|&k| mine[k].len() >= 8 && !wish.barred.contains(&(k as u32)))
+        .collect();
     targets.sort_by(|&a, &b| costs[b].0.total_cmp(&costs[a].0).then(a.cmp(&b)));
 
     let place = |k: usize| centroid(surface, &mine[k]).unwrap_or(spheres[k].centre);
@@ -82,7 +87,9 @@ pub(crate) fn relocate(
         while next < victims.len() && (locked[victims[next]] || victims[next] == target) {
             next += 1;
         }
-        let Some(&victim) = victims.get(next) else { break };
+        let Some(&victim) = victims.get(next) else {
+            break;
+        };
         if costs[victim].1 * wish.belief > costs[target].0 * SAVED {
             break;
         }
@@ -102,7 +109,7 @@ pub(crate) fn relocate(
     });
     let mut places = places;
     let mut families = Families::new(&mut level.families, level.parents, &places);
-    let mut moved = 0;
+    let mut helped = Vec::new();
     for ((victim, target), halves) in moves.into_iter().zip(halves) {
         let Some([one, other]) = halves else { continue };
         if !families.join(victim, target, &places) {
@@ -111,9 +118,9 @@ pub(crate) fn relocate(
         spheres[target] = one;
         spheres[victim] = other;
         places[victim] = places[target];
-        moved += 1;
+        helped.push(target as u32);
     }
-    moved
+    helped
 }
 
 fn centroid(surface: &Surface<'_>, members: &[u32]) -> Option<Vec3> {

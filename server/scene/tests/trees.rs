@@ -75,7 +75,6 @@ fn the_probe_meets_its_bounds_at_contact_level() {
     let tree = tree(
         &mesh,
         &TreeOptions {
-            
             good_enough: 5e-6,
             samples: 20_000,
             ..to_level(3)
