@@ -1,5 +1,6 @@
-//! Time of a tick on the product's own scene: probe against one molar, level by level, thread CPU
-//! time in percentiles (a mean would hide the tail), stage by stage.
+//! Time of a tick on the product's own scene: probe against one molar, level by level (trees built to
+//! level 5), thread CPU time in percentiles (a mean would hide the tail), stage by stage, the spheres tested (a
+//! count, the same on every machine), and what level 5 costs in units of level 3.
 //!
 //! `cargo bench -p sulcus-core`
 
@@ -13,23 +14,27 @@ use sulcus_core::{
 };
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator};
-use sulcus_scene::{BuildOptions, compile_default, default_cache_dir};
+use sulcus_scene::compile::DEFAULT_SCENE;
+use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
 
 fn cpu_ns() -> u64 {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 
-/// Sorted nanoseconds to a line of percentiles in microseconds.
-fn line(mut times: Vec<u64>) -> String {
-    times.sort_unstable();
-    let at = |q: f64| times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3;
+/// Percentile of sorted nanoseconds, microseconds.
+fn at(times: &[u64], q: f64) -> f64 {
+    times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3
+}
+
+/// A line of percentiles of sorted nanoseconds, in microseconds.
+fn line(times: &[u64]) -> String {
     format!(
         "{:7.2} {:7.2} {:7.2} {:8.2}",
-        at(0.5),
-        at(0.99),
-        at(0.999),
-        at(1.0)
+        at(times, 0.5),
+        at(times, 0.99),
+        at(times, 0.999),
+        at(times, 1.0)
     )
 }
 
@@ -85,18 +90,22 @@ fn main() {
         cache: default_cache_dir(),
         ..BuildOptions::default()
     };
-    let scene = compile_default(&options, &|_, _| {})
-        .expect("the built-in scene")
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("crown-five-levels.toml");
+    std::fs::write(&path, DEFAULT_SCENE.replace("levels = 4", "levels = 5")).expect("a file");
+    let scene = compile_file(&path, &options, &|_, _| {})
+        .expect("the built-in scene, one level deeper")
         .scene;
     println!("probe on one molar, 20 s round the crown; thread CPU time, us");
     println!(
         "{:24} {:>7} {:>7} {:>7} {:>8}   substeps  rows  contact",
         "", "p50", "p99", "p99.9", "max"
     );
+    let mut costs = [[0.0; 4]; 6];
     for (level, solver) in [
         (2, SolverKind::ActiveSet),
         (3, SolverKind::ActiveSet),
         (4, SolverKind::ActiveSet),
+        (5, SolverKind::ActiveSet),
         (3, SolverKind::Clarabel),
     ] {
         let mut scene = scene.clone();
@@ -119,15 +128,32 @@ fn main() {
             rows += u64::from(out.tools[0].rows);
             contact += u64::from(out.tools[0].active > 0);
         }
+        times.sort_unstable();
         let n = inputs.len() as f64;
         println!(
             "level {level} {:16} {}   {:7.2} {:6.1} {:7.2}",
             format!("{solver:?}"),
-            line(times),
+            line(&times),
             substeps as f64 / n,
             rows as f64 / n,
             contact as f64 / n
         );
+        let work = ws.work();
+        println!(
+            "    spheres tested {:.0} per tick, lists made {:.3}",
+            work.tested as f64 / n,
+            work.lists as f64 / n
+        );
+        if solver == SolverKind::ActiveSet {
+            let mean = times.iter().sum::<u64>() as f64 / n;
+            let of_level = &mut costs[usize::from(level)];
+            *of_level = [
+                at(&times, 0.5),
+                mean * 1e-3,
+                at(&times, 0.99),
+                work.tested as f64 / n,
+            ];
+        }
         let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
         let mut stages = Stages::default();
         for input in &inputs {
@@ -144,4 +170,12 @@ fn main() {
             Stage::ALL.map(mean).join(", ")
         );
     }
+    let times = |k: usize| costs[5][k] / costs[3][k];
+    println!(
+        "level 5 in units of level 3: p50 {:.2}, mean {:.2}, p99 {:.2}, spheres tested {:.2}",
+        times(0),
+        times(1),
+        times(2),
+        times(3)
+    );
 }

@@ -5,9 +5,9 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
-use crate::contact::{Contact, Overflow, PosedTool, centre};
+use crate::contact::{Contact, Distance, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
-use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::math::{Mat3, Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
@@ -26,8 +26,10 @@ const SMALLEST_PREDICTION: f64 = 1e-6;
 pub(crate) struct Wanted {
     /// Haptic pose.
     pub haptic: Pose,
-    /// How far the hand moved in this tick at the farthest sphere, metres.
-    pub hand_motion: f64,
+    /// How far the hand moved the working point in this tick, metres.
+    pub moved: f64,
+    /// How far it turned, radians.
+    pub turned: f64,
 }
 
 /// How it went, per tool slot.
@@ -66,23 +68,30 @@ pub(crate) fn advance<P: StageProbe>(
     let mut status_bits = 0;
     let first = place(group);
     let mut converged = false;
-    let hand_motion = group
-        .iter()
-        .fold(0.0, |most, &t| fmax(most, wanted[t].hand_motion));
-    let distance_for = |motion: f64| {
-        fclamp(
-            params.predict_gain * motion + params.predict_bias,
+    let (moved, turned) = group.iter().fold((0.0, 0.0), |(moved, turned), &t| {
+        (fmax(moved, wanted[t].moved), fmax(turned, wanted[t].turned))
+    });
+    let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
+    // A turn moves spheres by their levers: what is near the tip need not look as far as the shaft.
+    let distance_for = |moved: f64, turned: f64| {
+        let base = fclamp(
+            params.predict_gain * moved + params.predict_bias,
             params.predict_min,
             params.predict_max,
-        )
+        );
+        let most = (params.predict_max - base) / fmax(longest, 1e-9);
+        Distance {
+            base,
+            turn: fmin(params.predict_gain * turned, most),
+        }
     };
-    let mut d = distance_for(hand_motion);
+    let mut d = distance_for(moved, turned);
     let mut passes = 0;
     while passes < params.max_substeps {
         passes += 1;
         probe.begin(Stage::Collide);
         let used = collide(scene, state, ws, group, d);
-        if used < d {
+        if used != d {
             status_bits |= status::CONTACTS_FULL;
             d = used;
         }
@@ -94,24 +103,31 @@ pub(crate) fn advance<P: StageProbe>(
             break;
         };
         let tissue_motion = yield_target(scene, ws, first);
-        let mut motion = 0.0;
+        let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
         for &t in group {
-            let (v, w) = step[t];
-            motion = fmax(motion, norm(&v) + norm(&w) * ws.levers[t]);
+            let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
+            (moved, turned) = (fmax(moved, v), fmax(turned, w));
+            motion = fmax(motion, v + w * ws.levers[t]);
+            // Motion and allowance both grow linearly with the lever: what holds at both ends holds between.
+            for lever in [0.0, ws.levers[t]] {
+                let (motion, allowed) = (v + w * lever, params.trust * d.at(lever));
+                if motion > allowed {
+                    share = fmin(share, allowed / motion);
+                }
+            }
         }
-        let motion = motion + tissue_motion;
-        let share = if motion > params.trust * d && !group.is_empty() {
-            params.trust * d / motion
-        } else {
-            1.0
-        };
         apply(scene, state, ws, group, &step, share);
         for &t in group {
             reached[t].min_gap = f64::INFINITY;
         }
+        let rotations = std::array::from_fn::<_, MAX_TOOLS, _>(|t| {
+            let graphic = &state.tools[t].graphic;
+            graphic.orientation.to_rotation_matrix().into_inner()
+        });
         let mut deepest = f64::INFINITY;
         for contact in ws.passes[first].contacts.as_slice() {
-            let gap = true_gap(scene, state, ws, contact);
+            let rotation = &rotations[usize::from(contact.tool)];
+            let gap = true_gap(scene, state, ws, (contact, rotation));
             let slot = usize::from(contact.tool);
             reached[slot].min_gap = fmin(reached[slot].min_gap, gap);
             deepest = fmin(deepest, gap);
@@ -122,7 +138,7 @@ pub(crate) fn advance<P: StageProbe>(
             converged = true;
             break;
         }
-        d = distance_for(motion * (1.0 - share));
+        d = distance_for(moved * (1.0 - share), turned * (1.0 - share));
     }
     if !converged && status_bits & status::SOLVER_FAILED == 0 {
         status_bits |= status::EXHAUSTED;
@@ -158,7 +174,13 @@ fn place(group: &[usize]) -> usize {
 /// `d` while it is full, and returns what it used. Where even the smallest finds more than the
 /// list holds (a flat tool on a flat face), the smallest gaps are kept: what is left out lies within
 /// that smallest distance, no pass moves farther, and the next one ranks anew.
-fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mut d: f64) -> f64 {
+fn collide(
+    scene: &Scene,
+    state: &State,
+    ws: &mut Workspace,
+    group: &[usize],
+    mut d: Distance,
+) -> Distance {
     for &k in &ws.yielding {
         let object = &scene.objects[k];
         let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
@@ -174,7 +196,7 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
     let limit = usize::from(scene.params.max_rows) * group.len();
     let contacts = &mut ws.passes[place(group)].contacts;
     'again: loop {
-        let overflow = if d > SMALLEST_PREDICTION {
+        let overflow = if d.base > SMALLEST_PREDICTION {
             Overflow::Stop
         } else {
             Overflow::KeepSmallestGaps
@@ -189,7 +211,7 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
                 working_point: &tool.working_point,
                 slot: t as u8,
             };
-            ws.predictor.begin();
+            ws.predictor.begin(&posed);
             for (k, object) in scene.objects.iter().enumerate() {
                 let nodes = if object.tissue.is_rigid() {
                     object.tree.nodes()
@@ -201,7 +223,14 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
                     .predict(&posed, (k as u16, nodes, object.level), d, contacts)
                     .is_err()
                 {
-                    d = fmax(0.5 * d, SMALLEST_PREDICTION);
+                    d = Distance {
+                        base: fmax(0.5 * d.base, SMALLEST_PREDICTION),
+                        turn: if 0.5 * d.base > SMALLEST_PREDICTION {
+                            0.5 * d.turn
+                        } else {
+                            0.0
+                        },
+                    };
                     continue 'again;
                 }
             }
@@ -425,7 +454,12 @@ fn apply(
 }
 
 /// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
-fn true_gap(scene: &Scene, state: &State, ws: &Workspace, contact: &Contact) -> f64 {
+fn true_gap(
+    scene: &Scene,
+    state: &State,
+    ws: &Workspace,
+    (contact, rotation): (&Contact, &Mat3),
+) -> f64 {
     let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
     let (tool, object) = (&scene.tools[t], &scene.objects[k]);
     let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
@@ -442,7 +476,6 @@ fn true_gap(scene: &Scene, state: &State, ws: &Workspace, contact: &Contact) -> 
         moved[0]
     };
     let pose = &state.tools[t].graphic;
-    let rotation = pose.orientation.to_rotation_matrix().into_inner();
-    let between = centre(&rotation, pose, &tool_node.centre) - object_centre;
+    let between = centre(rotation, pose, &tool_node.centre) - object_centre;
     norm(&between) - tool_node.contact_radius - object_node.contact_radius
 }

@@ -3,7 +3,7 @@
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::contact::{Contact, ContactList, Overflow, Predictor};
+use crate::contact::{Contact, ContactList, Overflow, Predictor, Work};
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
 use crate::math::{Vec3, Wrench, log_rotation, norm};
@@ -20,8 +20,8 @@ use crate::wrench::{Conditions, limited};
 /// Unusable poses in a row after which the tool counts as stale: the watchdog's time.
 const BAD_TICKS_STALE: u16 = 50;
 
-/// Scratch of a tick, sized when the scene loads. Nothing in it outlives a tick: a fresh one gives
-/// the same bits.
+/// Scratch of a tick, sized when the scene loads. What outlives a tick in it saves work and never
+/// shows in a result: a fresh one gives the same bits.
 #[derive(Debug)]
 pub struct Workspace {
     pub(crate) predictor: Predictor,
@@ -113,12 +113,6 @@ impl Workspace {
             })
             .collect();
         let largest = nodes.iter().map(Vec::len).max().unwrap_or(0);
-        let tool_nodes = scene
-            .tools
-            .iter()
-            .map(|tool| tool.tree.nodes().len())
-            .max()
-            .unwrap_or(0);
         let lever = |t: usize| {
             scene
                 .tools
@@ -126,7 +120,7 @@ impl Workspace {
                 .map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point))
         };
         Self {
-            predictor: Predictor::new(tool_nodes),
+            predictor: Predictor::new(scene),
             passes: std::array::from_fn(|_| Pass::with_capacity(rows)),
             // Only tissue needs the dense matrix.
             gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
@@ -177,6 +171,20 @@ impl Workspace {
         })
     }
 
+    /// The same, except that contact prediction traverses the trees anew in every pass: slower, the same
+    /// bits. For tests and measurements.
+    pub fn plain(scene: &Scene) -> Self {
+        Self {
+            predictor: Predictor::plain(scene),
+            ..Self::new(scene)
+        }
+    }
+
+    /// What contact prediction did since this workspace was made.
+    pub fn work(&self) -> Work {
+        self.predictor.work()
+    }
+
     /// Present configuration of object `k` at the end of the last tick (displacements), empty for
     /// a rigid one.
     pub fn shape_of(&self, k: usize) -> &[f64] {
@@ -205,7 +213,8 @@ pub fn tick<P: StageProbe>(
     let mut bits = [0u16; MAX_TOOLS];
     let mut wanted = [Wanted {
         haptic: state.tools[0].haptic,
-        hand_motion: 0.0,
+        moved: 0.0,
+        turned: 0.0,
     }; MAX_TOOLS];
     let mut present = [0; MAX_TOOLS];
     let mut n_present = 0;
@@ -223,10 +232,10 @@ pub fn tick<P: StageProbe>(
         let moved =
             haptic.transform(&tool.working_point) - last.haptic.transform(&tool.working_point);
         let turned = log_rotation(&(haptic.orientation * last.haptic.orientation.inverse()));
-        let hand_motion = norm(&moved) + norm(&turned) * ws.levers[t];
         wanted[t] = Wanted {
             haptic,
-            hand_motion,
+            moved: norm(&moved),
+            turned: norm(&turned),
         };
         present[n_present] = t;
         n_present += 1;

@@ -1,0 +1,272 @@
+//! The neighbours of one tool on one rigid object: pairs (family of siblings, tool sphere) that can come
+//! closer than `d` before the tool has moved by more than a skin.
+//!
+//! Verlet's list (Phys. Rev. 159, 98, 1967, doi:10.1103/PhysRev.159.98) with two changes. It ends one level
+//! above the spheres, so that it is short, quick to make, and tested eight spheres at a time. And its skin is
+//! not one distance but a translation and a turn: a sphere with the lever `l` from the working point may move
+//! `translation + turn l`, so spheres near the tip need not wait for what the far end of the shaft does.
+
+use super::dual::reach_of;
+use super::packs::Packs;
+use super::predictor::{Lever, Posed, PosedTool};
+use super::{ContactList, ContactsFull, Distance};
+use crate::math::{Mat3, Vec3, fmax, norm};
+use crate::tree::Node;
+
+/// Most pairs in a list.
+const CAPACITY: usize = 4096;
+/// Translation that a list allows for, metres. Larger: fewer, longer lists. Measured with a probe round a
+/// molar: twice or half as much of this and of the turn costs a tick at any level 0 to 15 % more.
+const TRANSLATION: f64 = 5e-5;
+/// Turn that a list allows for: largest Frobenius norm of a difference of rotation matrices.
+const TURN: f64 = 8.5e-3;
+/// How much looser an object's family must fit than the tool's node to be opened first: what the tool is opened
+/// to early is tested against fewer families later. Measured: 1 and 10 cost more.
+const TOOL_FIRST: f64 = 3.0;
+/// Most tool spheres that one family is tested against before its contacts are written; where more
+/// are near, the contacts need sorting.
+const RUN: usize = 32;
+/// Added to every reach: far above rounding at the 10 m that a scene may span, far below anything else.
+const ROUNDING: f64 = 1e-9;
+
+/// A list and what it holds for.
+#[derive(Debug)]
+pub(super) struct Neighbours {
+    /// Family and place in `spheres`, in the order of both.
+    pairs: Vec<(u32, u32)>,
+    /// Nodes of the tool in the list.
+    spheres: Vec<u32>,
+    /// Where they are, and how far from there an object's surface counts: as of the present query.
+    placed: Vec<Placed>,
+    rotation: Mat3,
+    working_point: Vec3,
+    /// Level of the tool and of the object; none before the first list.
+    levels: Option<(u8, u8)>,
+    /// Translation plus prediction distance that it holds for, metres.
+    reach: f64,
+    /// Turn that it holds for, what the distance itself has of it included.
+    turn: f64,
+    /// Whether all pairs found room.
+    usable: bool,
+}
+
+/// A sphere of the tool in world axes.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    at: Vec3,
+    reach: f64,
+    d: f64,
+}
+
+/// Scratch of the making of a list.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    keys: Vec<u64>,
+    places: Vec<u32>,
+}
+
+impl Scratch {
+    pub fn new(tool_nodes: usize) -> Self {
+        Self {
+            keys: Vec::with_capacity(CAPACITY),
+            places: vec![0; tool_nodes],
+        }
+    }
+}
+
+impl Neighbours {
+    pub fn new() -> Self {
+        Self {
+            pairs: Vec::with_capacity(CAPACITY),
+            spheres: Vec::with_capacity(CAPACITY),
+            placed: Vec::with_capacity(CAPACITY),
+            rotation: Mat3::identity(),
+            working_point: Vec3::zeros(),
+            levels: None,
+            reach: 0.0,
+            turn: 0.0,
+            usable: false,
+        }
+    }
+
+    /// Whether the list is whole; where it is not, only a traversal can tell.
+    pub fn usable(&self) -> bool {
+        self.usable
+    }
+
+    /// Spheres tested by a query.
+    pub fn tests(&self) -> u64 {
+        8 * self.pairs.len() as u64
+    }
+
+    /// Whether no pair outside the list can be closer than `d` at this pose.
+    pub fn covers(&self, posed: &Posed, levels: (u8, u8), d: Distance) -> bool {
+        // |(R - R0) x| <= |R - R0|_F |x|, for any matrices.
+        let turned = posed.rotation - self.rotation;
+        let spare = self.turn - d.turn;
+        let moved = norm(&(posed.working_point - self.working_point));
+        self.levels == Some(levels)
+            && moved + d.base <= self.reach
+            && turned.norm_squared() <= spare * spare
+            && spare >= 0.0
+    }
+
+    /// Makes the list for this pose; returns how many pairs of nodes that tested.
+    pub fn list(
+        &mut self,
+        tool: &PosedTool<'_>,
+        posed: &mut Posed,
+        (packs, level): (&Packs, u8),
+        levers: &[Lever],
+        d: Distance,
+        (stack, scratch): (&mut Vec<(u32, u32)>, &mut Scratch),
+    ) -> u64 {
+        (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
+        self.levels = Some((tool.level, level));
+        (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
+        let mut tested = 0;
+        self.usable = self.collect(
+            tool,
+            posed,
+            (packs, level),
+            levers,
+            (stack, scratch),
+            &mut tested,
+        );
+        self.pairs.clear();
+        self.spheres.clear();
+        if !self.usable {
+            return tested;
+        }
+        scratch.keys.sort_unstable();
+        for key in &scratch.keys {
+            scratch.places[*key as u32 as usize] = u32::MAX;
+        }
+        for key in &scratch.keys {
+            let t = *key as u32;
+            let place = &mut scratch.places[t as usize];
+            if *place == u32::MAX {
+                *place = self.spheres.len() as u32;
+                self.spheres.push(t);
+            }
+            self.pairs.push(((key >> 32) as u32, *place));
+        }
+        tested
+    }
+
+    /// Collects `family << 32 | tool sphere`; false when there is no room.
+    fn collect(
+        &self,
+        tool: &PosedTool<'_>,
+        posed: &mut Posed,
+        (packs, level): (&Packs, u8),
+        levers: &[Lever],
+        (stack, scratch): (&mut Vec<(u32, u32)>, &mut Scratch),
+        tested: &mut u64,
+    ) -> bool {
+        scratch.keys.clear();
+        stack.clear();
+        stack.push((0, 0));
+        while let Some((t, p)) = stack.pop() {
+            let node = &tool.nodes[t as usize];
+            let family = &packs.families[p as usize];
+            let is_shape = node.is_shape_at(tool.level);
+            let from = posed.centre_of(tool, t) - family.origin;
+            let reach = reach_of(node, is_shape) + self.slack(levers[t as usize].of(is_shape));
+            let shapes = family.shapes_at(level);
+            let below = family.members & !shapes;
+            let (mut near_shapes, mut near_below) = (0, 0);
+            if shapes != 0 {
+                *tested += 8;
+                near_shapes = shapes & packs.shapes[p as usize].within(&from, reach);
+            }
+            if below != 0 {
+                *tested += 8;
+                near_below = below & packs.bounds[p as usize].within(&from, reach);
+            }
+            if !is_shape
+                && (near_shapes != 0
+                    || (near_below != 0
+                        && TOOL_FIRST * (node.bound_radius - node.contact_radius)
+                            > packs.loose[p as usize]))
+            {
+                for child in node.first_child..node.first_child + u32::from(node.children) {
+                    stack.push((child, p));
+                }
+                continue;
+            }
+            if near_shapes != 0 {
+                if scratch.keys.len() == CAPACITY {
+                    return false;
+                }
+                scratch.keys.push(u64::from(p) << 32 | u64::from(t));
+            }
+            while near_below != 0 {
+                let lane = near_below.trailing_zeros();
+                near_below &= near_below - 1;
+                stack.push((t, family.pack_of(lane)));
+            }
+        }
+        true
+    }
+
+    /// How much farther than its radius a tool's sphere must be felt for.
+    #[inline]
+    fn slack(&self, lever: f64) -> f64 {
+        fmax(0.0, self.reach) + self.turn * lever + ROUNDING
+    }
+
+    /// Appends the contacts under `d`, in order.
+    pub fn query(
+        &mut self,
+        tool: &PosedTool<'_>,
+        posed: &mut Posed,
+        (object, nodes, packs): (u16, &[Node], &Packs),
+        (d, levers): (Distance, &[Lever]),
+        out: &mut ContactList,
+    ) -> Result<(), ContactsFull> {
+        self.placed.clear();
+        for &t in &self.spheres {
+            let d = d.at(levers[t as usize].own);
+            self.placed.push(Placed {
+                at: posed.centre_of(tool, t),
+                reach: tool.nodes[t as usize].contact_radius + d,
+                d,
+            });
+        }
+        let level = self.levels.map_or(0, |levels| levels.1);
+        let mut rest = self.pairs.as_slice();
+        while let Some(&(p, _)) = rest.first() {
+            let family = &packs.families[p as usize];
+            let shapes = family.shapes_at(level);
+            let balls = &packs.shapes[p as usize];
+            let run = rest.iter().take(RUN).take_while(|pair| pair.0 == p);
+            let (now, later) = rest.split_at(run.count());
+            rest = later;
+            let (mut masks, mut any) = ([0; RUN], 0);
+            for (mask, &(_, place)) in masks.iter_mut().zip(now) {
+                let placed = &self.placed[place as usize];
+                *mask = shapes & balls.within(&(placed.at - family.origin), placed.reach);
+                any |= *mask;
+            }
+            // Sphere by sphere of the object, so that the contacts come sorted.
+            while any != 0 {
+                let lane = any.trailing_zeros();
+                any &= any - 1;
+                let o = family.first + lane;
+                let sphere = nodes[o as usize].sphere();
+                for (mask, &(_, place)) in masks.iter().zip(now) {
+                    if mask & 1 << lane == 0 {
+                        continue;
+                    }
+                    let t = self.spheres[place as usize];
+                    let Placed { at, d, .. } = &self.placed[place as usize];
+                    if let Some(contact) = posed.contact(tool, (object, o, &sphere), (t, at), *d) {
+                        out.push(contact)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

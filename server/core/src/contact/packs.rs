@@ -1,0 +1,201 @@
+//! A rigid object's tree laid out for the cache: siblings side by side, one array per coordinate.
+
+use wide::f32x8;
+
+use crate::math::{Vec3, fmax, norm};
+use crate::tree::{MAX_CHILDREN, Node, Sphere};
+
+/// Relative head-room of the filter in single precision: four times what its rounding can take.
+const HEADROOM: f64 = 1e-6;
+
+/// Eight balls in single precision, coordinate by coordinate, about an origin of their own: a filter that lets
+/// through a little too much and never too little. One ball per lane; empty lanes hold nothing of meaning.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Balls {
+    x: f32x8,
+    y: f32x8,
+    z: f32x8,
+    r: f32x8,
+}
+
+/// Where the siblings stand in the tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Family {
+    /// First sibling's index in the tree.
+    pub first: u32,
+    /// Pack of the first sibling that has children; those of the others follow.
+    pub first_pack: u32,
+    /// Siblings, a bit each.
+    pub members: u8,
+    /// Siblings with children.
+    pub parents: u8,
+    /// Level of the siblings.
+    pub level: u8,
+    /// Where the siblings' coordinates count from.
+    pub origin: Vec3,
+}
+
+/// All families of siblings, in the order of their indices. The first is the root alone.
+#[derive(Debug)]
+pub(super) struct Packs {
+    pub families: Vec<Family>,
+    /// Bounds of the siblings.
+    pub bounds: Vec<Balls>,
+    /// Contact spheres of the siblings.
+    pub shapes: Vec<Balls>,
+    /// By how much the loosest bound in the family exceeds its node's shape, metres.
+    pub loose: Vec<f64>,
+}
+
+impl Packs {
+    pub fn new(nodes: &[Node]) -> Self {
+        let inner = nodes.iter().filter(|node| node.children > 0).count();
+        let mut packs = Self {
+            families: Vec::with_capacity(inner + 1),
+            bounds: Vec::with_capacity(inner + 1),
+            shapes: Vec::with_capacity(inner + 1),
+            loose: Vec::with_capacity(inner + 1),
+        };
+        let bounds = tight_bounds(nodes);
+        packs.add(&nodes[..1], &bounds[..1], 0, 1);
+        let mut next = 2;
+        for node in nodes.iter().filter(|node| node.children > 0) {
+            let first = node.first_child as usize;
+            let range = first..first + usize::from(node.children);
+            let siblings = &nodes[range.clone()];
+            packs.add(siblings, &bounds[range], node.first_child, next);
+            next += siblings.iter().filter(|child| child.children > 0).count() as u32;
+        }
+        packs
+    }
+
+    fn add(&mut self, siblings: &[Node], bounds: &[Sphere], first: u32, first_pack: u32) {
+        let bits = |chosen: fn(&Node) -> bool| {
+            siblings.iter().enumerate().fold(0u8, |bits, (lane, node)| {
+                bits | u8::from(chosen(node)) << lane
+            })
+        };
+        let origin = siblings[0].centre;
+        self.families.push(Family {
+            first,
+            first_pack,
+            members: bits(|_| true),
+            parents: bits(|node| node.children > 0),
+            level: siblings[0].level,
+            origin,
+        });
+        let loose =
+            |most, (node, bound): (&Node, &Sphere)| fmax(most, bound.radius - node.contact_radius);
+        self.loose
+            .push(siblings.iter().zip(bounds).fold(0.0, loose));
+        self.bounds
+            .push(Balls::new(bounds.iter().copied(), &origin));
+        self.shapes
+            .push(Balls::new(siblings.iter().map(Node::sphere), &origin));
+    }
+}
+
+/// Rounds of the approach to the smallest enclosing ball.
+const ROUNDS: u32 = 24;
+
+/// For each node a ball about all contact spheres below it, smaller than the one about its own centre: that
+/// one sticks out on every side by what one descendant needs on one.
+fn tight_bounds(nodes: &[Node]) -> Vec<Sphere> {
+    let mut bounds: Vec<Sphere> = nodes
+        .iter()
+        .map(|node| Sphere {
+            centre: node.centre,
+            radius: node.bound_radius,
+        })
+        .collect();
+    for (index, node) in nodes.iter().enumerate().rev() {
+        if node.children == 0 {
+            continue;
+        }
+        let first = node.first_child as usize;
+        let below = first..first + usize::from(node.children);
+        let shapes = nodes[below.clone()].iter().map(Node::sphere);
+        // A childless node has no more below it than its shape.
+        let deeper = below.filter(|&child| nodes[child].children > 0);
+        bounds[index] = enclosing(bounds[index], || {
+            shapes
+                .clone()
+                .chain(deeper.clone().map(|child| bounds[child]))
+        });
+    }
+    bounds
+}
+
+/// A ball about all `balls`, by the first steps of Badoiu and Clarkson's approach to the smallest one (SODA 2003,
+/// "Smaller core-sets for balls"): towards the farthest point, by less each time. `start` encloses them, too.
+fn enclosing<I: Iterator<Item = Sphere>>(start: Sphere, balls: impl Fn() -> I) -> Sphere {
+    let mut best = start;
+    let sum = balls().fold((Vec3::zeros(), 0.0), |(sum, n), ball| {
+        (sum + ball.centre, n + 1.0)
+    });
+    let mut centre = sum.0 / sum.1;
+    for round in 2..2 + ROUNDS {
+        let (mut radius, mut farthest) = (0.0, centre);
+        for ball in balls() {
+            let away = ball.centre - centre;
+            let distance = norm(&away);
+            if distance + ball.radius > radius {
+                radius = distance + ball.radius;
+                let outward = if distance > 0.0 {
+                    away / distance
+                } else {
+                    Vec3::z()
+                };
+                farthest = ball.centre + outward * ball.radius;
+            }
+        }
+        if radius < best.radius {
+            best = Sphere { centre, radius };
+        }
+        centre += (farthest - centre) / f64::from(round);
+    }
+    best
+}
+
+impl Family {
+    /// Pack of the children of the sibling in `lane`, which must have some.
+    #[inline]
+    pub fn pack_of(&self, lane: u32) -> u32 {
+        self.first_pack + (self.parents & ((1 << lane) - 1)).count_ones()
+    }
+
+    /// Siblings that are the shape at `level`.
+    #[inline]
+    pub fn shapes_at(&self, level: u8) -> u8 {
+        if self.level == level {
+            self.members
+        } else {
+            self.members & !self.parents
+        }
+    }
+}
+
+impl Balls {
+    fn new(balls: impl Iterator<Item = Sphere>, origin: &Vec3) -> Self {
+        let mut lanes = [[0.0; MAX_CHILDREN]; 4];
+        for (lane, ball) in balls.enumerate() {
+            let from = ball.centre - origin;
+            let grown = ball.radius + HEADROOM * (ball.radius + norm(&from)) + 1e-9;
+            for (row, value) in lanes.iter_mut().zip([from.x, from.y, from.z, grown]) {
+                row[lane] = value as f32;
+            }
+        }
+        let [x, y, z, r] = lanes.map(f32x8::new);
+        Self { x, y, z, r }
+    }
+
+    /// Lanes whose ball may be closer than `reach` to the point `from` (about the family's origin).
+    #[inline]
+    pub fn within(&self, from: &Vec3, reach: f64) -> u8 {
+        let x = f32x8::splat(from.x as f32) - self.x;
+        let y = f32x8::splat(from.y as f32) - self.y;
+        let z = f32x8::splat(from.z as f32) - self.z;
+        let reach = f32x8::splat((reach * (1.0 + HEADROOM)) as f32) + self.r;
+        (x * x + y * y + z * z).simd_lt(reach * reach).to_bitmask() as u8
+    }
+}

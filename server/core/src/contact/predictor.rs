@@ -1,0 +1,258 @@
+//! One tool against one object after the other, by the way that suits the object.
+
+use super::dual::{STACK, traverse};
+use super::neighbours::{Neighbours, Scratch};
+use super::packs::Packs;
+use super::{Contact, ContactList, ContactsFull, Distance, centre};
+use crate::MAX_TOOLS;
+use crate::math::{Mat3, Pose, Vec3, norm};
+use crate::scene::Scene;
+use crate::tree::{Node, Sphere};
+
+/// A tree at a pose: what one side of a query needs.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedTool<'a> {
+    /// Nodes in the tool's frame.
+    pub nodes: &'a [Node],
+    /// `world_from_tool`.
+    pub pose: &'a Pose,
+    /// Level in contact.
+    pub level: u8,
+    /// Working point in the tool's frame.
+    pub working_point: &'a Vec3,
+    /// Tool slot.
+    pub slot: u8,
+}
+
+/// What contact prediction did since the workspace was made: counts, so the same on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Queries of one tool against one object.
+    pub queries: u64,
+    /// Pairs of spheres tested, each sphere of a family counted.
+    pub tested: u64,
+    /// Lists of neighbours made anew.
+    pub lists: u64,
+    /// Queries of rigid objects that no list could answer.
+    pub unlisted: u64,
+}
+
+/// Contact prediction for one scene. What it keeps from query to query saves work and never
+/// shows in an answer.
+#[derive(Debug)]
+pub struct Predictor {
+    posed: Posed,
+    stack: Vec<(u32, u32)>,
+    /// Families of each rigid object; none for what yields.
+    packs: Vec<Option<Packs>>,
+    /// Per tool and object, tools outermost.
+    neighbours: Vec<Option<Neighbours>>,
+    /// Per tool and node.
+    levers: [Vec<Lever>; MAX_TOOLS],
+    scratch: Scratch,
+    work: Work,
+    plain: bool,
+}
+
+/// A tool's spheres in world axes, as far as they are needed.
+#[derive(Debug)]
+pub(super) struct Posed {
+    pub rotation: Mat3,
+    pub position: Vec3,
+    pub working_point: Vec3,
+    centres: Vec<Vec3>,
+    /// Pass in which the centre was filled.
+    stamps: Vec<u32>,
+    pass: u32,
+}
+
+impl Predictor {
+    /// Contact prediction for `scene`: rigid objects are taken to stay as they are.
+    pub fn new(scene: &Scene) -> Self {
+        let packs: Vec<Option<Packs>> = scene
+            .objects
+            .iter()
+            .map(|object| {
+                object
+                    .tissue
+                    .is_rigid()
+                    .then(|| Packs::new(object.tree.nodes()))
+            })
+            .collect();
+        let neighbours = scene
+            .tools
+            .iter()
+            .flat_map(|_| &packs)
+            .map(|packs| packs.as_ref().map(|_| Neighbours::new()))
+            .collect();
+        let tool_nodes = scene.tools.iter().map(|tool| tool.tree.nodes().len()).max();
+        let tool_nodes = tool_nodes.unwrap_or(0);
+        Self {
+            posed: Posed {
+                rotation: Mat3::identity(),
+                position: Vec3::zeros(),
+                working_point: Vec3::zeros(),
+                centres: vec![Vec3::zeros(); tool_nodes],
+                stamps: vec![0; tool_nodes],
+                pass: 0,
+            },
+            stack: Vec::with_capacity(STACK),
+            packs,
+            neighbours,
+            levers: std::array::from_fn(|t| scene.tools.get(t).map_or(Vec::new(), levers)),
+            scratch: Scratch::new(tool_nodes),
+            work: Work::default(),
+            plain: false,
+        }
+    }
+
+    /// The same without any memory: every query traverses both trees from their roots. Slower, the same
+    /// answers: what the other is tested against.
+    pub fn plain(scene: &Scene) -> Self {
+        Self {
+            plain: true,
+            ..Self::new(scene)
+        }
+    }
+
+    /// What was done so far.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// Begins the queries of one tool at one pose.
+    pub fn begin(&mut self, tool: &PosedTool<'_>) {
+        let posed = &mut self.posed;
+        posed.rotation = tool.pose.orientation.to_rotation_matrix().into_inner();
+        posed.position = tool.pose.position;
+        posed.working_point = centre(&posed.rotation, tool.pose, tool.working_point);
+        posed.pass = posed.pass.wrapping_add(1);
+        if posed.pass == 0 {
+            posed.stamps.fill(0);
+            posed.pass = 1;
+        }
+    }
+
+    /// Appends every pair of contact spheres of `tool`, the one that [`Predictor::begin`] was called with,
+    /// and `object` (its index in the scene, its nodes in world axes, its level in contact) with a gap
+    /// under `d` to `out`: a distance, or one that grows with the lever of the tool's sphere.
+    ///
+    /// # Errors
+    /// When `out` is full and [`super::Overflow::Stop`] holds; it then has an arbitrary part.
+    pub fn predict(
+        &mut self,
+        tool: &PosedTool<'_>,
+        object: (u16, &[Node], u8),
+        d: impl Into<Distance>,
+        out: &mut ContactList,
+    ) -> Result<(), ContactsFull> {
+        let d = d.into();
+        self.work.queries += 1;
+        let (k, t) = (usize::from(object.0), usize::from(tool.slot));
+        let at = t * self.packs.len() + k;
+        if let (Some(packs), Some(neighbours), false) =
+            (&self.packs[k], &mut self.neighbours[at], self.plain)
+        {
+            let level = object.2;
+            if !neighbours.covers(&self.posed, (tool.level, level), d) {
+                self.work.lists += 1;
+                self.work.tested += neighbours.list(
+                    tool,
+                    &mut self.posed,
+                    (packs, level),
+                    &self.levers[t],
+                    d,
+                    (&mut self.stack, &mut self.scratch),
+                );
+            }
+            if neighbours.usable() {
+                self.work.tested += neighbours.tests();
+                return neighbours.query(
+                    tool,
+                    &mut self.posed,
+                    (object.0, object.1, packs),
+                    (d, &self.levers[t]),
+                    out,
+                );
+            }
+            self.work.unlisted += 1;
+        }
+        let counted = (&mut self.stack, &mut self.work.tested);
+        let within = (d, self.levers[t].as_slice());
+        traverse(tool, &mut self.posed, object, within, counted, out)
+    }
+}
+
+impl Posed {
+    /// World centre of a node of the tool.
+    #[inline]
+    pub fn centre_of(&mut self, tool: &PosedTool<'_>, node: u32) -> Vec3 {
+        let at = node as usize;
+        if self.stamps[at] != self.pass {
+            self.stamps[at] = self.pass;
+            self.centres[at] = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
+        }
+        self.centres[at]
+    }
+
+    /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
+    #[inline]
+    pub fn contact(
+        &self,
+        tool: &PosedTool<'_>,
+        (object, o, sphere): (u16, u32, &Sphere),
+        (t, at): (u32, &Vec3),
+        d: f64,
+    ) -> Option<Contact> {
+        let between = at - sphere.centre;
+        let reach = tool.nodes[t as usize].contact_radius + sphere.radius;
+        let squared = between.dot(&between);
+        if squared >= (reach + d) * (reach + d) {
+            return None;
+        }
+        let distance = squared.sqrt();
+        // Concentric spheres have no normal: any direction is as good, take up.
+        let normal = if distance > 1e-12 {
+            between / distance
+        } else {
+            Vec3::z()
+        };
+        Some(Contact {
+            tool: tool.slot,
+            object,
+            object_sphere: o,
+            tool_sphere: t,
+            normal,
+            gap: distance - reach,
+            arm: at - self.working_point,
+        })
+    }
+}
+
+/// Distance of a tool's node from the working point, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lever {
+    /// Of its centre.
+    pub own: f64,
+    /// Of the farthest centre that can be below it.
+    pub below: f64,
+}
+
+impl Lever {
+    /// The one that counts when the node is the shape, or stands for those below it.
+    #[inline]
+    pub fn of(&self, is_shape: bool) -> f64 {
+        if is_shape { self.own } else { self.below }
+    }
+}
+
+fn levers(tool: &crate::scene::Tool) -> Vec<Lever> {
+    let lever = |node: &Node| {
+        let own = norm(&(node.centre - tool.working_point));
+        Lever {
+            own,
+            below: own + node.bound_radius,
+        }
+    };
+    tool.tree.nodes().iter().map(lever).collect()
+}
