@@ -24,6 +24,7 @@ mod random;
 pub mod sample;
 pub mod shapes;
 mod validate;
+pub mod zone;
 
 pub use cache::default_cache_dir;
 pub use compile::{

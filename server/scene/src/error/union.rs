@@ -1,0 +1,180 @@
+//! A union of balls that answers questions about points: a tree of boxes over the centres.
+
+use sulcus_core::math::{fmax, fmin};
+use sulcus_core::{Sphere, Vec3};
+
+/// Balls in a leaf.
+const LEAF: usize = 4;
+
+/// The union of the spheres of one level.
+pub(super) struct Union {
+    /// In the order of the leaves; no two are equal.
+    spheres: Vec<Sphere>,
+    parts: Vec<Part>,
+}
+
+/// A box around centres.
+struct Part {
+    low: Vec3,
+    high: Vec3,
+    /// Largest radius.
+    reach: f64,
+    /// Right child, or first ball of a leaf; the left child follows its parent.
+    next: u32,
+    /// Balls of a leaf, 0 for an inner part.
+    count: u32,
+}
+
+impl Union {
+    pub(super) fn new(spheres: &[Sphere]) -> Self {
+        let mut spheres = spheres.to_vec();
+        // A ball that is there twice would hide neither of the two from being counted as exposed.
+        let key = |s: &Sphere| [s.centre.x, s.centre.y, s.centre.z, s.radius].map(f64::to_bits);
+        spheres.sort_unstable_by_key(key);
+        spheres.dedup_by_key(|s| key(s));
+        let mut parts = Vec::new();
+        if !spheres.is_empty() {
+            build(&mut spheres, 0, &mut parts);
+        }
+        Self { spheres, parts }
+    }
+
+    pub(super) fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// `min_i(|p - c_i| - r_i)`, metres: the distance outside of the union, minus the depth below
+    /// the surface of the ball in which `p` is deepest inside of it.
+    pub(super) fn signed(&self, p: &Vec3) -> f64 {
+        self.least(p, f64::INFINITY, None).0
+    }
+
+    /// The same, and the number of the ball that gives it.
+    pub(super) fn nearest(&self, p: &Vec3) -> (f64, usize) {
+        self.least(p, f64::INFINITY, None)
+    }
+
+    /// The same over all balls but number `own`, where negative, else 0.
+    pub(super) fn covered(&self, p: &Vec3, own: usize) -> f64 {
+        self.least(p, 0.0, Some(own)).0
+    }
+
+    fn least(&self, p: &Vec3, start: f64, without: Option<usize>) -> (f64, usize) {
+        let (mut best, mut which) = (start, 0);
+        let mut stack = [(0_u32, f64::NEG_INFINITY); 64];
+        let mut top = usize::from(!self.parts.is_empty());
+        while top > 0 {
+            top -= 1;
+            let (index, bound) = stack[top];
+            if bound >= best {
+                continue;
+            }
+            let part = &self.parts[index as usize];
+            if part.count > 0 {
+                let first = part.next as usize;
+                for k in first..first + part.count as usize {
+                    if Some(k) != without {
+                        let s = &self.spheres[k];
+                        let off = (p - s.centre).norm() - s.radius;
+                        if off < best {
+                            (best, which) = (off, k);
+                        }
+                    }
+                }
+                continue;
+            }
+            let (left, right) = (index + 1, part.next);
+            let (bl, br) = (
+                self.parts[left as usize].bound(p),
+                self.parts[right as usize].bound(p),
+            );
+            let (near, far) = if bl <= br {
+                ((left, bl), (right, br))
+            } else {
+                ((right, br), (left, bl))
+            };
+            stack[top] = far;
+            stack[top + 1] = near;
+            top += 2;
+        }
+        (best, which)
+    }
+}
+
+impl Part {
+    /// No ball in here gives less.
+    fn bound(&self, p: &Vec3) -> f64 {
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            let out = fmax(
+                fmax(self.low[axis] - p[axis], p[axis] - self.high[axis]),
+                0.0,
+            );
+            sum += out * out;
+        }
+        sum.sqrt() - self.reach
+    }
+}
+
+fn build(spheres: &mut [Sphere], first: usize, parts: &mut Vec<Part>) {
+    let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    let mut reach = f64::NEG_INFINITY;
+    for s in spheres.iter() {
+        low = low.zip_map(&s.centre, fmin);
+        high = high.zip_map(&s.centre, fmax);
+        reach = fmax(reach, s.radius);
+    }
+    let here = parts.len();
+    parts.push(Part {
+        low,
+        high,
+        reach,
+        next: first as u32,
+        count: spheres.len() as u32,
+    });
+    if spheres.len() <= LEAF {
+        return;
+    }
+    let axis = (high - low).imax();
+    spheres.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+    let middle = spheres.len() / 2;
+    let (left, right) = spheres.split_at_mut(middle);
+    build(left, first, parts);
+    parts[here].next = parts.len() as u32;
+    parts[here].count = 0;
+    build(right, first + middle, parts);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn agrees_with_looking_at_every_ball() {
+        let mut random = Random::new(11);
+        let mut point = |size: f64| Vec3::from_fn(|_, _| random.between(-size, size));
+        let balls: Vec<Sphere> = (0..300)
+            .map(|k| Sphere {
+                centre: point(1.0),
+                radius: 0.05 + 0.0005 * f64::from(k),
+            })
+            .collect();
+        let union = Union::new(&[&balls[..], &balls[..10]].concat());
+        assert_eq!(union.spheres().len(), 300, "equal balls count once");
+        let all = |p: &Vec3, without: Option<usize>| {
+            let off = |(k, s): (usize, &Sphere)| {
+                (Some(k) != without).then(|| (p - s.centre).norm() - s.radius)
+            };
+            let balls = union.spheres().iter().enumerate();
+            balls.filter_map(off).fold(f64::INFINITY, fmin)
+        };
+        for k in 0..2000 {
+            let p = point(1.5);
+            assert_eq!(union.signed(&p), all(&p, None));
+            let own = k % 300;
+            assert_eq!(union.covered(&p, own), fmin(0.0, all(&p, Some(own))));
+        }
+        assert_eq!(Union::new(&[]).signed(&Vec3::zeros()), f64::INFINITY);
+    }
+}
