@@ -64,9 +64,8 @@ fn disc(corners: &Corners) -> (Vec3, f64) {
 }
 
 impl Cells {
-    /// Cells at least this many on every ball in the finest layer, and this many on all together.
-    pub(super) fn new(spheres: usize, each: usize, together: usize) -> Self {
-        let wanted = each.max(together.div_ceil(spheres.max(1)));
+    /// With at least `wanted` cells in the finest layer.
+    pub(super) fn new(wanted: usize) -> Self {
         let mut corners = roots();
         let mut layers = Vec::new();
         loop {
@@ -109,7 +108,7 @@ impl Cells {
         let sphere = &union.spheres()[own];
         let cell = &self.0[layer][index];
         let point = sphere.centre + cell.direction * sphere.radius;
-        let depth = -union.covered(&point, own);
+        let depth = -union.covered(&point, own).0;
         if layer + 1 < self.0.len() {
             if depth < cell.radius * sphere.radius {
                 for child in 4 * index..4 * index + 4 {
@@ -168,8 +167,9 @@ pub(super) fn largest_over(
                 sphere.centre + direction * sphere.radius,
                 chord * sphere.radius,
             );
-            let depth = -union.covered(&point, *own);
-            if depth >= radius {
+            let (off, cover) = union.covered(&point, *own);
+            let cover = &union.spheres()[cover];
+            if off < 0.0 && farthest(sphere, corners, chord, &cover.centre) < cover.radius {
                 return nothing;
             }
             let beyond = zone.map_or(f64::NEG_INFINITY, |zone| zone.beyond(&point));
@@ -179,7 +179,7 @@ pub(super) fn largest_over(
             let nearest = distance.nearest(&point);
             let value = nearest.signed.abs();
             Examined {
-                attained: (depth <= 0.0 && beyond <= 0.0).then_some(value),
+                attained: (off >= 0.0 && beyond <= 0.0).then_some(value),
                 bound: Some(fmin(
                     value + radius,
                     farthest(sphere, corners, chord, &nearest.point),

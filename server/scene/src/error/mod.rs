@@ -128,9 +128,8 @@ pub struct Sampling {
     pub mesh_points: usize,
     /// Least number of points on the mesh for each sphere.
     pub mesh_points_per_sphere: usize,
-    /// Least number of points on all spheres, before covered ones are left out.
-    pub sphere_points: usize,
-    /// Least number of points on each sphere; made 20 times a power of 4.
+    /// Least number of points on each sphere, before covered ones are left out; where the number of
+    /// spheres allows, it is more (at least 100,000 on all together). It is 20 times a power of 4.
     pub points_per_sphere: usize,
     /// Number of rays.
     pub rays: usize,
@@ -143,11 +142,21 @@ impl Default for Sampling {
         Self {
             mesh_points: 100_000,
             mesh_points_per_sphere: 12,
-            sphere_points: 100_000,
             points_per_sphere: 160,
             rays: 200_000,
-            budget: 500_000,
+            budget: 2_000_000,
         }
+    }
+}
+
+impl Sampling {
+    /// Points on each of so many spheres. Deep in a tree all but a few percent of them are covered.
+    fn on_each_of(&self, spheres: usize) -> usize {
+        let more = [
+            100_000_usize.div_ceil(spheres),
+            (2_000_000 / spheres).min(5_120),
+        ];
+        self.points_per_sphere.max(more[0]).max(more[1])
     }
 }
 
@@ -246,11 +255,7 @@ impl<'a> Level<'a> {
         let vertices = mesh.vertices.iter();
         points.extend(vertices.map(|&point| SurfacePoint { point, area: 0.0 }));
         let signed = parallel::map(points.len(), |k| union.signed(&points[k].point));
-        let cells = Cells::new(
-            spheres.len(),
-            sampling.points_per_sphere,
-            sampling.sphere_points,
-        );
+        let cells = Cells::new(sampling.on_each_of(spheres.len()));
         let columns = Columns::new(union.spheres(), mesh, sampling.rays);
         let exposed = cells.exposed(&union, distance);
         let inner = columns.lining(&exposed);

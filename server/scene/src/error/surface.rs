@@ -83,9 +83,20 @@ pub(super) fn largest_over(
             let gap = corners.iter().fold(f64::NEG_INFINITY, |most, corner| {
                 fmax(most, norm(&(corner - ball.centre)) - ball.radius)
             });
+            let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+            let length = norm(&normal);
+            let bulge = radius - value;
+            let bulge = if bulge > floor && length > 0.0 {
+                fmin(
+                    bulge,
+                    union.deepest_on_disc(&centre, &(normal / length), radius, floor),
+                )
+            } else {
+                bulge
+            };
             Examined {
                 attained: (beyond <= 0.0).then_some(value.abs()),
-                bound: Some(fmax(fmin(gap, value + radius), radius - value)),
+                bound: Some(fmax(fmin(gap, value + radius), bulge)),
             }
         },
         |[a, b, c]| {

@@ -196,14 +196,11 @@ fn maxima_hardly_depend_on_the_number_of_points() {
         .collect();
     let coarse = Sampling {
         mesh_points: 3_000,
-        sphere_points: 3_000,
-        points_per_sphere: 80,
         ..Sampling::default()
     };
     let fine = Sampling {
         mesh_points: 48_000,
-        sphere_points: 48_000,
-        points_per_sphere: 1280,
+        points_per_sphere: 80_000,
         rays: 800_000,
         ..Sampling::default()
     };

@@ -54,9 +54,47 @@ impl Union {
         self.least(p, f64::INFINITY, None)
     }
 
-    /// The same over all balls but number `own`, where negative, else 0.
-    pub(super) fn covered(&self, p: &Vec3, own: usize) -> f64 {
-        self.least(p, 0.0, Some(own)).0
+    /// The same over all balls but number `own`, where negative, else 0; and the ball.
+    pub(super) fn covered(&self, p: &Vec3, own: usize) -> (f64, usize) {
+        self.least(p, 0.0, Some(own))
+    }
+
+    /// How deep inside a ball a point of a disc is at most: the largest `r_i - |p - c_i|` over the
+    /// points `p` of the disc, and `floor` where that is less.
+    pub(super) fn deepest_on_disc(
+        &self,
+        centre: &Vec3,
+        normal: &Vec3,
+        radius: f64,
+        floor: f64,
+    ) -> f64 {
+        let mut best = floor;
+        let mut stack = [0_u32; 64];
+        let mut top = usize::from(!self.parts.is_empty());
+        while top > 0 {
+            top -= 1;
+            let index = stack[top];
+            let part = &self.parts[index as usize];
+            if radius - part.bound(centre) <= best {
+                continue;
+            }
+            if part.count == 0 {
+                stack[top] = part.next;
+                stack[top + 1] = index + 1;
+                top += 2;
+                continue;
+            }
+            let first = part.next as usize;
+            for s in &self.spheres[first..first + part.count as usize] {
+                let off = s.centre - centre;
+                let height = off.dot(normal);
+                let across = fmax(off.norm_squared() - height * height, 0.0).sqrt();
+                let beside = fmax(across - radius, 0.0);
+                let distance = (height * height + beside * beside).sqrt();
+                best = fmax(best, s.radius - distance);
+            }
+        }
+        best
     }
 
     fn least(&self, p: &Vec3, start: f64, without: Option<usize>) -> (f64, usize) {
@@ -173,7 +211,19 @@ mod tests {
             let p = point(1.5);
             assert_eq!(union.signed(&p), all(&p, None));
             let own = k % 300;
-            assert_eq!(union.covered(&p, own), fmin(0.0, all(&p, Some(own))));
+            assert_eq!(union.covered(&p, own).0, fmin(0.0, all(&p, Some(own))));
+        }
+        for k in 0..200 {
+            let (p, normal) = (point(1.5), point(1.0).normalize());
+            let radius = 0.002 * f64::from(k);
+            let bound = union.deepest_on_disc(&p, &normal, radius, -9.0);
+            // Met in the middle, not passed anywhere.
+            assert!(bound >= -union.signed(&p) && bound <= radius - union.signed(&p) + 1e-12);
+            for _ in 0..50 {
+                let across = point(1.0);
+                let across = (across - normal * across.dot(&normal)).normalize() * radius;
+                assert!(-union.signed(&(p + across)) <= bound + 1e-12);
+            }
         }
         assert_eq!(Union::new(&[]).signed(&Vec3::zeros()), f64::INFINITY);
     }
