@@ -133,7 +133,7 @@ pub struct Sampling {
     pub points_per_sphere: usize,
     /// Number of rays.
     pub rays: usize,
-    /// Most cells that the search for a maximum examines.
+    /// Most cells that the search for a maximum examines; at least 400 for each sphere.
     pub budget: usize,
 }
 
@@ -312,7 +312,8 @@ impl<'a> Level<'a> {
         let inward = Spread::new(exposed.iter().map(|p| (p.0.distance, p.0.area)).collect());
         let outer = exposed.iter().filter(|p| !p.1);
         let outer = Spread::new(outer.map(|p| (p.0.distance, p.0.area)).collect());
-        let (mesh, budget) = (self.distance.mesh(), self.sampling.budget);
+        let mesh = self.distance.mesh();
+        let budget = self.sampling.budget.max(400 * self.spheres);
         let floor = 1e-3 * outward.max;
         let outward_max = surface::largest_over(mesh, &self.union, zone, floor, budget);
         let floor = 1e-3 * inward.max;
