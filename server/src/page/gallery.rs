@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use sulcus_core::math::{fmax, fmin};
 use sulcus_core::{Sphere, Vec3};
-use sulcus_scene::error::{surface_error, surface_points};
+use sulcus_scene::error::{surface_error, zone_patch};
 use sulcus_scene::zone::Zone;
 
 use super::{LevelErrors, Subject};
@@ -86,18 +86,9 @@ fn with_spheres((low, high): (Vec3, Vec3), levels: &[LevelErrors]) -> (Vec3, Vec
     )
 }
 
-/// The box of the mesh's points in a zone, with a rim.
+/// The box of the mesh in a zone (which holds some of it), with a rim.
 fn zone_box(subject: &Subject, zone: &Zone) -> (Vec3, Vec3) {
-    let points = surface_points(subject.distance.mesh(), 20_000);
-    let mut low = Vec3::repeat(f64::INFINITY);
-    let mut high = Vec3::repeat(f64::NEG_INFINITY);
-    for point in points.iter().filter(|p| zone.contains(&p.point)) {
-        low = low.zip_map(&point.point, fmin);
-        high = high.zip_map(&point.point, fmax);
-    }
-    if !(low.x <= high.x) {
-        return subject.distance.mesh().bounds();
-    }
+    let (low, high) = zone_patch(subject.distance.mesh(), zone).bounds();
     let rim = Vec3::repeat(fmax(0.08 * (high - low).max(), 1e-5));
     (low - rim, high + rim)
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use sulcus_scene::error::LevelError;
+use sulcus_scene::error::{LevelError, Spread};
 
 use super::gallery::{Galleries, Gallery, Picture};
 use super::scale::round_up;
@@ -22,12 +22,13 @@ th,td{padding:5px 9px;text-align:right;border-bottom:1px solid #e6e8eb}
 th{font-weight:600;color:#3b424a;vertical-align:bottom}
 th.group{text-align:center;border-bottom:2px solid #9aa3ad}
 td.first,th.first{border-left:1px solid #d3d7dc}
-.pictures{display:flex;flex-wrap:wrap;gap:18px;align-items:flex-end;margin:.4em 0}
-figure{margin:0;max-width:100%}figure img{display:block;max-width:100%;height:auto}
+.pictures{display:flex;gap:18px;align-items:flex-end;margin:.4em 0}
+figure{margin:0;min-width:0}figure img{display:block;max-width:100%;height:auto}
 figcaption{font-size:.85em;color:#4c545d}
 .bar{height:5px;border:1px solid #555;border-top:0;margin-top:2px}
 .level{display:grid;grid-template-columns:minmax(0,1fr) 430px;gap:10px 26px;align-items:start}
 @media(max-width:1000px){.level{grid-template-columns:1fr}}
+@media(max-width:640px){.pictures{flex-wrap:wrap}}
 svg{width:100%;max-width:690px;font:12px system-ui,'DejaVu Sans',sans-serif}
 .soft,.note{color:#59626c}.note{font-size:.92em}
 .gap{fill:#1c5ea8;color:#1c5ea8;font-weight:600}.bulge{fill:#b35806;color:#b35806;font-weight:600}
@@ -106,19 +107,14 @@ fn table(html: &mut String, levels: &[LevelError]) {
     }
     html.push_str("</tr></thead>\n<tbody>");
     for level in levels {
-        let (out, back) = (&level.mesh_to_spheres_mm, &level.spheres_to_mesh_mm);
         let far = level.uncovered_beyond.iter().find(|u| u.beyond_mm == 0.05);
         let _ = write!(
             html,
-            "<tr><td>{}</td><td>{}</td><td class=\"first\">{:.4}</td><td>{:.4}</td><td>{:.4}</td><td class=\"first\">{:.4}</td><td>{:.4}</td><td>{:.4}</td><td class=\"first\">{:.1}</td><td>{:.2}</td>",
+            "<tr><td>{}</td><td>{}</td>{}{}<td class=\"first\">{:.1}</td><td>{:.2}</td>",
             level.level,
             level.spheres,
-            out.mean,
-            out.p95,
-            out.max,
-            back.mean,
-            back.p95,
-            back.max,
+            cells(&level.mesh_to_spheres_mm),
+            cells(&level.spheres_to_mesh_mm),
             level.uncovered_area_percent,
             far.map_or(0.0, |far| far.percent),
         );
@@ -134,6 +130,20 @@ fn table(html: &mut String, levels: &[LevelError]) {
         html.push_str("</tr>\n");
     }
     html.push_str("</tbody></table></div>\n");
+}
+
+/// Three cells of a table.
+fn cells(spread: &Spread) -> String {
+    let cell = |mm: f64| match mm.is_nan() {
+        true => "–".to_owned(),
+        false => format!("{mm:.4}"),
+    };
+    format!(
+        "<td class=\"first\">{}</td><td>{}</td><td>{}</td>",
+        cell(spread.mean),
+        cell(spread.p95),
+        cell(spread.max),
+    )
 }
 
 fn explanation(html: &mut String) {
@@ -216,13 +226,13 @@ fn figure(html: &mut String, what: &str, picture: &Picture) {
     let length = round_up(60.0 * picture.pixel_mm);
     let _ = write!(
         html,
-        "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{what}, {}\" title=\"{}\"><div class=\"bar\" style=\"width:{:.0}px\"></div><figcaption>{length} mm · {}</figcaption></figure>",
+        "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{what}, {}\" title=\"{}\"><div class=\"bar\" style=\"width:{:.2}%\"></div><figcaption>{length} mm · {}</figcaption></figure>",
         picture.uri,
         picture.width,
         picture.height,
         picture.caption,
         picture.file,
-        length / picture.pixel_mm,
+        100.0 * length / (picture.pixel_mm * picture.width as f64),
         picture.caption,
     );
 }

@@ -8,11 +8,11 @@ use sulcus_core::math::{fmax, fmin, norm};
 use sulcus_core::{Sphere, Vec3};
 
 use super::largest::{Examined, Largest, largest};
+use super::patch::{Place, SAME};
 use super::union::Union;
 use crate::distance::MeshDistance;
 use crate::parallel;
 use crate::shapes::icosphere;
-use crate::zone::Zone;
 
 /// A point of the exposed surface.
 pub(super) struct ExposedPoint {
@@ -140,11 +140,12 @@ fn cell(corners: &Corners) -> Cell {
     }
 }
 
-/// The largest distance to the mesh over the exposed surface in the zone.
+/// The largest distance to the mesh over the exposed surface whose nearest point of the mesh is in the
+/// zone.
 pub(super) fn largest_over(
     union: &Union,
     distance: &MeshDistance,
-    zone: Option<&Zone>,
+    place: Option<&Place>,
     floor: f64,
     budget: usize,
 ) -> Largest {
@@ -172,14 +173,14 @@ pub(super) fn largest_over(
             if off < 0.0 && farthest(sphere, corners, chord, &cover.centre) < cover.radius {
                 return nothing;
             }
-            let beyond = zone.map_or(f64::NEG_INFINITY, |zone| zone.beyond(&point));
-            if beyond > radius {
-                return nothing;
-            }
             let nearest = distance.nearest(&point);
             let value = nearest.signed.abs();
+            let detour = place.map_or(0.0, |place| place.detour(&point, value));
+            if detour > 2.0 * radius + SAME {
+                return nothing;
+            }
             Examined {
-                attained: (off >= 0.0 && beyond <= 0.0).then_some(value),
+                attained: (off >= 0.0 && detour < SAME).then_some(value),
                 bound: Some(fmin(
                     value + radius,
                     farthest(sphere, corners, chord, &nearest.point),

@@ -13,6 +13,7 @@
 mod columns;
 mod exposed;
 mod largest;
+mod patch;
 mod spread;
 mod surface;
 #[cfg(test)]
@@ -28,6 +29,8 @@ use crate::parallel;
 use crate::zone::Zone;
 use columns::Columns;
 use exposed::{Cells, ExposedPoint};
+use patch::Place;
+pub use patch::zone_patch;
 pub use spread::Spread;
 pub use surface::{SurfacePoint, surface_points};
 use union::Union;
@@ -42,7 +45,8 @@ pub struct LevelError {
     /// `|min_i(|p - c_i| - r_i)|` over points `p` of the mesh: gaps and bulges alike.
     pub mesh_to_spheres_mm: Spread,
     /// Distance from the exposed surface of the union of spheres to the mesh, walls of inner
-    /// cavities included. In a zone: from the exposed surface that is in the zone.
+    /// cavities included. In a zone: from the exposed surface whose nearest point of the mesh is in the
+    /// zone, however far that is.
     pub spheres_to_mesh_mm: Spread,
     /// The same without the walls of inner cavities, which nothing can touch. Its maximum is that of
     /// the points.
@@ -182,13 +186,17 @@ pub fn measure(
     sampling: &Sampling,
     progress: &dyn Fn(u8),
 ) -> TreeReport {
+    let places: Vec<Place> = zones
+        .iter()
+        .map(|zone| Place::new(distance.mesh(), zone))
+        .collect();
     let mut report = TreeReport {
         levels: Vec::new(),
-        zones: zones
+        zones: places
             .iter()
-            .map(|zone| ZoneError {
-                name: zone.name.clone(),
-                area_mm2: 1e6 * zone_area(distance, zone, sampling.mesh_points),
+            .map(|place| ZoneError {
+                name: place.zone.name.clone(),
+                area_mm2: 1e6 * place.area(),
                 levels: Vec::new(),
             })
             .collect(),
@@ -197,19 +205,11 @@ pub fn measure(
         progress(level);
         let measured = Level::new(tree, level, distance, sampling);
         report.levels.push(measured.error());
-        for (zone, error) in zones.iter().zip(&mut report.zones) {
-            error.levels.push(measured.over(Some(zone)));
+        for (place, error) in places.iter().zip(&mut report.zones) {
+            error.levels.push(measured.over(Some(place)));
         }
     }
     report
-}
-
-/// Area of the mesh in a zone, square metres, from at least `points` points; 0 when the zone holds none.
-pub fn zone_area(distance: &MeshDistance, zone: &Zone, points: usize) -> f64 {
-    let points = surface_points(distance.mesh(), points);
-    let inside = parallel::map(points.len(), |k| zone.contains(&points[k].point));
-    let areas = points.iter().zip(inside).filter(|(_, inside)| *inside);
-    areas.map(|(point, _)| point.area).sum()
 }
 
 /// `min_i(|p - c_i| - r_i)` at each point, metres. Points of the mesh: positive is a gap (the surface
@@ -289,7 +289,8 @@ impl<'a> Level<'a> {
     }
 
     /// All but the volumes, over the zone or everywhere.
-    fn over(&self, zone: Option<&Zone>) -> LevelError {
+    fn over(&self, place: Option<&Place>) -> LevelError {
+        let zone = place.map(|place| place.zone);
         let within = |p: &Vec3| zone.is_none_or(|zone| zone.contains(p));
         let kept = parallel::map(self.points.len(), |k| within(&self.points[k].0.point));
         let points: Vec<(f64, f64)> = self
@@ -299,7 +300,10 @@ impl<'a> Level<'a> {
             .filter(|(_, kept)| *kept)
             .map(|((point, signed), _)| (*signed, point.area))
             .collect();
-        let kept = parallel::map(self.exposed.len(), |k| within(&self.exposed[k].0.point));
+        let kept = parallel::map(self.exposed.len(), |k| {
+            let p = &self.exposed[k].0;
+            place.is_none_or(|place| place.is_nearest(&p.point, p.distance))
+        });
         let exposed: Vec<&(ExposedPoint, bool)> = self
             .exposed
             .iter()
@@ -314,10 +318,10 @@ impl<'a> Level<'a> {
         let outer = Spread::new(outer.map(|p| (p.0.distance, p.0.area)).collect());
         let mesh = self.distance.mesh();
         let budget = self.sampling.budget.max(400 * self.spheres);
-        let floor = 1e-3 * outward.max;
+        let floor = fmax(0.0, 1e-3 * outward.max);
         let outward_max = surface::largest_over(mesh, &self.union, zone, floor, budget);
-        let floor = 1e-3 * inward.max;
-        let inward_max = exposed::largest_over(&self.union, self.distance, zone, floor, budget);
+        let floor = fmax(0.0, 1e-3 * inward.max);
+        let inward_max = exposed::largest_over(&self.union, self.distance, place, floor, budget);
 
         let share = |part: f64, whole: f64| match whole > 0.0 {
             true => fmin(100.0 * part / whole, 100.0),

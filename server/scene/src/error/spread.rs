@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::largest::Largest;
 
-/// Mean, 95th percentile and maximum of a set of distances, millimetres.
+/// Mean, 95th percentile and maximum of a set of distances, millimetres. Of no distances at all they are
+/// not numbers (`null` in JSON), so that nobody takes them for small.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Spread {
     /// Mean, weighted by area.
@@ -24,7 +25,12 @@ impl Spread {
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = values.iter().map(|value| value.1).sum();
         let Some(&(max, _)) = values.last() else {
-            return Self::default();
+            return Self {
+                mean: f64::NAN,
+                p95: f64::NAN,
+                max: f64::NAN,
+                max_at_most: None,
+            };
         };
         if total <= 0.0 {
             return Self {
@@ -48,6 +54,9 @@ impl Spread {
 
     /// With the maximum that a search found.
     pub(super) fn with(self, largest: Largest) -> Self {
+        if self.max.is_nan() && largest.attained <= 0.0 {
+            return self;
+        }
         Self {
             max: 1e3 * largest.attained,
             max_at_most: Some(1e3 * largest.at_most),

@@ -4,6 +4,7 @@ use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, fmin, norm};
 
 use super::largest::{Examined, Largest, largest};
+use super::patch::{disc, quarters};
 use super::union::Union;
 use crate::mesh::TriMesh;
 use crate::zone::Zone;
@@ -66,10 +67,7 @@ pub(super) fn largest_over(
         floor,
         budget,
         |corners| {
-            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let radius = corners
-                .iter()
-                .fold(0.0, |radius, corner| fmax(radius, norm(&(corner - centre))));
+            let (centre, radius) = disc(corners);
             let beyond = zone.map_or(f64::NEG_INFINITY, |zone| zone.beyond(&centre));
             if beyond > radius {
                 return Examined {
@@ -99,9 +97,6 @@ pub(super) fn largest_over(
                 bound: Some(fmax(fmin(gap, value + radius), bulge)),
             }
         },
-        |[a, b, c]| {
-            let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
-            [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [bc, ca, ab]]
-        },
+        quarters,
     )
 }

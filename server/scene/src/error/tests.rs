@@ -181,8 +181,36 @@ fn a_displaced_ball_shows_by_exactly_what_it_was_displaced() {
     let there = report.zones[0].levels.last().expect("levels");
     near(there.spheres_to_mesh_mm.max, 0.123, 1e-3);
     assert!(there.spheres_to_mesh_mm.max_at_most.expect("searched") >= 0.123);
-    near(report.zones[0].area_mm2, 0.6, 0.01);
+    near(report.zones[0].area_mm2, 0.6, 0.02);
     assert_eq!(there.volume, None);
+    // The root is a ball about everything: nothing of it is nearest to that place.
+    let root = &report.zones[0].levels[0];
+    assert!(root.spheres_to_mesh_mm.max.is_nan(), "{root:?}");
+    assert!(root.mesh_to_spheres_mm.max > 1.0);
+}
+
+#[test]
+fn a_patch_is_the_part_of_the_surface_in_the_zone() {
+    let mesh = cuboid(Vec3::repeat(0.005));
+    let disc = |radius: f64| Zone {
+        name: "disc".into(),
+        regions: vec![Region::Ball {
+            centre: Vec3::new(0.0, 0.0, 0.005),
+            radius,
+        }],
+    };
+    let patch = zone_patch(&mesh, &disc(0.002));
+    near(patch.area() / (PI * 0.002 * 0.002), 1.0, 0.005);
+    assert!(patch.vertices.iter().all(|v| v.z == 0.005));
+    assert!(zone_patch(&mesh, &disc(1.0)).triangles.len() == 12);
+    let nowhere = Zone {
+        name: "inside".into(),
+        regions: vec![Region::Ball {
+            centre: Vec3::zeros(),
+            radius: 0.004,
+        }],
+    };
+    assert!(zone_patch(&mesh, &nowhere).triangles.is_empty());
 }
 
 #[test]

@@ -77,8 +77,8 @@ struct Report<'a> {
 pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     let mesh = load_stl(&args.mesh, args.unit)?;
     let described = check(&mesh, &args.mesh.display().to_string())?;
+    let zones = zone::zones(&args.zone, args.unit, &mesh, &args.mesh)?;
     let distance = MeshDistance::new(mesh);
-    let zones = zone::zones(&args.zone, args.unit, &distance, &args.mesh)?;
     if let Some(out) = &args.out {
         // Minutes of building should not end at a folder that cannot be written.
         writable(out)?;

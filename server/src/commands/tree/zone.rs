@@ -9,8 +9,9 @@ use sulcus_core::Vec3;
 use sulcus_scene::build::TreeOptions;
 use sulcus_scene::check::check;
 use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::error::zone_area;
+use sulcus_scene::error::zone_patch;
 use sulcus_scene::load::{Unit, load_stl};
+use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::zone::{Region, Zone};
 
 /// Name of a zone that was given none.
@@ -104,8 +105,8 @@ fn positive(x: f64, what: &str) -> Result<(), String> {
 pub(super) fn zones(
     arguments: &[ZoneArg],
     unit: Unit,
-    distance: &MeshDistance,
-    mesh: &Path,
+    mesh: &TriMesh,
+    file: &Path,
 ) -> anyhow::Result<Vec<Zone>> {
     let mut zones: Vec<Zone> = Vec::new();
     for argument in arguments {
@@ -119,11 +120,11 @@ pub(super) fn zones(
         }
     }
     for zone in &zones {
-        if zone_area(distance, zone, 100_000) <= 0.0 {
+        if zone_patch(mesh, zone).triangles.is_empty() {
             bail!(
                 "zone `{}` holds nothing of the surface of {}, expected a region that meets it (millimetres, in the mesh's own frame)",
                 zone.name,
-                mesh.display()
+                file.display()
             );
         }
     }
