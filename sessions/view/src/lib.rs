@@ -10,6 +10,9 @@ pub use tree::{LevelPicture, TreePicture, write_tree};
 
 use std::path::PathBuf;
 
+/// What Rerun said.
+pub type Refusal = Box<dyn std::error::Error + Send + Sync>;
+
 /// Why a file for the viewer could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
@@ -19,7 +22,7 @@ pub enum ViewError {
         /// The file.
         file: PathBuf,
         /// What Rerun said.
-        source: Box<rerun::RecordingStreamError>,
+        source: Refusal,
     },
     /// What should be shown does not fit together.
     #[error("level {level}: {field} has {found} entries, expected {expected}")]

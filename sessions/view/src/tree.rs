@@ -8,7 +8,7 @@ use rerun::blueprint::{
 };
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 
-use crate::ViewError;
+use crate::{Refusal, ViewError};
 
 /// Name of the timeline that the slider moves on.
 const TIMELINE: &str = "level";
@@ -55,11 +55,11 @@ pub fn write_tree(path: &Path, picture: &TreePicture) -> Result<(), ViewError> {
     picture.fits()?;
     log(path, picture).map_err(|source| ViewError::Write {
         file: path.to_owned(),
-        source: Box::new(source),
+        source,
     })
 }
 
-fn log(path: &Path, picture: &TreePicture) -> Result<(), RecordingStreamError> {
+fn log(path: &Path, picture: &TreePicture) -> Result<(), Refusal> {
     let stream = RecordingStreamBuilder::new("sulcus_tree")
         // Whatever the environment says of Rerun: a file was asked for.
         .enabled(true)

@@ -9,7 +9,7 @@ use sulcus_core::{Sphere, Vec3};
 
 use super::largest::{Examined, Largest, largest};
 use super::patch::{Place, SAME};
-use super::union::Union;
+use super::union::{Cover, Union};
 use crate::distance::MeshDistance;
 use crate::parallel;
 use crate::shapes::icosphere;
@@ -108,14 +108,17 @@ impl Cells {
         let sphere = &union.spheres()[own];
         let cell = &self.0[layer][index];
         let point = sphere.centre + cell.direction * sphere.radius;
-        let depth = -union.covered(&point, own).0;
+        let radius = cell.radius * sphere.radius;
+        let cover = union.cover(&point, own, |s| {
+            norm(&(point - s.centre)) + radius < s.radius
+        });
         if layer + 1 < self.0.len() {
-            if depth < cell.radius * sphere.radius {
+            if cover != Cover::Whole {
                 for child in 4 * index..4 * index + 4 {
                     self.descend(layer + 1, child, own, union, distance, points);
                 }
             }
-        } else if depth <= 0.0 {
+        } else if cover == Cover::Nothing {
             points.push(ExposedPoint {
                 ball: own as u32,
                 point,
@@ -151,27 +154,43 @@ pub(super) fn largest_over(
 ) -> Largest {
     let icosahedron = roots();
     let cells = (0..union.spheres().len())
-        .flat_map(|own| icosahedron.iter().map(move |corners| (own, *corners)))
+        .flat_map(|own| {
+            icosahedron.iter().map(move |corners| Piece {
+                own,
+                corners: *corners,
+                bound: f64::INFINITY,
+                slack: 0.0,
+            })
+        })
         .collect();
     largest(
         cells,
         floor,
         budget,
-        |(own, corners): &(usize, Corners)| {
+        |piece: &Piece, matters| {
+            let sphere = &union.spheres()[piece.own];
+            let (direction, chord) = disc(&piece.corners);
+            let point = sphere.centre + direction * sphere.radius;
+            let radius = chord * sphere.radius;
+            let cover = union.cover(&point, piece.own, |s| {
+                farthest(sphere, &piece.corners, chord, &s.centre) < s.radius
+            });
             let nothing = Examined {
                 attained: None,
                 bound: None,
             };
-            let sphere = &union.spheres()[*own];
-            let (direction, chord) = disc(corners);
-            let (point, radius) = (
-                sphere.centre + direction * sphere.radius,
-                chord * sphere.radius,
-            );
-            let (off, cover) = union.covered(&point, *own);
-            let cover = &union.spheres()[cover];
-            if off < 0.0 && farthest(sphere, corners, chord, &cover.centre) < cover.radius {
+            if cover == Cover::Whole {
                 return nothing;
+            }
+            // Deep inside, where only the cover must be found, the distance would not help.
+            if cover == Cover::Point
+                && piece.bound.is_finite()
+                && piece.bound - piece.slack > matters
+            {
+                return Examined {
+                    attained: None,
+                    bound: Some(piece.bound),
+                };
             }
             let nearest = distance.nearest(&point);
             let value = nearest.signed.abs();
@@ -180,15 +199,33 @@ pub(super) fn largest_over(
                 return nothing;
             }
             Examined {
-                attained: (off >= 0.0 && detour < SAME).then_some(value),
+                attained: (cover == Cover::Nothing && detour < SAME).then_some(value),
                 bound: Some(fmin(
                     value + radius,
-                    farthest(sphere, corners, chord, &nearest.point),
+                    farthest(sphere, &piece.corners, chord, &nearest.point),
                 )),
             }
         },
-        |(own, corners)| quarters(corners).map(|corners| (*own, corners)),
+        |piece, bound| {
+            let radius = disc(&piece.corners).1 * union.spheres()[piece.own].radius;
+            quarters(&piece.corners).map(|corners| Piece {
+                own: piece.own,
+                corners,
+                bound,
+                slack: 2.0 * radius,
+            })
+        },
     )
+}
+
+/// A part of a ball's surface.
+struct Piece {
+    own: usize,
+    corners: Corners,
+    /// No distance is above it.
+    bound: f64,
+    /// None is below `bound` by more.
+    slack: f64,
 }
 
 /// No point of the cell is farther from `point`.

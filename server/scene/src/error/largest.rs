@@ -59,14 +59,16 @@ impl<C> Ord for Open<C> {
     }
 }
 
-/// The largest value over the cells `roots`. `floor` is a value known to be met, `budget` how many
-/// cells may be examined beyond the roots; when it runs out, `at_most` says what is still possible.
+/// The largest value over the cells `roots`. `examine` also gets the value that matters: a bound below
+/// it is as good as any other. `split` also gets the bound of the cell that it cuts. `floor` is a value
+/// known to be met, `budget` how many cells may be examined beyond the roots; when it runs out, `at_most`
+/// says what is still possible.
 pub(super) fn largest<C: Send + Sync>(
     roots: Vec<C>,
     floor: f64,
     budget: usize,
-    examine: impl Fn(&C) -> Examined + Sync,
-    split: impl Fn(&C) -> [C; 4],
+    examine: impl Fn(&C, f64) -> Examined + Sync,
+    split: impl Fn(&C, f64) -> [C; 4],
 ) -> Largest {
     let limit = roots.len() + budget;
     let mut best = floor;
@@ -76,11 +78,12 @@ pub(super) fn largest<C: Send + Sync>(
     let mut cells = roots;
     let mut examined = 0;
     loop {
-        let found = parallel::map(cells.len(), |k| examine(&cells[k]));
+        let matters = enough(best);
+        let found = parallel::map(cells.len(), |k| examine(&cells[k], matters));
         for attained in found.iter().filter_map(|found| found.attained) {
             best = fmax(best, attained);
         }
-        let enough = fmax(best * (1.0 + RELATIVE), best + ABSOLUTE);
+        let enough = enough(best);
         for (found, cell) in found.into_iter().zip(cells.drain(..)) {
             examined += 1;
             match found.bound {
@@ -99,7 +102,7 @@ pub(super) fn largest<C: Send + Sync>(
                 _ => break,
             }
             if let Some(top) = open.pop() {
-                cells.extend(split(&top.cell));
+                cells.extend(split(&top.cell, top.bound));
             }
         }
         if cells.is_empty() {
@@ -112,6 +115,11 @@ pub(super) fn largest<C: Send + Sync>(
     }
 }
 
+/// What a bound must exceed for its cell to be looked into.
+fn enough(best: f64) -> f64 {
+    fmax(best * (1.0 + RELATIVE), best + ABSOLUTE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,14 +130,14 @@ mod tests {
             vec![(0.0, 0.5), (0.5, 1.0)],
             0.0,
             budget,
-            |&(a, b)| {
+            |&(a, b), _| {
                 let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
                 Examined {
                     attained: counts(middle).then(|| f(middle)),
                     bound: (counts(a) || counts(b)).then(|| f(middle) + half),
                 }
             },
-            |&(a, b)| {
+            |&(a, b), _| {
                 let at = |k: f64| a + (b - a) * 0.25 * k;
                 [0.0, 1.0, 2.0, 3.0].map(|k| (at(k), at(k + 1.0)))
             },

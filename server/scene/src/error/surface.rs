@@ -66,7 +66,7 @@ pub(super) fn largest_over(
         roots,
         floor,
         budget,
-        |corners| {
+        |corners: &[Vec3; 3], _| {
             let (centre, radius) = disc(corners);
             let beyond = zone.map_or(f64::NEG_INFINITY, |zone| zone.beyond(&centre));
             if beyond > radius {
@@ -97,6 +97,6 @@ pub(super) fn largest_over(
                 bound: Some(fmax(fmin(gap, value + radius), bulge)),
             }
         },
-        quarters,
+        |corners, _| quarters(corners),
     )
 }

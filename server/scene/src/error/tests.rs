@@ -13,6 +13,14 @@ fn ball(x: f64, y: f64, z: f64, radius: f64) -> Sphere {
     }
 }
 
+/// The default, but for a search that gives up sooner where the error is the same everywhere.
+fn quick() -> Sampling {
+    Sampling {
+        budget: 300_000,
+        ..Sampling::default()
+    }
+}
+
 fn measured(spheres: &[Sphere], mesh: &MeshDistance, sampling: &Sampling) -> LevelError {
     let tree = SphereTree::over_leaves(spheres).expect("a tree");
     let level = tree.depth();
@@ -72,8 +80,9 @@ fn one_ball_against_a_ball_that_is_larger() {
     // The mesh's flat triangles lie inside their sphere by at most the sagitta of the largest.
     let mesh = MeshDistance::new(icosphere(0.005, 5));
     let edge = 0.005 * 1.11 / 32.0;
-    let sagitta_mm = 1e3 * edge * edge / (6.0 * 0.005);
-    let found = measured(&[ball(0.0, 0.0, 0.0, 0.0049)], &mesh, &Sampling::default());
+    // Edges differ by a fifth.
+    let sagitta_mm = 1.4e3 * edge * edge / (6.0 * 0.005);
+    let found = measured(&[ball(0.0, 0.0, 0.0, 0.0049)], &mesh, &quick());
     let (out, back) = (found.mesh_to_spheres_mm, found.spheres_to_mesh_mm);
     near(out.max, 0.1, 1e-9);
     near(out.mean, 0.1, sagitta_mm);
@@ -83,7 +92,7 @@ fn one_ball_against_a_ball_that_is_larger() {
         assert!(spread.p95 <= spread.max && spread.p95 >= spread.mean);
         let at_most = spread.max_at_most.expect("searched");
         assert!(
-            at_most >= spread.max && at_most < 1.06 * spread.max,
+            at_most >= spread.max && at_most < 1.15 * spread.max,
             "{spread:?}"
         );
     }
@@ -100,7 +109,7 @@ fn one_ball_against_a_ball_that_is_larger() {
     near(volume.missing_volume_percent, -expected, 0.02);
     near(volume.excess_volume_percent, 0.0, 1e-9);
 
-    let larger = measured(&[ball(0.0, 0.0, 0.0, 0.0052)], &mesh, &Sampling::default());
+    let larger = measured(&[ball(0.0, 0.0, 0.0, 0.0052)], &mesh, &quick());
     assert_eq!(larger.uncovered_area_percent, 0.0);
     near(larger.max_bulge_mm, 0.2, 1.1 * sagitta_mm);
     assert_eq!(larger.max_gap_mm, 0.0);
@@ -111,7 +120,7 @@ fn two_overlapping_balls_against_their_own_surface() {
     let (radius, half) = (0.003, 0.002);
     let mesh = peanut(radius, half, 60, 120);
     let both = [ball(-half, 0.0, 0.0, radius), ball(half, 0.0, 0.0, radius)];
-    let found = measured(&both, &mesh, &Sampling::default());
+    let found = measured(&both, &mesh, &quick());
     // Chords of 2 and 3 degrees: 0.5 and 1 um under the arc, at most together.
     assert!(found.mesh_to_spheres_mm.max < 0.002, "{found:?}");
     assert!(found.spheres_to_mesh_mm.max < 0.002, "{found:?}");
@@ -127,7 +136,7 @@ fn two_overlapping_balls_against_their_own_surface() {
 
     // One of the two alone: the farthest point of the mesh is the other's pole, and what the ball hides
     // inside is farthest from the surface where the seam plane's depth is largest.
-    let one = measured(&both[..1], &mesh, &Sampling::default());
+    let one = measured(&both[..1], &mesh, &quick());
     near(one.mesh_to_spheres_mm.max, 1e3 * 2.0 * half, 1e-6);
     near(
         one.spheres_to_mesh_mm.max,
@@ -158,11 +167,11 @@ fn a_displaced_ball_shows_by_exactly_what_it_was_displaced() {
     let mut row: Vec<Sphere> = (0..41)
         .map(|k| ball(-0.009 + 0.018 * f64::from(k) / 40.0, 0.0, 0.0, 0.001))
         .collect();
-    let before = measured(&row, &mesh, &Sampling::default());
+    let before = measured(&row, &mesh, &quick());
     assert_eq!(before.max_bulge_mm, 0.0);
     // ... and one that then sticks out by 0.123 mm.
     row[17].centre.y += 0.000_123;
-    let after = measured(&row, &mesh, &Sampling::default());
+    let after = measured(&row, &mesh, &quick());
     near(
         after.spheres_to_mesh_mm.max,
         before.spheres_to_mesh_mm.max.max(0.123),
@@ -177,16 +186,37 @@ fn a_displaced_ball_shows_by_exactly_what_it_was_displaced() {
         }],
     };
     let tree = SphereTree::over_leaves(&row).expect("a tree");
-    let report = measure(&tree, &mesh, &[zone], &Sampling::default(), &|_| {});
+    let report = measure(&tree, &mesh, &[zone], &quick(), &|_| {});
     let there = report.zones[0].levels.last().expect("levels");
     near(there.spheres_to_mesh_mm.max, 0.123, 1e-3);
     assert!(there.spheres_to_mesh_mm.max_at_most.expect("searched") >= 0.123);
     near(report.zones[0].area_mm2, 0.6, 0.02);
     assert_eq!(there.volume, None);
-    // The root is a ball about everything: nothing of it is nearest to that place.
+    // The root is a ball about everything, far from that place, and counts all the same.
     let root = &report.zones[0].levels[0];
-    assert!(root.spheres_to_mesh_mm.max.is_nan(), "{root:?}");
-    assert!(root.mesh_to_spheres_mm.max > 1.0);
+    assert!(root.spheres_to_mesh_mm.max > 8.0, "{root:?}");
+}
+
+#[test]
+fn where_no_sphere_is_nearest_there_is_no_distance_rather_than_none_at_all() {
+    let mesh = MeshDistance::new(cuboid(Vec3::repeat(0.005)));
+    let corner = Zone {
+        name: "corner".into(),
+        regions: vec![Region::Ball {
+            centre: Vec3::repeat(0.005),
+            radius: 0.001,
+        }],
+    };
+    let tree = SphereTree::over_leaves(&[ball(0.0, 0.0, 0.0, 0.001)]).expect("a tree");
+    let report = measure(&tree, &mesh, &[corner], &quick(), &|_| {});
+    let there = &report.zones[0].levels[0];
+    assert!(there.spheres_to_mesh_mm.max.is_nan(), "{there:?}");
+    assert_eq!(there.measured.exposed_points, 0);
+    near(
+        there.mesh_to_spheres_mm.max,
+        5.0 * 3.0_f64.sqrt() - 1.0,
+        1e-9,
+    );
 }
 
 #[test]
@@ -224,13 +254,13 @@ fn maxima_hardly_depend_on_the_number_of_points() {
         .collect();
     let coarse = Sampling {
         mesh_points: 3_000,
-        ..Sampling::default()
+        ..quick()
     };
     let fine = Sampling {
         mesh_points: 48_000,
         points_per_sphere: 80_000,
         rays: 800_000,
-        ..Sampling::default()
+        ..quick()
     };
     let (a, b) = (
         measured(&spheres, &mesh, &coarse),
@@ -262,7 +292,7 @@ fn a_shell_of_balls_has_a_cavity_and_a_full_one_has_none() {
         .iter()
         .map(|d| ball(0.004 * d.x, 0.004 * d.y, 0.004 * d.z, 0.001))
         .collect();
-    let hollow = measured(&shell, &mesh, &Sampling::default());
+    let hollow = measured(&shell, &mesh, &quick());
     // The cavity is about a ball of radius 3 mm: 22 % of the volume, a little more than a quarter of
     // the exposed area.
     let volume = hollow.volume.expect("volumes");
@@ -284,11 +314,11 @@ fn a_shell_of_balls_has_a_cavity_and_a_full_one_has_none() {
         .filter(|s| s.centre.z < 0.003)
         .copied()
         .collect();
-    let opened = measured(&open, &mesh, &Sampling::default());
+    let opened = measured(&open, &mesh, &quick());
     assert_eq!(opened.cavity_area_percent, 0.0, "{opened:?}");
 
     shell.push(ball(0.0, 0.0, 0.0, 0.0035));
-    let full = measured(&shell, &mesh, &Sampling::default());
+    let full = measured(&shell, &mesh, &quick());
     assert!(full.cavity_area_percent < 0.5, "{full:?}");
     assert!(full.volume.expect("volumes").cavity_volume_percent < 0.1);
 }

@@ -6,11 +6,26 @@ use sulcus_core::{Sphere, Vec3};
 /// Balls in a leaf.
 const LEAF: usize = 4;
 
+/// Balls that are asked whether they cover all, before the answer is no: deep in a fine tree a point is
+/// in hundreds.
+const TRIES: usize = 16;
+
 /// The union of the spheres of one level.
 pub(super) struct Union {
     /// In the order of the leaves; no two are equal.
     spheres: Vec<Sphere>,
     parts: Vec<Part>,
+}
+
+/// What other balls cover.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cover {
+    /// Not even the point asked about.
+    Nothing,
+    /// The point, but none of the first balls that were found to do so covers all that is round it.
+    Point,
+    /// All that was asked about.
+    Whole,
 }
 
 /// A box around centres.
@@ -46,17 +61,98 @@ impl Union {
     /// `min_i(|p - c_i| - r_i)`, metres: the distance outside of the union, minus the depth below
     /// the surface of the ball in which `p` is deepest inside of it.
     pub(super) fn signed(&self, p: &Vec3) -> f64 {
-        self.least(p, f64::INFINITY, None).0
+        self.nearest(p).0
     }
 
     /// The same, and the number of the ball that gives it.
     pub(super) fn nearest(&self, p: &Vec3) -> (f64, usize) {
-        self.least(p, f64::INFINITY, None)
+        let (mut best, mut which) = (f64::INFINITY, 0);
+        let mut stack = [(0_u32, f64::NEG_INFINITY); 64];
+        let mut top = usize::from(!self.parts.is_empty());
+        while top > 0 {
+            top -= 1;
+            let (index, bound) = stack[top];
+            if bound >= best {
+                continue;
+            }
+            let part = &self.parts[index as usize];
+            if part.count > 0 {
+                let first = part.next as usize;
+                for k in first..first + part.count as usize {
+                    let s = &self.spheres[k];
+                    let off = (p - s.centre).norm() - s.radius;
+                    if off < best {
+                        (best, which) = (off, k);
+                    }
+                }
+                continue;
+            }
+            let (left, right) = (index + 1, part.next);
+            let (bl, br) = (
+                self.parts[left as usize].bound(p),
+                self.parts[right as usize].bound(p),
+            );
+            let (near, far) = if bl <= br {
+                ((left, bl), (right, br))
+            } else {
+                ((right, br), (left, bl))
+            };
+            stack[top] = far;
+            stack[top + 1] = near;
+            top += 2;
+        }
+        (best, which)
     }
 
-    /// The same over all balls but number `own`, where negative, else 0; and the ball.
-    pub(super) fn covered(&self, p: &Vec3, own: usize) -> (f64, usize) {
-        self.least(p, 0.0, Some(own))
+    /// Which balls but number `own` cover a point `p` on its surface and what is round it; `whole` says
+    /// of a ball that covers `p` whether it covers all that is asked about.
+    pub(super) fn cover(&self, p: &Vec3, own: usize, whole: impl Fn(&Sphere) -> bool) -> Cover {
+        let mut tried = 0;
+        let mut stack = [0_u32; 64];
+        let mut top = usize::from(!self.parts.is_empty());
+        while top > 0 {
+            top -= 1;
+            let index = stack[top];
+            let part = &self.parts[index as usize];
+            if part.count == 0 {
+                let (left, right) = (index + 1, part.next);
+                let (bl, br) = (
+                    self.parts[left as usize].bound(p),
+                    self.parts[right as usize].bound(p),
+                );
+                // Where a ball may reach deepest is looked at first, which is the last on the stack.
+                let (first, second) = if bl <= br {
+                    ((left, bl), (right, br))
+                } else {
+                    ((right, br), (left, bl))
+                };
+                for (child, bound) in [second, first] {
+                    if bound < 0.0 {
+                        stack[top] = child;
+                        top += 1;
+                    }
+                }
+                continue;
+            }
+            let first = part.next as usize;
+            for k in first..first + part.count as usize {
+                let s = &self.spheres[k];
+                if k != own && (p - s.centre).norm() < s.radius {
+                    if whole(s) {
+                        return Cover::Whole;
+                    }
+                    tried += 1;
+                    if tried == TRIES {
+                        return Cover::Point;
+                    }
+                }
+            }
+        }
+        if tried > 0 {
+            Cover::Point
+        } else {
+            Cover::Nothing
+        }
     }
 
     /// How deep inside a ball a point of a disc is at most: the largest `r_i - |p - c_i|` over the
@@ -95,47 +191,6 @@ impl Union {
             }
         }
         best
-    }
-
-    fn least(&self, p: &Vec3, start: f64, without: Option<usize>) -> (f64, usize) {
-        let (mut best, mut which) = (start, 0);
-        let mut stack = [(0_u32, f64::NEG_INFINITY); 64];
-        let mut top = usize::from(!self.parts.is_empty());
-        while top > 0 {
-            top -= 1;
-            let (index, bound) = stack[top];
-            if bound >= best {
-                continue;
-            }
-            let part = &self.parts[index as usize];
-            if part.count > 0 {
-                let first = part.next as usize;
-                for k in first..first + part.count as usize {
-                    if Some(k) != without {
-                        let s = &self.spheres[k];
-                        let off = (p - s.centre).norm() - s.radius;
-                        if off < best {
-                            (best, which) = (off, k);
-                        }
-                    }
-                }
-                continue;
-            }
-            let (left, right) = (index + 1, part.next);
-            let (bl, br) = (
-                self.parts[left as usize].bound(p),
-                self.parts[right as usize].bound(p),
-            );
-            let (near, far) = if bl <= br {
-                ((left, bl), (right, br))
-            } else {
-                ((right, br), (left, bl))
-            };
-            stack[top] = far;
-            stack[top + 1] = near;
-            top += 2;
-        }
-        (best, which)
     }
 }
 
@@ -211,7 +266,20 @@ mod tests {
             let p = point(1.5);
             assert_eq!(union.signed(&p), all(&p, None));
             let own = k % 300;
-            assert_eq!(union.covered(&p, own).0, fmin(0.0, all(&p, Some(own))));
+            let reach = 0.001 * k as f64;
+            let holds = |s: &Sphere| (p - s.centre).norm() + reach < s.radius;
+            let others = union.spheres().iter().enumerate();
+            let expected = if others.filter(|&(k, _)| k != own).any(|(_, s)| holds(s)) {
+                Cover::Whole
+            } else if all(&p, Some(own)) < 0.0 {
+                Cover::Point
+            } else {
+                Cover::Nothing
+            };
+            let found = union.cover(&p, own, holds);
+            assert_eq!(found == Cover::Nothing, expected == Cover::Nothing);
+            // It may give up, never claim too much.
+            assert!(found == expected || found == Cover::Point, "{found:?}");
         }
         for k in 0..200 {
             let (p, normal) = (point(1.5), point(1.0).normalize());
