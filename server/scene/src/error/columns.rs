@@ -23,6 +23,9 @@ struct Gap {
 /// A cavity that shows on fewer rays is not told from a crevice of the outer surface.
 const LEAST_RAYS: u32 = 4;
 
+/// Most cuts of a ray through a ball, over all rays and balls.
+const MOST_CUTS: f64 = 5e7;
+
 /// The rays and what is on them.
 pub(super) struct Columns {
     /// The axes across the rays, then that of the rays.
@@ -51,7 +54,7 @@ struct Row {
 }
 
 impl Columns {
-    /// About `count` rays along the longest side of the box around union and mesh.
+    /// About `count` rays, fewer where balls would cut them too often, along the longest side of the box around union and mesh.
     pub(super) fn new(spheres: &[Sphere], mesh: &TriMesh, count: usize) -> Self {
         let (mut low, mut high) = mesh.bounds();
         for s in spheres {
@@ -61,7 +64,16 @@ impl Columns {
         let sides = high - low;
         let w = sides.imax();
         let axes = [(w + 1) % 3, (w + 2) % 3, w];
-        let step = (sides[axes[0]] * sides[axes[1]] / count as f64).sqrt();
+        // In a deep tree of large overlapping balls every ray would be cut thousands of times.
+        let discs: f64 = spheres
+            .iter()
+            .map(|s| std::f64::consts::PI * s.radius * s.radius)
+            .sum();
+        let step = fmax(
+            sides[axes[0]] * sides[axes[1]] / count as f64,
+            discs / MOST_CUTS,
+        )
+        .sqrt();
         let size = [0, 1].map(|k| (sides[axes[k]] / step).ceil().max(1.0) as usize);
         let mut columns = Self {
             axes,
