@@ -49,7 +49,7 @@ pub(super) fn page(subject: &Subject, levels: &[LevelErrors], galleries: &Galler
     for zone in &subject.report.zones {
         let _ = writeln!(
             html,
-            "<section><h2>In the zone “{}” only</h2>\n<p class=\"note\">{:.2} mm² of the mesh ({:.1} %).</p>",
+            "<section><h2>In the zone “{}” only</h2>\n<p class=\"note\">{:.2} mm² of the mesh ({:.1} %). “Spheres to mesh” is over exposed points whose nearest point of the mesh is in the zone; “–”: there is none.</p>",
             escaped(&zone.name),
             zone.area_mm2,
             1e-4 * zone.area_mm2 / subject.distance.mesh().area(),
@@ -201,9 +201,9 @@ fn section(
         let what = format!(" in the zone “{}”", escaped(&zone.name));
         pictures(html, &what, &gallery[index]);
     }
-    let _ = write!(
+    let _ = writeln!(
         html,
-        "<p class=\"note\">Measured at {} points of the mesh and {} exposed points of the spheres; volumes along rays {:.3} mm apart.</p></section>\n",
+        "<p class=\"note\">Measured at {} points of the mesh and {} exposed points of the spheres; volumes along rays {:.3} mm apart.</p></section>",
         error.measured.mesh_points, error.measured.exposed_points, error.measured.ray_spacing_mm,
     );
 }

@@ -179,19 +179,21 @@ impl Columns {
                     continue;
                 }
                 let (reach, middle) = (square.sqrt(), s.centre[u]);
-                for column in first(middle - reach)..first(middle + reach).min(this.size[0]) {
+                let (from, to) = (first(middle - reach), first(middle + reach));
+                for (column, spans) in union.iter_mut().enumerate().take(to).skip(from) {
                     let x = this.low[u] + (column as f64 + 0.5) * this.step - middle;
                     let half = fmax(square - x * x, 0.0).sqrt();
-                    union[column].push((s.centre[w] - half, s.centre[w] + half));
+                    spans.push((s.centre[w] - half, s.centre[w] + half));
                 }
             }
             let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); this.size[0]];
             for &t in &triangles[row] {
                 let c = mesh.corners(t as usize).map(|c| c[u]);
                 let (least, most) = (fmin(c[0], fmin(c[1], c[2])), fmax(c[0], fmax(c[1], c[2])));
-                for column in first(least)..first(most).min(this.size[0]) {
+                let range = crossings.iter_mut().enumerate();
+                for (column, found) in range.take(first(most)).skip(first(least)) {
                     let x = this.low[u] + (column as f64 + 0.5) * this.step;
-                    crossings[column].extend(crossing(mesh, t as usize, this.axes, x, y));
+                    found.extend(crossing(mesh, t as usize, this.axes, x, y));
                 }
             }
             let mut result = Row {
@@ -329,7 +331,7 @@ fn crossing(
     let corners = mesh.corners(triangle);
     let mut weights = [0.0; 3];
     let mut left = 0;
-    for k in 0..3 {
+    for (k, weight) in weights.iter_mut().enumerate() {
         // Edge against corner k. Both triangles of an edge compute it from the same end, so a ray
         // through the edge is in exactly one of them.
         let (a, b) = ((k + 1) % 3, (k + 2) % 3);
@@ -338,7 +340,7 @@ fn crossing(
         let (p, q) = (&corners[from], &corners[to]);
         let side = (q[u] - p[u]) * (y - p[v]) - (q[v] - p[v]) * (x - p[u]);
         left += u32::from((side >= 0.0) != turned);
-        weights[k] = if turned { -side } else { side };
+        *weight = if turned { -side } else { side };
     }
     let sum = weights[0] + weights[1] + weights[2];
     if !(left == 0 || left == 3) || sum == 0.0 {

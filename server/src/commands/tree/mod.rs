@@ -14,7 +14,7 @@ use sulcus_core::SphereTree;
 use sulcus_scene::build::{TreeOptions, build_tree};
 use sulcus_scene::check::check;
 use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::error::{LevelError, Sampling, TreeReport, ZoneError, measure};
+use sulcus_scene::error::{LevelError, Sampling, Spread, TreeReport, ZoneError, measure};
 use sulcus_scene::load::{Unit, load_stl};
 use sulcus_scene::zone::Zone;
 
@@ -218,21 +218,26 @@ fn print(levels: &[LevelError]) {
         "level  spheres   mesh to spheres            spheres to mesh           outside %  volume %"
     );
     for level in levels {
-        let (m, s) = (&level.mesh_to_spheres_mm, &level.spheres_to_mesh_mm);
+        let (out, back) = (&level.mesh_to_spheres_mm, &level.spheres_to_mesh_mm);
         let volume = level.volume.map_or(String::new(), |volume| {
             format!("{:+9.2}", volume.volume_error_percent)
         });
         println!(
-            "{:5}  {:7}   {:7.4} {:7.4} {:7.4}    {:7.4} {:7.4} {:7.4}   {:9.1} {volume}",
+            "{:5}  {:7}   {}    {}   {:9.1} {volume}",
             level.level,
             level.spheres,
-            m.mean,
-            m.p95,
-            m.max,
-            s.mean,
-            s.p95,
-            s.max,
+            three(out),
+            three(back),
             level.uncovered_area_percent,
         );
     }
+}
+
+/// Mean, percentile and maximum as columns; a stroke where there is no distance.
+fn three(spread: &Spread) -> String {
+    let [mean, p95, max] = [spread.mean, spread.p95, spread.max].map(|mm| match mm.is_nan() {
+        true => "      -".to_owned(),
+        false => format!("{mm:7.4}"),
+    });
+    format!("{mean} {p95} {max}")
 }
