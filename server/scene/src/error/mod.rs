@@ -321,7 +321,13 @@ impl<'a> Level<'a> {
         let floor = fmax(0.0, 1e-3 * outward.max);
         let outward_max = surface::largest_over(mesh, &self.union, zone, floor, budget);
         let floor = fmax(0.0, 1e-3 * inward.max);
-        let inward_max = exposed::largest_over(&self.union, self.distance, place, floor, budget);
+        // Where none of all these points is nearest to the zone there is nothing to search for.
+        let inward = if inward.max.is_nan() {
+            inward
+        } else {
+            let (union, distance) = (&self.union, self.distance);
+            inward.with(exposed::largest_over(union, distance, place, floor, budget))
+        };
 
         let share = |part: f64, whole: f64| match whole > 0.0 {
             true => fmin(100.0 * part / whole, 100.0),
@@ -340,7 +346,7 @@ impl<'a> Level<'a> {
             level: self.level,
             spheres: self.spheres,
             mesh_to_spheres_mm: outward.with(outward_max),
-            spheres_to_mesh_mm: inward.with(inward_max),
+            spheres_to_mesh_mm: inward,
             outer_to_mesh_mm: outer,
             max_gap_mm: 1e3 * extreme(1.0),
             max_bulge_mm: 1e3 * extreme(-1.0),

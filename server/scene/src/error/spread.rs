@@ -54,9 +54,6 @@ impl Spread {
 
     /// With the maximum that a search found.
     pub(super) fn with(self, largest: Largest) -> Self {
-        if self.max.is_nan() && largest.attained <= 0.0 {
-            return self;
-        }
         Self {
             max: 1e3 * largest.attained,
             max_at_most: Some(1e3 * largest.at_most),
