@@ -23,6 +23,8 @@ mod identity;
 mod inputs;
 mod metrics;
 mod network;
+mod page;
+mod picture;
 mod realtime;
 mod recording;
 mod running;

@@ -33,6 +33,7 @@ pub mod shapes;
 pub mod solid;
 mod validate;
 mod volume;
+pub mod zone;
 
 pub use cache::default_cache_dir;
 pub use compile::{

@@ -1,0 +1,245 @@
+//! `sulcus-server tree`: builds a sphere tree for one mesh, measures it and shows it.
+
+#[cfg(feature = "view")]
+mod viewer;
+mod zone;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+use sulcus_core::{SphereTree, Vec3};
+use sulcus_scene::build::{TreeOptions, build_weighted};
+use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::error::{LevelError, Sampling, Spread, TreeReport, ZoneError, measure};
+use sulcus_scene::load::Unit;
+use sulcus_scene::solid::read_solid;
+use sulcus_scene::zone::{Zone, importance};
+
+use super::scene::Narrator;
+use crate::page::{self, Subject};
+pub use zone::ZoneArg;
+
+/// Build a sphere tree for a mesh and measure its error, both ways and level by level.
+#[derive(Clone, Debug, Args)]
+#[command(
+    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nMaxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer.",
+    after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
+)]
+pub struct TreeArgs {
+    /// Closed surface: STL, OBJ or PLY; small faults are repaired and reported
+    pub mesh: PathBuf,
+    /// Finest level, 1 to 6; level L holds at most 8^L spheres
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=6))]
+    pub levels: u8,
+    /// Unit of the file: mm or m
+    #[arg(long, default_value = "mm")]
+    pub unit: Unit,
+    /// Build levels 1 and 2 through the volume, as a thing that deforms as a whole needs it
+    #[arg(long)]
+    pub deformable: bool,
+    /// Part of the surface that matters most and is measured apart: [NAME=]near:FILE:MM (at most MM
+    /// from the surface of another mesh in the same unit and frame), [NAME=]ball:X,Y,Z,R or
+    /// [NAME=]box:X,Y,Z,X,Y,Z (mm). May be repeated; those of one name are one zone, what they share
+    #[arg(long, value_name = "ZONE")]
+    pub zone: Vec<ZoneArg>,
+    /// How many times more a sample in a zone counts when the tree is built
+    #[arg(long, value_name = "W", default_value_t = 1000.0, requires = "zone")]
+    pub zone_weight: f64,
+    /// Write a page, its pictures and a file for Rerun into this folder, made when missing
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    levels: &'a [LevelError],
+    zones: &'a [ZoneError],
+    build_s: f64,
+    measure_s: f64,
+    mesh: &'a Path,
+    triangles: usize,
+    volume_mm3: f64,
+    repairs: &'a [String],
+    page: Option<PathBuf>,
+    rerun: Option<PathBuf>,
+}
+
+/// Runs the command; the exit code is 0.
+///
+/// # Errors
+/// If the mesh cannot be read or is not a closed surface, a zone makes no sense, or the result cannot
+/// be written.
+pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
+    let solid = read_solid(&args.mesh, args.unit)?;
+    let (mesh, described) = (solid.mesh, solid.report);
+    let repairs = solid.repairs.sentences();
+    for repair in &repairs {
+        eprintln!("repaired: {repair}");
+    }
+    let zones = zone::zones(&args.zone, args.unit, &mesh, &args.mesh)?;
+    let distance = MeshDistance::new(mesh);
+    if let Some(out) = &args.out {
+        // Minutes of building should not end at a folder that cannot be written.
+        writable(out)?;
+    }
+    let options = TreeOptions {
+        levels: args.levels,
+        volumetric: args.deformable,
+        ..TreeOptions::default()
+    };
+    let importance = |p: &Vec3| importance(&zones, args.zone_weight, p);
+    let narrator = Narrator::default();
+    let say = |stage: &str, share: f64| narrator.say(stage, share);
+    let started = Instant::now();
+    let tree = build_weighted(distance.mesh(), &options, &importance, &say)
+        .with_context(|| format!("{}: cannot build the tree", args.mesh.display()))?;
+    let build_s = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let report = measure(&tree, &distance, &zones, &Sampling::default(), &|level| {
+        let part = f64::from(level) / (f64::from(tree.depth()) + 1.0);
+        narrator.say(&format!("measuring level {level}"), part);
+    });
+    let measure_s = started.elapsed().as_secs_f64();
+
+    println!(
+        "{}: {} triangles, {} mm3",
+        args.mesh.display(),
+        described.triangles,
+        described.volume_mm3
+    );
+    println!(
+        "built in {build_s:.2} s, measured in {measure_s:.2} s; distances in mm (mean, p95, max)\n"
+    );
+    print(&report.levels);
+    for zone in &report.zones {
+        println!(
+            "\nzone `{}`, {:.2} mm2 of the mesh",
+            zone.name, zone.area_mm2
+        );
+        print(&zone.levels);
+    }
+    let (mut page, mut rerun) = (None, None);
+    if let Some(out) = &args.out {
+        let subject = subject(
+            args,
+            &distance,
+            &tree,
+            &zones,
+            &report,
+            [build_s, measure_s],
+        );
+        let levels = page::level_errors(&subject);
+        page = Some(page::write(out, &subject, &levels, &|what| {
+            narrator.say(what, 1.0);
+        })?);
+        rerun = for_rerun(out, &subject, &levels)?;
+        println!();
+        for path in page.iter().chain(&rerun) {
+            println!("written to {}", path.display());
+        }
+    }
+    if args.json {
+        let report = Report {
+            levels: &report.levels,
+            zones: &report.zones,
+            build_s,
+            measure_s,
+            mesh: &args.mesh,
+            triangles: described.triangles,
+            volume_mm3: described.volume_mm3,
+            repairs: &repairs,
+            page,
+            rerun,
+        };
+        println!("{}", serde_json::to_string(&report)?);
+    }
+    Ok(0)
+}
+
+fn subject<'a>(
+    args: &'a TreeArgs,
+    distance: &'a MeshDistance,
+    tree: &'a SphereTree,
+    zones: &'a [Zone],
+    report: &'a TreeReport,
+    [build_s, measure_s]: [f64; 2],
+) -> Subject<'a> {
+    let stem = args.mesh.file_stem().unwrap_or(args.mesh.as_os_str());
+    Subject {
+        name: stem.to_string_lossy().into_owned(),
+        file: &args.mesh,
+        distance,
+        tree,
+        zones,
+        report,
+        build_s,
+        measure_s,
+    }
+}
+
+/// Makes the folder if need be and writes a file into it.
+fn writable(folder: &Path) -> anyhow::Result<()> {
+    let probe = folder.join(".sulcus-tree");
+    std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::write(&probe, b""))
+        .and_then(|()| std::fs::remove_file(&probe))
+        .with_context(|| {
+            format!(
+                "{}: cannot write into the folder of --out",
+                folder.display()
+            )
+        })
+}
+
+/// The path of the written file.
+#[cfg(feature = "view")]
+fn for_rerun(
+    folder: &Path,
+    subject: &Subject,
+    levels: &[page::LevelErrors],
+) -> anyhow::Result<Option<PathBuf>> {
+    let path = folder.join("tree.rrd");
+    viewer::write(&path, subject, levels)?;
+    Ok(Some(path))
+}
+
+#[cfg(not(feature = "view"))]
+fn for_rerun(_: &Path, _: &Subject, _: &[page::LevelErrors]) -> anyhow::Result<Option<PathBuf>> {
+    eprintln!("note: no tree.rrd, this program was built without its feature `view`");
+    Ok(None)
+}
+
+fn print(levels: &[LevelError]) {
+    println!(
+        "level  spheres   mesh to spheres            spheres to mesh           outside %  volume %"
+    );
+    for level in levels {
+        let (out, back) = (&level.mesh_to_spheres_mm, &level.spheres_to_mesh_mm);
+        let volume = level.volume.map_or(String::new(), |volume| {
+            format!("{:+9.2}", volume.volume_error_percent)
+        });
+        println!(
+            "{:5}  {:7}   {}    {}   {:9.1} {volume}",
+            level.level,
+            level.spheres,
+            three(out),
+            three(back),
+            level.uncovered_area_percent,
+        );
+    }
+}
+
+/// Mean, percentile and maximum as columns; a stroke where there is no distance.
+fn three(spread: &Spread) -> String {
+    let [mean, p95, max] = [spread.mean, spread.p95, spread.max].map(|mm| match mm.is_nan() {
+        true => "      -".to_owned(),
+        false => format!("{mm:7.4}"),
+    });
+    format!("{mean} {p95} {max}")
+}

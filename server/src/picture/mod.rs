@@ -1,0 +1,11 @@
+//! Small pictures of meshes and spheres, drawn by the processor: what a report shows.
+
+mod camera;
+mod colour;
+mod image;
+mod raster;
+
+pub(crate) use camera::{Camera, SIDES};
+pub(crate) use colour::{GREY, diverging, hex, ivory};
+pub(crate) use image::{Image, data_uri};
+pub(crate) use raster::{Fragments, draw_mesh, draw_spheres};

@@ -1,0 +1,169 @@
+//! A sphere tree for the viewer: a slider steps through the levels.
+
+use std::path::Path;
+
+use rerun::blueprint::{
+    Blueprint, BlueprintActivation, ContainerLike, Horizontal, Spatial3DView, TextDocumentView,
+    TimePanel, Vertical,
+};
+use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
+
+use crate::{Refusal, ViewError};
+
+/// Name of the timeline that the slider moves on.
+const TIMELINE: &str = "level";
+
+/// A sphere tree and the mesh it stands for. Lengths in millimetres, x anterior, y to the patient's
+/// left, z up.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TreePicture {
+    /// What it is.
+    pub name: String,
+    /// Vertices of the mesh, fine enough to be coloured one by one.
+    pub vertices: Vec<[f32; 3]>,
+    /// A unit normal for each vertex.
+    pub normals: Vec<[f32; 3]>,
+    /// Triangles as vertex indices.
+    pub triangles: Vec<[u32; 3]>,
+    /// The levels, coarse to fine.
+    pub levels: Vec<LevelPicture>,
+}
+
+/// One level of the tree.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LevelPicture {
+    /// The level.
+    pub level: u8,
+    /// A colour (sRGB) for each vertex of the mesh, by its error.
+    pub vertex_colours: Vec<[u8; 3]>,
+    /// Centres of the spheres.
+    pub centres: Vec<[f32; 3]>,
+    /// Radii of the spheres.
+    pub radii: Vec<f32>,
+    /// A colour (sRGB) for each sphere.
+    pub sphere_colours: Vec<[u8; 3]>,
+    /// What is said about the level, Markdown.
+    pub caption: String,
+}
+
+/// Writes a file (`.rrd`) that the Rerun viewer of the same version opens: the mesh coloured by error
+/// beside the spheres, one pair of entities for each level, on a timeline `level`.
+///
+/// # Errors
+/// If the lists of a level do not fit together or the file cannot be written.
+pub fn write_tree(path: &Path, picture: &TreePicture) -> Result<(), ViewError> {
+    picture.fits()?;
+    log(path, picture).map_err(|source| ViewError::Write {
+        file: path.to_owned(),
+        source,
+    })
+}
+
+fn log(path: &Path, picture: &TreePicture) -> Result<(), Refusal> {
+    let stream = RecordingStreamBuilder::new("sulcus_tree")
+        // Whatever the environment says of Rerun: a file was asked for.
+        .enabled(true)
+        .save(path)?;
+    stream.send_recording_name(picture.name.as_str())?;
+    // When it was written is nobody's business; the level is the only time here.
+    stream.disable_timeline("log_time");
+    stream.disable_timeline("log_tick");
+    blueprint().send(&stream, BlueprintActivation::default())?;
+    for root in ["error", "spheres"] {
+        stream.log_static(root, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    }
+    let mut before: Option<&LevelPicture> = None;
+    for level in &picture.levels {
+        stream.set_time_sequence(TIMELINE, i64::from(level.level));
+        if let Some(before) = before {
+            // Else the level before would stay in sight.
+            for root in ["error", "spheres"] {
+                stream.log(entity(root, before), &rerun::Clear::flat())?;
+            }
+        }
+        log_level(&stream, picture, level)?;
+        before = Some(level);
+    }
+    stream.flush_blocking()?;
+    Ok(())
+}
+
+fn entity(root: &str, level: &LevelPicture) -> String {
+    format!("{root}/level_{}", level.level)
+}
+
+fn log_level(
+    stream: &RecordingStream,
+    picture: &TreePicture,
+    level: &LevelPicture,
+) -> Result<(), RecordingStreamError> {
+    let colours = |of: &[[u8; 3]]| -> Vec<rerun::Color> {
+        of.iter()
+            .map(|[r, g, b]| rerun::Color::from_rgb(*r, *g, *b))
+            .collect()
+    };
+    let mesh = rerun::Mesh3D::new(picture.vertices.iter().copied())
+        .with_triangle_indices(picture.triangles.iter().copied())
+        .with_vertex_normals(picture.normals.iter().copied())
+        .with_vertex_colors(colours(&level.vertex_colours));
+    stream.log(entity("error", level), &mesh)?;
+    let spheres = rerun::Points3D::new(level.centres.iter().copied())
+        .with_radii(level.radii.iter().copied())
+        .with_colors(colours(&level.sphere_colours));
+    stream.log(entity("spheres", level), &spheres)?;
+    stream.log(
+        "caption",
+        &rerun::TextDocument::new(level.caption.as_str())
+            .with_media_type(rerun::MediaType::markdown()),
+    )
+}
+
+/// Mesh and spheres side by side, what is said about the level below, the slider at the bottom.
+fn blueprint() -> Blueprint {
+    let views: [ContainerLike; 2] = [
+        Spatial3DView::new("mesh, coloured by error")
+            .with_origin("/error")
+            .into(),
+        Spatial3DView::new("spheres").with_origin("/spheres").into(),
+    ];
+    let rows: [ContainerLike; 2] = [
+        Horizontal::new(views).into(),
+        TextDocumentView::new("this level")
+            .with_origin("/caption")
+            .into(),
+    ];
+    Blueprint::new(Vertical::new(rows).with_row_shares(vec![4.0, 1.0]))
+        .with_auto_views(false)
+        .with_time_panel(TimePanel::new().with_timeline(TIMELINE))
+}
+
+impl TreePicture {
+    fn fits(&self) -> Result<(), ViewError> {
+        for level in &self.levels {
+            for (field, found, expected) in [
+                ("normals", self.normals.len(), self.vertices.len()),
+                (
+                    "vertex_colours",
+                    level.vertex_colours.len(),
+                    self.vertices.len(),
+                ),
+                ("radii", level.radii.len(), level.centres.len()),
+                (
+                    "sphere_colours",
+                    level.sphere_colours.len(),
+                    level.centres.len(),
+                ),
+            ] {
+                if found != expected {
+                    return Err(ViewError::Shape {
+                        level: level.level,
+                        field,
+                        found,
+                        expected,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
