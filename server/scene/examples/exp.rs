@@ -27,7 +27,20 @@ fn main() {
             .ok()
             .and_then(|v| v.parse().ok())
             .unwrap_or(20.0);
-        let zone = |p: &sulcus_core::Vec3| p.z > 1e-3 && tooth.signed(p).abs() < 0.6e-3;
+        let z = [sulcus_scene::zone::Zone {
+            name: "pocket".into(),
+            regions: vec![
+                sulcus_scene::zone::Region::Near {
+                    mesh: std::sync::Arc::new(tooth),
+                    within: 0.6e-3,
+                },
+                sulcus_scene::zone::Region::Box {
+                    low: sulcus_core::Vec3::new(-1.0, -1.0, 1e-3),
+                    high: sulcus_core::Vec3::repeat(1.0),
+                },
+            ],
+        }];
+        let zone = |p: &sulcus_core::Vec3| z[0].contains(p);
         let per: usize = std::env::var("PER")
             .ok()
             .and_then(|v| v.parse().ok())
@@ -40,7 +53,13 @@ fn main() {
         let tree = sulcus_scene::build::build_weighted(
             &mesh,
             &options,
-            &|p| if kind == "p" && zone(p) { weight } else { 1.0 },
+            &|p| {
+                if kind == "p" {
+                    sulcus_scene::zone::importance(&z, weight, p)
+                } else {
+                    1.0
+                }
+            },
             &|_, _| (),
         )
         .unwrap();
