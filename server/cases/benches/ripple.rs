@@ -10,6 +10,8 @@ use rustix::time::{ClockId, clock_gettime};
 use sulcus_cases::ripple::{Shape, slide};
 use sulcus_cases::scenes;
 use sulcus_core::{NoProbe, Vec3};
+use sulcus_scene::blend::{BlendOptions, blend_error, calibrate};
+use sulcus_scene::distance::MeshDistance;
 
 fn cpu_us() -> f64 {
     let now = clock_gettime(ClockId::ThreadCPUTime);
@@ -57,7 +59,7 @@ fn main() {
         for tool in ["tip", "mirror"] {
             for level in 2..=deepest {
                 for depth in [1e-3, 3e-3] {
-                    for method in ["hard"] {
+                    for method in ["hard", "k4", "k8", "k12", "k16"] {
                         let label = format!("{name} {tool} L{level} {}mm {method}", depth * 1e3);
                         if !words.iter().all(|word| label.contains(word.as_str())) {
                             continue;
@@ -65,6 +67,24 @@ fn main() {
                         let tree = tree.get_or_insert_with(|| {
                             shapes::tree(name, &shapes::mesh(&shape), deepest, 0.4)
                         });
+                        let tree = match method[1..].parse::<f64>() {
+                            Ok(blend_per_error) => {
+                                let distance = MeshDistance::new(shapes::mesh(&shape));
+                                let options = BlendOptions {
+                                    blend_per_error,
+                                    ..BlendOptions::default()
+                                };
+                                let started = cpu_us();
+                                let tree = calibrate(tree, &distance, &options).expect("numbers");
+                                println!(
+                                    "{:.1} s {:?}",
+                                    (cpu_us() - started) * 1e-6,
+                                    blend_error(&tree, level, &distance, 2.5e-4)
+                                );
+                                tree
+                            }
+                            Err(_) => tree.clone(),
+                        };
                         let mut scene =
                             scenes::scene(name, vec![shapes::object(name, tree.clone(), level)]);
                         scene.tools[0] = if tool == "tip" {

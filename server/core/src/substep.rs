@@ -5,6 +5,9 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
+use std::ops::Range;
+
+use crate::blend::{Blender, Line, Pair, REACH};
 use crate::contact::{Contact, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -87,6 +90,7 @@ pub(crate) fn advance<P: StageProbe>(
             d = used;
         }
         probe.begin(Stage::Optimise);
+        write_lines(scene, ws, first, d);
         let target = optimise(scene, state, ws, group, wanted);
         let Some(step) = target else {
             // An unusable answer is never applied: pose and load stay as they are.
@@ -106,16 +110,10 @@ pub(crate) fn advance<P: StageProbe>(
             1.0
         };
         apply(scene, state, ws, group, &step, share);
-        for &t in group {
-            reached[t].min_gap = f64::INFINITY;
+        for tool in &mut reached {
+            tool.min_gap = f64::INFINITY;
         }
-        let mut deepest = f64::INFINITY;
-        for contact in ws.passes[first].contacts.as_slice() {
-            let gap = true_gap(scene, state, ws, contact);
-            let slot = usize::from(contact.tool);
-            reached[slot].min_gap = fmin(reached[slot].min_gap, gap);
-            deepest = fmin(deepest, gap);
-        }
+        let deepest = true_gaps(scene, state, ws, first, &mut reached);
         let free = ws.passes[first].contacts.as_slice().is_empty();
         let small = motion <= params.converged_step || free;
         if share == 1.0 && small && deepest >= -params.converged_gap {
@@ -129,17 +127,17 @@ pub(crate) fn advance<P: StageProbe>(
     }
     let failed = status_bits & status::SOLVER_FAILED != 0;
     for &t in group {
+        let pass = &ws.passes[first];
         let ours = || {
-            ws.passes[first]
-                .loaded()
-                .filter(|(contact, _)| usize::from(contact.tool) == t)
+            let loads = pass.rows.iter().zip(&pass.solution.lambda);
+            loads.filter(|(row, _)| usize::from(row.tool) == t)
         };
         reached[t].rows = ours().count() as u16;
         // Multipliers that were not applied load nothing.
         reached[t].active = if failed {
             0
         } else {
-            ours().filter(|(_, load)| *load > 0.0).count() as u16
+            ours().filter(|(_, load)| **load > 0.0).count() as u16
         };
         reached[t].status = status_bits;
         reached[t].substeps = passes;
@@ -171,7 +169,9 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
             &mut ws.nodes[k],
         );
     }
-    let limit = usize::from(scene.params.max_rows) * group.len();
+    let limit = scene.most_contacts() * group.len();
+    // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
+    let mut reach = REACH;
     let contacts = &mut ws.passes[place(group)].contacts;
     'again: loop {
         let overflow = if d > SMALLEST_PREDICTION {
@@ -180,6 +180,7 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
             Overflow::KeepSmallestGaps
         };
         contacts.begin(limit, overflow);
+        let mut blended = false;
         for &t in group {
             let tool = &scene.tools[t];
             let posed = PosedTool {
@@ -196,12 +197,19 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
                 } else {
                     &ws.nodes[k]
                 };
+                let blend = scene.blend_of(k);
+                blended |= blend > 0.0;
+                let within = d + reach * blend;
                 if ws
                     .predictor
-                    .predict(&posed, (k as u16, nodes, object.level), d, contacts)
+                    .predict(&posed, (k as u16, nodes, object.level), within, contacts)
                     .is_err()
                 {
-                    d = fmax(0.5 * d, SMALLEST_PREDICTION);
+                    if blended && reach > 0.0 {
+                        reach = if reach > 1.0 { 0.5 * reach } else { 0.0 };
+                    } else {
+                        d = fmax(0.5 * d, SMALLEST_PREDICTION);
+                    }
                     continue 'again;
                 }
             }
@@ -246,15 +254,16 @@ fn optimise(
     let first = place(group);
     let pass = &mut ws.passes[first];
     pass.rows.clear();
-    for contact in pass.contacts.as_slice() {
+    for line in &pass.lines {
+        let contact = &pass.contacts.as_slice()[line.contact as usize];
         let t = usize::from(contact.tool);
         let (root_t, root_r) = roots[t];
         let (n, m) = (
-            contact.normal / root_t,
-            contact.arm.cross(&contact.normal) / root_r,
+            line.normal / root_t,
+            contact.arm.cross(&line.normal) / root_r,
         );
         let a = [n.x, n.y, n.z, m.x, m.y, m.z];
-        let bias = contact.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
+        let bias = line.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
         pass.rows.push(ProblemRow {
             a,
             tool: contact.tool,
@@ -273,12 +282,15 @@ fn optimise(
         SolverKind::ActiveSet => ws.active_set.solve(&problem, solution),
         SolverKind::Clarabel => Clarabel.solve(&problem, solution),
     }
-    if solution.status != SolveStatus::Solved {
+    let solved = solution.status == SolveStatus::Solved;
+    let y = solution.y;
+    ws.passes[first].share_out();
+    if !solved {
         return None;
     }
     let mut steps = [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS];
     for &t in group {
-        let y = |k: usize| free_step[6 * t + k] + solution.y[6 * t + k];
+        let y = |k: usize| free_step[6 * t + k] + y[6 * t + k];
         let (root_t, root_r) = roots[t];
         steps[t] = (
             Vec3::new(y(0), y(1), y(2)) / root_t,
@@ -291,19 +303,92 @@ fn optimise(
     finite.then_some(steps)
 }
 
-/// Ranges of contacts on one object: they are sorted by object.
-fn runs(contacts: &[Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+/// Ranges of what is sorted by object that are about one object.
+fn runs<T>(items: &[T], object: impl Fn(&T) -> u16) -> impl Iterator<Item = Range<usize>> {
     let mut next = 0;
     std::iter::from_fn(move || {
         let first = next;
-        let object = contacts.get(first)?.object;
+        let this = object(items.get(first)?);
         next = first
-            + contacts[first..]
+            + items[first..]
                 .iter()
-                .take_while(|c| c.object == object)
+                .take_while(|item| object(item) == this)
                 .count();
         Some(first..next)
     })
+}
+
+/// Writes what each row is about: a contact, or on a blended object a seed with its members. In the
+/// order of the contacts' objects; tool sphere by tool sphere on a blended one.
+fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: f64) {
+    let Pass {
+        contacts,
+        lines,
+        members,
+        ..
+    } = &mut ws.passes[first];
+    lines.clear();
+    members.clear();
+    let contacts = contacts.as_slice();
+    for run in runs(contacts, |contact| contact.object) {
+        let k = usize::from(contacts[run.start].object);
+        let blend = scene.blend_of(k);
+        if blend == 0.0 {
+            lines.extend(run.map(|index| Line::hard(index, &contacts[index])));
+            continue;
+        }
+        let object = &scene.objects[k];
+        let pair = |index: usize| {
+            let contact = &contacts[index];
+            let tool = &scene.tools[usize::from(contact.tool)].tree;
+            let tool_radius = tool.nodes()[contact.tool_sphere as usize].contact_radius;
+            let node = &object.tree.nodes()[contact.object_sphere as usize];
+            let core = object.tree.core_radius(contact.object_sphere, object.level);
+            // The list's gap is that of the contact spheres.
+            let distance = contact.gap + (node.contact_radius + tool_radius);
+            let gap = contact.gap + (node.contact_radius - core);
+            Pair::new(index as u32, gap, contact.normal, distance)
+        };
+        by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, _| {
+            blender.rows(blend, d, |mut line, shares| {
+                line.first = members.len() as u32;
+                members.extend(shares);
+                line.members = members.len() as u32 - line.first;
+                lines.push(line);
+            });
+        });
+    }
+}
+
+/// Fills the blender with the pairs of each tool sphere in a run of contacts on one object, and lets
+/// `work` look at each; it is told the tool's slot.
+fn by_tool_sphere(
+    contacts: &[Contact],
+    run: Range<usize>,
+    blender: &mut Blender,
+    pair: impl Fn(usize) -> Pair,
+    mut work: impl FnMut(&mut Blender, u8),
+) {
+    let key = |index: &u32| {
+        let contact = &contacts[*index as usize];
+        (contact.tool, contact.tool_sphere, *index)
+    };
+    blender.order.clear();
+    blender.order.extend(run.start as u32..run.end as u32);
+    blender.order.sort_unstable_by_key(key);
+    let mut at = 0;
+    while at < blender.order.len() {
+        let (tool, sphere, _) = key(&blender.order[at]);
+        blender.begin();
+        while let Some(&index) = blender.order.get(at) {
+            if (tool, sphere) != (key(&index).0, key(&index).1) {
+                break;
+            }
+            blender.push(pair(index as usize));
+            at += 1;
+        }
+        work(blender, tool);
+    }
 }
 
 /// The tissue's part of the problem: compliance and the way from the free shape. False when
@@ -311,31 +396,33 @@ fn runs(contacts: &[Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + 
 fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
     let Pass {
         contacts,
+        lines,
         rows,
         tissue,
         ..
     } = &mut ws.passes[first];
     let contacts = contacts.as_slice();
+    let about = |line: &Line| &contacts[line.contact as usize];
     let touched = |c: &Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
     if ws.yielding.is_empty() || !contacts.iter().any(touched) {
         *tissue = false;
         return false;
     }
     *tissue = true;
-    let m = contacts.len();
+    let m = rows.len();
     ws.gram[..m * m].fill(0.0);
-    for run in runs(contacts) {
-        let k = usize::from(contacts[run.start].object);
+    for run in runs(lines, |line| about(line).object) {
+        let k = usize::from(about(&lines[run.start]).object);
         let object = &scene.objects[k];
         if object.tissue.is_rigid() {
             continue;
         }
         let model = object.tissue.model();
         ws.sites.clear();
-        for contact in &contacts[run.clone()] {
+        for line in &lines[run.clone()] {
             ws.sites.push(Site {
-                sphere: contact.object_sphere,
-                normal: contact.normal,
+                sphere: about(line).object_sphere,
+                normal: line.normal,
             });
         }
         model.add_gram(
@@ -345,7 +432,8 @@ fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
         );
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
         let free = &ws.free[ws.shape_at[k]..ws.shape_at[k + 1]];
-        for (row, contact) in rows[run.clone()].iter_mut().zip(&contacts[run]) {
+        for (row, line) in rows[run.clone()].iter_mut().zip(&lines[run]) {
+            let contact = about(line);
             let mut at_rest = [Vec3::zeros()];
             model.centres(&object.tree, free, &[contact.object_sphere], &mut at_rest);
             let now = ws.nodes[k][contact.object_sphere as usize].centre;
@@ -422,6 +510,58 @@ fn apply(
             load.torque += (target.torque - load.torque) * share;
         }
     }
+}
+
+/// Smallest true gap of each tool and of all: of the spheres, or where they are blended of the surface,
+/// made anew from where they are now.
+fn true_gaps(
+    scene: &Scene,
+    state: &State,
+    ws: &mut Workspace,
+    first: usize,
+    reached: &mut [Reached; MAX_TOOLS],
+) -> f64 {
+    let contacts = ws.passes[first].contacts.as_slice();
+    for run in runs(contacts, |contact| contact.object) {
+        let k = usize::from(contacts[run.start].object);
+        let blend = scene.blend_of(k);
+        if blend == 0.0 {
+            for contact in &contacts[run] {
+                let least = &mut reached[usize::from(contact.tool)].min_gap;
+                *least = fmin(*least, true_gap(scene, state, ws, contact));
+            }
+            continue;
+        }
+        let object = &scene.objects[k];
+        let rotations = state.tools.each_ref().map(|tool| {
+            let orientation = &tool.graphic.orientation;
+            orientation.to_rotation_matrix().into_inner()
+        });
+        let pair = |index: usize| {
+            let contact = &contacts[index];
+            let t = usize::from(contact.tool);
+            let tool_node = &scene.tools[t].tree.nodes()[contact.tool_sphere as usize];
+            let at = centre(&rotations[t], &state.tools[t].graphic, &tool_node.centre);
+            let between = at - object.tree.nodes()[contact.object_sphere as usize].centre;
+            let distance = norm(&between);
+            let normal = if distance > 1e-12 {
+                between / distance
+            } else {
+                Vec3::z()
+            };
+            let core = object.tree.core_radius(contact.object_sphere, object.level);
+            let gap = distance - tool_node.contact_radius - core;
+            Pair::new(index as u32, gap, normal, distance)
+        };
+        by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, tool| {
+            // Only what is deeper than what was found already counts.
+            let least = &mut reached[usize::from(tool)].min_gap;
+            blender.rows(blend, *least, |line, _| *least = fmin(*least, line.gap));
+        });
+    }
+    reached
+        .iter()
+        .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
 }
 
 /// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.

@@ -191,5 +191,5 @@ fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
         node.centre += by;
         node
     });
-    Ok(SphereTree::with_bounds(nodes.collect())?)
+    Ok(SphereTree::with_bounds(nodes.collect())?.with_blending(tree.blending().clone())?)
 }
