@@ -59,7 +59,7 @@ fn main() {
         for tool in ["tip", "mirror"] {
             for level in 2..=deepest {
                 for depth in [1e-3, 3e-3] {
-                    for method in ["hard", "k4", "k8", "k12", "k16"] {
+                    for method in ["hard", "k4", "k5", "k6", "k8"] {
                         let label = format!("{name} {tool} L{level} {}mm {method}", depth * 1e3);
                         if !words.iter().all(|word| label.contains(word.as_str())) {
                             continue;
@@ -72,6 +72,8 @@ fn main() {
                                 let distance = MeshDistance::new(shapes::mesh(&shape));
                                 let options = BlendOptions {
                                     blend_per_error,
+                                    coarsest: level,
+                                    finest: level,
                                     ..BlendOptions::default()
                                 };
                                 let started = cpu_us();

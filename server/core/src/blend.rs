@@ -27,30 +27,35 @@ use crate::math::{Vec3, fmin};
 /// Spheres whose core gap exceeds the smallest by this many blend lengths count for nothing
 /// (`exp(-8)` is 0.03 %).
 pub const REACH: f64 = 8.0;
-/// Sagitta in blend lengths up to which two spheres are on one smooth surface.
-const ONE_SURFACE: f64 = 4.5;
-/// Sagitta in blend lengths from which they have nothing to do with one another.
-const TWO_SURFACES: f64 = 12.5;
+/// Excess of the sagitta in blend lengths up to which two spheres are on one smooth surface. Over the pit between four
+/// spheres of a lattice that is blended as it should be, two that face each other have 4 to 6.
+const ONE_SURFACE: f64 = 5.0;
+/// Excess from which they have nothing to do with one another.
+const TWO_SURFACES: f64 = 12.0;
 /// A seed is left out where the rows before it hold all but this share of its sum: it could bind at most
 /// this share of the blend length before them.
 const IMPLIED: f64 = 1e-3;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
 pub const MAX_SEEDS: usize = 8;
 
-/// How far two spheres of an object, seen from the tool's sphere in directions of that `cosine`
-/// and from `distance` (the smaller of the two centres' distances, metres), belong to one surface: 1 yes, 0
-/// no, smooth between. Measured by the sagitta, `(1 - cosine) distance`, in blend lengths: how far a sphere
-/// drops away over that angle, which on a smooth surface grows with the gap itself, at any level.
+/// How far a sphere belongs to the surface of the seed: 1 wholly, 0 not at all, smooth between. Seen from the
+/// tool's sphere the two lie in directions of that `cosine`, the nearer of the two centres at `distance`
+/// (metres), and the sphere's core gap exceeds the seed's by `rise` (metres).
+///
+/// Over that angle a sphere drops away by the sagitta `(1 - cosine) distance`. On a surface that is
+/// flat or convex the other sphere's gap is larger by about as much; where it is as near in spite of the
+/// angle, it is another wall, and the excess in blend lengths, which means the same at any level, tells them
+/// apart.
 #[inline]
-pub fn compatibility(cosine: f64, distance: f64, blend: f64) -> f64 {
-    let sagitta = (1.0 - cosine) * distance;
-    if sagitta <= ONE_SURFACE * blend {
+pub fn compatibility(cosine: f64, distance: f64, rise: f64, blend: f64) -> f64 {
+    let excess = (1.0 - cosine) * distance - rise;
+    if excess <= ONE_SURFACE * blend {
         return 1.0;
     }
-    if sagitta >= TWO_SURFACES * blend {
+    if excess >= TWO_SURFACES * blend {
         return 0.0;
     }
-    let t = (TWO_SURFACES - sagitta / blend) / (TWO_SURFACES - ONE_SURFACE);
+    let t = (TWO_SURFACES - excess / blend) / (TWO_SURFACES - ONE_SURFACE);
     t * t * (3.0 - 2.0 * t)
 }
 
@@ -176,6 +181,7 @@ impl Blender {
             .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
         self.kept.clear();
         let mut seeds = 0;
+        let mut left_out = f64::INFINITY;
         for j in 0..n {
             if seeds == MAX_SEEDS {
                 return;
@@ -186,12 +192,17 @@ impl Blender {
             if seed.gap - blend * libm::log(n as f64) >= limit {
                 return;
             }
+            // What the first row leaves out may be too little to make another one.
+            if seeds > 0 && left_out <= IMPLIED * seed.weight {
+                continue;
+            }
             self.now.clear();
             let mut sum = 0.0;
             for pair in &self.pairs {
                 let a = compatibility(
                     seed.normal.dot(&pair.normal),
                     fmin(seed.distance, pair.distance),
+                    pair.gap - seed.gap,
                     blend,
                 );
                 self.now.push(a);
@@ -215,6 +226,13 @@ impl Blender {
             if implied || gap >= limit {
                 continue;
             }
+            if seeds == 0 {
+                left_out = self
+                    .pairs
+                    .iter()
+                    .zip(&self.now)
+                    .fold(0.0, |left, (pair, a)| left + (1.0 - a) * pair.weight);
+            }
             seeds += 1;
             self.kept.extend_from_slice(&self.now);
             let share = |k: usize| self.now[k] * self.pairs[k].weight / sum;
@@ -237,6 +255,179 @@ impl Blender {
                 line,
                 &mut members.by_ref().filter(|member| member.weight > 0.0),
             );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Mat3, norm};
+    use proptest::prelude::*;
+
+    const TIP: f64 = 2.5e-4;
+
+    fn pairs(at: &Vec3, spheres: &[(Vec3, f64)]) -> Blender {
+        let mut blender = Blender::with_capacity(spheres.len());
+        blender.begin();
+        for (k, (centre, radius)) in spheres.iter().enumerate() {
+            let distance = norm(&(at - centre));
+            let normal = (at - centre) / distance;
+            blender.push(Pair::new(
+                k as u32,
+                distance - radius - TIP,
+                normal,
+                distance,
+            ));
+        }
+        blender
+    }
+
+    fn rows(
+        at: &Vec3,
+        spheres: &[(Vec3, f64)],
+        blend: f64,
+        limit: f64,
+    ) -> Vec<(Line, Vec<Member>)> {
+        let mut found = Vec::new();
+        pairs(at, spheres).rows(blend, limit, |line, members| {
+            found.push((line, members.collect()));
+        });
+        found
+    }
+
+    /// Smallest blended gap over all seeds, straight from the definition.
+    fn smallest(at: &Vec3, spheres: &[(Vec3, f64)], blend: f64) -> f64 {
+        let seen: Vec<_> = spheres
+            .iter()
+            .map(|(centre, radius)| {
+                let distance = norm(&(at - centre));
+                (distance - radius - TIP, distance, (at - centre) / distance)
+            })
+            .collect();
+        seen.iter().fold(f64::INFINITY, |least, seed| {
+            let sum: f64 = seen
+                .iter()
+                .map(|other| {
+                    let shared = compatibility(
+                        seed.2.dot(&other.2),
+                        fmin(seed.1, other.1),
+                        other.0 - seed.0,
+                        blend,
+                    );
+                    shared * libm::exp(-(other.0 - seed.0) / blend)
+                })
+                .sum();
+            fmin(least, seed.0 - blend * libm::log(sum))
+        })
+    }
+
+    /// A plate of spheres about the origin in the plane with that normal.
+    fn plate(turn: &Mat3, radius: f64, spacing: f64) -> impl Iterator<Item = (Vec3, f64)> {
+        let turn = *turn;
+        (-8..=8).flat_map(move |i| {
+            (-8..=8).map(move |j| {
+                let flat = Vec3::new(f64::from(i) * spacing, f64::from(j) * spacing, -radius);
+                (turn * flat, radius)
+            })
+        })
+    }
+
+    fn turned(angle: f64) -> Mat3 {
+        crate::math::exp_rotation(&(Vec3::y() * angle))
+            .to_rotation_matrix()
+            .into_inner()
+    }
+
+    #[test]
+    fn on_a_smooth_surface_one_row_is_all_and_it_is_flat() {
+        let spheres: Vec<_> = plate(&Mat3::identity(), 1e-3, 2.5e-4).collect();
+        // Bumps of the hard plate: 16 um over the pits of the lattice.
+        let mut gaps = Vec::new();
+        for k in 0..40 {
+            let at = Vec3::new(1.3e-5 * f64::from(k), 0.7e-5 * f64::from(k), 4e-4);
+            let rows = rows(&at, &spheres, 3e-5, 1.0);
+            assert_eq!(rows.len(), 1, "at {at:?}");
+            let (line, members) = &rows[0];
+            assert!(line.normal.z > 0.95, "{:?}", line.normal);
+            let sum: f64 = members.iter().map(|m| m.weight).sum();
+            assert!((sum - 1.0).abs() < 1e-12);
+            gaps.push(line.gap);
+        }
+        let low = gaps.iter().copied().fold(f64::INFINITY, fmin);
+        let high = gaps
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, crate::math::fmax);
+        assert!(high - low < 2e-7, "ripple {:e} m", high - low);
+    }
+
+    #[test]
+    fn a_row_is_the_derivative_of_its_gap() {
+        let spheres: Vec<_> = plate(&turned(0.2), 1e-3, 2.5e-4).collect();
+        let at = Vec3::new(1.1e-4, -0.7e-4, 4e-4);
+        let (line, _) = rows(&at, &spheres, 3e-5, 1.0).remove(0);
+        let step = 1e-8;
+        for axis in 0..3 {
+            let gap = |side: f64| {
+                let mut there = at;
+                there[axis] += side * step;
+                rows(&there, &spheres, 3e-5, 1.0)[0].0.gap
+            };
+            let slope = (gap(1.0) - gap(-1.0)) / (2.0 * step);
+            assert!(
+                (slope - line.normal[axis]).abs() < 1e-6,
+                "axis {axis}: {slope} against {}",
+                line.normal[axis]
+            );
+        }
+    }
+
+    #[test]
+    fn the_walls_of_a_groove_keep_rows_of_their_own() {
+        let mut spheres: Vec<_> = plate(&turned(0.7), 1e-3, 2.5e-4).collect();
+        spheres.extend(plate(&turned(-0.7), 1e-3, 2.5e-4));
+        let at = Vec3::new(0.0, 0.0, 4e-4);
+        let rows = rows(&at, &spheres, 3e-5, 1e-3);
+        let tilt = |line: &Line| line.normal.x / norm(&line.normal);
+        for side in [1.0, -1.0] {
+            assert!(
+                rows.iter()
+                    .any(|(line, _)| (tilt(line) * side - 0.644).abs() < 0.05),
+                "no row of the wall on side {side}: {:?}",
+                rows.iter().map(|(line, _)| line.normal).collect::<Vec<_>>()
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_within_the_limit_is_no_row() {
+        let spheres: Vec<_> = plate(&Mat3::identity(), 1e-3, 2.5e-4).collect();
+        let at = Vec3::new(0.0, 0.0, 2e-3);
+        assert!(rows(&at, &spheres, 3e-5, 1e-3).is_empty());
+        assert!(rows(&at, &[], 3e-5, 1.0).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn rows_hold_the_surface_and_every_core_off(
+            at in (-1e-3..1e-3, -1e-3..1e-3, 2e-4..1e-3_f64),
+            places in proptest::collection::vec((-1e-3..1e-3_f64, -1e-3..1e-3_f64, -1e-3..0.0_f64, 1e-4..1e-3_f64), 1..40),
+            blend in 1e-6..2e-4_f64) {
+            let at = Vec3::new(at.0, at.1, at.2);
+            let spheres: Vec<_> = places.iter().map(|p| (Vec3::new(p.0, p.1, p.2), p.3)).collect();
+            let rows = rows(&at, &spheres, blend, 1.0);
+            let least = rows.iter().map(|(line, _)| line.gap).fold(f64::INFINITY, fmin);
+            // What was left out binds at most this much earlier.
+            prop_assert!((least - smallest(&at, &spheres, blend)).abs() <= 1.001 * IMPLIED * blend + 1e-15);
+            for (line, members) in &rows {
+                let sum: f64 = members.iter().map(|member| member.weight).sum();
+                prop_assert!((sum - 1.0).abs() < 1e-9);
+                prop_assert!(members.iter().all(|member| member.weight >= 0.0));
+                prop_assert!(norm(&line.normal) <= 1.0 + 1e-12);
+            }
+            let core = spheres.iter().map(|(c, r)| norm(&(at - c)) - r - TIP).fold(f64::INFINITY, fmin);
+            prop_assert!(least <= core + 1e-15);
         }
     }
 }

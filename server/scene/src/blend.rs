@@ -32,6 +32,8 @@ pub struct BlendOptions {
     pub samples_per_sphere: usize,
     /// Coarsest level that is blended; the levels above it serve culling only. Default 2.
     pub coarsest: u8,
+    /// Finest level that is blended. Default: all there are.
+    pub finest: u8,
 }
 
 impl Default for BlendOptions {
@@ -41,6 +43,7 @@ impl Default for BlendOptions {
             probe_radius: 2.5e-4,
             samples_per_sphere: 30,
             coarsest: 2,
+            finest: sulcus_core::tree::MAX_LEVEL,
         }
     }
 }
@@ -86,7 +89,7 @@ pub fn calibrate(
         lengths: vec![0.0; usize::from(tree.depth()) + 1],
         insets: vec![0.0; tree.nodes().len()],
     };
-    for level in options.coarsest..=tree.depth() {
+    for level in options.coarsest..=tree.depth().min(options.finest) {
         let ids: Vec<u32> = tree.shape_at(level).map(|(id, _)| id).collect();
         let count = (options.samples_per_sphere * ids.len()).max(FEWEST_SAMPLES);
         let samples = sample::surface(distance, count, 0.25);
@@ -212,8 +215,12 @@ fn blended(
         .zip(&gaps)
         .map(|(n, gap)| {
             let cosine = n.normal.dot(&near[seed].normal);
-            compatibility(cosine, n.distance.min(near[seed].distance), blend)
-                * libm::exp((gaps[nearest] - gap) / blend)
+            compatibility(
+                cosine,
+                n.distance.min(near[seed].distance),
+                gap - gaps[seed],
+                blend,
+            ) * libm::exp((gaps[nearest] - gap) / blend)
         })
         .collect();
     let sum: f64 = weights.iter().sum();
