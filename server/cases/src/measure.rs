@@ -231,7 +231,13 @@ struct Solid {
     leaves: Vec<(Vec3, f64)>,
     /// Blend length, metres; 0 where they are hard.
     blend: f64,
+    /// Box of the leaves.
+    low: Vec3,
+    high: Vec3,
 }
+
+/// Blend lengths beyond which a sphere weighs under a ten-thousandth of a millionth.
+const FAR: f64 = 23.0;
 
 impl Solid {
     fn new(scene: &Scene, k: usize) -> Self {
@@ -244,25 +250,32 @@ impl Solid {
             }
         };
         let leaves = object.tree.shape_at(object.level);
+        let leaves: Vec<_> = leaves
+            .map(|(id, node)| (node.centre, radius(id, node)))
+            .collect();
+        let (low, high) = box_of(&leaves);
         Self {
-            leaves: leaves
-                .map(|(id, node)| (node.centre, radius(id, node)))
-                .collect(),
+            leaves,
             blend,
+            low,
+            high,
         }
     }
 
     /// Depth of a ball below the blended surface, metres; 0 or less outside of it.
     fn blended_depth(&self, centre: &Vec3, radius: f64) -> f64 {
+        let margin = radius + FAR * self.blend;
+        if (0..3).any(|k| centre[k] + margin < self.low[k] || centre[k] - margin > self.high[k]) {
+            return 0.0;
+        }
         let seen: Vec<(f64, f64, Vec3)> = self
             .leaves
             .iter()
+            .filter(|(c, r)| (centre - c).norm_squared() < (r + margin) * (r + margin))
             .map(|(c, r)| {
                 let distance = (centre - c).norm();
                 (distance - r - radius, distance, (centre - c) / distance)
             })
-            // What is farther weighs under a ten-thousandth of a millionth.
-            .filter(|(gap, ..)| *gap < 23.0 * self.blend)
             .collect();
         let least = seen.iter().fold(f64::INFINITY, |least, s| least.min(s.0));
         if least - self.blend * (seen.len() as f64).ln() >= 0.0 {
@@ -285,6 +298,17 @@ impl Solid {
     }
 }
 
+/// Box around balls.
+fn box_of(balls: &[(Vec3, f64)]) -> (Vec3, Vec3) {
+    let huge = Vec3::repeat(f64::INFINITY);
+    let (mut low, mut high) = (huge, -huge);
+    for (centre, radius) in balls {
+        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
+        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
+    }
+    (low, high)
+}
+
 /// Deepest overlap of any tool leaf with any object, metres; 0 when none. Looks at every pair
 /// whose boxes meet: no tree, no prediction distance.
 fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3, f64)>) -> f64 {
@@ -293,12 +317,7 @@ fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3,
         tool.iter()
             .map(|node| (pose.transform(&node.centre), node.contact_radius)),
     );
-    let huge = Vec3::repeat(f64::INFINITY);
-    let (mut low, mut high) = (huge, -huge);
-    for (centre, radius) in placed.iter() {
-        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
-        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
-    }
+    let (low, high) = box_of(placed);
     let mut depth: f64 = 0.0;
     for solid in solids {
         for (c, r) in &solid.leaves {
