@@ -22,7 +22,7 @@
 //! are left out.
 
 use crate::contact::Contact;
-use crate::math::{Vec3, fmin};
+use crate::math::{Mat3, Vec3, fmax, fmin};
 
 /// Spheres whose core gap exceeds the smallest by this many blend lengths count for nothing
 /// (`exp(-8)` is 0.03 %).
@@ -91,6 +91,8 @@ impl Pair {
 pub(crate) struct Member {
     /// Index in the contact list.
     pub contact: u32,
+    /// Between the centres, metres.
+    pub distance: f64,
     /// Share of the row's multiplier, 0 to 1; they add up to 1.
     pub weight: f64,
 }
@@ -131,10 +133,10 @@ pub(crate) struct Blender {
     pairs: Vec<Pair>,
     /// Contacts of one object, tool sphere by tool sphere.
     pub order: Vec<u32>,
-    /// Compatibility of each pair with each seed that was kept, seed by seed.
-    kept: Vec<f64>,
-    /// Compatibility of each pair with the seed in question.
-    now: Vec<f64>,
+    /// Pairs that kept rows leave out in part or wholly, with their share there, row by row.
+    left_out: Vec<(u32, f64)>,
+    /// Share of each pair in the row in question.
+    shares: Vec<f64>,
 }
 
 impl Blender {
@@ -143,8 +145,8 @@ impl Blender {
         Self {
             pairs: Vec::with_capacity(contacts),
             order: Vec::with_capacity(contacts),
-            kept: Vec::with_capacity(contacts * MAX_SEEDS),
-            now: Vec::with_capacity(contacts),
+            left_out: Vec::with_capacity(contacts * MAX_SEEDS),
+            shares: Vec::with_capacity(contacts),
         }
     }
 
@@ -158,87 +160,118 @@ impl Blender {
         self.pairs.push(pair);
     }
 
-    /// Gives every row of the pairs with a gap under `limit` to `row`: gap, mean normal, seed, and the
-    /// members. Pairs are sorted first, by gap, then by contact.
-    pub fn rows(
-        &mut self,
-        blend: f64,
-        limit: f64,
-        mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
-    ) {
-        let n = self.pairs.len();
-        let Some(smallest) = self.pairs.iter().map(|pair| pair.gap).reduce(fmin) else {
-            return;
-        };
-        // The sum has at most n terms of at most 1.
-        if smallest - blend * libm::log(n as f64) >= limit {
-            return;
+    /// Weighs the pairs against the nearest and sorts them by gap, then by contact. Gives the smallest gap;
+    /// nothing where no blended gap can be under `limit`, as the sum has at most as many terms
+    /// as there are pairs, and none is above 1.
+    fn weigh(&mut self, blend: f64, limit: f64) -> Option<f64> {
+        let smallest = self.pairs.iter().map(|pair| pair.gap).reduce(fmin)?;
+        if smallest - blend * libm::log(self.pairs.len() as f64) >= limit {
+            return None;
         }
         for pair in &mut self.pairs {
             pair.weight = libm::exp((smallest - pair.gap) / blend);
         }
         self.pairs
             .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
-        self.kept.clear();
+        Some(smallest)
+    }
+
+    /// How far pair `k` belongs to the surface of `seed`.
+    #[inline]
+    fn shared(&self, seed: &Pair, k: usize, blend: f64) -> f64 {
+        let pair = &self.pairs[k];
+        compatibility(
+            seed.normal.dot(&pair.normal),
+            fmin(seed.distance, pair.distance),
+            pair.gap - seed.gap,
+            blend,
+        )
+    }
+
+    /// Blended gap of `seed`, metres.
+    fn gap_of(&self, seed: &Pair, smallest: f64, blend: f64) -> f64 {
+        let sum = (0..self.pairs.len()).fold(0.0, |sum, k| {
+            sum + self.shared(seed, k, blend) * self.pairs[k].weight
+        });
+        smallest - blend * libm::log(sum)
+    }
+
+    /// Smallest blended gap of the nearest seed and of `seeds` (contacts), where it is under `limit`; else
+    /// `limit`. Metres.
+    pub fn least(&mut self, blend: f64, limit: f64, seeds: impl Iterator<Item = u32>) -> f64 {
+        let Some(smallest) = self.weigh(blend, limit) else {
+            return limit;
+        };
+        let nearest = self.pairs[0];
+        let mut least = fmin(limit, self.gap_of(&nearest, smallest, blend));
+        for seed in seeds {
+            if seed == nearest.contact {
+                continue;
+            }
+            if let Some(at) = self.pairs.iter().position(|pair| pair.contact == seed) {
+                least = fmin(least, self.gap_of(&self.pairs[at], smallest, blend));
+            }
+        }
+        least
+    }
+
+    /// Gives every row of the pairs with a gap under `limit` to `row`, with its members.
+    pub fn rows(
+        &mut self,
+        blend: f64,
+        limit: f64,
+        mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
+    ) {
+        let Some(smallest) = self.weigh(blend, limit) else {
+            return;
+        };
+        let n = self.pairs.len();
+        let most = blend * libm::log(n as f64);
+        self.left_out.clear();
+        let mut begins = [0; MAX_SEEDS + 1];
         let mut seeds = 0;
-        let mut left_out = f64::INFINITY;
         for j in 0..n {
-            if seeds == MAX_SEEDS {
-                return;
-            }
             let seed = self.pairs[j];
-            // So far up that its own core is out of reach whatever else is near: where the surface
-            // is within reach, nearer spheres make it, and have their rows.
-            if seed.gap - blend * libm::log(n as f64) >= limit {
+            // A seed so far up has its own core out of reach whatever else is near: where the surface is
+            // within reach, nearer spheres make it, and have their rows.
+            if seeds == MAX_SEEDS || seed.gap - most >= limit {
                 return;
             }
-            // What the first row leaves out may be too little to make another one.
-            if seeds > 0 && left_out <= IMPLIED * seed.weight {
+            // What this row would hold beyond a row before it.
+            let mut beyond = f64::INFINITY;
+            for kept in 0..seeds {
+                let left_out = &self.left_out[begins[kept]..begins[kept + 1]];
+                let more = left_out.iter().fold(0.0, |more, &(k, before)| {
+                    let now = self.shared(&seed, k as usize, blend);
+                    more + fmax(0.0, now - before) * self.pairs[k as usize].weight
+                });
+                beyond = fmin(beyond, more);
+            }
+            if beyond <= IMPLIED * seed.weight {
                 continue;
             }
-            self.now.clear();
+            self.shares.clear();
             let mut sum = 0.0;
-            for pair in &self.pairs {
-                let a = compatibility(
-                    seed.normal.dot(&pair.normal),
-                    fmin(seed.distance, pair.distance),
-                    pair.gap - seed.gap,
-                    blend,
-                );
-                self.now.push(a);
-                sum += a * pair.weight;
+            for k in 0..n {
+                let share = self.shared(&seed, k, blend);
+                sum += share * self.pairs[k].weight;
+                self.shares.push(share);
             }
-            let implied = (0..seeds).any(|kept| {
-                let mut beyond = 0.0;
-                for ((pair, now), before) in self
-                    .pairs
-                    .iter()
-                    .zip(&self.now)
-                    .zip(&self.kept[kept * n..(kept + 1) * n])
-                {
-                    if now > before {
-                        beyond += (now - before) * pair.weight;
-                    }
-                }
-                beyond <= IMPLIED * sum
-            });
             let gap = smallest - blend * libm::log(sum);
-            if implied || gap >= limit {
+            if beyond <= IMPLIED * sum || gap >= limit {
                 continue;
             }
-            if seeds == 0 {
-                left_out = self
-                    .pairs
-                    .iter()
-                    .zip(&self.now)
-                    .fold(0.0, |left, (pair, a)| left + (1.0 - a) * pair.weight);
+            for (k, share) in self.shares.iter_mut().enumerate() {
+                if *share < 1.0 {
+                    self.left_out.push((k as u32, *share));
+                }
+                *share *= self.pairs[k].weight / sum;
             }
             seeds += 1;
-            self.kept.extend_from_slice(&self.now);
-            let share = |k: usize| self.now[k] * self.pairs[k].weight / sum;
+            begins[seeds] = self.left_out.len();
             let mut normal = Vec3::zeros();
-            for k in 0..n {
-                normal += self.pairs[k].normal * share(k);
+            for (pair, share) in self.pairs.iter().zip(&self.shares) {
+                normal += pair.normal * *share;
             }
             let line = Line {
                 contact: seed.contact,
@@ -247,22 +280,75 @@ impl Blender {
                 first: 0,
                 members: 0,
             };
-            let mut members = (0..n).map(|k| Member {
-                contact: self.pairs[k].contact,
-                weight: share(k),
-            });
-            row(
-                line,
-                &mut members.by_ref().filter(|member| member.weight > 0.0),
-            );
+            let mut members = self
+                .pairs
+                .iter()
+                .zip(&self.shares)
+                .filter(|(_, share)| **share > 0.0)
+                .map(|(pair, share)| Member {
+                    contact: pair.contact,
+                    distance: pair.distance,
+                    weight: *share,
+                });
+            row(line, &mut members);
         }
     }
 }
 
+/// How a blended gap bends inwards: the positive part of minus its second derivative by the tool
+/// sphere's place, 1/m. The covariance of the normals over the blend length, less the
+/// roundness of the spheres; not zero in grooves and pits only.
+pub(crate) fn hollowness(
+    line: &Line,
+    members: &[Member],
+    contacts: &[Contact],
+    blend: f64,
+) -> Mat3 {
+    let mut bend = -(line.normal * line.normal.transpose()) / blend;
+    for member in members {
+        let n = &contacts[member.contact as usize].normal;
+        let square = n * n.transpose();
+        bend += square * (member.weight / blend)
+            - (Mat3::identity() - square) * (member.weight / member.distance);
+    }
+    positive_part(bend)
+}
+
+/// The positive semi-definite part of a symmetric matrix, by Jacobi's rotations.
+fn positive_part(mut m: Mat3) -> Mat3 {
+    let mut axes = Mat3::identity();
+    for _ in 0..JACOBI_SWEEPS {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[(p, q)] == 0.0 {
+                continue;
+            }
+            let theta = (m[(q, q)] - m[(p, p)]) / (2.0 * m[(p, q)]);
+            let t = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let t = if theta < 0.0 { -t } else { t };
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            let mut turn = Mat3::identity();
+            (turn[(p, p)], turn[(q, q)]) = (c, c);
+            (turn[(p, q)], turn[(q, p)]) = (s, -s);
+            m = turn.transpose() * m * turn;
+            axes *= turn;
+        }
+    }
+    let mut part = Mat3::zeros();
+    for k in 0..3 {
+        let axis = axes.column(k).into_owned();
+        part += axis * axis.transpose() * fmax(0.0, m[(k, k)]);
+    }
+    part
+}
+
+/// Sweeps of Jacobi's rotations: they converge quadratically, five end a 3x3 matrix.
+const JACOBI_SWEEPS: usize = 5;
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Mat3, norm};
+    use crate::math::norm;
     use proptest::prelude::*;
 
     const TIP: f64 = 2.5e-4;
@@ -406,6 +492,47 @@ mod tests {
         let at = Vec3::new(0.0, 0.0, 2e-3);
         assert!(rows(&at, &spheres, 3e-5, 1e-3).is_empty());
         assert!(rows(&at, &[], 3e-5, 1.0).is_empty());
+    }
+
+    #[test]
+    fn hollowness_is_the_second_derivative_in_a_groove_and_nothing_on_a_ball() {
+        let mut spheres: Vec<_> = plate(&turned(0.15), 1e-3, 2.5e-4).collect();
+        spheres.extend(plate(&turned(-0.15), 1e-3, 2.5e-4));
+        let blend = 1e-4;
+        let contacts = |at: &Vec3| -> Vec<Contact> {
+            let normal = |centre: &Vec3| (at - centre) / norm(&(at - centre));
+            let contact = |(centre, _): &(Vec3, f64)| Contact {
+                tool: 0,
+                object: 0,
+                object_sphere: 0,
+                tool_sphere: 0,
+                normal: normal(centre),
+                gap: 0.0,
+                arm: Vec3::zeros(),
+            };
+            spheres.iter().map(contact).collect()
+        };
+        let at = Vec3::new(0.0, 1e-5, 4e-4);
+        let (line, members) = rows(&at, &spheres, blend, 1.0).remove(0);
+        let bend = hollowness(&line, &members, &contacts(&at), blend);
+        let step = 1e-6;
+        let there = |side: f64| {
+            let at = at + Vec3::x() * (side * step);
+            rows(&at, &spheres, blend, 1.0)[0].0.normal.x
+        };
+        let second = -(there(1.0) - there(-1.0)) / (2.0 * step);
+        assert!(
+            second > 10.0 && (second - bend[(0, 0)]).abs() < 1e-2 * second,
+            "{second} {bend}"
+        );
+        let ball = [(Vec3::zeros(), 2e-4)];
+        let (line, members) = rows(&at, &ball, blend, 1.0).remove(0);
+        let normal = at / norm(&at);
+        let contact = Contact {
+            normal,
+            ..contacts(&at)[0]
+        };
+        assert!(hollowness(&line, &members, &[contact], blend).norm() < 1e-6);
     }
 
     proptest! {

@@ -25,6 +25,7 @@ pub mod contact;
 mod haptic;
 pub mod input;
 pub mod math;
+mod metric;
 pub mod optimise;
 pub mod output;
 pub mod params;

@@ -7,10 +7,11 @@
 
 use std::ops::Range;
 
-use crate::blend::{Blender, Line, Pair, REACH};
+use crate::blend::{Blender, Line, Pair, REACH, hollowness};
 use crate::contact::{Contact, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::metric::Metric;
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
@@ -23,6 +24,11 @@ use crate::{MAX_TOOLS, Scene};
 
 /// Prediction distance at which a full contact list keeps the smallest gaps, metres.
 const SMALLEST_PREDICTION: f64 = 1e-6;
+
+/// Blended gap up to which a surface is taken to be touched, metres.
+const TOUCHING: f64 = 2e-6;
+/// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
+const LEAST_BEND: f64 = 0.1;
 
 /// What the group asks for, per tool slot.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +98,11 @@ pub(crate) fn advance<P: StageProbe>(
         probe.begin(Stage::Optimise);
         write_lines(scene, ws, first, d);
         let target = optimise(scene, state, ws, group, wanted);
-        let Some(step) = target else {
+        let Some(Answer {
+            steps: step,
+            settled,
+        }) = target
+        else {
             // An unusable answer is never applied: pose and load stay as they are.
             status_bits |= status::SOLVER_FAILED;
             break;
@@ -116,7 +126,7 @@ pub(crate) fn advance<P: StageProbe>(
         let deepest = true_gaps(scene, state, ws, first, &mut reached);
         let free = ws.passes[first].contacts.as_slice().is_empty();
         let small = motion <= params.converged_step || free;
-        if share == 1.0 && small && deepest >= -params.converged_gap {
+        if share == 1.0 && small && settled && deepest >= -params.converged_gap {
             converged = true;
             break;
         }
@@ -229,15 +239,12 @@ fn optimise(
     ws: &mut Workspace,
     group: &[usize],
     wanted: &[Wanted; MAX_TOOLS],
-) -> Option<Steps> {
+) -> Option<Answer> {
+    let first = place(group);
     let mut free_step = [0.0; UNKNOWNS];
-    let mut roots = [(1.0, 1.0); MAX_TOOLS];
+    let mut metrics = [Metric::UNIT; MAX_TOOLS];
     for &t in group {
         let (tool, now) = (&scene.tools[t], &state.tools[t]);
-        let (root_t, root_r) = (
-            tool.stiffness_n_per_m.sqrt(),
-            tool.stiffness_nm_per_rad.sqrt(),
-        );
         let v = wanted[t].haptic.transform(&tool.working_point)
             - now.graphic.transform(&tool.working_point);
         let (w, _) = twist(
@@ -245,24 +252,18 @@ fn optimise(
             &now.graphic.orientation,
             &now.twist_axis,
         );
-        for axis in 0..3 {
-            free_step[6 * t + axis] = v[axis] * root_t;
-            free_step[6 * t + 3 + axis] = w[axis] * root_r;
-        }
-        roots[t] = (root_t, root_r);
+        let mut metric = Metric::of(tool);
+        bend(scene, &ws.passes[first], t, &v, &mut metric);
+        let free = metric.scaled_free_step(&v, &w);
+        free_step[6 * t..6 * t + 6].copy_from_slice(&free);
+        metrics[t] = metric;
     }
-    let first = place(group);
     let pass = &mut ws.passes[first];
     pass.rows.clear();
     for line in &pass.lines {
         let contact = &pass.contacts.as_slice()[line.contact as usize];
         let t = usize::from(contact.tool);
-        let (root_t, root_r) = roots[t];
-        let (n, m) = (
-            line.normal / root_t,
-            contact.arm.cross(&line.normal) / root_r,
-        );
-        let a = [n.x, n.y, n.z, m.x, m.y, m.z];
+        let a = metrics[t].scaled_row(&line.normal, &contact.arm.cross(&line.normal));
         let bias = line.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
         pass.rows.push(ProblemRow {
             a,
@@ -288,19 +289,54 @@ fn optimise(
     if !solved {
         return None;
     }
-    let mut steps = [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS];
+    let mut answer = Answer {
+        steps: [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS],
+        settled: true,
+    };
     for &t in group {
-        let y = |k: usize| free_step[6 * t + k] + y[6 * t + k];
-        let (root_t, root_r) = roots[t];
-        steps[t] = (
-            Vec3::new(y(0), y(1), y(2)) / root_t,
-            Vec3::new(y(3), y(4), y(5)) / root_r,
-        );
+        let y: [f64; 6] = std::array::from_fn(|k| free_step[6 * t + k] + y[6 * t + k]);
+        let (v, w) = metrics[t].step(&y);
+        answer.steps[t] = (v, w);
+        answer.settled &= metrics[t].settled(&v, &w);
     }
-    let finite = steps
+    let finite = answer
+        .steps
         .iter()
         .all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
-    finite.then_some(steps)
+    finite.then_some(answer)
+}
+
+/// What a pass found.
+struct Answer {
+    steps: Steps,
+    /// Whether the forces are those of the coupling, not of the bent metric.
+    settled: bool,
+}
+
+/// Adds to the metric of tool `t` how the surfaces that it presses on bend inwards, times the press. In
+/// a groove rounder than the press is deep, passes that know only the slope turn to and fro for ever; with
+/// the bend they are Newton's and settle in two or three. Changes the way, not where it ends.
+fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metric) {
+    let contacts = pass.contacts.as_slice();
+    let stiffness = scene.tools[t].stiffness_n_per_m;
+    for line in &pass.lines {
+        let contact = &contacts[line.contact as usize];
+        if line.members == 0 || usize::from(contact.tool) != t || line.gap > TOUCHING {
+            continue;
+        }
+        let press = -stiffness * line.normal.dot(stretch);
+        let first = line.first as usize;
+        let members = &pass.members[first..first + line.members as usize];
+        let blend = scene.blend_of(usize::from(contact.object));
+        // No bend is sharper than that of two opposite normals.
+        if press / blend < LEAST_BEND * stiffness {
+            continue;
+        }
+        let hollow = hollowness(line, members, contacts, blend) * press;
+        if hollow.trace() > LEAST_BEND * stiffness {
+            metric.add(&hollow, &contact.arm);
+        }
+    }
 }
 
 /// Ranges of what is sorted by object that are about one object.
@@ -521,7 +557,10 @@ fn true_gaps(
     first: usize,
     reached: &mut [Reached; MAX_TOOLS],
 ) -> f64 {
-    let contacts = ws.passes[first].contacts.as_slice();
+    let Pass {
+        contacts, lines, ..
+    } = &ws.passes[first];
+    let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
         let k = usize::from(contacts[run.start].object);
         let blend = scene.blend_of(k);
@@ -555,8 +594,9 @@ fn true_gaps(
         };
         by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, tool| {
             // Only what is deeper than what was found already counts.
+            let seeds = lines.iter().map(|line| line.contact);
             let least = &mut reached[usize::from(tool)].min_gap;
-            blender.rows(blend, *least, |line, _| *least = fmin(*least, line.gap));
+            *least = blender.least(blend, *least, seeds);
         });
     }
     reached

@@ -341,7 +341,9 @@ pub fn blend_error(
     let samples = sample::surface(distance, PLACES, 0.6);
     let inset = |id: u32| tree.nodes()[id as usize].contact_radius - tree.core_radius(id, level);
     let insets: Vec<f64> = tree.shape_at(level).map(|(id, _)| inset(id)).collect();
-    let places = places(tree, level, blend.max(1e-9), &samples, distance, radius);
+    // Hard spheres: those within a few of their errors.
+    let around = if blend > 0.0 { blend } else { 1e-4 };
+    let places = places(tree, level, around, &samples, distance, radius);
     let gaps = parallel::map(places.len(), |p| {
         let near = &places[p].near;
         let gap = if blend > 0.0 {
