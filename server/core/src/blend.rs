@@ -29,9 +29,9 @@ use crate::math::{Mat3, Vec3, fmax, fmin};
 pub const REACH: f64 = 8.0;
 /// Excess of the sagitta in blend lengths up to which two spheres are on one smooth surface. Over the pit between four
 /// spheres of a lattice that is blended as it should be, two that face each other have 4 to 6.
-const ONE_SURFACE: f64 = 5.0;
+const ONE_SURFACE: f64 = 10.0;
 /// Excess from which they have nothing to do with one another.
-const TWO_SURFACES: f64 = 12.0;
+const TWO_SURFACES: f64 = 16.0;
 /// A seed is left out where the rows before it hold all but this share of its sum: it could bind at most
 /// this share of the blend length before them.
 const IMPLIED: f64 = 1e-3;
@@ -160,14 +160,16 @@ impl Blender {
         self.pairs.push(pair);
     }
 
-    /// Weighs the pairs against the nearest and sorts them by gap, then by contact. Gives the smallest gap;
-    /// nothing where no blended gap can be under `limit`, as the sum has at most as many terms
-    /// as there are pairs, and none is above 1.
+    /// Weighs the pairs against the nearest, sorts them by gap, then by contact, and drops those out of
+    /// reach. Gives the smallest gap; nothing where no blended gap can be under `limit`, as the sum has at most
+    /// as many terms as there are pairs, and none is above 1.
     fn weigh(&mut self, blend: f64, limit: f64) -> Option<f64> {
         let smallest = self.pairs.iter().map(|pair| pair.gap).reduce(fmin)?;
         if smallest - blend * libm::log(self.pairs.len() as f64) >= limit {
             return None;
         }
+        self.pairs
+            .retain(|pair| pair.gap <= smallest + REACH * blend);
         for pair in &mut self.pairs {
             pair.weight = libm::exp((smallest - pair.gap) / blend);
         }
@@ -196,30 +198,29 @@ impl Blender {
         smallest - blend * libm::log(sum)
     }
 
-    /// Smallest blended gap of the nearest seed and of `seeds` (contacts), where it is under `limit`; else
-    /// `limit`. Metres.
-    pub fn least(&mut self, blend: f64, limit: f64, seeds: impl Iterator<Item = u32>) -> f64 {
+    /// The smaller of `limit` and the smallest blended gap, metres: of the nearest seed, and of all where
+    /// that one touches.
+    pub fn least(&mut self, blend: f64, limit: f64) -> f64 {
         let Some(smallest) = self.weigh(blend, limit) else {
             return limit;
         };
-        let nearest = self.pairs[0];
-        let mut least = fmin(limit, self.gap_of(&nearest, smallest, blend));
-        for seed in seeds {
-            if seed == nearest.contact {
-                continue;
-            }
-            if let Some(at) = self.pairs.iter().position(|pair| pair.contact == seed) {
-                least = fmin(least, self.gap_of(&self.pairs[at], smallest, blend));
-            }
+        let mut least = fmin(limit, self.gap_of(&self.pairs[0], smallest, blend));
+        if least < blend {
+            self.rows(blend, limit, f64::INFINITY, |line, _| {
+                least = fmin(least, line.gap)
+            });
         }
         least
     }
 
-    /// Gives every row of the pairs with a gap under `limit` to `row`, with its members.
+    /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members; where the nearest
+    /// seed's gap is `alone` or more, its row alone, which is cheap, and enough for what hardly comes to touch in
+    /// a pass ([`Blender::least`] looks at all).
     pub fn rows(
         &mut self,
         blend: f64,
         limit: f64,
+        alone: f64,
         mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
     ) {
         let Some(smallest) = self.weigh(blend, limit) else {
@@ -229,12 +230,13 @@ impl Blender {
         let most = blend * libm::log(n as f64);
         self.left_out.clear();
         let mut begins = [0; MAX_SEEDS + 1];
+        let mut nearest = f64::NEG_INFINITY;
         let mut seeds = 0;
         for j in 0..n {
             let seed = self.pairs[j];
             // A seed so far up has its own core out of reach whatever else is near: where the surface is
             // within reach, nearer spheres make it, and have their rows.
-            if seeds == MAX_SEEDS || seed.gap - most >= limit {
+            if seeds == MAX_SEEDS || seed.gap - most >= limit || nearest >= alone {
                 return;
             }
             // What this row would hold beyond a row before it.
@@ -258,6 +260,13 @@ impl Blender {
                 self.shares.push(share);
             }
             let gap = smallest - blend * libm::log(sum);
+            if j == 0 {
+                nearest = gap;
+                // Another seed's surface is closer by a blend length at most.
+                if gap >= limit + blend {
+                    return;
+                }
+            }
             if beyond <= IMPLIED * sum || gap >= limit {
                 continue;
             }
@@ -376,7 +385,7 @@ mod tests {
         limit: f64,
     ) -> Vec<(Line, Vec<Member>)> {
         let mut found = Vec::new();
-        pairs(at, spheres).rows(blend, limit, |line, members| {
+        pairs(at, spheres).rows(blend, limit, f64::INFINITY, |line, members| {
             found.push((line, members.collect()));
         });
         found

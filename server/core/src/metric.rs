@@ -9,7 +9,7 @@ use crate::math::{Mat3, Vec3, norm};
 use crate::scene::Tool;
 
 /// Share of the force, and newtons, up to which what the bend adds does not count.
-const SETTLED: (f64, f64) = (1e-3, 1e-5);
+const SETTLED: (f64, f64) = (2e-3, 2e-5);
 
 /// Metric of one tool, about its working point, world axes.
 #[derive(Clone, Copy, Debug)]

@@ -386,7 +386,7 @@ fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: f64) {
             Pair::new(index as u32, gap, contact.normal, distance)
         };
         by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, _| {
-            blender.rows(blend, d, |mut line, shares| {
+            blender.rows(blend, d, 0.5 * d + blend, |mut line, shares| {
                 line.first = members.len() as u32;
                 members.extend(shares);
                 line.members = members.len() as u32 - line.first;
@@ -557,10 +557,7 @@ fn true_gaps(
     first: usize,
     reached: &mut [Reached; MAX_TOOLS],
 ) -> f64 {
-    let Pass {
-        contacts, lines, ..
-    } = &ws.passes[first];
-    let contacts = contacts.as_slice();
+    let contacts = ws.passes[first].contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
         let k = usize::from(contacts[run.start].object);
         let blend = scene.blend_of(k);
@@ -594,9 +591,8 @@ fn true_gaps(
         };
         by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, tool| {
             // Only what is deeper than what was found already counts.
-            let seeds = lines.iter().map(|line| line.contact);
             let least = &mut reached[usize::from(tool)].min_gap;
-            *least = blender.least(blend, *least, seeds);
+            *least = blender.least(blend, *least);
         });
     }
     reached
