@@ -21,6 +21,9 @@
 //! the fillet. On a smooth surface all seeds give nearly the same row; those that another one implies
 //! are left out.
 
+use std::ops::Range;
+
+use crate::MAX_TOOLS;
 use crate::contact::Contact;
 use crate::math::{Mat3, Vec3, fmax, fmin};
 
@@ -126,13 +129,106 @@ impl Line {
     }
 }
 
+/// Contacts of one tool sphere with one blended object.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Group {
+    /// Index of the object.
+    pub object: u16,
+    /// Tool slot.
+    pub tool: u8,
+    /// Smallest core gap at the pose of the pass, metres.
+    smallest: f64,
+    /// Its contacts begin here in [`Groups::order`].
+    first: u32,
+    /// And so many there are.
+    count: u32,
+}
+
+/// The contacts of blended objects, tool sphere by tool sphere.
+#[derive(Debug)]
+pub(crate) struct Groups {
+    /// In the order in which the list comes to them.
+    pub all: Vec<Group>,
+    order: Vec<u32>,
+    /// Number of the group of each node of each tool, counted from 1; 0 for none.
+    number: Vec<u32>,
+    stride: usize,
+}
+
+impl Groups {
+    /// Room for lists of at most `contacts` with tools of at most `nodes`.
+    pub fn with_capacity(contacts: usize, nodes: usize) -> Self {
+        let nodes = if contacts > 0 { nodes } else { 0 };
+        Self {
+            all: Vec::with_capacity(contacts),
+            order: Vec::with_capacity(contacts),
+            number: vec![0; nodes * MAX_TOOLS],
+            stride: nodes,
+        }
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.all.clear();
+        self.order.clear();
+    }
+
+    /// Groups a run of contacts on one object, whose core gaps `gap` tells.
+    pub fn add(&mut self, contacts: &[Contact], run: Range<usize>, gap: impl Fn(&Contact) -> f64) {
+        let place = |contact: &Contact| {
+            usize::from(contact.tool) * self.stride + contact.tool_sphere as usize
+        };
+        let before = self.all.len();
+        for contact in &contacts[run.clone()] {
+            let number = &mut self.number[place(contact)];
+            if *number == 0 {
+                self.all.push(Group {
+                    object: contact.object,
+                    tool: contact.tool,
+                    smallest: f64::INFINITY,
+                    first: 0,
+                    count: 0,
+                });
+                *number = self.all.len() as u32;
+            }
+            let group = &mut self.all[*number as usize - 1];
+            group.count += 1;
+            group.smallest = fmin(group.smallest, gap(contact));
+        }
+        let mut next = self.order.len();
+        for group in &mut self.all[before..] {
+            group.first = next as u32;
+            next += std::mem::take(&mut group.count) as usize;
+        }
+        self.order.resize(next, 0);
+        for index in run.clone() {
+            let group = &mut self.all[self.number[place(&contacts[index])] as usize - 1];
+            self.order[(group.first + group.count) as usize] = index as u32;
+            group.count += 1;
+        }
+        for contact in &contacts[run] {
+            self.number[place(contact)] = 0;
+        }
+    }
+
+    /// Indices of the contacts of a group, ascending.
+    pub fn contacts(&self, group: &Group) -> &[u32] {
+        &self.order[group.first as usize..(group.first + group.count) as usize]
+    }
+}
+
+impl Group {
+    /// Whether no blended gap can be under `limit` after a motion of at most `moved` (metres).
+    pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
+        self.smallest - moved - blend * libm::log(f64::from(self.count)) >= limit
+    }
+}
+
 /// Scratch: nothing in it outlives a call.
 #[derive(Debug)]
 pub(crate) struct Blender {
     /// Pairs of one tool sphere and one object.
     pairs: Vec<Pair>,
-    /// Contacts of one object, tool sphere by tool sphere.
-    pub order: Vec<u32>,
     /// Pairs that kept rows leave out in part or wholly, with their share there, row by row.
     left_out: Vec<(u32, f64)>,
     /// Share of each pair in the row in question.
@@ -144,7 +240,6 @@ impl Blender {
     pub fn with_capacity(contacts: usize) -> Self {
         Self {
             pairs: Vec::with_capacity(contacts),
-            order: Vec::with_capacity(contacts),
             left_out: Vec::with_capacity(contacts * MAX_SEEDS),
             shares: Vec::with_capacity(contacts),
         }
@@ -160,21 +255,20 @@ impl Blender {
         self.pairs.push(pair);
     }
 
-    /// Weighs the pairs against the nearest, sorts them by gap, then by contact, and drops those out of
-    /// reach. Gives the smallest gap; nothing where no blended gap can be under `limit`, as the sum has at most
-    /// as many terms as there are pairs, and none is above 1.
-    fn weigh(&mut self, blend: f64, limit: f64) -> Option<f64> {
-        let smallest = self.pairs.iter().map(|pair| pair.gap).reduce(fmin)?;
-        if smallest - blend * libm::log(self.pairs.len() as f64) >= limit {
-            return None;
-        }
+    /// Puts the nearest pair first, weighs the others against it and drops those out of reach. Gives the
+    /// smallest gap; nothing where there is no pair.
+    fn weigh(&mut self, blend: f64) -> Option<f64> {
+        let nearest = (0..self.pairs.len()).reduce(|best, k| {
+            let (a, b) = (&self.pairs[k], &self.pairs[best]);
+            if a.gap < b.gap { k } else { best }
+        })?;
+        self.pairs.swap(0, nearest);
+        let smallest = self.pairs[0].gap;
         self.pairs
             .retain(|pair| pair.gap <= smallest + REACH * blend);
         for pair in &mut self.pairs {
             pair.weight = libm::exp((smallest - pair.gap) / blend);
         }
-        self.pairs
-            .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
         Some(smallest)
     }
 
@@ -199,15 +293,17 @@ impl Blender {
     }
 
     /// The smaller of `limit` and the smallest blended gap, metres: of the nearest seed, and of all where
-    /// that one touches.
+    /// another one's may be smaller and touch.
     pub fn least(&mut self, blend: f64, limit: f64) -> f64 {
-        let Some(smallest) = self.weigh(blend, limit) else {
+        let Some(smallest) = self.weigh(blend) else {
             return limit;
         };
-        let mut least = fmin(limit, self.gap_of(&self.pairs[0], smallest, blend));
-        if least < blend {
-            self.rows(blend, limit, f64::INFINITY, |line, _| {
-                least = fmin(least, line.gap)
+        let gap = self.gap_of(&self.pairs[0], smallest, blend);
+        let mut least = fmin(limit, gap);
+        // Another seed's surface is closer by a blend length at most.
+        if gap < blend {
+            self.seeds(smallest, blend, limit, f64::INFINITY, |line, _| {
+                least = fmin(least, line.gap);
             });
         }
         least
@@ -221,12 +317,29 @@ impl Blender {
         blend: f64,
         limit: f64,
         alone: f64,
-        mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
+        row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
     ) {
-        let Some(smallest) = self.weigh(blend, limit) else {
+        let Some(smallest) = self.weigh(blend) else {
             return;
         };
+        // Not even the nearest surface, and another seed's is closer by a blend length at most.
+        if self.gap_of(&self.pairs[0], smallest, blend) < limit + blend {
+            self.seeds(smallest, blend, limit, alone, row);
+        }
+    }
+
+    fn seeds(
+        &mut self,
+        smallest: f64,
+        blend: f64,
+        limit: f64,
+        alone: f64,
+        mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
+    ) {
         let n = self.pairs.len();
+        // By gap, then by contact: which rows imply which depends on nothing else.
+        self.pairs
+            .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
         let most = blend * libm::log(n as f64);
         self.left_out.clear();
         let mut begins = [0; MAX_SEEDS + 1];
@@ -262,10 +375,6 @@ impl Blender {
             let gap = smallest - blend * libm::log(sum);
             if j == 0 {
                 nearest = gap;
-                // Another seed's surface is closer by a blend length at most.
-                if gap >= limit + blend {
-                    return;
-                }
             }
             if beyond <= IMPLIED * sum || gap >= limit {
                 continue;

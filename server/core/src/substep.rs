@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use crate::blend::{Blender, Line, Pair, REACH, hollowness};
+use crate::blend::{Line, Pair, REACH, hollowness};
 use crate::contact::{Contact, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -120,10 +120,12 @@ pub(crate) fn advance<P: StageProbe>(
             1.0
         };
         apply(scene, state, ws, group, &step, share);
+        // What turns about the working point moves a little farther than its lever says.
+        let moved = 1.01 * share * motion;
         for tool in &mut reached {
             tool.min_gap = f64::INFINITY;
         }
-        let deepest = true_gaps(scene, state, ws, first, &mut reached);
+        let deepest = true_gaps(scene, state, ws, first, (d, moved), &mut reached);
         let free = ws.passes[first].contacts.as_slice().is_empty();
         let small = motion <= params.converged_step || free;
         if share == 1.0 && small && settled && deepest >= -params.converged_gap {
@@ -361,10 +363,13 @@ fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: f64) {
         contacts,
         lines,
         members,
+        groups,
         ..
     } = &mut ws.passes[first];
+    let blender = &mut ws.blender;
     lines.clear();
     members.clear();
+    groups.clear();
     let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
         let k = usize::from(contacts[run.start].object);
@@ -374,56 +379,34 @@ fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: f64) {
             continue;
         }
         let object = &scene.objects[k];
-        let pair = |index: usize| {
-            let contact = &contacts[index];
-            let tool = &scene.tools[usize::from(contact.tool)].tree;
-            let tool_radius = tool.nodes()[contact.tool_sphere as usize].contact_radius;
-            let node = &object.tree.nodes()[contact.object_sphere as usize];
-            let core = object.tree.core_radius(contact.object_sphere, object.level);
-            // The list's gap is that of the contact spheres.
-            let distance = contact.gap + (node.contact_radius + tool_radius);
-            let gap = contact.gap + (node.contact_radius - core);
-            Pair::new(index as u32, gap, contact.normal, distance)
+        // The list's gap is that of the contact spheres.
+        let inset = |contact: &Contact| {
+            object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                - object.tree.core_radius(contact.object_sphere, object.level)
         };
-        by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, _| {
+        let begun = groups.all.len();
+        groups.add(contacts, run, |contact| contact.gap + inset(contact));
+        for group in &groups.all[begun..] {
+            if group.is_clear_of(d, blend, 0.0) {
+                continue;
+            }
+            blender.begin();
+            for &index in groups.contacts(group) {
+                let contact = &contacts[index as usize];
+                let tool = &scene.tools[usize::from(contact.tool)].tree;
+                let distance = contact.gap
+                    + object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                    + tool.nodes()[contact.tool_sphere as usize].contact_radius;
+                let gap = contact.gap + inset(contact);
+                blender.push(Pair::new(index, gap, contact.normal, distance));
+            }
             blender.rows(blend, d, 0.5 * d + blend, |mut line, shares| {
                 line.first = members.len() as u32;
                 members.extend(shares);
                 line.members = members.len() as u32 - line.first;
                 lines.push(line);
             });
-        });
-    }
-}
-
-/// Fills the blender with the pairs of each tool sphere in a run of contacts on one object, and lets
-/// `work` look at each; it is told the tool's slot.
-fn by_tool_sphere(
-    contacts: &[Contact],
-    run: Range<usize>,
-    blender: &mut Blender,
-    pair: impl Fn(usize) -> Pair,
-    mut work: impl FnMut(&mut Blender, u8),
-) {
-    let key = |index: &u32| {
-        let contact = &contacts[*index as usize];
-        (contact.tool, contact.tool_sphere, *index)
-    };
-    blender.order.clear();
-    blender.order.extend(run.start as u32..run.end as u32);
-    blender.order.sort_unstable_by_key(key);
-    let mut at = 0;
-    while at < blender.order.len() {
-        let (tool, sphere, _) = key(&blender.order[at]);
-        blender.begin();
-        while let Some(&index) = blender.order.get(at) {
-            if (tool, sphere) != (key(&index).0, key(&index).1) {
-                break;
-            }
-            blender.push(pair(index as usize));
-            at += 1;
         }
-        work(blender, tool);
     }
 }
 
@@ -548,37 +531,45 @@ fn apply(
     }
 }
 
-/// Smallest true gap of each tool and of all: of the spheres, or where they are blended of the surface,
-/// made anew from where they are now.
+/// Smallest true gap of each tool and of all after a motion of at most `moved`: of the spheres, or where they
+/// are blended of the surface, made anew from where they are now, as far as it is under `d`.
 fn true_gaps(
     scene: &Scene,
     state: &State,
     ws: &mut Workspace,
     first: usize,
+    (d, moved): (f64, f64),
     reached: &mut [Reached; MAX_TOOLS],
 ) -> f64 {
-    let contacts = ws.passes[first].contacts.as_slice();
+    let Pass {
+        contacts, groups, ..
+    } = &ws.passes[first];
+    let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
-        let k = usize::from(contacts[run.start].object);
-        let blend = scene.blend_of(k);
-        if blend == 0.0 {
-            for contact in &contacts[run] {
-                let least = &mut reached[usize::from(contact.tool)].min_gap;
-                *least = fmin(*least, true_gap(scene, state, ws, contact));
-            }
+        if scene.blend_of(usize::from(contacts[run.start].object)) > 0.0 {
             continue;
         }
-        let object = &scene.objects[k];
-        let rotations = state.tools.each_ref().map(|tool| {
-            let orientation = &tool.graphic.orientation;
-            orientation.to_rotation_matrix().into_inner()
-        });
-        let pair = |index: usize| {
-            let contact = &contacts[index];
-            let t = usize::from(contact.tool);
+        for contact in &contacts[run] {
+            let least = &mut reached[usize::from(contact.tool)].min_gap;
+            *least = fmin(*least, true_gap(scene, state, ws, contact));
+        }
+    }
+    let blender = &mut ws.blender;
+    for group in &groups.all {
+        let (t, k) = (usize::from(group.tool), usize::from(group.object));
+        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
+        let limit = fmin(reached[t].min_gap, d);
+        if group.is_clear_of(limit, blend, moved) {
+            continue;
+        }
+        blender.begin();
+        let pose = &state.tools[t].graphic;
+        let rotation = pose.orientation.to_rotation_matrix().into_inner();
+        for &index in groups.contacts(group) {
+            let contact = &contacts[index as usize];
             let tool_node = &scene.tools[t].tree.nodes()[contact.tool_sphere as usize];
-            let at = centre(&rotations[t], &state.tools[t].graphic, &tool_node.centre);
-            let between = at - object.tree.nodes()[contact.object_sphere as usize].centre;
+            let between = centre(&rotation, pose, &tool_node.centre)
+                - object.tree.nodes()[contact.object_sphere as usize].centre;
             let distance = norm(&between);
             let normal = if distance > 1e-12 {
                 between / distance
@@ -587,13 +578,12 @@ fn true_gaps(
             };
             let core = object.tree.core_radius(contact.object_sphere, object.level);
             let gap = distance - tool_node.contact_radius - core;
-            Pair::new(index as u32, gap, normal, distance)
-        };
-        by_tool_sphere(contacts, run, &mut ws.blender, pair, |blender, tool| {
-            // Only what is deeper than what was found already counts.
-            let least = &mut reached[usize::from(tool)].min_gap;
-            *least = blender.least(blend, *least);
-        });
+            blender.push(Pair::new(index, gap, normal, distance));
+        }
+        let gap = blender.least(blend, limit);
+        if gap < limit {
+            reached[t].min_gap = gap;
+        }
     }
     reached
         .iter()

@@ -3,7 +3,7 @@
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::blend::{Blender, Line, MAX_SEEDS, Member};
+use crate::blend::{Blender, Groups, Line, MAX_SEEDS, Member};
 use crate::contact::{Contact, ContactList, Overflow, Predictor};
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
@@ -59,6 +59,8 @@ pub(crate) struct Pass {
     pub contacts: ContactList,
     /// What each row is about.
     pub lines: Vec<Line>,
+    /// Contacts of blended objects by tool sphere.
+    pub groups: Groups,
     /// Members of the blended rows, row by row.
     pub members: Vec<Member>,
     pub rows: Vec<ProblemRow>,
@@ -70,10 +72,11 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    fn with_capacity(rows: usize, blended: bool) -> Self {
+    fn with_capacity(rows: usize, blended: bool, tool_nodes: usize) -> Self {
         Self {
             contacts: ContactList::with_capacity(rows),
             lines: Vec::with_capacity(rows),
+            groups: Groups::with_capacity(if blended { rows } else { 0 }, tool_nodes),
             members: Vec::with_capacity(if blended { rows * MAX_SEEDS } else { 0 }),
             shares: Vec::with_capacity(rows),
             rows: Vec::with_capacity(rows),
@@ -85,6 +88,7 @@ impl Pass {
     pub fn clear(&mut self) {
         self.contacts.begin(0, Overflow::Stop);
         self.lines.clear();
+        self.groups.clear();
         self.members.clear();
         self.rows.clear();
         self.shares.clear();
@@ -158,7 +162,7 @@ impl Workspace {
         };
         Self {
             predictor: Predictor::new(tool_nodes),
-            passes: std::array::from_fn(|_| Pass::with_capacity(rows, blended)),
+            passes: std::array::from_fn(|_| Pass::with_capacity(rows, blended, tool_nodes)),
             blender: Blender::with_capacity(if blended { rows } else { 0 }),
             // Only tissue needs the dense matrix.
             gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
