@@ -22,24 +22,6 @@ fn cpu_us() -> f64 {
     now.tv_sec as f64 * 1e6 + now.tv_nsec as f64 * 1e-3
 }
 
-#[derive(Default)]
-struct Stages {
-    current: Option<(sulcus_core::Stage, f64)>,
-    sums: [i64; 5],
-}
-
-impl sulcus_core::StageProbe for Stages {
-    fn begin(&mut self, stage: sulcus_core::Stage) {
-        self.end();
-        self.current = Some((stage, cpu_us()));
-    }
-    fn end(&mut self) {
-        if let Some((stage, since)) = self.current.take() {
-            self.sums[stage as usize] += (cpu_us() - since) as i64;
-        }
-    }
-}
-
 /// Thread CPU microseconds of each tick of the crown exercise on the built-in molar, hard and blended, on
 /// the same hand: median, 99th percentile, mean, and mean rows.
 fn crown() {
@@ -100,12 +82,8 @@ fn crown() {
                 .iter()
                 .map(|input| {
                     let before = cpu_us();
-                    let mut stages = Stages::default();
-                    let out = tick(&scene, &mut state, &mut ws, input, &mut stages);
+                    let out = tick(&scene, &mut state, &mut ws, input, &mut NoProbe);
                     let us = cpu_us() - before;
-                    if blend && level > 2 && (us > 150.0 * f64::from(level-2) && state.tick % 7 == 0 || state.tick % 499 == 0) {
-                        println!("tick {} us {us:.0} contacts {} rows {} active {} passes {} gap {:.2e} stages {:?}", state.tick, ws.contacts().count(), out.tools[0].rows, out.tools[0].active, out.tools[0].substeps, out.tools[0].min_gap, stages.sums);
-                    }
                     rows += f64::from(out.tools[0].rows);
                     steps += f64::from(out.tools[0].substeps);
                     contacts += ws.contacts().count() as f64;

@@ -96,8 +96,13 @@ fn check_books(
     let mut push = Vec3::zeros();
     let smooth = scene.blend_of(0) > 0.0;
     if smooth && tool.active > 0 {
-        // Complementarity on the surface: what bears load touches it.
-        assert!(tool.min_gap.abs() <= 1e-6, "tick {k}: {:e} m", tool.min_gap);
+        // Complementarity on the surface: what bears load touches it, but for how much the surface
+        // bends over the last step.
+        assert!(
+            (-1e-6..=5e-6).contains(&tool.min_gap),
+            "tick {k}: {:e} m",
+            tool.min_gap
+        );
     }
     for (contact, lambda) in ws.contacts() {
         assert!(lambda >= 0.0, "tick {k}: multiplier {lambda:e}");

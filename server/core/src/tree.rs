@@ -110,7 +110,7 @@ pub enum TreeError {
         needed: f64,
     },
     /// Blend lengths or insets do not fit the nodes.
-    #[error("{field} {index} is {found}, expected {expected}")]
+    #[error("{field} {index}: found {found}, expected {expected}")]
     BadBlending {
         /// Which list.
         field: &'static str,
@@ -583,6 +583,36 @@ mod tests {
             Err(TreeError::BadStructure { node: 1, .. })
         ));
         assert_eq!(SphereTree::from_nodes(vec![]), Err(TreeError::Empty));
+    }
+
+    #[test]
+    fn a_broken_blending_is_named() {
+        let tree = SphereTree::over_leaves(&leaves(20)).expect("valid");
+        let good = Blending {
+            lengths: vec![1e-5; usize::from(tree.depth()) + 1],
+            insets: vec![1e-5; tree.nodes().len()],
+        };
+        let blended = tree.clone().with_blending(good.clone()).expect("valid");
+        let (leaf, node) = blended.shape_at(MAX_LEVEL).next().expect("a leaf");
+        assert_eq!(
+            blended.core_radius(leaf, node.level),
+            node.contact_radius - 1e-5
+        );
+        assert_eq!(tree.core_radius(leaf, node.level), node.contact_radius);
+        assert_eq!((blended.blend_at(MAX_LEVEL), tree.blend_at(2)), (1e-5, 0.0));
+        let refused = |change: fn(&mut Blending)| {
+            let mut bad = good.clone();
+            change(&mut bad);
+            tree.clone()
+                .with_blending(bad)
+                .expect_err("broken")
+                .to_string()
+        };
+        assert!(refused(|b| b.lengths.clear()).contains("number of blend lengths 0"));
+        assert!(refused(|b| b.insets.truncate(3)).contains("number of insets 3"));
+        assert!(refused(|b| b.lengths[1] = f64::NAN).contains("blend length of level 1"));
+        assert!(refused(|b| b.insets[2] = 1.0).contains("inset of node 2"));
+        assert!(refused(|b| b.insets[0] = -1e-9).contains("inset of node 0"));
     }
 
     proptest! {
