@@ -43,7 +43,7 @@ fn the_tip_slides_smoothly_over_the_blended_ellipsoid() {
             let found = blend_error(&tree, level, &distance, radius);
             println!("{found:?}");
             assert!(
-                found.mean <= error && found.bias.abs() <= 0.3 * error,
+                found.mean <= error && found.bias.abs() <= 0.5 * error,
                 "{found:?}"
             );
         }

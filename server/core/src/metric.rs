@@ -72,10 +72,11 @@ impl Metric {
         }
         for i in 0..6 {
             for j in 0..=i {
-                let mut entry = factor[i][j];
-                for k in 0..j {
-                    entry -= factor[i][k] * factor[j][k];
-                }
+                let sum = |row: &[f64; 6], column: &[f64; 6]| {
+                    let products = row[..j].iter().zip(&column[..j]).map(|(a, b)| a * b);
+                    products.fold(0.0, |sum, product| sum + product)
+                };
+                let entry = factor[i][j] - sum(&factor[i], &factor[j]);
                 // Adding to a positive definite matrix what is not negative leaves it so.
                 factor[i][j] = if i == j {
                     entry.sqrt()

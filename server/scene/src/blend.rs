@@ -378,3 +378,62 @@ pub fn blend_error(
         max: at(100),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::{TreeOptions, build_tree};
+    use crate::shapes::{cuboid, ellipsoid};
+
+    fn levels_of(mesh: crate::mesh::TriMesh) -> (SphereTree, SphereTree, MeshDistance) {
+        let options = TreeOptions {
+            levels: 3,
+            samples: 8000,
+            ..TreeOptions::default()
+        };
+        let hard = build_tree(&mesh, &options, &|_, _| ()).expect("tree");
+        let distance = MeshDistance::new(mesh);
+        let options = BlendOptions {
+            samples_per_sphere: 20,
+            ..BlendOptions::default()
+        };
+        let blended = calibrate(&hard, &distance, &options).expect("a tree stays a tree");
+        (hard, blended, distance)
+    }
+
+    #[test]
+    fn a_calibrated_surface_is_without_bias_and_nearer_to_the_mesh() {
+        let (hard, blended, distance) = levels_of(ellipsoid(Vec3::new(8e-3, 5e-3, 3e-3), 4));
+        assert_eq!(
+            hard.nodes(),
+            blended.nodes(),
+            "the spheres stay where they are"
+        );
+        for level in [2, 3] {
+            let before = blend_error(&hard, level, &distance, 2.5e-4);
+            let after = blend_error(&blended, level, &distance, 2.5e-4);
+            println!("{before:?}\n{after:?}");
+            assert!(blended.blend_at(level) > 0.0);
+            assert!(after.bias.abs() < 0.1 * before.mean, "{before:?} {after:?}");
+            assert!(after.mean < 0.8 * before.mean, "{before:?} {after:?}");
+        }
+        // The levels above serve culling only.
+        assert_eq!(blended.blend_at(1), 0.0);
+        assert_eq!(blended.blending().insets[0], 0.0);
+    }
+
+    #[test]
+    fn sharp_edges_stay_within_the_error_of_the_hard_spheres() {
+        let (hard, blended, distance) = levels_of(cuboid(Vec3::new(6e-3, 4e-3, 3e-3)));
+        let before = blend_error(&hard, 3, &distance, 2.5e-4);
+        let after = blend_error(&blended, 3, &distance, 2.5e-4);
+        println!("{before:?}\n{after:?}");
+        assert!(after.rms <= 1.2 * before.rms, "{before:?} {after:?}");
+    }
+
+    #[test]
+    fn the_same_tree_twice_is_calibrated_to_the_same_bits() {
+        let mesh = ellipsoid(Vec3::new(8e-3, 5e-3, 3e-3), 3);
+        assert_eq!(levels_of(mesh.clone()).1, levels_of(mesh).1);
+    }
+}
