@@ -25,11 +25,10 @@ use std::ops::Range;
 
 use crate::MAX_TOOLS;
 use crate::contact::Contact;
-use crate::math::{Mat3, Vec3, fmax, fmin};
+use crate::math::{Mat3, Vec3, fclamp, fmax, fmin};
 
-/// Spheres whose core gap exceeds the smallest by this many blend lengths count for nothing
-/// (`exp(-8)` is 0.03 %).
-pub const REACH: f64 = 8.0;
+/// A sphere that would move the surface by less than this is left out, metres.
+const UNFELT: f64 = 1e-7;
 /// Excess of the sagitta in blend lengths up to which two spheres are on one smooth surface. Over the pit between four
 /// spheres of a lattice that is blended as it should be, two that face each other have 4 to 6.
 const ONE_SURFACE: f64 = 10.0;
@@ -40,6 +39,13 @@ const TWO_SURFACES: f64 = 16.0;
 const IMPLIED: f64 = 1e-3;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
 pub const MAX_SEEDS: usize = 8;
+
+/// How many blend lengths above the smallest core gap a sphere still counts: there its share,
+/// `exp(-reach)` of the blend length, comes to a tenth of a micrometre.
+#[inline]
+pub fn reach(blend: f64) -> f64 {
+    fclamp(libm::log(blend / UNFELT), 4.0, 9.0)
+}
 
 /// How far a sphere belongs to the surface of the seed: 1 wholly, 0 not at all, smooth between. Seen from the
 /// tool's sphere the two lie in directions of that `cosine`, the nearer of the two centres at `distance`
@@ -264,8 +270,8 @@ impl Blender {
         })?;
         self.pairs.swap(0, nearest);
         let smallest = self.pairs[0].gap;
-        self.pairs
-            .retain(|pair| pair.gap <= smallest + REACH * blend);
+        let farthest = smallest + reach(blend) * blend;
+        self.pairs.retain(|pair| pair.gap <= farthest);
         for pair in &mut self.pairs {
             pair.weight = libm::exp((smallest - pair.gap) / blend);
         }
@@ -664,7 +670,7 @@ mod tests {
             let rows = rows(&at, &spheres, blend, 1.0);
             let least = rows.iter().map(|(line, _)| line.gap).fold(f64::INFINITY, fmin);
             // Rows that were left out would bind at most this much earlier; so would spheres out of reach.
-            let little = 1.01 * IMPLIED + spheres.len() as f64 * libm::exp(-REACH);
+            let little = 1.01 * IMPLIED + spheres.len() as f64 * libm::exp(-reach(blend));
             prop_assert!((least - smallest(&at, &spheres, blend)).abs() <= little * blend + 1e-15);
             for (line, members) in &rows {
                 let sum: f64 = members.iter().map(|member| member.weight).sum();

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use crate::blend::{Line, Pair, REACH, hollowness};
+use crate::blend::{Line, Pair, hollowness, reach};
 use crate::contact::{Contact, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -183,7 +183,7 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
     }
     let limit = scene.most_contacts() * group.len();
     // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
-    let mut reach = REACH;
+    let mut share = 1.0;
     let contacts = &mut ws.passes[place(group)].contacts;
     'again: loop {
         let overflow = if d > SMALLEST_PREDICTION {
@@ -211,14 +211,18 @@ fn collide(scene: &Scene, state: &State, ws: &mut Workspace, group: &[usize], mu
                 };
                 let blend = scene.blend_of(k);
                 blended |= blend > 0.0;
-                let within = d + reach * blend;
+                let within = if blend > 0.0 {
+                    d + share * reach(blend) * blend
+                } else {
+                    d
+                };
                 if ws
                     .predictor
                     .predict(&posed, (k as u16, nodes, object.level), within, contacts)
                     .is_err()
                 {
-                    if blended && reach > 0.0 {
-                        reach = if reach > 1.0 { 0.5 * reach } else { 0.0 };
+                    if blended && share > 0.0 {
+                        share = if share > 0.1 { 0.5 * share } else { 0.0 };
                     } else {
                         d = fmax(0.5 * d, SMALLEST_PREDICTION);
                     }
@@ -400,7 +404,7 @@ fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: f64) {
                 let gap = contact.gap + inset(contact);
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
-            blender.rows(blend, d, 0.5 * d + blend, |mut line, shares| {
+            blender.rows(blend, d, 0.25 * d + 0.5 * blend, |mut line, shares| {
                 line.first = members.len() as u32;
                 members.extend(shares);
                 line.members = members.len() as u32 - line.first;

@@ -13,7 +13,7 @@
 //! Gauss-Newton, each step by conjugate gradients on the sparse normal equations.
 
 use serde::Serialize;
-use sulcus_core::blend::{REACH, compatibility};
+use sulcus_core::blend::compatibility;
 use sulcus_core::{Blending, SphereTree, TreeError, Vec3};
 
 use crate::distance::MeshDistance;
@@ -54,6 +54,9 @@ const ROUNDS: usize = 8;
 const STEPS: usize = 30;
 /// Weight of the insets' own change against the sum of squares, per probed place.
 const DAMPING: f64 = 3e-3;
+/// Blend lengths around a probed place within which spheres are looked at: insets come to 3, and beyond 8 more a
+/// sphere weighs nothing.
+const AROUND: f64 = 11.0;
 /// Largest share of a sphere's radius that its inset may take.
 const MOST_OF_RADIUS: f64 = 0.8;
 /// Fewest places probed at a level.
@@ -184,7 +187,7 @@ fn places(
         let at = samples[s].point + samples[s].normal * radius;
         Place {
             target: distance.signed(&at) - radius,
-            near: near(tree, level, &at, radius + (REACH + 3.0) * blend),
+            near: near(tree, level, &at, radius + AROUND * blend),
         }
     })
     .into_iter()
