@@ -28,7 +28,7 @@ use crate::contact::Contact;
 use crate::math::{Mat3, Vec3, fclamp, fmax, fmin};
 
 /// A sphere that would move the surface by less than this is left out, metres.
-const UNFELT: f64 = 1e-7;
+const UNFELT: f64 = 2e-8;
 /// Excess of the sagitta in blend lengths up to which two spheres are on one smooth surface. Over the pit between four
 /// spheres of a lattice that is blended as it should be, two that face each other have 4 to 6.
 const ONE_SURFACE: f64 = 10.0;
@@ -37,14 +37,17 @@ const TWO_SURFACES: f64 = 16.0;
 /// A seed is left out where the rows before it hold all but this share of its sum: it could bind at most
 /// this share of the blend length before them.
 const IMPLIED: f64 = 1e-3;
+/// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
+/// one stands alone, hardly inset, and the other deep among many.
+const OTHER_SEEDS: f64 = 3.0;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
 pub const MAX_SEEDS: usize = 8;
 
 /// How many blend lengths above the smallest core gap a sphere still counts: there its share,
-/// `exp(-reach)` of the blend length, comes to a tenth of a micrometre.
+/// `exp(-reach)` of the blend length, comes to 20 nm; there may be dozens.
 #[inline]
 pub fn reach(blend: f64) -> f64 {
-    fclamp(libm::log(blend / UNFELT), 4.0, 9.0)
+    fclamp(libm::log(blend / UNFELT), 4.0, 10.0)
 }
 
 /// How far a sphere belongs to the surface of the seed: 1 wholly, 0 not at all, smooth between. Seen from the
@@ -298,19 +301,34 @@ impl Blender {
         smallest - blend * libm::log(sum)
     }
 
-    /// The smaller of `limit` and the smallest blended gap, metres: of the nearest seed, and of all where
-    /// another one's may be smaller and touch.
+    /// The smaller of `limit` and the smallest blended gap over all seeds, metres.
     pub fn least(&mut self, blend: f64, limit: f64) -> f64 {
         let Some(smallest) = self.weigh(blend) else {
             return limit;
         };
-        let gap = self.gap_of(&self.pairs[0], smallest, blend);
-        let mut least = fmin(limit, gap);
-        // Another seed's surface is closer by a blend length at most.
-        if gap < blend {
-            self.seeds(smallest, blend, limit, f64::INFINITY, |line, _| {
-                least = fmin(least, line.gap);
+        let nearest = self.pairs[0];
+        self.left_out.clear();
+        let mut sum = 0.0;
+        for (k, pair) in self.pairs.iter().enumerate() {
+            let share = self.shared(&nearest, k, blend);
+            sum += share * pair.weight;
+            if share < 1.0 {
+                self.left_out.push((k as u32, share));
+            }
+        }
+        let mut least = fmin(limit, smallest - blend * libm::log(sum));
+        if self.left_out.is_empty() {
+            return least;
+        }
+        for seed in &self.pairs[1..] {
+            // No more is in this seed's sum than in the nearest one's and what that leaves out.
+            let more = self.left_out.iter().fold(sum, |more, &(k, before)| {
+                let now = self.shared(seed, k as usize, blend);
+                more + fmax(0.0, now - before) * self.pairs[k as usize].weight
             });
+            if smallest - blend * libm::log(more) < least {
+                least = fmin(least, self.gap_of(seed, smallest, blend));
+            }
         }
         least
     }
@@ -328,8 +346,8 @@ impl Blender {
         let Some(smallest) = self.weigh(blend) else {
             return;
         };
-        // Not even the nearest surface, and another seed's is closer by a blend length at most.
-        if self.gap_of(&self.pairs[0], smallest, blend) < limit + blend {
+        // Not even the surface of the nearest?
+        if self.gap_of(&self.pairs[0], smallest, blend) < limit + OTHER_SEEDS * blend {
             self.seeds(smallest, blend, limit, alone, row);
         }
     }
