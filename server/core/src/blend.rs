@@ -39,7 +39,7 @@ const TWO_SURFACES: f64 = 16.0;
 const IMPLIED: f64 = 1e-3;
 /// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
 /// one stands alone, hardly inset, and the other deep among many.
-const OTHER_SEEDS: f64 = 3.0;
+pub(crate) const OTHER_SEEDS: f64 = 3.0;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
 pub const MAX_SEEDS: usize = 8;
 

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use crate::blend::{Line, Pair, hollowness, reach};
+use crate::blend::{Line, OTHER_SEEDS, Pair, hollowness, reach};
 use crate::contact::{Contact, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -404,12 +404,17 @@ fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: f64) {
                 let gap = contact.gap + inset(contact);
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
-            blender.rows(blend, d, 0.25 * d + 0.5 * blend, |mut line, shares| {
-                line.first = members.len() as u32;
-                members.extend(shares);
-                line.members = members.len() as u32 - line.first;
-                lines.push(line);
-            });
+            blender.rows(
+                blend,
+                d,
+                0.25 * d + OTHER_SEEDS * blend,
+                |mut line, shares| {
+                    line.first = members.len() as u32;
+                    members.extend(shares);
+                    line.members = members.len() as u32 - line.first;
+                    lines.push(line);
+                },
+            );
         }
     }
 }
