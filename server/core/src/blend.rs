@@ -31,9 +31,9 @@ use crate::math::{Mat3, Vec3, fclamp, fmax, fmin};
 const UNFELT: f64 = 2e-8;
 /// Excess of the sagitta in blend lengths up to which two spheres are on one smooth surface. Over the pit between four
 /// spheres of a lattice that is blended as it should be, two that face each other have 4 to 6.
-const ONE_SURFACE: f64 = 10.0;
+const ONE_SURFACE: f64 = 7.0;
 /// Excess from which they have nothing to do with one another.
-const TWO_SURFACES: f64 = 16.0;
+const TWO_SURFACES: f64 = 12.0;
 /// A seed is left out where the rows before it hold all but this share of its sum: it could bind at most
 /// this share of the blend length before them.
 const IMPLIED: f64 = 1e-3;
