@@ -16,10 +16,15 @@
 //!
 //! The soft minimum is that of the exponential blend of implicit surfaces (Blinn 1982,
 //! doi:10.1145/357306.357310). One row per *seed* `j`, not one per tool sphere: in a groove the walls
-//! keep separate rows, so that the problem is convex there. One row of their mean turns with the tool's
-//! way instead, by `-depth / fillet radius` of it in each pass, and buzzes where the press is deeper than
-//! the fillet. On a smooth surface all seeds give nearly the same row; those that another one implies
-//! are left out.
+//! keep separate rows, so that the problem is convex there. On a smooth surface all seeds give nearly the
+//! same row; those that another one implies are left out. What is blended may still be hollow: passes that
+//! know only the slope there turn with the tool's way, by `-depth / radius` of it each time, and
+//! buzz where the press is deeper than the hollow's radius. The pass therefore also knows the bend
+//! (`hollowness`, and the module `metric`).
+//!
+//! Measured (probe tip, 1 mm deep, ellipsoid of 40, 25, 15 mm; rms of the force / median error of direction):
+//! hard spheres 4.3 % / 3.6 degrees at level 3, 1.1 % / 1.8 at level 4; blended 1.0 % / 0.4 and
+//! 0.27 % / 0.2. Numbers, other shapes and costs: the bench `ripple` of sulcus-cases.
 
 use std::ops::Range;
 
