@@ -1,5 +1,6 @@
 //! One definition of every measure of a run.
 
+use sulcus_core::blend::compatibility;
 use sulcus_core::math::{log_rotation, norm};
 use sulcus_core::{
     MAX_TOOLS, Node, Pose, Scene, TickInput, TickOutput, Vec3, Wrench, output::status,
@@ -22,7 +23,9 @@ pub struct Measures {
     /// Tool-ticks with unusable input.
     pub bad_input: u64,
     /// *Residual*: deepest penetration over all leaf pairs on the final shapes of converged ticks,
-    /// metres, by a full query that shares nothing with the tick's.
+    /// metres, by a full query that shares nothing with the tick's. Where an object's spheres are blended
+    /// ([`sulcus_core::blend`]) it is that of the blended surface, of whatever seed and with all spheres in
+    /// the sum, or of the cores, whichever is deeper.
     pub residual: f64,
     /// The same over exhausted ticks.
     pub exhausted_residual: f64,
@@ -58,7 +61,7 @@ pub struct Observer {
     second_difference_count: u64,
     put_out: f64,
     tool_leaves: Vec<Vec<Node>>,
-    object_leaves: Vec<Vec<Node>>,
+    solids: Vec<Solid>,
     placed: Vec<(Vec3, f64)>,
     /// Every how many ticks the full query runs (1: always).
     pub residual_every: u64,
@@ -93,10 +96,8 @@ impl Observer {
                 .iter()
                 .map(|tool| leaves(&tool.tree, tool.level))
                 .collect(),
-            object_leaves: scene
-                .objects
-                .iter()
-                .map(|object| leaves(&object.tree, object.level))
+            solids: (0..scene.objects.len())
+                .map(|k| Solid::new(scene, k))
                 .collect(),
             placed: Vec::new(),
             residual_every: 1,
@@ -137,7 +138,7 @@ impl Observer {
                 let depth = deepest(
                     &self.tool_leaves[t],
                     &now.graphic,
-                    &self.object_leaves,
+                    &self.solids,
                     &mut self.placed,
                 );
                 if out.converged {
@@ -223,37 +224,118 @@ fn coupling_error(tool: &sulcus_core::Tool, now: &ToolTrace) -> f64 {
     force.max(torque)
 }
 
-/// Deepest overlap of any tool leaf with any object leaf, metres; 0 when none. Looks at every pair
+/// The leaves of an object at the level in use.
+#[derive(Clone, Debug)]
+struct Solid {
+    /// Centre and radius: the core's, where the spheres are blended.
+    leaves: Vec<(Vec3, f64)>,
+    /// Blend length, metres; 0 where they are hard.
+    blend: f64,
+    /// Box of the leaves.
+    low: Vec3,
+    high: Vec3,
+}
+
+/// Blend lengths beyond which a sphere weighs under a ten-thousandth of a millionth.
+const FAR: f64 = 23.0;
+
+impl Solid {
+    fn new(scene: &Scene, k: usize) -> Self {
+        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
+        let radius = |id, node: &Node| {
+            if blend > 0.0 {
+                object.tree.core_radius(id, object.level)
+            } else {
+                node.contact_radius
+            }
+        };
+        let leaves = object.tree.shape_at(object.level);
+        let leaves: Vec<_> = leaves
+            .map(|(id, node)| (node.centre, radius(id, node)))
+            .collect();
+        let (low, high) = box_of(&leaves);
+        Self {
+            leaves,
+            blend,
+            low,
+            high,
+        }
+    }
+
+    /// Depth of a ball below the blended surface, metres; 0 or less outside of it.
+    fn blended_depth(&self, centre: &Vec3, radius: f64) -> f64 {
+        let margin = radius + FAR * self.blend;
+        if (0..3).any(|k| centre[k] + margin < self.low[k] || centre[k] - margin > self.high[k]) {
+            return 0.0;
+        }
+        let seen: Vec<(f64, f64, Vec3)> = self
+            .leaves
+            .iter()
+            .filter(|(c, r)| (centre - c).norm_squared() < (r + margin) * (r + margin))
+            .map(|(c, r)| {
+                let distance = (centre - c).norm();
+                (distance - r - radius, distance, (centre - c) / distance)
+            })
+            .collect();
+        let least = seen.iter().fold(f64::INFINITY, |least, s| least.min(s.0));
+        if least - self.blend * (seen.len() as f64).ln() >= 0.0 {
+            return 0.0;
+        }
+        seen.iter()
+            .map(|(own, distance, normal)| {
+                let sum: f64 = seen
+                    .iter()
+                    .map(|(gap, other, n)| {
+                        let cosine = normal.dot(n);
+                        let nearer = distance.min(*other);
+                        let shared = compatibility(cosine, nearer, gap - own, self.blend);
+                        shared * ((least - gap) / self.blend).exp()
+                    })
+                    .sum();
+                self.blend * sum.ln() - least
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Box around balls.
+fn box_of(balls: &[(Vec3, f64)]) -> (Vec3, Vec3) {
+    let huge = Vec3::repeat(f64::INFINITY);
+    let (mut low, mut high) = (huge, -huge);
+    for (centre, radius) in balls {
+        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
+        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
+    }
+    (low, high)
+}
+
+/// Deepest overlap of any tool leaf with any object, metres; 0 when none. Looks at every pair
 /// whose boxes meet: no tree, no prediction distance.
-fn deepest(
-    tool: &[Node],
-    pose: &Pose,
-    objects: &[Vec<Node>],
-    placed: &mut Vec<(Vec3, f64)>,
-) -> f64 {
+fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3, f64)>) -> f64 {
     placed.clear();
     placed.extend(
         tool.iter()
             .map(|node| (pose.transform(&node.centre), node.contact_radius)),
     );
-    let huge = Vec3::repeat(f64::INFINITY);
-    let (mut low, mut high) = (huge, -huge);
-    for (centre, radius) in placed.iter() {
-        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
-        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
-    }
+    let (low, high) = box_of(placed);
     let mut depth: f64 = 0.0;
-    for node in objects.iter().flatten() {
-        let (c, r) = (&node.centre, node.contact_radius);
-        if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
-            continue;
+    for solid in solids {
+        for (c, r) in &solid.leaves {
+            if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
+                continue;
+            }
+            for (centre, radius) in placed.iter() {
+                let reach = r + radius;
+                let between = centre - c;
+                let squared = between.norm_squared();
+                if squared < reach * reach {
+                    depth = depth.max(reach - squared.sqrt());
+                }
+            }
         }
-        for (centre, radius) in placed.iter() {
-            let reach = r + radius;
-            let between = centre - c;
-            let squared = between.norm_squared();
-            if squared < reach * reach {
-                depth = depth.max(reach - squared.sqrt());
+        if solid.blend > 0.0 {
+            for (centre, radius) in placed.iter() {
+                depth = depth.max(solid.blended_depth(centre, *radius));
             }
         }
     }

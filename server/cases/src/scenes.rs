@@ -1,7 +1,9 @@
 //! Analytic scenes for the hard cases: exact spheres, no mesh, so that every answer is known.
 
 use sulcus_core::tissue::TissueModel;
-use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3};
+use sulcus_core::{
+    Blending, DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3,
+};
 
 /// All of an analytic shape's spheres are leaves, whatever their depth.
 const ALL: u8 = sulcus_core::tree::MAX_LEVEL;
@@ -137,6 +139,51 @@ pub fn wedge() -> Object {
         }
     }
     object("wedge", &spheres)
+}
+
+/// A groove along y whose walls rise by `slope` radians to both sides, touched as two smooth faces: spheres of
+/// 0.5 mm, blended and inset so that the tip feels two planes.
+pub fn groove(slope: f64) -> Object {
+    const RADIUS: f64 = 5e-4;
+    const SPACING: f64 = 2.5e-4;
+    const BLEND: f64 = 3e-5;
+    let mut spheres = Vec::new();
+    for side in [-1.0, 1.0] {
+        let (sine, cosine) = (libm::sin(slope), libm::cos(slope));
+        for p in grid(4e-3, SPACING) {
+            // p.x runs up the wall; its face is one radius above the centres.
+            let up = p.x + 4e-3;
+            spheres.push(Sphere {
+                centre: Vec3::new(
+                    side * (up * cosine + RADIUS * sine),
+                    p.y,
+                    up * sine - RADIUS * cosine,
+                ),
+                radius: RADIUS,
+            });
+        }
+    }
+    // On a lattice in a plane the inset is known.
+    let height = RADIUS + TIP_RADIUS;
+    let sum: f64 = grid(2e-3, SPACING)
+        .map(|p| libm::exp((height - (height * height + p.norm_squared()).sqrt()) / BLEND))
+        .sum();
+    let inset = BLEND * libm::log(sum);
+    let mut groove = object("groove", &spheres);
+    let blending = Blending {
+        lengths: vec![BLEND; usize::from(groove.tree.depth()) + 1],
+        insets: groove
+            .tree
+            .nodes()
+            .iter()
+            .map(|node| if node.children == 0 { inset } else { 0.0 })
+            .collect(),
+    };
+    groove.tree = groove
+        .tree
+        .with_blending(blending)
+        .expect("one inset for each sphere, smaller than it");
+    groove
 }
 
 /// A ridge along y: one row of spheres of 0.1 mm radius on top of a wall, a far sharper edge than

@@ -177,6 +177,23 @@ fn tumble(t: f64) -> Pose {
     Pose::new(tip + facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE), facing)
 }
 
+/// Pressed 1 mm below the bottom of a groove, from wall to wall and along it.
+fn along_groove() -> Box<dyn Script + Send> {
+    let pose = |t: f64| {
+        let deep = smoothstep(t / 0.5);
+        let tip = Vec3::new(
+            1.5e-3 * libm::sin(2.5 * t),
+            1e-3 * libm::sin(t),
+            3e-3 - 4e-3 * deep,
+        );
+        Pose::new(device_over(tip), Quat::identity())
+    };
+    Box::new(OneTool {
+        pose,
+        duration_s: 5.0,
+    })
+}
+
 const THIN_PLATE: Case = Case {
     name: "thin-plate-0.5",
     about: "a plate of 0.5 mm, stabbed at 0.5 m/s: never through",
@@ -303,6 +320,45 @@ pub const TABLE: &[Case] = &[
         margin: no_margin,
         bounds: Bounds {
             contact_ticks: 1000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "groove-steep",
+        about: "the tip 1 mm below the bottom of a blended groove of 45 degrees, from wall to wall: no buzz",
+        scene: || scenes::scene("groove", vec![scenes::groove(0.785)]),
+        driver: Driver::Kinematic(along_groove),
+        margin: no_margin,
+        bounds: Bounds {
+            buzz: 2e-3,
+            contact_ticks: 4000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "groove-medium",
+        about: "the same with walls of 20 degrees",
+        scene: || scenes::scene("groove", vec![scenes::groove(0.35)]),
+        driver: Driver::Kinematic(along_groove),
+        margin: no_margin,
+        bounds: Bounds {
+            buzz: 2e-3,
+            contact_ticks: 4000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "groove-shallow",
+        about: "the same with walls of 10 degrees",
+        scene: || scenes::scene("groove", vec![scenes::groove(0.175)]),
+        driver: Driver::Kinematic(along_groove),
+        margin: no_margin,
+        bounds: Bounds {
+            buzz: 2e-3,
+            contact_ticks: 4000,
             ..THIN_PLATE.bounds
         },
         ..THIN_PLATE

@@ -10,6 +10,9 @@ use sulcus_core::output::status;
 use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator};
+use sulcus_scene::blend::{BlendOptions, calibrate};
+use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::{BuildOptions, compile_default, compile_file, default_cache_dir};
 
 fn options() -> BuildOptions {
@@ -23,6 +26,30 @@ fn molar() -> Scene {
     compile_default(&options(), &|_, _| {})
         .expect("the built-in scene")
         .scene
+}
+
+/// The scene with its object touched as one smooth surface at `level`.
+fn blended(mut scene: Scene, level: u8) -> Scene {
+    let object = &mut scene.objects[0];
+    let mesh = TriMesh {
+        vertices: object
+            .mesh
+            .vertices
+            .iter()
+            .map(|v| Vec3::new(v[0].into(), v[1].into(), v[2].into()))
+            .collect(),
+        triangles: object.mesh.triangles.clone(),
+    };
+    let options = BlendOptions {
+        coarsest: level,
+        finest: level,
+        ..BlendOptions::default()
+    };
+    object.tree =
+        calibrate(&object.tree, &MeshDistance::new(mesh), &options).expect("a tree stays a tree");
+    object.level = level;
+    scene.tools[0].level = level;
+    scene
 }
 
 /// Performs the exercise and checks each tick's own books on the way.
@@ -67,9 +94,22 @@ fn check_books(
         return;
     }
     let mut push = Vec3::zeros();
+    let smooth = scene.blend_of(0) > 0.0;
+    if smooth && tool.active > 0 {
+        // Complementarity on the surface: what bears load touches it, but for how much the surface
+        // bends over the last step.
+        assert!(
+            (-1e-6..=5e-6).contains(&tool.min_gap),
+            "tick {k}: {:e} m",
+            tool.min_gap
+        );
+    }
     for (contact, lambda) in ws.contacts() {
         assert!(lambda >= 0.0, "tick {k}: multiplier {lambda:e}");
         push += contact.normal * lambda;
+        if smooth {
+            continue;
+        }
         // Complementarity on the true geometry: a sphere pair that bears load touches.
         let nodes = (
             &scene.tools[0].tree.nodes()[contact.tool_sphere as usize],
@@ -142,6 +182,25 @@ fn on_the_parametric_molar_at_levels_2_to_4() {
         assert_good(
             &format!("molar level {level}"),
             &perform(&scene, 8.0, u64::from(level)),
+        );
+    }
+}
+
+#[test]
+fn on_the_blended_molar_at_levels_2_to_4() {
+    for level in 2..=4 {
+        let scene = blended(molar(), level);
+        assert!(scene.blend_of(0) > 0.0);
+        let smooth = perform(&scene, 8.0, u64::from(level));
+        assert_good(&format!("blended molar level {level}"), &smooth);
+        let mut hard = scene.clone();
+        hard.params.blend = false;
+        let mut plain = molar();
+        (plain.tools[0].level, plain.objects[0].level) = (level, level);
+        // Without blending a calibrated tree is what it was before.
+        assert_eq!(
+            perform(&hard, 2.0, u64::from(level)),
+            perform(&plain, 2.0, u64::from(level))
         );
     }
 }

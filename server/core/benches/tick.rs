@@ -101,15 +101,19 @@ fn main() {
         "", "p50", "p99", "p99.9", "max"
     );
     let mut costs = [[0.0; 4]; 6];
-    for (level, solver) in [
-        (2, SolverKind::ActiveSet),
-        (3, SolverKind::ActiveSet),
-        (4, SolverKind::ActiveSet),
-        (5, SolverKind::ActiveSet),
-        (3, SolverKind::Clarabel),
+    for (level, solver, blend) in [
+        (2, SolverKind::ActiveSet, false),
+        (3, SolverKind::ActiveSet, false),
+        (4, SolverKind::ActiveSet, false),
+        (5, SolverKind::ActiveSet, false),
+        (2, SolverKind::ActiveSet, true),
+        (3, SolverKind::ActiveSet, true),
+        (4, SolverKind::ActiveSet, true),
+        (3, SolverKind::Clarabel, false),
     ] {
         let mut scene = scene.clone();
         scene.params.solver = solver;
+        scene.params.blend = blend;
         for tool in &mut scene.tools {
             tool.level = level;
         }
@@ -132,7 +136,7 @@ fn main() {
         let n = inputs.len() as f64;
         println!(
             "level {level} {:16} {}   {:7.2} {:6.1} {:7.2}",
-            format!("{solver:?}"),
+            format!("{solver:?}{}", if blend { ", blended" } else { "" }),
             line(&times),
             substeps as f64 / n,
             rows as f64 / n,
@@ -144,7 +148,7 @@ fn main() {
             work.tested as f64 / n,
             work.lists as f64 / n
         );
-        if solver == SolverKind::ActiveSet {
+        if solver == SolverKind::ActiveSet && !blend {
             let mean = times.iter().sum::<u64>() as f64 / n;
             let of_level = &mut costs[usize::from(level)];
             *of_level = [
@@ -172,7 +176,7 @@ fn main() {
     }
     let times = |k: usize| costs[5][k] / costs[3][k];
     println!(
-        "level 5 in units of level 3: p50 {:.2}, mean {:.2}, p99 {:.2}, spheres tested {:.2}",
+        "hard contact, level 5 in units of level 3: p50 {:.2}, mean {:.2}, p99 {:.2}, spheres tested {:.2}",
         times(0),
         times(1),
         times(2),

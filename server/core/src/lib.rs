@@ -20,10 +20,12 @@
 //! # Scope
 //! No friction, no gravity, tools do not collide with each other.
 
+pub mod blend;
 pub mod contact;
 mod haptic;
 pub mod input;
 pub mod math;
+mod metric;
 pub mod optimise;
 pub mod output;
 pub mod params;
@@ -44,7 +46,7 @@ pub use scene::{DisplayMesh, Object, Scene, SceneError, Tool};
 pub use stage::{NoProbe, Stage, StageProbe};
 pub use state::State;
 pub use tick::{Workspace, tick};
-pub use tree::{Node, Sphere, SphereTree, TreeError};
+pub use tree::{Blending, Node, Sphere, SphereTree, TreeError};
 
 /// Most tools one scene can hold: one for each hand.
 pub const MAX_TOOLS: usize = 2;

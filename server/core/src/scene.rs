@@ -13,11 +13,13 @@ use crate::tissue::TissueModel;
 use crate::tree::SphereTree;
 
 /// Version of the compiled scene's byte layout.
-pub const SCENE_VERSION: u16 = 1;
+pub const SCENE_VERSION: u16 = 2;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Most rows per tool where something yields: the matrix of compliances is dense.
 const MAX_TISSUE_ROWS: u16 = 1024;
+/// Contacts that the list of a scene with blended surfaces can hold for each of `max_rows`.
+const CONTACTS_PER_ROW: usize = 4;
 /// Largest compiled scene that is read, bytes.
 const MAX_SCENE_BYTES: usize = 256 << 20;
 
@@ -141,6 +143,30 @@ pub enum SceneError {
 }
 
 impl Scene {
+    /// Blend length in force on object `k`, metres; 0 where its spheres are touched as they are. Blending is
+    /// for what is rigid: tissue compliance acts on single spheres.
+    #[inline]
+    pub fn blend_of(&self, k: usize) -> f64 {
+        let object = &self.objects[k];
+        if self.params.blend && object.tissue.is_rigid() {
+            object.tree.blend_at(object.level)
+        } else {
+            0.0
+        }
+    }
+
+    /// Contacts that one tool's list can hold. A blended row has many; where something yields the list
+    /// is as long as the dense matrix allows.
+    pub(crate) fn most_contacts(&self) -> usize {
+        let rows = usize::from(self.params.max_rows);
+        let blended = (0..self.objects.len()).any(|k| self.blend_of(k) > 0.0);
+        if blended && self.objects.iter().all(|object| object.tissue.is_rigid()) {
+            rows * CONTACTS_PER_ROW
+        } else {
+            rows
+        }
+    }
+
     /// Compiled bytes: magic, version, checksum, bincode.
     ///
     /// # Errors

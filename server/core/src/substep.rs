@@ -5,9 +5,13 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
+use std::ops::Range;
+
+use crate::blend::{Group, Groups, Line, OTHER_SEEDS, Pair, hollowness, reach};
 use crate::contact::{Contact, Distance, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Mat3, Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::metric::Metric;
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
@@ -20,6 +24,11 @@ use crate::{MAX_TOOLS, Scene};
 
 /// Prediction distance at which a full contact list keeps the smallest gaps, metres.
 const SMALLEST_PREDICTION: f64 = 1e-6;
+
+/// Blended gap up to which a surface is taken to be touched, metres.
+const TOUCHING: f64 = 2e-6;
+/// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
+const LEAST_BEND: f64 = 0.1;
 
 /// What the group asks for, per tool slot.
 #[derive(Clone, Copy, Debug)]
@@ -96,8 +105,13 @@ pub(crate) fn advance<P: StageProbe>(
             d = used;
         }
         probe.begin(Stage::Optimise);
+        write_lines(scene, ws, first, d);
         let target = optimise(scene, state, ws, group, wanted);
-        let Some(step) = target else {
+        let Some(Answer {
+            steps: step,
+            settled,
+        }) = target
+        else {
             // An unusable answer is never applied: pose and load stay as they are.
             status_bits |= status::SOLVER_FAILED;
             break;
@@ -117,24 +131,18 @@ pub(crate) fn advance<P: StageProbe>(
             }
         }
         apply(scene, state, ws, group, &step, share);
-        for &t in group {
-            reached[t].min_gap = f64::INFINITY;
+        // What turns about the working point moves a little farther than its lever says.
+        let gone = Distance {
+            base: 1.01 * share * moved,
+            turn: 1.01 * share * turned,
+        };
+        for tool in &mut reached {
+            tool.min_gap = f64::INFINITY;
         }
-        let rotations = std::array::from_fn::<_, MAX_TOOLS, _>(|t| {
-            let graphic = &state.tools[t].graphic;
-            graphic.orientation.to_rotation_matrix().into_inner()
-        });
-        let mut deepest = f64::INFINITY;
-        for contact in ws.passes[first].contacts.as_slice() {
-            let rotation = &rotations[usize::from(contact.tool)];
-            let gap = true_gap(scene, state, ws, (contact, rotation));
-            let slot = usize::from(contact.tool);
-            reached[slot].min_gap = fmin(reached[slot].min_gap, gap);
-            deepest = fmin(deepest, gap);
-        }
+        let deepest = true_gaps(scene, state, ws, first, (d, gone), &mut reached);
         let free = ws.passes[first].contacts.as_slice().is_empty();
         let small = motion <= params.converged_step || free;
-        if share == 1.0 && small && deepest >= -params.converged_gap {
+        if share == 1.0 && small && settled && deepest >= -params.converged_gap {
             converged = true;
             break;
         }
@@ -145,17 +153,17 @@ pub(crate) fn advance<P: StageProbe>(
     }
     let failed = status_bits & status::SOLVER_FAILED != 0;
     for &t in group {
+        let pass = &ws.passes[first];
         let ours = || {
-            ws.passes[first]
-                .loaded()
-                .filter(|(contact, _)| usize::from(contact.tool) == t)
+            let loads = pass.rows.iter().zip(&pass.solution.lambda);
+            loads.filter(|(row, _)| usize::from(row.tool) == t)
         };
         reached[t].rows = ours().count() as u16;
         // Multipliers that were not applied load nothing.
         reached[t].active = if failed {
             0
         } else {
-            ours().filter(|(_, load)| *load > 0.0).count() as u16
+            ours().filter(|(_, load)| **load > 0.0).count() as u16
         };
         reached[t].status = status_bits;
         reached[t].substeps = passes;
@@ -193,7 +201,9 @@ fn collide(
             &mut ws.nodes[k],
         );
     }
-    let limit = usize::from(scene.params.max_rows) * group.len();
+    let limit = scene.most_contacts() * group.len();
+    // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
+    let mut share = 1.0;
     let contacts = &mut ws.passes[place(group)].contacts;
     'again: loop {
         let overflow = if d.base > SMALLEST_PREDICTION {
@@ -202,6 +212,7 @@ fn collide(
             Overflow::KeepSmallestGaps
         };
         contacts.begin(limit, overflow);
+        let mut blended = false;
         for &t in group {
             let tool = &scene.tools[t];
             let posed = PosedTool {
@@ -218,19 +229,29 @@ fn collide(
                 } else {
                     &ws.nodes[k]
                 };
+                let blend = scene.blend_of(k);
+                blended |= blend > 0.0;
+                let mut within = d;
+                if blend > 0.0 {
+                    within.base += share * reach(blend) * blend;
+                }
                 if ws
                     .predictor
-                    .predict(&posed, (k as u16, nodes, object.level), d, contacts)
+                    .predict(&posed, (k as u16, nodes, object.level), within, contacts)
                     .is_err()
                 {
-                    d = Distance {
-                        base: fmax(0.5 * d.base, SMALLEST_PREDICTION),
-                        turn: if 0.5 * d.base > SMALLEST_PREDICTION {
-                            0.5 * d.turn
-                        } else {
-                            0.0
-                        },
-                    };
+                    if blended && share > 0.0 {
+                        share = if share > 0.1 { 0.5 * share } else { 0.0 };
+                    } else {
+                        d = Distance {
+                            base: fmax(0.5 * d.base, SMALLEST_PREDICTION),
+                            turn: if 0.5 * d.base > SMALLEST_PREDICTION {
+                                0.5 * d.turn
+                            } else {
+                                0.0
+                            },
+                        };
+                    }
                     continue 'again;
                 }
             }
@@ -250,15 +271,12 @@ fn optimise(
     ws: &mut Workspace,
     group: &[usize],
     wanted: &[Wanted; MAX_TOOLS],
-) -> Option<Steps> {
+) -> Option<Answer> {
+    let first = place(group);
     let mut free_step = [0.0; UNKNOWNS];
-    let mut roots = [(1.0, 1.0); MAX_TOOLS];
+    let mut metrics = [Metric::UNIT; MAX_TOOLS];
     for &t in group {
         let (tool, now) = (&scene.tools[t], &state.tools[t]);
-        let (root_t, root_r) = (
-            tool.stiffness_n_per_m.sqrt(),
-            tool.stiffness_nm_per_rad.sqrt(),
-        );
         let v = wanted[t].haptic.transform(&tool.working_point)
             - now.graphic.transform(&tool.working_point);
         let (w, _) = twist(
@@ -266,24 +284,19 @@ fn optimise(
             &now.graphic.orientation,
             &now.twist_axis,
         );
-        for axis in 0..3 {
-            free_step[6 * t + axis] = v[axis] * root_t;
-            free_step[6 * t + 3 + axis] = w[axis] * root_r;
-        }
-        roots[t] = (root_t, root_r);
+        let mut metric = Metric::of(tool);
+        bend(scene, &ws.passes[first], t, &v, &mut metric);
+        let free = metric.scaled_free_step(&v, &w);
+        free_step[6 * t..6 * t + 6].copy_from_slice(&free);
+        metrics[t] = metric;
     }
-    let first = place(group);
     let pass = &mut ws.passes[first];
     pass.rows.clear();
-    for contact in pass.contacts.as_slice() {
+    for line in &pass.lines {
+        let contact = &pass.contacts.as_slice()[line.contact as usize];
         let t = usize::from(contact.tool);
-        let (root_t, root_r) = roots[t];
-        let (n, m) = (
-            contact.normal / root_t,
-            contact.arm.cross(&contact.normal) / root_r,
-        );
-        let a = [n.x, n.y, n.z, m.x, m.y, m.z];
-        let bias = contact.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
+        let a = metrics[t].scaled_row(&line.normal, &contact.arm.cross(&line.normal));
+        let bias = line.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
         pass.rows.push(ProblemRow {
             a,
             tool: contact.tool,
@@ -302,37 +315,141 @@ fn optimise(
         SolverKind::ActiveSet => ws.active_set.solve(&problem, solution),
         SolverKind::Clarabel => Clarabel.solve(&problem, solution),
     }
-    if solution.status != SolveStatus::Solved {
+    let solved = solution.status == SolveStatus::Solved;
+    let y = solution.y;
+    ws.passes[first].share_out();
+    if !solved {
         return None;
     }
-    let mut steps = [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS];
+    let mut answer = Answer {
+        steps: [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS],
+        settled: true,
+    };
     for &t in group {
-        let y = |k: usize| free_step[6 * t + k] + solution.y[6 * t + k];
-        let (root_t, root_r) = roots[t];
-        steps[t] = (
-            Vec3::new(y(0), y(1), y(2)) / root_t,
-            Vec3::new(y(3), y(4), y(5)) / root_r,
-        );
+        let y: [f64; 6] = std::array::from_fn(|k| free_step[6 * t + k] + y[6 * t + k]);
+        let (v, w) = metrics[t].step(&y);
+        answer.steps[t] = (v, w);
+        answer.settled &= metrics[t].settled(&v, &w);
     }
-    let finite = steps
+    let finite = answer
+        .steps
         .iter()
         .all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
-    finite.then_some(steps)
+    finite.then_some(answer)
 }
 
-/// Ranges of contacts on one object: they are sorted by object.
-fn runs(contacts: &[Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+/// What a pass found.
+struct Answer {
+    steps: Steps,
+    /// Whether the forces are those of the coupling, not of the bent metric.
+    settled: bool,
+}
+
+/// Adds to the metric of tool `t` how the surfaces that it presses on bend inwards, times the press. In
+/// a groove rounder than the press is deep, passes that know only the slope turn to and fro for ever; with
+/// the bend they are Newton's and settle in two or three. Changes the way, not where it ends.
+fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metric) {
+    let contacts = pass.contacts.as_slice();
+    let stiffness = scene.tools[t].stiffness_n_per_m;
+    for line in &pass.lines {
+        let contact = &contacts[line.contact as usize];
+        if line.members == 0 || usize::from(contact.tool) != t || line.gap > TOUCHING {
+            continue;
+        }
+        let press = -stiffness * line.normal.dot(stretch);
+        let first = line.first as usize;
+        let members = &pass.members[first..first + line.members as usize];
+        let blend = scene.blend_of(usize::from(contact.object));
+        // No bend is sharper than that of two opposite normals.
+        if press / blend < LEAST_BEND * stiffness {
+            continue;
+        }
+        let hollow = hollowness(line, members, contacts, blend) * press;
+        if hollow.trace() > LEAST_BEND * stiffness {
+            metric.add(&hollow, &contact.arm);
+        }
+    }
+}
+
+/// Ranges of what is sorted by object that are about one object.
+fn runs<T>(items: &[T], object: impl Fn(&T) -> u16) -> impl Iterator<Item = Range<usize>> {
     let mut next = 0;
     std::iter::from_fn(move || {
         let first = next;
-        let object = contacts.get(first)?.object;
+        let this = object(items.get(first)?);
         next = first
-            + contacts[first..]
+            + items[first..]
                 .iter()
-                .take_while(|c| c.object == object)
+                .take_while(|item| object(item) == this)
                 .count();
         Some(first..next)
     })
+}
+
+/// Writes what each row is about: a contact, or on a blended object a seed with its members. In the
+/// order of the contacts' objects; tool sphere by tool sphere on a blended one.
+fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) {
+    let Pass {
+        contacts,
+        lines,
+        members,
+        groups,
+        ..
+    } = &mut ws.passes[first];
+    let blender = &mut ws.blender;
+    lines.clear();
+    members.clear();
+    groups.clear();
+    let contacts = contacts.as_slice();
+    for run in runs(contacts, |contact| contact.object) {
+        let k = usize::from(contacts[run.start].object);
+        let blend = scene.blend_of(k);
+        if blend == 0.0 {
+            lines.extend(run.map(|index| Line::hard(index, &contacts[index])));
+            continue;
+        }
+        let object = &scene.objects[k];
+        // The list's gap is that of the contact spheres.
+        let inset = |contact: &Contact| {
+            object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                - object.tree.core_radius(contact.object_sphere, object.level)
+        };
+        let begun = groups.all.len();
+        groups.add(contacts, run, |contact| contact.gap + inset(contact));
+        for group in &groups.all[begun..] {
+            let d = d.at(lever(group, groups, contacts));
+            if group.is_clear_of(d, blend, 0.0) {
+                continue;
+            }
+            blender.begin();
+            for &index in groups.contacts(group) {
+                let contact = &contacts[index as usize];
+                let tool = &scene.tools[usize::from(contact.tool)].tree;
+                let distance = contact.gap
+                    + object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                    + tool.nodes()[contact.tool_sphere as usize].contact_radius;
+                let gap = contact.gap + inset(contact);
+                blender.push(Pair::new(index, gap, contact.normal, distance));
+            }
+            blender.rows(
+                blend,
+                d,
+                0.25 * d + OTHER_SEEDS * blend,
+                |mut line, shares| {
+                    line.first = members.len() as u32;
+                    members.extend(shares);
+                    line.members = members.len() as u32 - line.first;
+                    lines.push(line);
+                },
+            );
+        }
+    }
+}
+
+/// Lever of a group's tool sphere about the working point, metres.
+fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64 {
+    let first = groups.contacts(group)[0];
+    norm(&contacts[first as usize].arm)
 }
 
 /// The tissue's part of the problem: compliance and the way from the free shape. False when
@@ -340,31 +457,33 @@ fn runs(contacts: &[Contact]) -> impl Iterator<Item = std::ops::Range<usize>> + 
 fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
     let Pass {
         contacts,
+        lines,
         rows,
         tissue,
         ..
     } = &mut ws.passes[first];
     let contacts = contacts.as_slice();
+    let about = |line: &Line| &contacts[line.contact as usize];
     let touched = |c: &Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
     if ws.yielding.is_empty() || !contacts.iter().any(touched) {
         *tissue = false;
         return false;
     }
     *tissue = true;
-    let m = contacts.len();
+    let m = rows.len();
     ws.gram[..m * m].fill(0.0);
-    for run in runs(contacts) {
-        let k = usize::from(contacts[run.start].object);
+    for run in runs(lines, |line| about(line).object) {
+        let k = usize::from(about(&lines[run.start]).object);
         let object = &scene.objects[k];
         if object.tissue.is_rigid() {
             continue;
         }
         let model = object.tissue.model();
         ws.sites.clear();
-        for contact in &contacts[run.clone()] {
+        for line in &lines[run.clone()] {
             ws.sites.push(Site {
-                sphere: contact.object_sphere,
-                normal: contact.normal,
+                sphere: about(line).object_sphere,
+                normal: line.normal,
             });
         }
         model.add_gram(
@@ -374,7 +493,8 @@ fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
         );
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
         let free = &ws.free[ws.shape_at[k]..ws.shape_at[k + 1]];
-        for (row, contact) in rows[run.clone()].iter_mut().zip(&contacts[run]) {
+        for (row, line) in rows[run.clone()].iter_mut().zip(&lines[run]) {
+            let contact = about(line);
             let mut at_rest = [Vec3::zeros()];
             model.centres(&object.tree, free, &[contact.object_sphere], &mut at_rest);
             let now = ws.nodes[k][contact.object_sphere as usize].centre;
@@ -451,6 +571,70 @@ fn apply(
             load.torque += (target.torque - load.torque) * share;
         }
     }
+}
+
+/// Smallest true gap of each tool and of all after a motion of at most `moved`: of the spheres, or where they
+/// are blended of the surface, made anew from where they are now, as far as it is under `d`.
+fn true_gaps(
+    scene: &Scene,
+    state: &State,
+    ws: &mut Workspace,
+    first: usize,
+    (d, gone): (Distance, Distance),
+    reached: &mut [Reached; MAX_TOOLS],
+) -> f64 {
+    let Pass {
+        contacts, groups, ..
+    } = &ws.passes[first];
+    let contacts = contacts.as_slice();
+    let rotations: [Mat3; MAX_TOOLS] = std::array::from_fn(|t| {
+        let graphic = &state.tools[t].graphic;
+        graphic.orientation.to_rotation_matrix().into_inner()
+    });
+    for run in runs(contacts, |contact| contact.object) {
+        if scene.blend_of(usize::from(contacts[run.start].object)) > 0.0 {
+            continue;
+        }
+        for contact in &contacts[run] {
+            let least = &mut reached[usize::from(contact.tool)].min_gap;
+            let rotation = &rotations[usize::from(contact.tool)];
+            *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
+        }
+    }
+    let blender = &mut ws.blender;
+    for group in &groups.all {
+        let (t, k) = (usize::from(group.tool), usize::from(group.object));
+        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
+        let lever = lever(group, groups, contacts);
+        let limit = fmin(reached[t].min_gap, d.at(lever));
+        if group.is_clear_of(limit, blend, gone.at(lever)) {
+            continue;
+        }
+        blender.begin();
+        let (pose, rotation) = (&state.tools[t].graphic, &rotations[t]);
+        for &index in groups.contacts(group) {
+            let contact = &contacts[index as usize];
+            let tool_node = &scene.tools[t].tree.nodes()[contact.tool_sphere as usize];
+            let between = centre(rotation, pose, &tool_node.centre)
+                - object.tree.nodes()[contact.object_sphere as usize].centre;
+            let distance = norm(&between);
+            let normal = if distance > 1e-12 {
+                between / distance
+            } else {
+                Vec3::z()
+            };
+            let core = object.tree.core_radius(contact.object_sphere, object.level);
+            let gap = distance - tool_node.contact_radius - core;
+            blender.push(Pair::new(index, gap, normal, distance));
+        }
+        let gap = blender.least(blend, limit);
+        if gap < limit {
+            reached[t].min_gap = gap;
+        }
+    }
+    reached
+        .iter()
+        .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
 }
 
 /// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.

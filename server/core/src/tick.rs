@@ -3,6 +3,7 @@
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
+use crate::blend::{Blender, Groups, Line, MAX_SEEDS, Member};
 use crate::contact::{Contact, ContactList, Overflow, Predictor, Work};
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
@@ -29,6 +30,7 @@ pub struct Workspace {
     pub(crate) passes: [Pass; MAX_TOOLS],
     pub(crate) gram: Vec<f64>,
     pub(crate) active_set: ActiveSet,
+    pub(crate) blender: Blender,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
     pub(crate) free: Vec<f64>,
@@ -55,16 +57,28 @@ pub struct Workspace {
 #[derive(Debug)]
 pub(crate) struct Pass {
     pub contacts: ContactList,
+    /// What each row is about.
+    pub lines: Vec<Line>,
+    /// Contacts of blended objects by tool sphere.
+    pub groups: Groups,
+    /// Members of the blended rows, row by row.
+    pub members: Vec<Member>,
     pub rows: Vec<ProblemRow>,
+    /// What each contact bears, newtons: its row's multiplier, or its shares of those of blended rows.
+    pub shares: Vec<f64>,
     pub solution: Solution,
     /// Whether the matrix of tissue compliance belongs to this pass.
     pub tissue: bool,
 }
 
 impl Pass {
-    fn with_capacity(rows: usize) -> Self {
+    fn with_capacity(rows: usize, blended: bool, tool_nodes: usize) -> Self {
         Self {
             contacts: ContactList::with_capacity(rows),
+            lines: Vec::with_capacity(rows),
+            groups: Groups::with_capacity(if blended { rows } else { 0 }, tool_nodes),
+            members: Vec::with_capacity(if blended { rows * MAX_SEEDS } else { 0 }),
+            shares: Vec::with_capacity(rows),
             rows: Vec::with_capacity(rows),
             solution: Solution::with_capacity(rows),
             tissue: false,
@@ -73,27 +87,48 @@ impl Pass {
 
     pub fn clear(&mut self) {
         self.contacts.begin(0, Overflow::Stop);
+        self.lines.clear();
+        self.groups.clear();
+        self.members.clear();
         self.rows.clear();
+        self.shares.clear();
         self.solution.lambda.clear();
         self.tissue = false;
     }
 
-    /// Each contact with its multiplier.
+    /// Each contact with its load.
     pub fn loaded(&self) -> impl Iterator<Item = (&Contact, f64)> {
         self.contacts
             .as_slice()
             .iter()
-            .zip(self.solution.lambda.iter().copied())
+            .zip(self.shares.iter().copied())
+    }
+
+    /// Shares the multipliers out among the contacts.
+    pub fn share_out(&mut self) {
+        self.shares.clear();
+        self.shares.resize(self.contacts.as_slice().len(), 0.0);
+        for (line, lambda) in self.lines.iter().zip(&self.solution.lambda) {
+            if line.members == 0 {
+                self.shares[line.contact as usize] = *lambda;
+            } else if *lambda > 0.0 {
+                let first = line.first as usize;
+                for member in &self.members[first..first + line.members as usize] {
+                    self.shares[member.contact as usize] += member.weight * lambda;
+                }
+            }
+        }
     }
 }
 
 impl Workspace {
     /// Scratch for `scene`.
     pub fn new(scene: &Scene) -> Self {
-        let rows = usize::from(scene.params.max_rows) * scene.tools.len();
         let yielding: Vec<usize> = (0..scene.objects.len())
             .filter(|&k| !scene.objects[k].tissue.is_rigid())
             .collect();
+        let blended = (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
+        let rows = scene.most_contacts() * scene.tools.len();
         let (mut shape_at, mut state_at) = (vec![0], vec![0]);
         for object in &scene.objects {
             let model = object.tissue.model();
@@ -113,6 +148,12 @@ impl Workspace {
             })
             .collect();
         let largest = nodes.iter().map(Vec::len).max().unwrap_or(0);
+        let tool_nodes = scene
+            .tools
+            .iter()
+            .map(|tool| tool.tree.nodes().len())
+            .max()
+            .unwrap_or(0);
         let lever = |t: usize| {
             scene
                 .tools
@@ -121,7 +162,8 @@ impl Workspace {
         };
         Self {
             predictor: Predictor::new(scene),
-            passes: std::array::from_fn(|_| Pass::with_capacity(rows)),
+            passes: std::array::from_fn(|_| Pass::with_capacity(rows, blended, tool_nodes)),
+            blender: Blender::with_capacity(if blended { rows } else { 0 }),
             // Only tissue needs the dense matrix.
             gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
             active_set: if yielding.is_empty() {
@@ -146,8 +188,9 @@ impl Workspace {
         }
     }
 
-    /// Contacts of each tool's last problem, sorted, with their multipliers (newtons): what a test, a
-    /// view or an audit wants to know.
+    /// Contacts of each tool's last problem, sorted, with their loads (newtons): what a test, a view or
+    /// an audit wants to know. A load is the multiplier of the contact's row; on a blended surface
+    /// the sum of its shares in the rows' multipliers. Normals times loads add up to the wrench.
     pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
         self.passes.iter().flat_map(Pass::loaded)
     }

@@ -7,12 +7,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::{Vec3, fmax, norm};
+use crate::math::{Vec3, fmax, fmin, norm};
 
 /// Most children of a node.
 pub const MAX_CHILDREN: usize = 8;
 /// Deepest level a tree may have.
 pub const MAX_LEVEL: u8 = 7;
+/// Largest blend length, metres.
+const MAX_BLEND: f64 = 0.01;
 
 /// A ball: centre and radius, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,9 +44,29 @@ pub struct Node {
 
 /// A tree of spheres in its object's frame. Immutable once built; always valid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<Node>", into = "Vec<Node>")]
+#[serde(try_from = "Parts", into = "Parts")]
 pub struct SphereTree {
     nodes: Vec<Node>,
+    blending: Blending,
+}
+
+/// How the spheres of a level are blended into one smooth surface ([`crate::blend`]); empty where
+/// they are touched as they are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Blending {
+    /// Blend length of each level, root first, metres; 0 where the level's spheres are hard.
+    pub lengths: Vec<f64>,
+    /// Inset of each node, metres: its core, which is never penetrated, has the contact radius less
+    /// the inset. It belongs to the node's own level; a childless node that stands for itself at a
+    /// finer level has its inset shrunk there as the blend length is.
+    pub insets: Vec<f64>,
+}
+
+/// What a tree is made of, as it is stored.
+#[derive(Serialize, Deserialize)]
+struct Parts {
+    nodes: Vec<Node>,
+    blending: Blending,
 }
 
 /// Why nodes are not a sphere tree.
@@ -87,18 +109,33 @@ pub enum TreeError {
         /// Radius that would do.
         needed: f64,
     },
+    /// Blend lengths or insets do not fit the nodes.
+    #[error("{field} {index}: found {found}, expected {expected}")]
+    BadBlending {
+        /// Which list.
+        field: &'static str,
+        /// Index in it; where the list's length is wrong, the length.
+        index: usize,
+        /// Value found; where the list's length is wrong, the length.
+        found: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
 }
 
-impl TryFrom<Vec<Node>> for SphereTree {
+impl TryFrom<Parts> for SphereTree {
     type Error = TreeError;
-    fn try_from(nodes: Vec<Node>) -> Result<Self, TreeError> {
-        SphereTree::from_nodes(nodes)
+    fn try_from(parts: Parts) -> Result<Self, TreeError> {
+        SphereTree::from_nodes(parts.nodes)?.with_blending(parts.blending)
     }
 }
 
-impl From<SphereTree> for Vec<Node> {
+impl From<SphereTree> for Parts {
     fn from(tree: SphereTree) -> Self {
-        tree.nodes
+        Parts {
+            nodes: tree.nodes,
+            blending: tree.blending,
+        }
     }
 }
 
@@ -109,7 +146,56 @@ impl SphereTree {
     /// Says which node breaks which rule.
     pub fn from_nodes(nodes: Vec<Node>) -> Result<Self, TreeError> {
         validate(&nodes)?;
-        Ok(Self { nodes })
+        Ok(Self {
+            nodes,
+            blending: Blending::default(),
+        })
+    }
+
+    /// The same nodes, blended like that.
+    ///
+    /// # Errors
+    /// If there is not one length for each level (or none at all) and one inset for each node, a
+    /// length is not 0 to 10 mm, or an inset does not leave a core.
+    pub fn with_blending(mut self, blending: Blending) -> Result<Self, TreeError> {
+        blending.validate(&self)?;
+        self.blending = blending;
+        Ok(self)
+    }
+
+    /// How the spheres are blended.
+    pub fn blending(&self) -> &Blending {
+        &self.blending
+    }
+
+    /// Blend length at `level`, metres; 0 where the spheres are touched as they are.
+    #[inline]
+    pub fn blend_at(&self, level: u8) -> f64 {
+        let lengths = &self.blending.lengths;
+        match lengths.get(usize::from(level)) {
+            Some(length) => *length,
+            // Below the finest level there is nothing but it.
+            None => lengths.last().copied().unwrap_or(0.0),
+        }
+    }
+
+    /// Radius of the core of node `index` when the tree is in contact at `level`, metres.
+    #[inline]
+    pub fn core_radius(&self, index: u32, level: u8) -> f64 {
+        let node = &self.nodes[index as usize];
+        match self.blending.insets.get(index as usize) {
+            Some(inset) if node.level == level => node.contact_radius - inset,
+            Some(inset) => {
+                let own = self.blend_at(node.level);
+                let share = if own > 0.0 {
+                    fmin(1.0, self.blend_at(level) / own)
+                } else {
+                    0.0
+                };
+                node.contact_radius - inset * share
+            }
+            None => node.contact_radius,
+        }
     }
 
     /// As [`SphereTree::from_nodes`], but computes every bound radius (the given ones are ignored).
@@ -184,6 +270,55 @@ impl SphereTree {
         self.nodes
             .iter()
             .fold(0.0, |lever, node| fmax(lever, norm(&(node.centre - point))))
+    }
+}
+
+impl Blending {
+    fn validate(&self, tree: &SphereTree) -> Result<(), TreeError> {
+        let bad = |field, index, found, expected| {
+            Err(TreeError::BadBlending {
+                field,
+                index,
+                found,
+                expected,
+            })
+        };
+        let (lengths, insets) = (self.lengths.len(), self.insets.len());
+        if lengths == 0 && insets == 0 {
+            return Ok(());
+        }
+        if lengths != usize::from(tree.depth()) + 1 {
+            return bad(
+                "number of blend lengths",
+                lengths,
+                lengths as f64,
+                "one for each level",
+            );
+        }
+        if insets != tree.nodes.len() {
+            return bad(
+                "number of insets",
+                insets,
+                insets as f64,
+                "one for each node",
+            );
+        }
+        for (index, &length) in self.lengths.iter().enumerate() {
+            if !(0.0..=MAX_BLEND).contains(&length) {
+                return bad("blend length of level", index, length, "0 to 0.01 m");
+            }
+        }
+        for (index, (&inset, node)) in self.insets.iter().zip(&tree.nodes).enumerate() {
+            if !(inset >= 0.0 && inset < node.contact_radius) {
+                return bad(
+                    "inset of node",
+                    index,
+                    inset,
+                    "at least 0 and under the contact radius",
+                );
+            }
+        }
+        Ok(())
     }
 }
 
@@ -448,6 +583,36 @@ mod tests {
             Err(TreeError::BadStructure { node: 1, .. })
         ));
         assert_eq!(SphereTree::from_nodes(vec![]), Err(TreeError::Empty));
+    }
+
+    #[test]
+    fn a_broken_blending_is_named() {
+        let tree = SphereTree::over_leaves(&leaves(20)).expect("valid");
+        let good = Blending {
+            lengths: vec![1e-5; usize::from(tree.depth()) + 1],
+            insets: vec![1e-5; tree.nodes().len()],
+        };
+        let blended = tree.clone().with_blending(good.clone()).expect("valid");
+        let (leaf, node) = blended.shape_at(MAX_LEVEL).next().expect("a leaf");
+        assert_eq!(
+            blended.core_radius(leaf, node.level),
+            node.contact_radius - 1e-5
+        );
+        assert_eq!(tree.core_radius(leaf, node.level), node.contact_radius);
+        assert_eq!((blended.blend_at(MAX_LEVEL), tree.blend_at(2)), (1e-5, 0.0));
+        let refused = |change: fn(&mut Blending)| {
+            let mut bad = good.clone();
+            change(&mut bad);
+            tree.clone()
+                .with_blending(bad)
+                .expect_err("broken")
+                .to_string()
+        };
+        assert!(refused(|b| b.lengths.clear()).contains("number of blend lengths 0"));
+        assert!(refused(|b| b.insets.truncate(3)).contains("number of insets 3"));
+        assert!(refused(|b| b.lengths[1] = f64::NAN).contains("blend length of level 1"));
+        assert!(refused(|b| b.insets[2] = 1.0).contains("inset of node 2"));
+        assert!(refused(|b| b.insets[0] = -1e-9).contains("inset of node 0"));
     }
 
     proptest! {

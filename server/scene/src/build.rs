@@ -9,6 +9,7 @@
 use serde::{Deserialize, Serialize};
 use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
 
+use crate::blend::{BlendOptions, calibrate};
 use crate::cluster::{Feature, split};
 use crate::distance::MeshDistance;
 use crate::fit::fit;
@@ -49,6 +50,8 @@ pub struct TreeOptions {
     /// Whether levels 1 and 2 share out the volume instead of following the surface: for things that
     /// deform as a whole, whose skeleton needs inner nodes and a bottom layer.
     pub volumetric: bool,
+    /// Whether the tree is calibrated for contact with its blended surface: for rigid objects.
+    pub blended: bool,
 }
 
 impl Default for TreeOptions {
@@ -58,6 +61,7 @@ impl Default for TreeOptions {
             samples: 400_000,
             good_enough: 1e-6,
             volumetric: false,
+            blended: false,
         }
     }
 }
@@ -132,8 +136,15 @@ pub fn build_weighted(
         options,
     };
     let levels = builder.levels(progress);
-    progress("spheres", 1.0);
-    tree(&levels)
+    let tree = tree(&levels)?;
+    if !options.blended {
+        progress("spheres", 1.0);
+        return Ok(tree);
+    }
+    progress("blending", 0.95);
+    let tree = calibrate(&tree, &distance, &BlendOptions::default())?;
+    progress("blending", 1.0);
+    Ok(tree)
 }
 
 /// What a level is fitted to.
@@ -238,7 +249,7 @@ impl Builder<'_> {
         let done = |level: u8| libm::pow(5.0, f64::from(level) - f64::from(self.options.levels));
         while levels.len() <= usize::from(self.options.levels) {
             let level = levels.len() as u8;
-            progress(&format!("level {level}"), done(level - 1));
+            progress(&format!("level {level}"), 0.95 * done(level - 1));
             if level > 1 {
                 samples = self.samples(level);
             }

@@ -2,14 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use sulcus_core::{Node, SphereTree, Vec3};
+use sulcus_core::tree::MAX_LEVEL;
+use sulcus_core::{Blending, Node, SphereTree, Vec3};
 
 use crate::build::{BUILDER_VERSION, TreeOptions};
 use crate::mesh::TriMesh;
 
-const MAGIC: &[u8; 8] = b"SULCTRE\x01";
-/// Bytes of a node: centre, contact radius, first child, children, level.
-const RECORD: usize = 4 * 8 + 4 + 2;
+const MAGIC: &[u8; 8] = b"SULCTRE\x02";
+/// Bytes of a node: centre, contact radius, inset, first child, children, level.
+const RECORD: usize = 5 * 8 + 4 + 2;
+/// Bytes before the nodes: a blend length for each level.
+const LENGTHS: usize = 8 * (MAX_LEVEL as usize + 1);
 
 /// Where built trees are kept unless said otherwise: `$SULCUS_CACHE`, else `$XDG_CACHE_HOME/sulcus`,
 /// else `$HOME/.cache/sulcus`.
@@ -32,7 +35,7 @@ pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions) -> blake3::Hash {
     hasher.update(&[options.levels]);
     hasher.update(&(options.samples as u64).to_le_bytes());
     hasher.update(&options.good_enough.to_bits().to_le_bytes());
-    hasher.update(&[u8::from(options.volumetric)]);
+    hasher.update(&[u8::from(options.volumetric), u8::from(options.blended)]);
     mesh.hash_into(&mut hasher);
     hasher.finalize()
 }
@@ -45,28 +48,43 @@ fn path(dir: &Path, key: &blake3::Hash) -> PathBuf {
 pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
     let bytes = std::fs::read(path(dir, key)).ok()?;
     let body = bytes.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
-    let (sum, nodes) = body.split_at_checked(32)?;
-    if blake3::hash(nodes).as_bytes() != sum || nodes.len() % RECORD != 0 {
+    let (sum, content) = body.split_at_checked(32)?;
+    if blake3::hash(content).as_bytes() != sum {
         return None;
     }
-    SphereTree::with_bounds(
-        nodes
-            .chunks_exact(RECORD)
-            .map(node)
-            .collect::<Option<_>>()?,
-    )
-    .ok()
+    let (lengths, nodes) = content.split_at_checked(LENGTHS)?;
+    if nodes.len() % RECORD != 0 {
+        return None;
+    }
+    let records: Vec<(Node, f64)> = nodes.chunks_exact(RECORD).map(node).collect::<Option<_>>()?;
+    let (nodes, insets): (Vec<Node>, Vec<f64>) = records.into_iter().unzip();
+    let tree = SphereTree::with_bounds(nodes).ok()?;
+    let lengths: Vec<f64> = lengths
+        .chunks_exact(8)
+        .take(usize::from(tree.depth()) + 1)
+        .map(|word| Some(f64::from_bits(u64::from_le_bytes(word.try_into().ok()?))))
+        .collect::<Option<_>>()?;
+    if lengths.iter().all(|length| *length == 0.0) {
+        return Some(tree);
+    }
+    tree.with_blending(Blending { lengths, insets }).ok()
 }
 
 /// Keeps a tree. Readers see the old file or the whole new one.
 pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::io::Result<()> {
-    let mut nodes = Vec::with_capacity(tree.nodes().len() * RECORD);
-    for node in tree.nodes() {
+    let blending = tree.blending();
+    let mut nodes = Vec::with_capacity(LENGTHS + tree.nodes().len() * RECORD);
+    for level in 0..=MAX_LEVEL {
+        let length = blending.lengths.get(usize::from(level)).unwrap_or(&0.0);
+        nodes.extend(length.to_bits().to_le_bytes());
+    }
+    for (k, node) in tree.nodes().iter().enumerate() {
         for x in [
             node.centre.x,
             node.centre.y,
             node.centre.z,
             node.contact_radius,
+            blending.insets.get(k).copied().unwrap_or(0.0),
         ] {
             nodes.extend(x.to_bits().to_le_bytes());
         }
@@ -91,20 +109,22 @@ pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::i
     written
 }
 
-fn node(record: &[u8]) -> Option<Node> {
+/// A node with its inset.
+fn node(record: &[u8]) -> Option<(Node, f64)> {
     let real = |at: usize| {
         Some(f64::from_bits(u64::from_le_bytes(
             record.get(at..at + 8)?.try_into().ok()?,
         )))
     };
-    Some(Node {
+    let node = Node {
         centre: Vec3::new(real(0)?, real(8)?, real(16)?),
         contact_radius: real(24)?,
         bound_radius: real(24)?,
-        first_child: u32::from_le_bytes(record.get(32..36)?.try_into().ok()?),
-        children: *record.get(36)?,
-        level: *record.get(37)?,
-    })
+        first_child: u32::from_le_bytes(record.get(40..44)?.try_into().ok()?),
+        children: *record.get(44)?,
+        level: *record.get(45)?,
+    };
+    Some((node, real(32)?))
 }
 
 #[cfg(test)]
@@ -120,6 +140,7 @@ mod tests {
         let options = TreeOptions {
             levels: 2,
             samples: 2000,
+            blended: true,
             ..TreeOptions::default()
         };
         let tree = build_tree(&mesh, &options, &|_, _| ()).expect("tree");

@@ -6,6 +6,7 @@
 //! trees from true distances ([`distance`]), [`error`] measures them. Results are functions of their
 //! input alone: no clock, no randomness but fixed seeds, no dependence on the number of threads.
 
+pub mod blend;
 pub mod build;
 pub mod cache;
 pub mod check;

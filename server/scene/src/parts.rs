@@ -107,6 +107,7 @@ impl Compiler<'_> {
         };
         let wanted = TreeOptions {
             levels: entry.levels,
+            blended: true,
             ..TreeOptions::default()
         };
         let place = Vec3::from(entry.translate_mm) * 1e-3;
@@ -203,5 +204,5 @@ fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
         node.centre += by;
         node
     });
-    Ok(SphereTree::with_bounds(nodes.collect())?)
+    Ok(SphereTree::with_bounds(nodes.collect())?.with_blending(tree.blending().clone())?)
 }

@@ -429,3 +429,106 @@ fn a_device_that_sends_only_unusable_poses_is_let_go() {
     }
     assert!((last - 1.0).abs() < 1e-3, "{last}");
 }
+
+/// A bumpy plate, its spheres blended or not.
+fn plate(blend: f64) -> Object {
+    let spheres: Vec<Sphere> = (0..900)
+        .map(|k| Sphere {
+            centre: Vec3::new(
+                f64::from(k % 30 - 15) * 3e-4,
+                f64::from(k / 30 - 15) * 3e-4,
+                -1e-3,
+            ),
+            radius: 1e-3,
+        })
+        .collect();
+    let mut plate = ball(0.01, TissueModel::Rigid);
+    plate.level = tree::MAX_LEVEL;
+    let tree = SphereTree::over_leaves(&spheres).expect("valid");
+    let blending = Blending {
+        lengths: vec![blend; usize::from(tree.depth()) + 1],
+        insets: vec![2.0 * blend; tree.nodes().len()],
+    };
+    plate.tree = tree.with_blending(blending).expect("valid");
+    plate
+}
+
+/// Over the plate, 1 mm deep, tilted.
+fn over_plate(k: u32) -> TickInput {
+    let s = f64::from(k) / 400.0;
+    let tilt = exp_rotation(&Vec3::new(0.2 * s, -0.1 * s, 0.05));
+    let tip = Vec3::new(0.002 * s, 0.0005, 0.0005 - 0.0015 * s);
+    at(tip + tilt * Vec3::new(0.0, 0.0, 0.09025), tilt)
+}
+
+#[test]
+fn on_a_blended_surface_contacts_add_up_to_the_wrench_and_to_the_loads() {
+    let scene = scene(vec![plate(3e-5)]);
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let mut pressed = 0;
+    for k in 0..400 {
+        let out = tick(&scene, &mut state, &mut ws, &over_plate(k), &mut NoProbe);
+        let (tool, o) = (&scene.tools[0], &out.tools[0]);
+        assert!(o.min_gap > -1e-6, "tick {k}: {:e}", o.min_gap);
+        if !o.converged || norm(&o.raw_wrench.force) < 0.05 {
+            continue;
+        }
+        pressed += 1;
+        let (mut sum, mut loaded) = (Wrench::ZERO, 0);
+        for (contact, load) in ws.contacts() {
+            assert!(load >= 0.0);
+            loaded += u32::from(load > 0.0);
+            sum.force += contact.normal * load;
+            sum.torque += contact.arm.cross(&(contact.normal * load));
+        }
+        assert!(loaded > 3, "tick {k}: a blended row has {loaded} members");
+        let at_hand = sum.moved(&(o.haptic.orientation * tool.working_point));
+        assert!(norm(&(at_hand.force - o.raw_wrench.force)) < 1e-9);
+        assert!(norm(&(at_hand.torque - o.raw_wrench.torque)) < 1e-9);
+        assert!(norm(&(state.loads[0].force + sum.force)) < 1e-9);
+        // And the coupling: G (q_g - q_h).
+        let stretch =
+            o.graphic.transform(&tool.working_point) - o.haptic.transform(&tool.working_point);
+        let spring = stretch * tool.stiffness_n_per_m;
+        assert!(
+            norm(&(spring - o.raw_wrench.force)) < 0.01 * norm(&spring),
+            "tick {k}"
+        );
+    }
+    assert!(pressed > 200, "{pressed}");
+}
+
+#[test]
+fn without_blending_a_calibrated_tree_gives_the_bits_of_a_hard_one() {
+    let run = |blend: f64, on: bool| {
+        let mut scene = scene(vec![plate(blend)]);
+        scene.params.blend = on;
+        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+        let hashes =
+            (0..400).map(|k| tick(&scene, &mut state, &mut ws, &over_plate(k), &mut NoProbe).hash);
+        hashes.collect::<Vec<_>>()
+    };
+    let hard = run(0.0, true);
+    assert_eq!(hard, run(3e-5, false));
+    assert_ne!(hard, run(3e-5, true));
+}
+
+#[test]
+fn a_blended_scene_survives_its_bytes_and_needs_no_history() {
+    let scene = scene(vec![plate(3e-5)]);
+    let back = Scene::from_bytes(&scene.to_bytes().expect("small")).expect("own bytes");
+    assert_eq!(back, scene);
+    let (mut one, mut two) = (State::new(&scene), State::new(&back));
+    let mut ws = Workspace::new(&scene);
+    for k in 0..300 {
+        let kept = tick(&scene, &mut one, &mut ws, &over_plate(k), &mut NoProbe);
+        let fresh = tick(
+            &back,
+            &mut two,
+            &mut Workspace::new(&back),
+            &over_plate(k),
+            &mut NoProbe,
+        );
+        assert_eq!(kept, fresh, "tick {k}");
+    }
+}
