@@ -68,7 +68,7 @@ fn main() {
         let d = MeshDistance::new(mesh);
         if std::env::var("WORST").is_ok() {
             let spheres: Vec<_> = tree.shape_at(levels).map(|(_, n)| n.sphere()).collect();
-            let mut worst: Vec<(f64, _)> = sulcus_scene::sample::surface(&d, 60000, 0.5)
+            let mut worst: Vec<(f64, _)> = sulcus_scene::sample::surface(&d, 1_000_000, 0.5)
                 .into_iter()
                 .map(|s| {
                     let (g, k) = spheres

@@ -22,8 +22,8 @@ use crate::{parallel, sample};
 /// How a tree is calibrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlendOptions {
-    /// Blend length per mean absolute error of the hard spheres. Default 6 (one and a half times the bump
-    /// height of a regular lattice, whose mean absolute error is a quarter of it), range 1 to 30. Larger: smoother,
+    /// Blend length per mean absolute error of the hard spheres. Default 4 (the bump height of a regular
+    /// lattice, whose mean absolute error is a quarter of it), range 1 to 30. Larger: smoother,
     /// but cores lie deeper below the surface, more spheres are in each row, and corners get rounder.
     pub blend_per_error: f64,
     /// Radius of the sphere that probes the surface, metres. Default 2.5e-4, a periodontal probe's tip.
@@ -40,7 +40,7 @@ pub struct BlendOptions {
 impl Default for BlendOptions {
     fn default() -> Self {
         Self {
-            blend_per_error: 6.0,
+            blend_per_error: 4.0,
             probe_radius: 2.5e-4,
             samples_per_sphere: 30,
             coarsest: 2,

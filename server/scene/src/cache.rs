@@ -56,7 +56,10 @@ pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
     if nodes.len() % RECORD != 0 {
         return None;
     }
-    let records: Vec<(Node, f64)> = nodes.chunks_exact(RECORD).map(node).collect::<Option<_>>()?;
+    let records: Vec<(Node, f64)> = nodes
+        .chunks_exact(RECORD)
+        .map(node)
+        .collect::<Option<_>>()?;
     let (nodes, insets): (Vec<Node>, Vec<f64>) = records.into_iter().unzip();
     let tree = SphereTree::with_bounds(nodes).ok()?;
     let lengths: Vec<f64> = lengths
