@@ -13,9 +13,10 @@ use crate::blend::{BlendOptions, calibrate};
 use crate::cluster::{Feature, split};
 use crate::distance::MeshDistance;
 use crate::fit::fit;
-use crate::level::{Effort, Level, fit_level};
+use crate::level::{Effort, Level, finish_level, fit_level};
 use crate::medial::inscribed_centre;
 use crate::mesh::TriMesh;
+use crate::nearest_sphere::NearestSphere;
 use crate::polish::{Surface, assign, shares};
 use crate::random::Random;
 use crate::sample::Sample;
@@ -33,6 +34,10 @@ const ROUNDS: usize = 3;
 const EDGE_IMPORTANCE: f64 = 2.0;
 /// Samples for each sphere that a level may have, level by level.
 const SAMPLES_PER_SPHERE: [usize; 7] = [500, 500, 200, 100, 30, 12, 10];
+/// How much denser the errors between the samples are looked for than samples lie.
+const DENSER: usize = 8;
+/// Share of the largest error at the samples from which a place between them is one that was missed.
+const MISSED: f64 = 0.9;
 /// Fewest samples of a level.
 const FEWEST_SAMPLES: usize = 6000;
 /// Samples that a node must own to be split.
@@ -164,6 +169,10 @@ impl Samples {
         importance: &(dyn Fn(&Vec3) -> f64 + Sync),
     ) -> Self {
         let (samples, weights) = weighted_samples(distance, count, importance);
+        Self::with(distance, samples, weights)
+    }
+
+    fn with(distance: &MeshDistance, samples: Vec<Sample>, weights: Vec<f64>) -> Self {
         let (low, high) = distance.mesh().bounds();
         let size = (high - low).norm();
         let inscribed = parallel::map(samples.len(), |s| {
@@ -175,6 +184,12 @@ impl Samples {
             inscribed,
             smallest: 1e-6 * size,
         }
+    }
+
+    fn append(&mut self, more: Samples) {
+        self.samples.extend(more.samples);
+        self.weights.extend(more.weights);
+        self.inscribed.extend(more.inscribed);
     }
 
     fn surface<'a>(&'a self, distance: &'a MeshDistance) -> Surface<'a> {
@@ -238,7 +253,7 @@ impl Builder<'_> {
     }
 
     fn levels(&self, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
-        let mut samples = self.samples(1);
+        let samples = self.samples(1);
         let all: Vec<u32> = (0..samples.samples.len() as u32).collect();
         let sphere = self.fitted(&samples, &all, None, &mut Random::new(0)).1;
         let mut levels = vec![vec![Share::leaf(sphere)]];
@@ -250,10 +265,7 @@ impl Builder<'_> {
         while levels.len() <= usize::from(self.options.levels) {
             let level = levels.len() as u8;
             progress(&format!("level {level}"), 0.95 * done(level - 1));
-            if level > 1 {
-                samples = self.samples(level);
-            }
-            if !self.add_level(&mut levels, &samples) {
+            if !self.add_level(&mut levels, self.samples(level)) {
                 break;
             }
         }
@@ -262,7 +274,7 @@ impl Builder<'_> {
 
     /// Splits the nodes of the finest level, fits the children as a whole and appends them. False when
     /// every node is good enough as it is.
-    fn add_level(&self, levels: &mut Vec<Vec<Share>>, samples: &Samples) -> bool {
+    fn add_level(&self, levels: &mut Vec<Vec<Share>>, mut samples: Samples) -> bool {
         let depth = levels.len() as u8;
         let surface = samples.surface(self.distance);
         let Some((parents, above)) = levels.split_last_mut() else {
@@ -284,7 +296,7 @@ impl Builder<'_> {
             if parents[k].inner {
                 Vec::new()
             } else {
-                self.family(samples, &parents[k].sphere, &mine[k], depth, k)
+                self.family(&samples, &parents[k].sphere, &mine[k], depth, k)
             }
         });
         let mut fitted = Level {
@@ -304,13 +316,15 @@ impl Builder<'_> {
             return false;
         }
         fitted.spheres.extend(childless);
-        fit_level(
-            &surface,
-            &samples.inscribed,
-            &mut fitted,
-            &Effort::of(depth),
-            u64::from(depth) << 40,
-        );
+        let (effort, seed) = (Effort::of(depth), u64::from(depth) << 40);
+        fit_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
+        let mut owned = finish_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
+        for _ in 0..effort.exchanges {
+            let more = self.missed(&samples, &owned, &fitted.spheres);
+            samples.append(more);
+            let surface = samples.surface(self.distance);
+            owned = finish_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
+        }
         let mut children: Vec<(u32, Share)> = fitted
             .families
             .iter()
@@ -327,6 +341,31 @@ impl Builder<'_> {
         }
         levels.push(children.into_iter().map(|(_, share)| share).collect());
         true
+    }
+
+    /// Places between the samples where the error is nearly as large as anywhere: what a fit to samples
+    /// alone leaves deepest lies between them (the exchange of Remez, on a surface).
+    fn missed(&self, samples: &Samples, owned: &[(f64, u32)], spheres: &[Sphere]) -> Samples {
+        let felt = |error: f64, weight: f64| error.abs() * libm::pow(weight, 1.0 / 16.0);
+        let largest = owned
+            .iter()
+            .zip(&samples.weights)
+            .fold(0.0, |most, ((gap, _), weight)| felt(*gap, *weight).max(most));
+        let index = NearestSphere::new(spheres);
+        let (dense, weights) = weighted_samples(
+            self.distance,
+            DENSER * samples.samples.len(),
+            self.importance,
+        );
+        let gaps = parallel::map(dense.len(), |k| index.nearest(&dense[k].point, None).0);
+        let mut worst: Vec<usize> = (0..dense.len())
+            .filter(|&k| felt(gaps[k], weights[k]) > MISSED * largest)
+            .collect();
+        worst.sort_by(|&a, &b| gaps[b].abs().total_cmp(&gaps[a].abs()).then(a.cmp(&b)));
+        worst.truncate(samples.samples.len() / 4);
+        let picked: Vec<Sample> = worst.iter().map(|&k| dense[k]).collect();
+        let weights = worst.iter().map(|&k| weights[k]).collect();
+        Samples::with(self.distance, picked, weights)
     }
 
     fn fitted(

@@ -2,8 +2,8 @@
 
 use sulcus_core::{Sphere, Vec3};
 
-use crate::polish::{Norm, PolishOptions, Surface, assign, polish, rms_of};
-use crate::relocate::{Move, relocate};
+use crate::polish::{Norm, Owned, PolishOptions, Surface, assign, polish, rms_of};
+use crate::relocate::{Move, plug, relocate};
 
 /// The spheres of a level with their families, that is, their parents' indices.
 #[derive(Clone)]
@@ -27,6 +27,10 @@ pub(crate) struct Effort {
     pub rounds: usize,
     /// Rounds of polishing at the end.
     pub last_rounds: usize,
+    /// Most tries at the single largest error after that.
+    pub plugs: usize,
+    /// Times that the places where the error is largest between the samples are made samples.
+    pub exchanges: usize,
     /// Points on a sphere that are looked at for its exposed part.
     pub ball_points: usize,
 }
@@ -34,16 +38,18 @@ pub(crate) struct Effort {
 impl Effort {
     pub fn of(level: u8) -> Self {
         let (knees, relocations, rounds, last_rounds): (&[f64], _, _, _) = match level {
-            0..=2 => (&[3.0, 3.0], 4, 4, 4),
-            3 => (&[2.0, 1.5, 3.0], 20, 4, 40),
-            4 => (&[2.0, 3.0], 5, 3, 6),
-            _ => (&[3.0], 0, 0, 4),
+            0..=2 => (&[3.0], 4, 4, 4),
+            3 => (&[2.0, 1.5], 20, 4, 20),
+            4 => (&[2.0], 5, 3, 6),
+            _ => (&[], 0, 0, 4),
         };
         Self {
             knees,
             relocations,
             rounds,
             last_rounds,
+            plugs: if level == 3 { 4 } else { 0 },
+            exchanges: if level == 3 { 3 } else { 0 },
             ball_points: if level > 3 { 48 } else { 96 },
         }
     }
@@ -52,6 +58,8 @@ impl Effort {
 /// Power of the error while spheres are relocated, and at the end, where the largest error counts.
 const POWER: i32 = 8;
 const LAST_POWER: i32 = 16;
+/// Error, as a multiple of the level's rms error, above which that power rules.
+const LAST_KNEE: f64 = 3.0;
 /// A relocation that saves less than this share is the last of its phase.
 const LEAST_GAIN: f64 = 0.02;
 /// How much of what a sphere's loss would cost at once is believed, at first and at last: its neighbours
@@ -72,8 +80,7 @@ pub(crate) fn fit_level(
         ball_points: effort.ball_points,
     };
     let mut owned = assign(surface, &level.spheres, None);
-    let (&last_knee, knees) = effort.knees.split_last().unwrap_or((&2.0, &[]));
-    for (phase, knee) in knees.iter().enumerate() {
+    for (phase, knee) in effort.knees.iter().enumerate() {
         // Fixed within a phase, so that costs compare.
         let norm = Norm {
             knee: knee * rms_of(surface, &owned),
@@ -130,15 +137,63 @@ pub(crate) fn fit_level(
             }
         }
     }
+}
+
+/// Brings down the largest error: polishing with a high power, then spheres for the worst places. Returns the
+/// distance to and index of the nearest sphere, per sample.
+pub(crate) fn finish_level(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    level: &mut Level,
+    effort: &Effort,
+    seed: u64,
+) -> Owned {
+    let movable = level.families.len();
+    let options = |rounds| PolishOptions {
+        rounds,
+        ball_points: effort.ball_points,
+    };
+    let owned = assign(surface, &level.spheres, None);
     let norm = Norm {
-        knee: last_knee * rms_of(surface, &owned),
+        knee: LAST_KNEE * rms_of(surface, &owned),
         power: LAST_POWER,
     };
-    polish(
+    let (mut cost, mut owned) = polish(
         surface,
         &mut level.spheres,
         movable,
         norm,
         &options(effort.last_rounds),
     );
+    let mut barred = Vec::new();
+    for plugging in 0..effort.plugs {
+        let mut tried = level.clone();
+        let wish = Move {
+            norm,
+            most: 1,
+            belief: 1.0,
+            barred: &barred,
+            seed: seed ^ (plugging as u64 + 1) << 32,
+        };
+        if !plug(surface, inscribed, &mut tried, &owned, &wish) {
+            break;
+        }
+        let (tried_cost, tried_owned) = polish(
+            surface,
+            &mut tried.spheres,
+            movable,
+            norm,
+            &options(effort.rounds),
+        );
+        if tried_cost < cost {
+            (*level, cost, owned) = (tried, tried_cost, tried_owned);
+            barred.clear();
+        } else if let Some(&(_, worst)) = owned
+            .iter()
+            .max_by(|a, b| norm.of(a.0).total_cmp(&norm.of(b.0)))
+        {
+            barred.push(worst);
+        }
+    }
+    owned
 }

@@ -123,6 +123,71 @@ pub(crate) fn relocate(
     helped
 }
 
+/// Brings the least needed sphere to the place of the largest error, between those that leave it open. The
+/// rest is as for [`relocate`].
+pub(crate) fn plug(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    level: &mut Level,
+    owned: &[(f64, u32)],
+    wish: &Move<'_>,
+) -> bool {
+    let movable = level.families.len();
+    let felt = |s: usize| surface.importance[s] * wish.norm.of(owned[s].0);
+    let Some(worst) = (0..owned.len()).max_by(|&a, &b| felt(a).total_cmp(&felt(b))) else {
+        return false;
+    };
+    let (error, owner) = owned[worst];
+    if owner as usize >= movable || wish.barred.contains(&owner) {
+        return false;
+    }
+    // What is as badly fitted near by.
+    let mine = shares(owned, level.spheres.len());
+    let at = surface.samples[worst].point;
+    let reach = mine[owner as usize].iter().fold(0.0_f64, |reach, &s| {
+        reach.max((surface.samples[s as usize].point - at).norm())
+    });
+    let hole: Vec<u32> = (0..owned.len())
+        .filter(|&s| {
+            owned[s].0 * error.signum() > 0.4 * error.abs()
+                && (surface.samples[s].point - at).norm() < 0.7 * reach
+        })
+        .map(|s| s as u32)
+        .collect();
+    let index = NearestSphere::new(&level.spheres);
+    let losses = parallel::map(movable, |k| {
+        mine[k].iter().fold(0.0, |loss, &s| {
+            let point = &surface.samples[s as usize].point;
+            let without = wish.norm.of(index.nearest_but(point, k as u32));
+            loss + surface.importance[s as usize] * without
+        })
+    });
+    let victim = (0..movable)
+        .filter(|&k| k != owner as usize)
+        .min_by(|&a, &b| losses[a].total_cmp(&losses[b]).then(a.cmp(&b)));
+    let (Some(victim), true) = (victim, hole.len() >= 4) else {
+        return false;
+    };
+    let (_, sphere) = fit(
+        surface.distance,
+        surface.samples,
+        inscribed,
+        &hole,
+        None,
+        surface.smallest,
+        &mut Random::new(wish.seed),
+    );
+    let places: Vec<Vec3> = (0..movable)
+        .map(|k| centroid(surface, &mine[k]).unwrap_or(level.spheres[k].centre))
+        .collect();
+    let mut families = Families::new(&mut level.families, level.parents, &places);
+    if !families.join(victim, owner as usize, &places) {
+        return false;
+    }
+    level.spheres[victim] = sphere;
+    true
+}
+
 fn centroid(surface: &Surface<'_>, members: &[u32]) -> Option<Vec3> {
     let sum: Vec3 = members
         .iter()
