@@ -32,10 +32,10 @@ fn main() {
             regions: vec![
                 sulcus_scene::zone::Region::Near {
                     mesh: std::sync::Arc::new(tooth),
-                    within: 0.6e-3,
+                    within: 0.45e-3,
                 },
                 sulcus_scene::zone::Region::Box {
-                    low: sulcus_core::Vec3::new(-1.0, -1.0, 1e-3),
+                    low: sulcus_core::Vec3::new(-1.0, -1.0, 1.2e-3),
                     high: sulcus_core::Vec3::repeat(1.0),
                 },
             ],

@@ -99,7 +99,7 @@ impl Zone {
 
 /// Beyond a zone its weight fades to 1 over this distance, metres: a border that cuts through a sphere's
 /// patch of surface would leave that sphere half good.
-const FADE: f64 = 0.5e-3;
+const FADE: f64 = 1e-3;
 
 /// How much a surface point (metres) counts when a tree is built: `weight` inside a zone, fading to 1
 /// around it.
