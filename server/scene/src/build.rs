@@ -350,7 +350,9 @@ impl Builder<'_> {
         let largest = owned
             .iter()
             .zip(&samples.weights)
-            .fold(0.0, |most, ((gap, _), weight)| felt(*gap, *weight).max(most));
+            .fold(0.0, |most, ((gap, _), weight)| {
+                felt(*gap, *weight).max(most)
+            });
         let index = NearestSphere::new(spheres);
         let (dense, weights) = weighted_samples(
             self.distance,

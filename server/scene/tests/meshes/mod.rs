@@ -1,0 +1,128 @@
+//! The meshes that trees are measured on, each with how it is built: real ones from the data folder
+//! beside the project, where it is, and the parametric parts always. Shared by tests and bench.
+
+// Each user needs a part of this.
+#![allow(dead_code)]
+
+use std::path::Path;
+use std::sync::Arc;
+
+use sulcus_core::{SphereTree, Vec3};
+use sulcus_scene::build::{TreeOptions, build_weighted};
+use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::load::Unit;
+use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::parametric::{Mirror, Molar, Probe};
+use sulcus_scene::solid::read_solid;
+use sulcus_scene::zone::{Region, Zone, importance};
+
+/// How many times more the pocket's walls count; the largest error hardly feels less, as it has a high power.
+const WALL_WEIGHT: f64 = 8000.0;
+
+/// One mesh.
+pub struct Part {
+    pub name: &'static str,
+    source: Source,
+    volumetric: bool,
+    zones: Vec<Zone>,
+}
+
+enum Source {
+    File(&'static str),
+    Made(fn() -> TriMesh),
+}
+
+impl Part {
+    /// The mesh; none, loudly, where its file is not there.
+    pub fn mesh(&self) -> Option<TriMesh> {
+        match self.source {
+            Source::Made(make) => Some(make()),
+            Source::File(file) => data(file),
+        }
+    }
+
+    pub fn zones(&self) -> &[Zone] {
+        &self.zones
+    }
+
+    pub fn tree(&self, mesh: &TriMesh, levels: u8) -> SphereTree {
+        let options = TreeOptions {
+            levels,
+            volumetric: self.volumetric,
+            ..TreeOptions::default()
+        };
+        let importance = |p: &Vec3| importance(&self.zones, WALL_WEIGHT, p);
+        build_weighted(mesh, &options, &importance, &|_, _| ()).expect("a tree")
+    }
+}
+
+/// A mesh of the data folder, millimetres.
+pub fn data(file: &str) -> Option<TriMesh> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data/meshes")
+        .join(file);
+    if !path.exists() {
+        println!("SKIPPED: {} is not there", path.display());
+        eprintln!("SKIPPED: {} is not there", path.display());
+        return None;
+    }
+    Some(read_solid(&path, Unit::Millimetre).expect("a solid").mesh)
+}
+
+pub fn part(name: &str) -> Part {
+    all()
+        .into_iter()
+        .find(|part| part.name == name)
+        .expect("a part of that name")
+}
+
+pub fn all() -> Vec<Part> {
+    let part = |name, source| Part {
+        name,
+        source,
+        volumetric: false,
+        zones: Vec::new(),
+    };
+    vec![
+        part("tooth 36", Source::File("tooth_36_first_molar.stl")),
+        part("probe", Source::File("dental_probe.stl")),
+        part("mirror", Source::File("dental_mirror_parametric.stl")),
+        Part {
+            volumetric: true,
+            ..part("tongue", Source::File("tongue.stl"))
+        },
+        Part {
+            zones: pocket_walls(),
+            ..part("pocket patch", Source::File("gingiva_patch_36_pocket.stl"))
+        },
+        part("parametric molar", Source::Made(|| Molar::default().mesh())),
+        part(
+            "parametric probe",
+            Source::Made(|| Probe::default().touching_mesh()),
+        ),
+        part(
+            "parametric mirror",
+            Source::Made(|| Mirror::default().touching_mesh()),
+        ),
+    ]
+}
+
+/// The walls of the patch's pocket stand 0.4 mm off the tooth, above a floor at z = 1 mm.
+fn pocket_walls() -> Vec<Zone> {
+    let Some(tooth) = data("tooth_36_first_molar.stl") else {
+        return Vec::new();
+    };
+    vec![Zone {
+        name: "pocket walls".into(),
+        regions: vec![
+            Region::Near {
+                mesh: Arc::new(MeshDistance::new(tooth)),
+                within: 0.45e-3,
+            },
+            Region::Box {
+                low: Vec3::new(-1.0, -1.0, 1.2e-3),
+                high: Vec3::repeat(1.0),
+            },
+        ],
+    }]
+}
