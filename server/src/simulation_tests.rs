@@ -100,6 +100,7 @@ fn scene() -> Scene {
             level: 3,
             tissue: TissueModel::Rigid,
             mesh: DisplayMesh::default(),
+            carriers: Vec::new(),
         }],
     }
 }

@@ -52,6 +52,7 @@ pub fn scene() -> Scene {
             level: 3,
             tissue: TissueModel::Rigid,
             mesh: DisplayMesh::default(),
+            carriers: Vec::new(),
         }],
     }
 }

@@ -68,6 +68,7 @@ fn object(name: &str, spheres: &[Sphere]) -> Object {
         level: ALL,
         tissue: TissueModel::Rigid,
         mesh: DisplayMesh::default(),
+        carriers: Vec::new(),
     }
 }
 

@@ -88,6 +88,9 @@ pub struct Object {
     pub tissue: TissueModel,
     /// To look at, world axes at rest.
     pub mesh: DisplayMesh,
+    /// For each vertex of `mesh` the node of the tree that carries it when the tissue moves; empty where
+    /// nothing moves or the mesh is not what the tree stands for.
+    pub carriers: Vec<u32>,
 }
 
 /// Everything constant.
@@ -323,6 +326,20 @@ impl Scene {
             check_mesh(&part, &tool.mesh)?;
         }
         for object in &self.objects {
+            let (carriers, vertices) = (&object.carriers, object.mesh.vertices.len());
+            let nodes = object.tree.nodes().len();
+            let unknown = carriers.iter().find(|&&node| node as usize >= nodes);
+            if unknown.is_some() || !(carriers.is_empty() || carriers.len() == vertices) {
+                return field(
+                    &format!("object `{}`", object.name),
+                    "carriers",
+                    match unknown {
+                        Some(node) => format!("node {node} of {nodes}"),
+                        None => format!("{} for {vertices} vertices", carriers.len()),
+                    },
+                    "a node of the tree for each vertex, or none at all",
+                );
+            }
             check_mesh(&format!("object `{}`", object.name), &object.mesh)?;
         }
         Ok(())

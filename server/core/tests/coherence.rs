@@ -94,6 +94,7 @@ fn molar_like(balls: u32) -> Scene {
             level: 7,
             tissue: TissueModel::Rigid,
             mesh: DisplayMesh::default(),
+            carriers: Vec::new(),
         }],
     }
 }

@@ -54,6 +54,7 @@ fn bumpy_plate() -> Object {
         level: 7,
         tissue: TissueModel::Rigid,
         mesh: DisplayMesh::default(),
+        carriers: Vec::new(),
     }
 }
 

@@ -9,6 +9,7 @@
 pub mod blend;
 pub mod build;
 pub mod cache;
+pub mod carry;
 pub mod check;
 mod cluster;
 pub mod compile;

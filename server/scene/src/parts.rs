@@ -8,6 +8,7 @@ use sulcus_core::{Object, Pose, SphereTree, Tool, Vec3};
 
 use crate::build::{TreeBuildError, TreeOptions, build_tree};
 use crate::cache;
+use crate::carry::carriers;
 use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
 use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
@@ -117,7 +118,13 @@ impl Compiler<'_> {
         let tissue = match entry.tissue {
             TissueEntry::Rigid => TissueModel::Rigid,
         };
-        let mesh = mesh.placed(1.0, place).to_display(TOOTH_COLOUR);
+        let mesh = mesh.placed(1.0, place);
+        let carriers = if tissue.is_rigid() {
+            Vec::new()
+        } else {
+            carriers(&tree, &mesh.vertices)
+        };
+        let mesh = mesh.to_display(TOOTH_COLOUR);
         Ok(Object {
             name: entry.name.clone(),
             fdi: entry.fdi,
@@ -125,6 +132,7 @@ impl Compiler<'_> {
             level,
             tissue,
             mesh,
+            carriers,
         })
     }
 

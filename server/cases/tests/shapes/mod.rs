@@ -114,6 +114,7 @@ pub fn object(name: &str, tree: SphereTree, level: u8) -> Object {
         level,
         tissue: TissueModel::Rigid,
         mesh: DisplayMesh::default(),
+        carriers: Vec::new(),
     }
 }
 

@@ -59,6 +59,7 @@ fn object(tree: SphereTree, tissue: TissueModel) -> Object {
         level: 7,
         tissue,
         mesh: DisplayMesh::default(),
+        carriers: Vec::new(),
     }
 }
 

@@ -42,6 +42,7 @@ fn ball(radius: f64, tissue: TissueModel) -> Object {
         level: 3,
         tissue,
         mesh: DisplayMesh::default(),
+        carriers: Vec::new(),
     }
 }
 

@@ -6,6 +6,7 @@ use sulcus_core::Vec3;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::surface_error;
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::repair::repair;
 use sulcus_view::{LevelPicture, TreePicture, write_tree};
 
 use crate::page::{LevelErrors, Subject};
@@ -72,14 +73,14 @@ fn cut_in_four(mesh: &TriMesh) -> TriMesh {
     for t in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(t);
         let first = cut.vertices.len() as u32;
-        // Both triangles of an edge get the same middle, to the bit: welding joins them.
+        // Both triangles of an edge get the same middle, to the bit: joining equal vertices closes the cuts.
         let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
         cut.vertices.extend([a, b, c, ab, bc, ca]);
         for corners in [[0, 3, 5], [3, 1, 4], [5, 4, 2], [4, 5, 3]] {
             cut.triangles.push(corners.map(|k| first + k));
         }
     }
-    cut.welded()
+    repair(cut).0
 }
 
 #[cfg(test)]
