@@ -23,8 +23,8 @@
 //! (`hollowness`, and the module `metric`).
 //!
 //! Measured (probe tip, 1 mm deep, ellipsoid of 40, 25, 15 mm; rms of the force / median error of direction):
-//! hard spheres 4.3 % / 3.6 degrees at level 3, 1.1 % / 1.8 at level 4; blended 1.0 % / 0.4 and
-//! 0.27 % / 0.2. Numbers, other shapes and costs: the bench `ripple` of sulcus-cases.
+//! hard spheres 2.0 % / 3.0 degrees at level 3, 0.34 % / 1.3 at level 4, 0.12 % / 0.6 at level 5; blended 0.56 % / 0.7
+//! and 0.15 % / 0.3 at levels 3 and 4. Other shapes, blend lengths and costs: the bench `ripple` of sulcus-cases.
 
 use std::ops::Range;
 
@@ -45,6 +45,8 @@ const IMPLIED: f64 = 1e-3;
 /// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
 /// one stands alone, hardly inset, and the other deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
+/// Least weight of a pair against the nearest.
+const LEAST_WEIGHT: f64 = 1e-280;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
 pub const MAX_SEEDS: usize = 8;
 
@@ -269,19 +271,20 @@ impl Blender {
         self.pairs.push(pair);
     }
 
-    /// Puts the nearest pair first, weighs the others against it and drops those out of reach. Gives the
-    /// smallest gap; nothing where there is no pair.
-    fn weigh(&mut self, blend: f64) -> Option<f64> {
+    /// Puts the nearest pair first, weighs the others against it and drops those that are both out of its
+    /// reach and farther than `kept`. Gives the smallest gap; nothing where there is no pair.
+    fn weigh(&mut self, blend: f64, kept: f64) -> Option<f64> {
         let nearest = (0..self.pairs.len()).reduce(|best, k| {
             let (a, b) = (&self.pairs[k], &self.pairs[best]);
             if a.gap < b.gap { k } else { best }
         })?;
         self.pairs.swap(0, nearest);
         let smallest = self.pairs[0].gap;
-        let farthest = smallest + reach(blend) * blend;
+        let farthest = fmax(smallest + reach(blend) * blend, kept);
         self.pairs.retain(|pair| pair.gap <= farthest);
         for pair in &mut self.pairs {
-            pair.weight = libm::exp((smallest - pair.gap) / blend);
+            // Never nothing: a seed on another wall, however far above the nearest, has its own row.
+            pair.weight = fmax(libm::exp((smallest - pair.gap) / blend), LEAST_WEIGHT);
         }
         Some(smallest)
     }
@@ -308,7 +311,7 @@ impl Blender {
 
     /// The smaller of `limit` and the smallest blended gap over all seeds, metres.
     pub fn least(&mut self, blend: f64, limit: f64) -> f64 {
-        let Some(smallest) = self.weigh(blend) else {
+        let Some(smallest) = self.weigh(blend, f64::NEG_INFINITY) else {
             return limit;
         };
         let nearest = self.pairs[0];
@@ -338,22 +341,21 @@ impl Blender {
         least
     }
 
-    /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members; where the nearest
-    /// seed's gap is `alone` or more, its row alone, which is cheap, and enough for what hardly comes to touch in
-    /// a pass ([`Blender::least`] looks at all).
+    /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members.
     pub fn rows(
         &mut self,
         blend: f64,
         limit: f64,
-        alone: f64,
         row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
     ) {
-        let Some(smallest) = self.weigh(blend) else {
+        // Within the limit the tool may come in this pass to any wall, not only to the nearest.
+        let kept = limit + blend * libm::log(fmax(1.0, self.pairs.len() as f64));
+        let Some(smallest) = self.weigh(blend, kept) else {
             return;
         };
         // Not even the surface of the nearest?
         if self.gap_of(&self.pairs[0], smallest, blend) < limit + OTHER_SEEDS * blend {
-            self.seeds(smallest, blend, limit, alone, row);
+            self.seeds(smallest, blend, limit, row);
         }
     }
 
@@ -362,7 +364,6 @@ impl Blender {
         smallest: f64,
         blend: f64,
         limit: f64,
-        alone: f64,
         mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
     ) {
         let n = self.pairs.len();
@@ -372,13 +373,12 @@ impl Blender {
         let most = blend * libm::log(n as f64);
         self.left_out.clear();
         let mut begins = [0; MAX_SEEDS + 1];
-        let mut nearest = f64::NEG_INFINITY;
         let mut seeds = 0;
         for j in 0..n {
             let seed = self.pairs[j];
             // A seed so far up has its own core out of reach whatever else is near: where the surface is
             // within reach, nearer spheres make it, and have their rows.
-            if seeds == MAX_SEEDS || seed.gap - most >= limit || nearest >= alone {
+            if seeds == MAX_SEEDS || seed.gap - most >= limit {
                 return;
             }
             // What this row would hold beyond a row before it.
@@ -402,9 +402,6 @@ impl Blender {
                 self.shares.push(share);
             }
             let gap = smallest - blend * libm::log(sum);
-            if j == 0 {
-                nearest = gap;
-            }
             if beyond <= IMPLIED * sum || gap >= limit {
                 continue;
             }
@@ -456,7 +453,7 @@ pub(crate) fn hollowness(
         let n = &contacts[member.contact as usize].normal;
         let square = n * n.transpose();
         bend += square * (member.weight / blend)
-            - (Mat3::identity() - square) * (member.weight / member.distance);
+            - (Mat3::identity() - square) * (member.weight / fmax(member.distance, 1e-9));
     }
     positive_part(bend)
 }

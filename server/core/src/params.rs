@@ -37,13 +37,14 @@ pub struct Params {
     pub solver: SolverKind,
     /// Iteration cap of the solver. Default 400, range 10..10000.
     pub max_iterations: u16,
-    /// Rows that each tool's problem can hold. Default 1024, range 16..4096, with tissue to 1024 (its
+    /// Contacts that each tool's list can hold (four times as many where surfaces are blended, whose rows have
+    /// many each). Default 1024, range 16..4096, with tissue to 1024 (its
     /// matrix is dense). Where more sphere pairs are close the tick looks less far ahead.
     pub max_rows: u16,
     /// Whether trees that were calibrated for it are touched as one smooth surface, blended from their
     /// spheres ([`crate::blend`]); otherwise every sphere is touched as it is. Default true. Without, a tick
-    /// on a tooth takes a fifth to a tenth of the time, and the spheres are felt as ripple: measured on the
-    /// ellipsoid, 4.3 % instead of 1.0 % of the force at level 3. Source: the bench `ripple`.
+    /// on a tooth takes a third to a tenth of the time, and the spheres are felt as ripple: measured on the
+    /// ellipsoid, 2.0 % instead of 0.6 % of the force at level 3. Source: the bench `ripple`.
     pub blend: bool,
     /// Fastest believable hand, m/s; faster input is clamped and counted. Default 10.
     pub max_hand_speed: f64,

@@ -88,8 +88,8 @@ pub struct Object {
     pub tissue: TissueModel,
     /// To look at, world axes at rest.
     pub mesh: DisplayMesh,
-    /// For each vertex of `mesh` the node of the tree that carries it when the tissue moves; empty where
-    /// nothing moves or the mesh is not what the tree stands for.
+    /// For each vertex of `mesh` the leaf of the tree that carries it when the tissue moves; empty where
+    /// the mesh is not what the tree stands for.
     pub carriers: Vec<u32>,
 }
 

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use crate::blend::{Group, Groups, Line, OTHER_SEEDS, Pair, hollowness, reach};
+use crate::blend::{Group, Groups, Line, Pair, hollowness, reach};
 use crate::contact::{Contact, Distance, Overflow, PosedTool, centre};
 use crate::haptic::{renormalised, twist};
 use crate::math::{Mat3, Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -25,6 +25,8 @@ use crate::{MAX_TOOLS, Scene};
 /// Prediction distance at which a full contact list keeps the smallest gaps, metres.
 const SMALLEST_PREDICTION: f64 = 1e-6;
 
+/// How much farther each pass of a tick looks at least than the one before.
+const WIDENING: f64 = 4.0;
 /// Blended gap up to which a surface is taken to be touched, metres.
 const TOUCHING: f64 = 2e-6;
 /// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
@@ -82,10 +84,10 @@ pub(crate) fn advance<P: StageProbe>(
     });
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     // A turn moves spheres by their levers: what is near the tip need not look as far as the shaft.
-    let distance_for = |moved: f64, turned: f64| {
+    let distance_for = |moved: f64, turned: f64, floor: f64| {
         let base = fclamp(
             params.predict_gain * moved + params.predict_bias,
-            params.predict_min,
+            floor,
             params.predict_max,
         );
         let most = (params.predict_max - base) / fmax(longest, 1e-9);
@@ -94,16 +96,17 @@ pub(crate) fn advance<P: StageProbe>(
             turn: fmin(params.predict_gain * turned, most),
         }
     };
-    let mut d = distance_for(moved, turned);
+    let mut floor = params.predict_min;
+    let mut d = distance_for(moved, turned, floor);
     let mut passes = 0;
     while passes < params.max_substeps {
         passes += 1;
         probe.begin(Stage::Collide);
-        let used = collide(scene, state, ws, group, d);
-        if used != d {
+        let (used, cut) = collide(scene, state, ws, group, d);
+        if cut {
             status_bits |= status::CONTACTS_FULL;
-            d = used;
         }
+        d = used;
         probe.begin(Stage::Optimise);
         write_lines(scene, ws, first, d);
         let target = optimise(scene, state, ws, group, wanted);
@@ -146,7 +149,9 @@ pub(crate) fn advance<P: StageProbe>(
             converged = true;
             break;
         }
-        d = distance_for(moved * (1.0 - share), turned * (1.0 - share));
+        // A tick that needs many passes must not be held by how little each of them sees.
+        floor = fmin(WIDENING * floor, params.predict_max);
+        d = distance_for(moved * (1.0 - share), turned * (1.0 - share), floor);
     }
     if !converged && status_bits & status::SOLVER_FAILED == 0 {
         status_bits |= status::EXHAUSTED;
@@ -178,17 +183,18 @@ fn place(group: &[usize]) -> usize {
     group.first().copied().unwrap_or(0)
 }
 
-/// Lists the contacts at the present poses and shapes, within `d` or as far as the list reaches: halves
-/// `d` while it is full, and returns what it used. Where even the smallest finds more than the
-/// list holds (a flat tool on a flat face), the smallest gaps are kept: what is left out lies within
-/// that smallest distance, no pass moves farther, and the next one ranks anew.
+/// Lists the contacts at the present poses and shapes, within `d` or as far as the list reaches: while it
+/// is full it halves `d`, which costs passes only, then the reach of blended surfaces, which are then made
+/// of fewer spheres. Returns what it used and whether anything was cut. Where even the smallest distance
+/// finds more than the list holds (a flat tool on a flat face), the smallest gaps are kept: what is left
+/// out lies within that smallest distance, no pass moves farther, and the next one ranks anew.
 fn collide(
     scene: &Scene,
     state: &State,
     ws: &mut Workspace,
     group: &[usize],
     mut d: Distance,
-) -> Distance {
+) -> (Distance, bool) {
     for &k in &ws.yielding {
         let object = &scene.objects[k];
         let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
@@ -202,11 +208,13 @@ fn collide(
         );
     }
     let limit = scene.most_contacts() * group.len();
+    let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
+    let mut cut = false;
     // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
     let mut share = 1.0;
     let contacts = &mut ws.passes[place(group)].contacts;
     'again: loop {
-        let overflow = if d.base > SMALLEST_PREDICTION {
+        let overflow = if d.base > SMALLEST_PREDICTION || d.turn > 0.0 {
             Overflow::Stop
         } else {
             Overflow::KeepSmallestGaps
@@ -240,12 +248,14 @@ fn collide(
                     .predict(&posed, (k as u16, nodes, object.level), within, contacts)
                     .is_err()
                 {
-                    if blended && share > 0.0 {
+                    cut = true;
+                    let most = d.at(longest);
+                    if blended && share > 0.0 && most <= 2.0 * scene.params.predict_min {
                         share = if share > 0.1 { 0.5 * share } else { 0.0 };
                     } else {
                         d = Distance {
                             base: fmax(0.5 * d.base, SMALLEST_PREDICTION),
-                            turn: if 0.5 * d.base > SMALLEST_PREDICTION {
+                            turn: if most > 2.0 * SMALLEST_PREDICTION {
                                 0.5 * d.turn
                             } else {
                                 0.0
@@ -257,7 +267,9 @@ fn collide(
             }
         }
         contacts.sort();
-        return d;
+        // In the last resort a full list has left out the largest gaps.
+        let full = overflow == Overflow::KeepSmallestGaps && contacts.as_slice().len() == limit;
+        return (d, cut || full);
     }
 }
 
@@ -351,12 +363,18 @@ struct Answer {
 fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metric) {
     let contacts = pass.contacts.as_slice();
     let stiffness = scene.tools[t].stiffness_n_per_m;
-    for line in &pass.lines {
+    let touching = |line: &&Line| {
         let contact = &contacts[line.contact as usize];
-        if line.members == 0 || usize::from(contact.tool) != t || line.gap > TOUCHING {
-            continue;
-        }
-        let press = -stiffness * line.normal.dot(stretch);
+        line.members > 0
+            && usize::from(contact.tool) == t
+            && line.gap <= TOUCHING
+            && line.normal.dot(stretch) < 0.0
+    };
+    // Together they bear about one press.
+    let many = pass.lines.iter().filter(touching).count() as f64;
+    for line in pass.lines.iter().filter(touching) {
+        let contact = &contacts[line.contact as usize];
+        let press = -stiffness * line.normal.dot(stretch) / many;
         let first = line.first as usize;
         let members = &pass.members[first..first + line.members as usize];
         let blend = scene.blend_of(usize::from(contact.object));
@@ -431,17 +449,12 @@ fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) {
                 let gap = contact.gap + inset(contact);
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
-            blender.rows(
-                blend,
-                d,
-                0.25 * d + OTHER_SEEDS * blend,
-                |mut line, shares| {
-                    line.first = members.len() as u32;
-                    members.extend(shares);
-                    line.members = members.len() as u32 - line.first;
-                    lines.push(line);
-                },
-            );
+            blender.rows(blend, d, |mut line, shares| {
+                line.first = members.len() as u32;
+                members.extend(shares);
+                line.members = members.len() as u32 - line.first;
+                lines.push(line);
+            });
         }
     }
 }

@@ -15,6 +15,8 @@ pub const MAX_CHILDREN: usize = 8;
 pub const MAX_LEVEL: u8 = 7;
 /// Largest blend length, metres.
 const MAX_BLEND: f64 = 0.01;
+/// Shortest blend length that is not none, metres: shorter ones are lost in rounding.
+pub const MIN_BLEND: f64 = 1e-7;
 
 /// A ball: centre and radius, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -304,8 +306,13 @@ impl Blending {
             );
         }
         for (index, &length) in self.lengths.iter().enumerate() {
-            if !(0.0..=MAX_BLEND).contains(&length) {
-                return bad("blend length of level", index, length, "0 to 0.01 m");
+            if length != 0.0 && !(MIN_BLEND..=MAX_BLEND).contains(&length) {
+                return bad(
+                    "blend length of level",
+                    index,
+                    length,
+                    "0, or 1e-7 to 0.01 m",
+                );
             }
         }
         for (index, (&inset, node)) in self.insets.iter().zip(&tree.nodes).enumerate() {

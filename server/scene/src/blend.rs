@@ -103,7 +103,7 @@ pub fn calibrate(
         let blend =
             options.blend_per_error * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         blending.lengths[usize::from(level)] = blend;
-        if blend < 1e-9 {
+        if blend < sulcus_core::tree::MIN_BLEND {
             blending.lengths[usize::from(level)] = 0.0;
             continue;
         }

@@ -23,7 +23,7 @@ use crate::sample::Sample;
 use crate::{parallel, sample, volume};
 
 /// Changes whenever the same input gives another tree; part of the cache key.
-pub const BUILDER_VERSION: u32 = 3;
+pub const BUILDER_VERSION: u32 = 5;
 
 /// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
 /// cut along their axis by the centres, discs and bulky things by both.
@@ -38,6 +38,8 @@ const SAMPLES_PER_SPHERE: [usize; 7] = [500, 500, 200, 100, 30, 12, 10];
 const DENSER: usize = 8;
 /// Share of the largest error at the samples from which a place between them is one that was missed.
 const MISSED: f64 = 0.9;
+/// Cost of a sample that no sphere was found for, in squares of the smallest radius: a hundredth of the size.
+const UNFIT: f64 = 1e8;
 /// Fewest samples of a level.
 const FEWEST_SAMPLES: usize = 6000;
 /// Samples that a node must own to be split.
@@ -48,7 +50,8 @@ const LEAST_SAMPLES: usize = 8;
 pub struct TreeOptions {
     /// Finest level, 1 to 6. Level L holds at most 8^L spheres.
     pub levels: u8,
-    /// Most samples of the surface that any level is fitted to; coarse levels need fewer.
+    /// Most samples of the surface that any level is fitted to, sharp edges apart; coarse levels need fewer.
+    /// Level 6 gets hardly two for each sphere of the default: few of its spheres are made.
     pub samples: usize,
     /// A node that fits its samples better than this is not split, metres.
     pub good_enough: f64,
@@ -84,6 +87,11 @@ pub enum TreeBuildError {
         /// What it must be.
         expected: &'static str,
     },
+    /// The solid is thinner than what its size lets anyone tell inside from outside.
+    #[error(
+        "found no place inside the solid for a sphere, expected one that is thicker than a millionth of its size"
+    )]
+    TooThin,
     /// The fitted spheres do not form a tree. A defect of the builder.
     #[error("the fitted spheres are not a tree: {0}")]
     Tree(#[from] TreeError),
@@ -135,12 +143,24 @@ pub fn build_weighted(
 ) -> Result<SphereTree, TreeBuildError> {
     options.validate()?;
     let distance = MeshDistance::new(mesh.clone());
+    let unfit = mesh
+        .vertices
+        .iter()
+        .map(importance)
+        .find(|x| !(1e-9..=1e9).contains(x));
+    if let Some(found) = unfit {
+        return Err(TreeBuildError::Option {
+            field: "importance",
+            found,
+            expected: "1e-9 to 1e9",
+        });
+    }
     let builder = Builder {
         distance: &distance,
         importance,
         options,
     };
-    let levels = builder.levels(progress);
+    let levels = builder.levels(progress)?;
     let tree = tree(&levels)?;
     if !options.blended {
         progress("spheres", 1.0);
@@ -233,7 +253,7 @@ fn weighted_samples(
         }
     }
     let spacing = (distance.mesh().area() / count as f64).sqrt();
-    let edges = sample::sharp_edges(distance, spacing);
+    let edges = sample::sharp_edges(distance, spacing, count);
     roots.extend(rooted(&edges).iter().map(|root| root * EDGE_IMPORTANCE));
     samples.extend(edges);
     (samples, roots)
@@ -246,16 +266,23 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn samples(&self, level: u8) -> Samples {
+    /// Samples of the surface that a level is fitted to.
+    fn count(&self, level: u8) -> usize {
         let wanted = SAMPLES_PER_SPHERE[usize::from(level)] * 8_usize.pow(u32::from(level));
-        let count = wanted.max(FEWEST_SAMPLES).min(self.options.samples);
-        Samples::of(self.distance, count, self.importance)
+        wanted.max(FEWEST_SAMPLES).min(self.options.samples)
     }
 
-    fn levels(&self, progress: &dyn Fn(&str, f64)) -> Vec<Vec<Share>> {
+    fn samples(&self, level: u8) -> Samples {
+        Samples::of(self.distance, self.count(level), self.importance)
+    }
+
+    fn levels(&self, progress: &dyn Fn(&str, f64)) -> Result<Vec<Vec<Share>>, TreeBuildError> {
         let samples = self.samples(1);
         let all: Vec<u32> = (0..samples.samples.len() as u32).collect();
-        let sphere = self.fitted(&samples, &all, None, &mut Random::new(0)).1;
+        let (cost, sphere) = self.fitted(&samples, &all, None, &mut Random::new(0));
+        if !cost.is_finite() {
+            return Err(TreeBuildError::TooThin);
+        }
         let mut levels = vec![vec![Share::leaf(sphere)]];
         if self.options.volumetric && self.options.levels >= 2 {
             volumetric(self.distance, &samples.samples, &mut levels);
@@ -269,7 +296,7 @@ impl Builder<'_> {
                 break;
             }
         }
-        levels
+        Ok(levels)
     }
 
     /// Splits the nodes of the finest level, fits the children as a whole and appends them. False when
@@ -320,7 +347,7 @@ impl Builder<'_> {
         fit_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
         let mut owned = finish_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
         for _ in 0..effort.exchanges {
-            let more = self.missed(&samples, &owned, &fitted.spheres);
+            let more = self.missed(depth, &samples, &owned, &fitted.spheres);
             samples.append(more);
             let surface = samples.surface(self.distance);
             owned = finish_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
@@ -345,7 +372,13 @@ impl Builder<'_> {
 
     /// Places between the samples where the error is nearly as large as anywhere: what a fit to samples
     /// alone leaves deepest lies between them (the exchange of Remez, on a surface).
-    fn missed(&self, samples: &Samples, owned: &[(f64, u32)], spheres: &[Sphere]) -> Samples {
+    fn missed(
+        &self,
+        level: u8,
+        samples: &Samples,
+        owned: &[(f64, u32)],
+        spheres: &[Sphere],
+    ) -> Samples {
         let felt = |error: f64, weight: f64| error.abs() * libm::pow(weight, 1.0 / 16.0);
         let largest = owned
             .iter()
@@ -354,11 +387,8 @@ impl Builder<'_> {
                 felt(*gap, *weight).max(most)
             });
         let index = NearestSphere::new(spheres);
-        let (dense, weights) = weighted_samples(
-            self.distance,
-            DENSER * samples.samples.len(),
-            self.importance,
-        );
+        let (dense, weights) =
+            weighted_samples(self.distance, DENSER * self.count(level), self.importance);
         let gaps = parallel::map(dense.len(), |k| index.nearest(&dense[k].point, None).0);
         let mut worst: Vec<usize> = (0..dense.len())
             .filter(|&k| felt(gaps[k], weights[k]) > MISSED * largest)
@@ -428,6 +458,11 @@ impl Builder<'_> {
                 let mut family: Vec<(Vec<u32>, Sphere)> = Vec::with_capacity(parts.len());
                 for (part, start) in parts {
                     let (own, sphere) = self.fitted(all, &part, start, &mut random);
+                    if !own.is_finite() {
+                        // No centre inside the solid: its samples go to the others.
+                        cost += UNFIT * all.smallest * all.smallest * part.len() as f64;
+                        continue;
+                    }
                     let weight: f64 = part.iter().map(|&m| all.weights[m as usize]).sum();
                     cost += own * weight;
                     family.push((part, sphere));
@@ -526,6 +561,12 @@ impl TreeOptions {
                 f64::from(self.levels),
                 (1..=6).contains(&self.levels),
                 "1 to 6",
+            ),
+            (
+                "levels of a volumetric tree",
+                f64::from(self.levels),
+                !self.volumetric || self.levels >= 2,
+                "2 to 6",
             ),
             (
                 "samples",

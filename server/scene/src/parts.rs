@@ -119,11 +119,7 @@ impl Compiler<'_> {
             TissueEntry::Rigid => TissueModel::Rigid,
         };
         let mesh = mesh.placed(1.0, place);
-        let carriers = if tissue.is_rigid() {
-            Vec::new()
-        } else {
-            carriers(&tree, &mesh.vertices)
-        };
+        let carriers = carriers(&tree, &mesh.vertices);
         let mesh = mesh.to_display(TOOTH_COLOUR);
         Ok(Object {
             name: entry.name.clone(),
@@ -202,7 +198,8 @@ impl Compiler<'_> {
                 tree
             }
         };
-        Ok((tree, level.min(wanted.levels)))
+        let level = level.min(tree.depth());
+        Ok((tree, level))
     }
 }
 

@@ -271,6 +271,10 @@ impl<'a> Families<'a> {
     /// (and nothing changed) when no family within reach has room.
     fn join(&mut self, one: usize, other: usize, places: &[Vec3]) -> bool {
         let (from, wanted) = (self.of[one], self.of[other]);
+        // A parent without children would be the shape itself again.
+        if self.counts[from as usize] == 1 && from != wanted {
+            return false;
+        }
         // The place that it leaves is room, too.
         self.of[one] = u32::MAX;
         self.counts[from as usize] -= 1;

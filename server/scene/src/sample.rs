@@ -57,9 +57,9 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
     samples
 }
 
-/// Points along the sharp edges, `spacing` metres apart, corners included: places of no area that
-/// samples of the surface miss, and where the error is largest.
-pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64) -> Vec<Sample> {
+/// Points along the sharp edges, `spacing` metres apart or farther so that they are at most about `most`,
+/// corners included: places of no area that samples of the surface miss, and where the error is largest.
+pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64, most: usize) -> Vec<Sample> {
     let mesh = distance.mesh();
     let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(mesh.triangles.len() * 3);
     for (t, &[a, b, c]) in mesh.triangles.iter().enumerate() {
@@ -68,7 +68,7 @@ pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64) -> Vec<Sample> 
         }
     }
     edges.sort_unstable();
-    let mut samples = Vec::new();
+    let mut sharp = Vec::new();
     for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let [one, other] = shared else { continue };
         let (n, m) = (distance.face_normal(one.2), distance.face_normal(other.2));
@@ -76,11 +76,37 @@ pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64) -> Vec<Sample> 
             continue;
         }
         let (from, to) = (mesh.vertices[one.0 as usize], mesh.vertices[one.1 as usize]);
-        let pieces = ((to - from).norm() / spacing).ceil().clamp(1.0, 1e4) as usize;
-        samples.extend((0..=pieces).map(|k| Sample {
-            point: from + (to - from) * (k as f64 / pieces as f64),
-            normal: (n + m).normalize(),
-        }));
+        sharp.push((one.0, from, to, (n + m).normalize()));
+    }
+    let total: f64 = sharp
+        .iter()
+        .map(|(_, from, to, _)| (to - from).norm())
+        .sum();
+    let spacing = spacing.max(2.0 * total / most.max(1) as f64);
+    let corners = 2 * sharp.len() <= most;
+    let (mut samples, mut due, mut last) = (Vec::new(), 0.5, u32::MAX);
+    for (corner, from, to, normal) in sharp {
+        // Edges come sorted by their lower corner: each corner once.
+        if corners && corner != last {
+            samples.push(Sample {
+                point: from,
+                normal,
+            });
+            last = corner;
+        }
+        let length = (to - from).norm();
+        let before = due;
+        due += length / spacing;
+        let mut mark = before.floor() + 1.0;
+        while mark <= due {
+            let along = ((mark - before) * spacing / length).clamp(0.0, 1.0);
+            samples.push(Sample {
+                point: from + (to - from) * along,
+                normal,
+            });
+            mark += 1.0;
+        }
+        due -= due.floor();
     }
     samples
 }

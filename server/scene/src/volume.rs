@@ -15,6 +15,8 @@ use crate::sample::Sample;
 
 /// Points of the grid that fills the solid, about.
 const POINTS: f64 = 24_000.0;
+/// Most points of the box that are looked at: a solid that fills less of it is too thin for layers.
+const MOST_POINTS: f64 = 4e6;
 /// Tries of sharing out a cell.
 const TRIES: u64 = 6;
 /// A cell with less than this share of the mean number of samples is inner: it gets no children.
@@ -41,7 +43,11 @@ pub(crate) fn inner_points(distance: &MeshDistance) -> Vec<Vec3> {
     let (low, high) = distance.mesh().bounds();
     let size: Vec3 = high - low;
     let step = libm::cbrt(distance.mesh().signed_volume() / POINTS);
-    let counts = size.map(|x| ((x / step) as usize + 1).clamp(1, 2000));
+    let counts = size.map(|x| x / step + 1.0);
+    if counts.x * counts.y * counts.z > MOST_POINTS {
+        return Vec::new();
+    }
+    let counts = counts.map(|count| count as usize);
     let total = counts.x * counts.y * counts.z;
     let at = |k: usize| {
         let (x, y, z) = (

@@ -69,32 +69,6 @@ impl Zone {
             fmax(most, region.beyond(p))
         })
     }
-
-    /// Feeds all that decides what is in the zone into a hash (its name does not).
-    pub fn hash_into(&self, hasher: &mut blake3::Hasher) {
-        let mut numbers = |kind: u8, numbers: &[f64]| {
-            hasher.update(&[kind]);
-            for x in numbers {
-                hasher.update(&x.to_bits().to_le_bytes());
-            }
-        };
-        for region in &self.regions {
-            match region {
-                Region::Ball { centre, radius } => {
-                    numbers(0, &[centre.x, centre.y, centre.z, *radius]);
-                }
-                Region::Box { low, high } => {
-                    numbers(1, &[low.x, low.y, low.z, high.x, high.y, high.z]);
-                }
-                Region::Near { within, .. } => numbers(2, &[*within]),
-            }
-        }
-        for region in &self.regions {
-            if let Region::Near { mesh, .. } = region {
-                mesh.mesh().hash_into(hasher);
-            }
-        }
-    }
 }
 
 /// Beyond a zone its weight fades to 1 over this distance, metres: a border that cuts through a sphere's
@@ -166,29 +140,5 @@ mod tests {
             regions: Vec::new(),
         };
         assert!(everywhere.contains(&point()));
-    }
-
-    #[test]
-    fn the_hash_sees_every_number() {
-        let hash = |zone: &Zone| {
-            let mut hasher = blake3::Hasher::new();
-            zone.hash_into(&mut hasher);
-            hasher.finalize()
-        };
-        let zone = |regions: Vec<Region>| Zone {
-            name: "z".into(),
-            regions,
-        };
-        let base = hash(&zone(regions().into()));
-        assert_eq!(base, hash(&zone(regions().into())));
-        for k in 0..3 {
-            let mut changed = regions();
-            match &mut changed[k] {
-                Region::Ball { radius, .. } => *radius += 1e-9,
-                Region::Near { within, .. } => *within += 1e-9,
-                Region::Box { high, .. } => high.z += 1e-9,
-            }
-            assert_ne!(base, hash(&zone(changed.into())), "region {k}");
-        }
     }
 }

@@ -24,7 +24,7 @@ fn pairs(at: &Vec3, spheres: &[(Vec3, f64)]) -> Blender {
 
 fn rows(at: &Vec3, spheres: &[(Vec3, f64)], blend: f64, limit: f64) -> Vec<(Line, Vec<Member>)> {
     let mut found = Vec::new();
-    pairs(at, spheres).rows(blend, limit, f64::INFINITY, |line, members| {
+    pairs(at, spheres).rows(blend, limit, |line, members| {
         found.push((line, members.collect()));
     });
     found

@@ -25,7 +25,7 @@ pub use zone::ZoneArg;
 /// Build a sphere tree for a mesh and measure its error, both ways and level by level.
 #[derive(Clone, Debug, Args)]
 #[command(
-    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nMaxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer.",
+    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer.",
     after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
 )]
 pub struct TreeArgs {
@@ -46,7 +46,7 @@ pub struct TreeArgs {
     #[arg(long, value_name = "ZONE")]
     pub zone: Vec<ZoneArg>,
     /// How many times more a sample in a zone counts when the tree is built
-    #[arg(long, value_name = "W", default_value_t = 1000.0, requires = "zone")]
+    #[arg(long, value_name = "W", default_value_t = 1000.0, requires = "zone", value_parser = weight)]
     pub zone_weight: f64,
     /// Write a page, its pictures and a file for Rerun into this folder, made when missing
     #[arg(long, value_name = "DIR")]
@@ -54,6 +54,13 @@ pub struct TreeArgs {
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
     pub json: bool,
+}
+
+fn weight(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|x| (1.0..=1e6).contains(x));
+    found.ok_or(format!(
+        "found `{text}`, expected a number from 1 to 1000000"
+    ))
 }
 
 #[derive(Serialize)]
