@@ -370,11 +370,11 @@ fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metri
             && line.gap <= TOUCHING
             && line.normal.dot(stretch) < 0.0
     };
-    // Together they bear about one press.
-    let many = pass.lines.iter().filter(touching).count() as f64;
+    // Each row counts the whole press: where several share it that is too much, and steps are shorter than they
+    // might be; shared out evenly it was too little in a groove, and ticks there did not converge.
     for line in pass.lines.iter().filter(touching) {
         let contact = &contacts[line.contact as usize];
-        let press = -stiffness * line.normal.dot(stretch) / many;
+        let press = -stiffness * line.normal.dot(stretch);
         let first = line.first as usize;
         let members = &pass.members[first..first + line.members as usize];
         let blend = scene.blend_of(usize::from(contact.object));

@@ -23,7 +23,7 @@ use crate::sample::Sample;
 use crate::{parallel, sample, volume};
 
 /// Changes whenever the same input gives another tree; part of the cache key.
-pub const BUILDER_VERSION: u32 = 5;
+pub const BUILDER_VERSION: u32 = 6;
 
 /// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
 /// cut along their axis by the centres, discs and bulky things by both.

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
-use sulcus_scene::build::{TreeOptions, build_tree};
+use sulcus_scene::build::{TreeBuildError, TreeOptions, build_tree};
 use sulcus_scene::check::check;
 use sulcus_scene::load::{Unit, parse_mesh, to_stl};
 use sulcus_scene::mesh::TriMesh;
@@ -17,7 +17,12 @@ fn build(mesh: &TriMesh, samples: usize) {
         samples,
         ..TreeOptions::default()
     };
-    let tree = build_tree(mesh, &options, &|_, _| ()).expect("a tree for what passed the check");
+    let tree = match build_tree(mesh, &options, &|_, _| ()) {
+        Ok(tree) => tree,
+        // Closed and not flat, but with no place inside that its own digits can tell from outside.
+        Err(TreeBuildError::TooThin) => return,
+        Err(error) => panic!("a tree for what passed the check: {error}"),
+    };
     for node in tree.nodes() {
         assert!(node.centre.iter().all(|x| x.is_finite()) && node.contact_radius.is_finite());
     }
