@@ -25,8 +25,10 @@ use crate::{MAX_TOOLS, Scene};
 /// Prediction distance at which a full contact list keeps the smallest gaps, metres.
 const SMALLEST_PREDICTION: f64 = 1e-6;
 
-/// How much farther each pass of a tick looks at least than the one before.
+/// How much farther each pass of a tick looks at least than the one before, and how far at most for that
+/// reason alone, metres: farther than its own motion a pass only lists more rows.
 const WIDENING: f64 = 4.0;
+const WIDEST: f64 = 5e-5;
 /// Blended gap up to which a surface is taken to be touched, metres.
 const TOUCHING: f64 = 2e-6;
 /// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
@@ -150,7 +152,7 @@ pub(crate) fn advance<P: StageProbe>(
             break;
         }
         // A tick that needs many passes must not be held by how little each of them sees.
-        floor = fmin(WIDENING * floor, params.predict_max);
+        floor = fmin(WIDENING * floor, fmax(params.predict_min, WIDEST));
         d = distance_for(moved * (1.0 - share), turned * (1.0 - share), floor);
     }
     if !converged && status_bits & status::SOLVER_FAILED == 0 {
