@@ -22,6 +22,7 @@
 
 pub mod blend;
 pub mod contact;
+mod gaps;
 mod haptic;
 pub mod input;
 pub mod math;
@@ -29,6 +30,7 @@ mod metric;
 pub mod optimise;
 pub mod output;
 pub mod params;
+mod rows;
 pub mod scene;
 pub mod stage;
 pub mod state;
@@ -37,6 +39,7 @@ pub mod tick;
 pub mod tissue;
 pub mod tree;
 mod wrench;
+mod yielding;
 
 pub use input::{RawPose, TickInput, ToolInput};
 pub use math::{Pose, Quat, Vec3, Wrench};

@@ -5,21 +5,22 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
-use std::ops::Range;
-
-use crate::blend::{Group, Groups, Line, Pair, hollowness, reach};
-use crate::contact::{Contact, Distance, Overflow, PosedTool, centre};
+use crate::blend::reach;
+use crate::contact::{Distance, Overflow, PosedTool};
+use crate::gaps::true_gaps;
 use crate::haptic::{renormalised, twist};
-use crate::math::{Mat3, Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
 use crate::metric::Metric;
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
 use crate::output::status;
+use crate::rows::{bend, write_lines};
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::tick::{Pass, Workspace};
-use crate::tissue::{Gram, Site, refit};
+use crate::tissue::refit;
+use crate::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
 /// Prediction distance at which a full contact list keeps the smallest gaps, metres.
@@ -29,11 +30,6 @@ const SMALLEST_PREDICTION: f64 = 1e-6;
 /// reason alone, metres: farther than its own motion a pass only lists more rows.
 const WIDENING: f64 = 4.0;
 const WIDEST: f64 = 5e-5;
-/// Blended gap up to which a surface is taken to be touched, metres.
-const TOUCHING: f64 = 2e-6;
-/// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
-const LEAST_BEND: f64 = 0.1;
-
 /// What the group asks for, per tool slot.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted {
@@ -359,192 +355,6 @@ struct Answer {
     settled: bool,
 }
 
-/// Adds to the metric of tool `t` how the surfaces that it presses on bend inwards, times the press. In
-/// a groove rounder than the press is deep, passes that know only the slope turn to and fro for ever; with
-/// the bend they are Newton's and settle in two or three. Changes the way, not where it ends.
-fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metric) {
-    let contacts = pass.contacts.as_slice();
-    let stiffness = scene.tools[t].stiffness_n_per_m;
-    let touching = |line: &&Line| {
-        let contact = &contacts[line.contact as usize];
-        line.members > 0
-            && usize::from(contact.tool) == t
-            && line.gap <= TOUCHING
-            && line.normal.dot(stretch) < 0.0
-    };
-    // Each row counts the whole press: where several share it that is too much, and steps are shorter than they
-    // might be; shared out evenly it was too little in a groove, and ticks there did not converge.
-    for line in pass.lines.iter().filter(touching) {
-        let contact = &contacts[line.contact as usize];
-        let press = -stiffness * line.normal.dot(stretch);
-        let first = line.first as usize;
-        let members = &pass.members[first..first + line.members as usize];
-        let blend = scene.blend_of(usize::from(contact.object));
-        // No bend is sharper than that of two opposite normals.
-        if press / blend < LEAST_BEND * stiffness {
-            continue;
-        }
-        let hollow = hollowness(line, members, contacts, blend) * press;
-        if hollow.trace() > LEAST_BEND * stiffness {
-            metric.add(&hollow, &contact.arm);
-        }
-    }
-}
-
-/// Ranges of what is sorted by object that are about one object.
-fn runs<T>(items: &[T], object: impl Fn(&T) -> u16) -> impl Iterator<Item = Range<usize>> {
-    let mut next = 0;
-    std::iter::from_fn(move || {
-        let first = next;
-        let this = object(items.get(first)?);
-        next = first
-            + items[first..]
-                .iter()
-                .take_while(|item| object(item) == this)
-                .count();
-        Some(first..next)
-    })
-}
-
-/// Writes what each row is about: a contact, or on a blended object a seed with its members. In the
-/// order of the contacts' objects; tool sphere by tool sphere on a blended one.
-fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) {
-    let Pass {
-        contacts,
-        lines,
-        members,
-        groups,
-        ..
-    } = &mut ws.passes[first];
-    let blender = &mut ws.blender;
-    lines.clear();
-    members.clear();
-    groups.clear();
-    let contacts = contacts.as_slice();
-    for run in runs(contacts, |contact| contact.object) {
-        let k = usize::from(contacts[run.start].object);
-        let blend = scene.blend_of(k);
-        if blend == 0.0 {
-            lines.extend(run.map(|index| Line::hard(index, &contacts[index])));
-            continue;
-        }
-        let object = &scene.objects[k];
-        // The list's gap is that of the contact spheres.
-        let inset = |contact: &Contact| {
-            object.tree.nodes()[contact.object_sphere as usize].contact_radius
-                - object.tree.core_radius(contact.object_sphere, object.level)
-        };
-        let begun = groups.all.len();
-        groups.add(contacts, run, |contact| contact.gap + inset(contact));
-        for group in &groups.all[begun..] {
-            let d = d.at(lever(group, groups, contacts));
-            if group.is_clear_of(d, blend, 0.0) {
-                continue;
-            }
-            blender.begin();
-            for &index in groups.contacts(group) {
-                let contact = &contacts[index as usize];
-                let tool = &scene.tools[usize::from(contact.tool)].tree;
-                let distance = contact.gap
-                    + object.tree.nodes()[contact.object_sphere as usize].contact_radius
-                    + tool.nodes()[contact.tool_sphere as usize].contact_radius;
-                let gap = contact.gap + inset(contact);
-                blender.push(Pair::new(index, gap, contact.normal, distance));
-            }
-            blender.rows(blend, d, |mut line, shares| {
-                line.first = members.len() as u32;
-                members.extend(shares);
-                line.members = members.len() as u32 - line.first;
-                lines.push(line);
-            });
-        }
-    }
-}
-
-/// Lever of a group's tool sphere about the working point, metres.
-fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64 {
-    let first = groups.contacts(group)[0];
-    norm(&contacts[first as usize].arm)
-}
-
-/// The tissue's part of the problem: compliance and the way from the free shape. False when
-/// nothing touched yields.
-fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
-    let Pass {
-        contacts,
-        lines,
-        rows,
-        tissue,
-        ..
-    } = &mut ws.passes[first];
-    let contacts = contacts.as_slice();
-    let about = |line: &Line| &contacts[line.contact as usize];
-    let touched = |c: &Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
-    if ws.yielding.is_empty() || !contacts.iter().any(touched) {
-        *tissue = false;
-        return false;
-    }
-    *tissue = true;
-    let m = rows.len();
-    ws.gram[..m * m].fill(0.0);
-    for run in runs(lines, |line| about(line).object) {
-        let k = usize::from(about(&lines[run.start]).object);
-        let object = &scene.objects[k];
-        if object.tissue.is_rigid() {
-            continue;
-        }
-        let model = object.tissue.model();
-        ws.sites.clear();
-        for line in &lines[run.clone()] {
-            ws.sites.push(Site {
-                sphere: about(line).object_sphere,
-                normal: line.normal,
-            });
-        }
-        model.add_gram(
-            &object.tree,
-            &ws.sites,
-            &mut Gram::new(&mut ws.gram, m, run.start),
-        );
-        // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
-        let free = &ws.free[ws.shape_at[k]..ws.shape_at[k + 1]];
-        for (row, line) in rows[run.clone()].iter_mut().zip(&lines[run]) {
-            let contact = about(line);
-            let mut at_rest = [Vec3::zeros()];
-            model.centres(&object.tree, free, &[contact.object_sphere], &mut at_rest);
-            let now = ws.nodes[k][contact.object_sphere as usize].centre;
-            row.bias += contact.normal.dot(&(now - at_rest[0]));
-        }
-    }
-    true
-}
-
-/// Writes the configurations under the multipliers to `target`; returns the largest motion there.
-fn yield_target(scene: &Scene, ws: &mut Workspace, first: usize) -> f64 {
-    let mut motion = 0.0;
-    for index in 0..ws.yielding.len() {
-        let k = ws.yielding[index];
-        let object = &scene.objects[k];
-        let model = object.tissue.model();
-        ws.sites.clear();
-        ws.site_loads.clear();
-        for (contact, load) in ws.passes[first].loaded() {
-            if usize::from(contact.object) == k {
-                ws.sites.push(Site {
-                    sphere: contact.object_sphere,
-                    normal: contact.normal,
-                });
-                ws.site_loads.push(load);
-            }
-        }
-        let at = ws.shape_at[k]..ws.shape_at[k + 1];
-        let (free, target) = (&ws.free[at.clone()], &mut ws.target[at.clone()]);
-        model.apply(&object.tree, &ws.sites, &ws.site_loads, free, target);
-        motion = fmax(motion, model.motion(&object.tree, &ws.shape[at], target));
-    }
-    motion
-}
-
 /// Moves tools, tissue and loads by the same share of the step.
 fn apply(
     scene: &Scene,
@@ -586,95 +396,4 @@ fn apply(
             load.torque += (target.torque - load.torque) * share;
         }
     }
-}
-
-/// Smallest true gap of each tool and of all after a motion of at most `moved`: of the spheres, or where they
-/// are blended of the surface, made anew from where they are now, as far as it is under `d`.
-fn true_gaps(
-    scene: &Scene,
-    state: &State,
-    ws: &mut Workspace,
-    first: usize,
-    (d, gone): (Distance, Distance),
-    reached: &mut [Reached; MAX_TOOLS],
-) -> f64 {
-    let Pass {
-        contacts, groups, ..
-    } = &ws.passes[first];
-    let contacts = contacts.as_slice();
-    let rotations: [Mat3; MAX_TOOLS] = std::array::from_fn(|t| {
-        let graphic = &state.tools[t].graphic;
-        graphic.orientation.to_rotation_matrix().into_inner()
-    });
-    for run in runs(contacts, |contact| contact.object) {
-        if scene.blend_of(usize::from(contacts[run.start].object)) > 0.0 {
-            continue;
-        }
-        for contact in &contacts[run] {
-            let least = &mut reached[usize::from(contact.tool)].min_gap;
-            let rotation = &rotations[usize::from(contact.tool)];
-            *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
-        }
-    }
-    let blender = &mut ws.blender;
-    for group in &groups.all {
-        let (t, k) = (usize::from(group.tool), usize::from(group.object));
-        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
-        let lever = lever(group, groups, contacts);
-        let limit = fmin(reached[t].min_gap, d.at(lever));
-        if group.is_clear_of(limit, blend, gone.at(lever)) {
-            continue;
-        }
-        blender.begin();
-        let (pose, rotation) = (&state.tools[t].graphic, &rotations[t]);
-        for &index in groups.contacts(group) {
-            let contact = &contacts[index as usize];
-            let tool_node = &scene.tools[t].tree.nodes()[contact.tool_sphere as usize];
-            let between = centre(rotation, pose, &tool_node.centre)
-                - object.tree.nodes()[contact.object_sphere as usize].centre;
-            let distance = norm(&between);
-            let normal = if distance > 1e-12 {
-                between / distance
-            } else {
-                Vec3::z()
-            };
-            let core = object.tree.core_radius(contact.object_sphere, object.level);
-            let gap = distance - tool_node.contact_radius - core;
-            blender.push(Pair::new(index, gap, normal, distance));
-        }
-        let gap = blender.least(blend, limit);
-        if gap < limit {
-            reached[t].min_gap = gap;
-        }
-    }
-    reached
-        .iter()
-        .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
-}
-
-/// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
-fn true_gap(
-    scene: &Scene,
-    state: &State,
-    ws: &Workspace,
-    (contact, rotation): (&Contact, &Mat3),
-) -> f64 {
-    let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
-    let (tool, object) = (&scene.tools[t], &scene.objects[k]);
-    let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
-    let object_node = &object.tree.nodes()[contact.object_sphere as usize];
-    let object_centre = if object.tissue.is_rigid() {
-        object_node.centre
-    } else {
-        let mut moved = [Vec3::zeros()];
-        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        object
-            .tissue
-            .model()
-            .centres(&object.tree, shape, &[contact.object_sphere], &mut moved);
-        moved[0]
-    };
-    let pose = &state.tools[t].graphic;
-    let between = centre(rotation, pose, &tool_node.centre) - object_centre;
-    norm(&between) - tool_node.contact_radius - object_node.contact_radius
 }

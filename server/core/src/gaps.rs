@@ -1,0 +1,101 @@
+//! True gaps after a move: from the centres where they are now, not from the linearisation.
+
+use crate::blend::Pair;
+use crate::contact::{Contact, Distance, centre};
+use crate::math::{Mat3, Vec3, fmin, norm};
+use crate::rows::{lever, runs};
+use crate::state::State;
+use crate::substep::Reached;
+use crate::tick::{Pass, Workspace};
+use crate::{MAX_TOOLS, Scene};
+
+/// Smallest true gap of each tool and of all after a motion of at most `moved`: of the spheres, or where they
+/// are blended of the surface, made anew from where they are now, as far as it is under `d`.
+pub(crate) fn true_gaps(
+    scene: &Scene,
+    state: &State,
+    ws: &mut Workspace,
+    first: usize,
+    (d, gone): (Distance, Distance),
+    reached: &mut [Reached; MAX_TOOLS],
+) -> f64 {
+    let Pass {
+        contacts, groups, ..
+    } = &ws.passes[first];
+    let contacts = contacts.as_slice();
+    let rotations: [Mat3; MAX_TOOLS] = std::array::from_fn(|t| {
+        let graphic = &state.tools[t].graphic;
+        graphic.orientation.to_rotation_matrix().into_inner()
+    });
+    for run in runs(contacts, |contact| contact.object) {
+        if scene.blend_of(usize::from(contacts[run.start].object)) > 0.0 {
+            continue;
+        }
+        for contact in &contacts[run] {
+            let least = &mut reached[usize::from(contact.tool)].min_gap;
+            let rotation = &rotations[usize::from(contact.tool)];
+            *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
+        }
+    }
+    let blender = &mut ws.blender;
+    for group in &groups.all {
+        let (t, k) = (usize::from(group.tool), usize::from(group.object));
+        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
+        let lever = lever(group, groups, contacts);
+        let limit = fmin(reached[t].min_gap, d.at(lever));
+        if group.is_clear_of(limit, blend, gone.at(lever)) {
+            continue;
+        }
+        blender.begin();
+        let (pose, rotation) = (&state.tools[t].graphic, &rotations[t]);
+        for &index in groups.contacts(group) {
+            let contact = &contacts[index as usize];
+            let tool_node = &scene.tools[t].tree.nodes()[contact.tool_sphere as usize];
+            let between = centre(rotation, pose, &tool_node.centre)
+                - object.tree.nodes()[contact.object_sphere as usize].centre;
+            let distance = norm(&between);
+            let normal = if distance > 1e-12 {
+                between / distance
+            } else {
+                Vec3::z()
+            };
+            let core = object.tree.core_radius(contact.object_sphere, object.level);
+            let gap = distance - tool_node.contact_radius - core;
+            blender.push(Pair::new(index, gap, normal, distance));
+        }
+        let gap = blender.least(blend, limit);
+        if gap < limit {
+            reached[t].min_gap = gap;
+        }
+    }
+    reached
+        .iter()
+        .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
+}
+
+/// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
+fn true_gap(
+    scene: &Scene,
+    state: &State,
+    ws: &Workspace,
+    (contact, rotation): (&Contact, &Mat3),
+) -> f64 {
+    let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
+    let (tool, object) = (&scene.tools[t], &scene.objects[k]);
+    let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
+    let object_node = &object.tree.nodes()[contact.object_sphere as usize];
+    let object_centre = if object.tissue.is_rigid() {
+        object_node.centre
+    } else {
+        let mut moved = [Vec3::zeros()];
+        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
+        object
+            .tissue
+            .model()
+            .centres(&object.tree, shape, &[contact.object_sphere], &mut moved);
+        moved[0]
+    };
+    let pose = &state.tools[t].graphic;
+    let between = centre(rotation, pose, &tool_node.centre) - object_centre;
+    norm(&between) - tool_node.contact_radius - object_node.contact_radius
+}

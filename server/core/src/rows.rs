@@ -1,0 +1,127 @@
+//! What each row of a pass is about: a contact, or on a blended object a place of its surface; and how such
+//! a surface bends there.
+
+use std::ops::Range;
+
+use crate::Scene;
+use crate::blend::{Group, Groups, Line, Pair, hollowness};
+use crate::contact::{Contact, Distance};
+use crate::math::{Vec3, norm};
+use crate::metric::Metric;
+use crate::tick::{Pass, Workspace};
+
+/// Blended gap up to which a surface is taken to be touched, metres.
+const TOUCHING: f64 = 2e-6;
+/// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
+const LEAST_BEND: f64 = 0.1;
+
+/// Ranges of what is sorted by object that are about one object.
+pub(crate) fn runs<T>(
+    items: &[T],
+    object: impl Fn(&T) -> u16,
+) -> impl Iterator<Item = Range<usize>> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let first = next;
+        let this = object(items.get(first)?);
+        next = first
+            + items[first..]
+                .iter()
+                .take_while(|item| object(item) == this)
+                .count();
+        Some(first..next)
+    })
+}
+
+/// Writes what each row is about: a contact, or on a blended object a seed with its members. In the
+/// order of the contacts' objects; tool sphere by tool sphere on a blended one.
+pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) {
+    let Pass {
+        contacts,
+        lines,
+        members,
+        groups,
+        ..
+    } = &mut ws.passes[first];
+    let blender = &mut ws.blender;
+    lines.clear();
+    members.clear();
+    groups.clear();
+    let contacts = contacts.as_slice();
+    for run in runs(contacts, |contact| contact.object) {
+        let k = usize::from(contacts[run.start].object);
+        let blend = scene.blend_of(k);
+        if blend == 0.0 {
+            lines.extend(run.map(|index| Line::hard(index, &contacts[index])));
+            continue;
+        }
+        let object = &scene.objects[k];
+        // The list's gap is that of the contact spheres.
+        let inset = |contact: &Contact| {
+            object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                - object.tree.core_radius(contact.object_sphere, object.level)
+        };
+        let begun = groups.all.len();
+        groups.add(contacts, run, |contact| contact.gap + inset(contact));
+        for group in &groups.all[begun..] {
+            let d = d.at(lever(group, groups, contacts));
+            if group.is_clear_of(d, blend, 0.0) {
+                continue;
+            }
+            blender.begin();
+            for &index in groups.contacts(group) {
+                let contact = &contacts[index as usize];
+                let tool = &scene.tools[usize::from(contact.tool)].tree;
+                let distance = contact.gap
+                    + object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                    + tool.nodes()[contact.tool_sphere as usize].contact_radius;
+                let gap = contact.gap + inset(contact);
+                blender.push(Pair::new(index, gap, contact.normal, distance));
+            }
+            blender.rows(blend, d, |mut line, shares| {
+                line.first = members.len() as u32;
+                members.extend(shares);
+                line.members = members.len() as u32 - line.first;
+                lines.push(line);
+            });
+        }
+    }
+}
+
+/// Lever of a group's tool sphere about the working point, metres.
+pub(crate) fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64 {
+    let first = groups.contacts(group)[0];
+    norm(&contacts[first as usize].arm)
+}
+
+/// Adds to the metric of tool `t` how the surfaces that it presses on bend inwards, times the press. In
+/// a groove rounder than the press is deep, passes that know only the slope turn to and fro for ever; with
+/// the bend they are Newton's and settle in two or three. Changes the way, not where it ends.
+pub(crate) fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metric) {
+    let contacts = pass.contacts.as_slice();
+    let stiffness = scene.tools[t].stiffness_n_per_m;
+    let touching = |line: &&Line| {
+        let contact = &contacts[line.contact as usize];
+        line.members > 0
+            && usize::from(contact.tool) == t
+            && line.gap <= TOUCHING
+            && line.normal.dot(stretch) < 0.0
+    };
+    // Each row counts the whole press: where several share it that is too much, and steps are shorter than they
+    // might be; shared out evenly it was too little in a groove, and ticks there did not converge.
+    for line in pass.lines.iter().filter(touching) {
+        let contact = &contacts[line.contact as usize];
+        let press = -stiffness * line.normal.dot(stretch);
+        let first = line.first as usize;
+        let members = &pass.members[first..first + line.members as usize];
+        let blend = scene.blend_of(usize::from(contact.object));
+        // No bend is sharper than that of two opposite normals.
+        if press / blend < LEAST_BEND * stiffness {
+            continue;
+        }
+        let hollow = hollowness(line, members, contacts, blend) * press;
+        if hollow.trace() > LEAST_BEND * stiffness {
+            metric.add(&hollow, &contact.arm);
+        }
+    }
+}
