@@ -84,16 +84,9 @@ fn true_gap(
     let (tool, object) = (&scene.tools[t], &scene.objects[k]);
     let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
     let object_node = &object.tree.nodes()[contact.object_sphere as usize];
-    let object_centre = if object.tissue.is_rigid() {
-        object_node.centre
-    } else {
-        let mut moved = [Vec3::zeros()];
-        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        object
-            .tissue
-            .model()
-            .centres(&object.tree, shape, &[contact.object_sphere], &mut moved);
-        moved[0]
+    let object_centre = match ws.slots[k] {
+        None => object_node.centre,
+        Some(slot) => ws.yielding[slot].centre(scene, contact.object_sphere),
     };
     let pose = &state.tools[t].graphic;
     let between = centre(rotation, pose, &tool_node.centre) - object_centre;

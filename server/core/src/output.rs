@@ -33,6 +33,48 @@ pub mod status {
     pub const FAULT: u16 = 1 << 12;
 }
 
+/// How heavy a hand is on the floor of a pocket.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ForceZone {
+    /// As it should be, or no force at all.
+    #[default]
+    Light,
+    /// Above the force that probing is done with (0.25 N by default): reads too deep.
+    TooHeavy,
+    /// Healthy tissue bleeds (0.5 N by default).
+    Trauma,
+    /// The paper's threshold of damage (200 g: 1.96 N by default).
+    Damage,
+}
+
+impl ForceZone {
+    /// All zones, lightest first.
+    pub const ALL: [ForceZone; 4] = [
+        ForceZone::Light,
+        ForceZone::TooHeavy,
+        ForceZone::Trauma,
+        ForceZone::Damage,
+    ];
+}
+
+/// What a tool in a pocket reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PocketReading {
+    /// Index of the object that the pocket belongs to.
+    pub object: u16,
+    /// Where the tip is around the tooth, radians from mesial over buccal, -pi to pi.
+    pub around: f64,
+    /// Probing depth: how far the very tip is below the gingival margin there, along the tooth's axis,
+    /// metres.
+    pub depth: f64,
+    /// Force on the floor along the tooth's axis, newtons.
+    pub floor_force: f64,
+    /// Zone that the force is in; it is left only when the force is under 80 % of the zone's threshold.
+    pub zone: ForceZone,
+    /// Whether the zone was entered in this tick, from a lighter one: an event.
+    pub entered_zone: bool,
+}
+
 /// What a tick says of one tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolOutput {
@@ -57,6 +99,8 @@ pub struct ToolOutput {
     pub min_gap: f64,
     /// Whether the tick converged: last step small, every true gap at least -0.5 um.
     pub converged: bool,
+    /// What the tool reads in a pocket, while it is in one.
+    pub pocket: Option<PocketReading>,
 }
 
 /// Output of one tick.

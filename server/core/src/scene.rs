@@ -9,11 +9,11 @@ use xxhash_rust::xxh3::xxh3_64;
 use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, norm};
 use crate::params::{ParamError, Params, within};
-use crate::tissue::TissueModel;
+use crate::tissue::{TissueError, TissueModel};
 use crate::tree::SphereTree;
 
 /// Version of the compiled scene's byte layout.
-pub const SCENE_VERSION: u16 = 2;
+pub const SCENE_VERSION: u16 = 3;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Most rows per tool where something yields: the matrix of compliances is dense.
@@ -131,6 +131,14 @@ pub enum SceneError {
     /// A parameter is out of range.
     #[error(transparent)]
     Params(#[from] ParamError),
+    /// A tissue model cannot stand.
+    #[error("{part}: {source}")]
+    Tissue {
+        /// Object.
+        part: String,
+        /// What is wrong.
+        source: TissueError,
+    },
     /// A field is wrong.
     #[error("{part}: {field} is {found}, expected {expected}")]
     Field {
@@ -326,6 +334,12 @@ impl Scene {
             check_mesh(&part, &tool.mesh)?;
         }
         for object in &self.objects {
+            if let Err(error) = object.tissue.validate(&object.tree) {
+                return Err(SceneError::Tissue {
+                    part: format!("object `{}`", object.name),
+                    source: error,
+                });
+            }
             let (carriers, vertices) = (&object.carriers, object.mesh.vertices.len());
             let nodes = object.tree.nodes().len();
             let unknown = carriers.iter().find(|&&node| node as usize >= nodes);

@@ -222,7 +222,7 @@ pub(crate) fn tissue_len(scene: &Scene) -> usize {
     scene
         .objects
         .iter()
-        .map(|object| object.tissue.model().state_len(&object.tree))
+        .map(|object| object.tissue.state_len(&object.tree))
         .sum()
 }
 

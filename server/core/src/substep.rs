@@ -19,8 +19,7 @@ use crate::rows::{bend, write_lines};
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::tick::{Pass, Workspace};
-use crate::tissue::refit;
-use crate::yielding::{fill_tissue, yield_target};
+use crate::yielding::{Yielding, fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
 /// Prediction distance at which a full contact list keeps the smallest gaps, metres.
@@ -117,7 +116,7 @@ pub(crate) fn advance<P: StageProbe>(
             status_bits |= status::SOLVER_FAILED;
             break;
         };
-        let tissue_motion = yield_target(scene, ws, first);
+        let tissue_motion = yield_target(ws, first);
         let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
         for &t in group {
             let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
@@ -193,18 +192,7 @@ fn collide(
     group: &[usize],
     mut d: Distance,
 ) -> (Distance, bool) {
-    for &k in &ws.yielding {
-        let object = &scene.objects[k];
-        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        refit(
-            object.tissue.model(),
-            &object.tree,
-            shape,
-            &ws.ids,
-            &mut ws.centres,
-            &mut ws.nodes[k],
-        );
-    }
+    ws.yielding.iter_mut().for_each(Yielding::refit);
     let limit = scene.most_contacts() * group.len();
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     let mut cut = false;
@@ -230,10 +218,9 @@ fn collide(
             };
             ws.predictor.begin(&posed);
             for (k, object) in scene.objects.iter().enumerate() {
-                let nodes = if object.tissue.is_rigid() {
-                    object.tree.nodes()
-                } else {
-                    &ws.nodes[k]
+                let nodes = match ws.slots[k] {
+                    None => object.tree.nodes(),
+                    Some(slot) => ws.yielding[slot].nodes(scene),
                 };
                 let blend = scene.blend_of(k);
                 blended |= blend > 0.0;
@@ -364,8 +351,8 @@ fn apply(
     steps: &Steps,
     share: f64,
 ) {
-    for (shape, target) in ws.shape.iter_mut().zip(&ws.target) {
-        *shape += share * (target - *shape);
+    for yielding in &mut ws.yielding {
+        yielding.advance(share);
     }
     let objects = scene.objects.len();
     for &t in group {

@@ -7,16 +7,16 @@ use crate::blend::{Blender, Groups, Line, MAX_SEEDS, Member};
 use crate::contact::{Contact, ContactList, Overflow, Predictor, Work};
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
-use crate::math::{Vec3, Wrench, log_rotation, norm};
+use crate::math::{Pose, Vec3, Wrench, log_rotation, norm};
 use crate::optimise::{Problem, ProblemRow, Solution, active_set::ActiveSet};
-use crate::output::{TickOutput, ToolOutput, status};
+use crate::output::{PocketReading, TickOutput, ToolOutput, status};
 use crate::scene::Scene;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::substep::{Reached, Wanted, advance};
-use crate::tissue::Site;
-use crate::tree::Node;
+use crate::tissue::{Hand, Hands, Site, SiteLoad};
 use crate::wrench::{Conditions, limited};
+use crate::yielding::Yielding;
 
 /// Unusable poses in a row after which the tool counts as stale: the watchdog's time.
 const BAD_TICKS_STALE: u16 = 50;
@@ -33,21 +33,12 @@ pub struct Workspace {
     pub(crate) blender: Blender,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
-    pub(crate) free: Vec<f64>,
-    pub(crate) shape: Vec<f64>,
-    pub(crate) target: Vec<f64>,
     pub(crate) loads: Vec<Wrench>,
-    /// Indices of objects that can yield.
-    pub(crate) yielding: Vec<usize>,
-    /// Where each object's configuration begins; one more entry than objects.
-    pub(crate) shape_at: Vec<usize>,
-    /// Where each object's state begins; one more entry than objects.
-    state_at: Vec<usize>,
-    /// Nodes of yielding objects at their present shape; empty for rigid ones.
-    pub(crate) nodes: Vec<Vec<Node>>,
-    /// 0, 1, 2, ... up to the largest yielding tree.
-    pub(crate) ids: Vec<u32>,
-    pub(crate) centres: Vec<Vec3>,
+    /// What can yield, in the order of the scene's objects.
+    pub(crate) yielding: Vec<Yielding>,
+    /// For each object its place in `yielding`.
+    pub(crate) slots: Vec<Option<usize>>,
+    tick_loads: Vec<SiteLoad>,
     /// Largest distance of a sphere from the working point, per tool, metres.
     pub(crate) levers: [f64; MAX_TOOLS],
     bytes: Vec<u8>,
@@ -124,30 +115,9 @@ impl Pass {
 impl Workspace {
     /// Scratch for `scene`.
     pub fn new(scene: &Scene) -> Self {
-        let yielding: Vec<usize> = (0..scene.objects.len())
-            .filter(|&k| !scene.objects[k].tissue.is_rigid())
-            .collect();
+        let yielding = Yielding::all(scene);
         let blended = (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
         let rows = scene.most_contacts() * scene.tools.len();
-        let (mut shape_at, mut state_at) = (vec![0], vec![0]);
-        for object in &scene.objects {
-            let model = object.tissue.model();
-            shape_at.push(shape_at[shape_at.len() - 1] + model.shape_len(&object.tree));
-            state_at.push(state_at[state_at.len() - 1] + model.state_len(&object.tree));
-        }
-        let shape_len = shape_at[shape_at.len() - 1];
-        let nodes: Vec<Vec<Node>> = scene
-            .objects
-            .iter()
-            .map(|object| {
-                if object.tissue.is_rigid() {
-                    Vec::new()
-                } else {
-                    object.tree.nodes().to_vec()
-                }
-            })
-            .collect();
-        let largest = nodes.iter().map(Vec::len).max().unwrap_or(0);
         let tool_nodes = scene
             .tools
             .iter()
@@ -173,16 +143,12 @@ impl Workspace {
             },
             sites: Vec::with_capacity(rows),
             site_loads: Vec::with_capacity(rows),
-            free: vec![0.0; shape_len],
-            shape: vec![0.0; shape_len],
-            target: vec![0.0; shape_len],
             loads: vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
+            slots: (0..scene.objects.len())
+                .map(|k| yielding.iter().position(|yielding| yielding.object == k))
+                .collect(),
+            tick_loads: Vec::with_capacity(if yielding.is_empty() { 0 } else { rows }),
             yielding,
-            shape_at,
-            state_at,
-            nodes,
-            ids: (0..largest as u32).collect(),
-            centres: vec![Vec3::zeros(); largest],
             levers: std::array::from_fn(lever),
             bytes: Vec::with_capacity(TickInput::BYTES + State::bytes_len(scene)),
         }
@@ -231,7 +197,18 @@ impl Workspace {
     /// Present configuration of object `k` at the end of the last tick (displacements), empty for
     /// a rigid one.
     pub fn shape_of(&self, k: usize) -> &[f64] {
-        &self.shape[self.shape_at[k]..self.shape_at[k + 1]]
+        self.slots[k].map_or(&[], |slot| &self.yielding[slot].shape)
+    }
+
+    /// Centres of the nodes `ids` of object `k` at the end of the last tick, world axes, metres; false
+    /// for a rigid object, whose centres are the tree's.
+    pub fn centres_of(&self, k: usize, ids: &[u32], out: &mut [Vec3]) -> bool {
+        let Some(slot) = self.slots[k] else {
+            return false;
+        };
+        let yielding = &self.yielding[slot];
+        yielding.model.centres(&yielding.shape, ids, out);
+        true
     }
 }
 
@@ -250,7 +227,6 @@ pub fn tick<P: StageProbe>(
     let ticks = 1 + u64::from(input.skipped);
     state.tick = state.tick.saturating_add(ticks);
     ws.passes.iter_mut().for_each(Pass::clear);
-    free_step(scene, state, ws);
 
     let tools = scene.tools.len();
     let mut bits = [0u16; MAX_TOOLS];
@@ -284,6 +260,13 @@ pub fn tick<P: StageProbe>(
         n_present += 1;
     }
 
+    free_step(
+        scene,
+        state,
+        ws,
+        &held(&present[..n_present], &wanted),
+        input.detail,
+    );
     let mut reached = [Reached::NOTHING; MAX_TOOLS];
     if ws.yielding.is_empty() {
         // Rigid: nothing couples the tools, each has its own problem.
@@ -295,10 +278,15 @@ pub fn tick<P: StageProbe>(
     }
 
     probe.begin(Stage::Apply);
-    commit(scene, state, ws);
+    let held = held(&present[..n_present], &wanted);
+    let (readings, fault) = commit(scene, state, ws, &held, input.detail);
     let mut outputs = [idle_output(state, 0), idle_output(state, 1)];
     for t in 0..tools {
+        if fault {
+            bits[t] |= status::FAULT;
+        }
         outputs[t] = finish_tool(scene, state, input, t, bits[t], &wanted[t], &reached[t]);
+        outputs[t].pocket = readings[t];
     }
 
     probe.begin(Stage::Hash);
@@ -326,31 +314,91 @@ fn idle_output(state: &State, t: usize) -> ToolOutput {
         active: 0,
         min_gap: f64::INFINITY,
         converged: true,
+        pocket: None,
+    }
+}
+
+/// Haptic poses of the hands that hold something, by slot.
+type Held = [Option<Pose>; MAX_TOOLS];
+
+fn held(present: &[usize], wanted: &[Wanted; MAX_TOOLS]) -> Held {
+    std::array::from_fn(|t| present.contains(&t).then(|| wanted[t].haptic))
+}
+
+fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {
+    let objects = scene.objects.len();
+    Hands {
+        tools: std::array::from_fn(|t| {
+            held[t].map(|haptic| Hand {
+                tool: &scene.tools[t],
+                haptic,
+                graphic: state.tools[t].graphic,
+                loads: &state.loads[t * objects..(t + 1) * objects],
+            })
+        }),
+        detail,
     }
 }
 
 /// Where each yielding thing is and would be without contact.
-fn free_step(scene: &Scene, state: &State, ws: &mut Workspace) {
-    for &k in &ws.yielding {
-        let object = &scene.objects[k];
-        let model = object.tissue.model();
-        let tissue = &state.tissue[ws.state_at[k]..ws.state_at[k + 1]];
-        let at = ws.shape_at[k]..ws.shape_at[k + 1];
-        model.shape(&object.tree, tissue, &mut ws.shape[at.clone()]);
-        model.free_step(&object.tree, tissue, &mut ws.free[at]);
+fn free_step(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: u8) {
+    let hands = hands(scene, state, held, detail);
+    for yielding in &mut ws.yielding {
+        yielding.free_step(state, &hands);
     }
 }
 
-fn commit(scene: &Scene, state: &mut State, ws: &Workspace) {
-    for &k in &ws.yielding {
-        let object = &scene.objects[k];
-        let shape = &ws.shape[ws.shape_at[k]..ws.shape_at[k + 1]];
-        object.tissue.model().commit(
-            &object.tree,
-            shape,
-            &mut state.tissue[ws.state_at[k]..ws.state_at[k + 1]],
-        );
+/// Takes the shapes that the tick ended with into the state, and the readings of pockets out of it. What is
+/// not finite goes back to rest, and is said.
+fn commit(
+    scene: &Scene,
+    state: &mut State,
+    ws: &mut Workspace,
+    held: &Held,
+    detail: u8,
+) -> ([Option<PocketReading>; MAX_TOOLS], bool) {
+    let (mut readings, mut fault) = ([None; MAX_TOOLS], false);
+    // The state's tissue is written while the rest of it is looked at.
+    let mut all = std::mem::take(&mut state.tissue);
+    let hands = hands(scene, state, held, detail);
+    for yielding in &mut ws.yielding {
+        let k = yielding.object;
+        ws.tick_loads.clear();
+        for pass in &ws.passes {
+            let ours = pass
+                .loaded()
+                .filter(|(contact, load)| usize::from(contact.object) == k && *load > 0.0);
+            ws.tick_loads.extend(ours.map(|(contact, load)| SiteLoad {
+                sphere: contact.object_sphere,
+                tool: contact.tool,
+                force: contact.normal * -load,
+            }));
+        }
+        let tissue = &mut all[yielding.state.clone()];
+        if !yielding.still {
+            yielding
+                .model
+                .commit(&yielding.shape, &ws.tick_loads, &hands, tissue);
+        }
+        if !tissue.iter().all(|x| x.is_finite()) {
+            tissue.fill(0.0);
+            fault = true;
+        }
+        for (t, reading) in readings.iter_mut().enumerate() {
+            let found = yielding.model.reading(t, &hands, tissue);
+            let deeper = |new: &PocketReading| {
+                reading.is_none_or(|old: PocketReading| new.depth > old.depth)
+            };
+            if let Some(new) = found.filter(deeper) {
+                *reading = Some(PocketReading {
+                    object: k as u16,
+                    ..new
+                });
+            }
+        }
     }
+    state.tissue = all;
+    (readings, fault)
 }
 
 /// Wrench, ramps and what is kept of one tool.
@@ -439,6 +487,7 @@ fn finish_tool(
         active: reached.active,
         min_gap: reached.min_gap,
         converged: reached.converged,
+        pocket: None,
     }
 }
 

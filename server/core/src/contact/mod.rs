@@ -19,6 +19,7 @@ mod tests;
 pub use predictor::{PosedTool, Predictor, Work};
 
 use crate::math::{Mat3, Pose, Vec3};
+use crate::tissue::Site;
 
 /// A pair of contact spheres close enough to touch before the next pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,15 @@ impl Contact {
     #[inline]
     pub fn key(&self) -> (u16, u32, u8, u32) {
         (self.object, self.object_sphere, self.tool, self.tool_sphere)
+    }
+
+    /// What the object's tissue sees of it.
+    #[inline]
+    pub fn site(&self) -> Site {
+        Site {
+            sphere: self.object_sphere,
+            normal: self.normal,
+        }
     }
 }
 
