@@ -13,6 +13,8 @@
 //! All calls are batched over the rows of one object, and compliance is a 3x3 block per sphere
 //! pair: `n_i' C_ij n_j`.
 
+pub mod printed;
+
 use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,7 @@ use crate::math::{Pose, Vec3, Wrench};
 use crate::output::PocketReading;
 use crate::scene::Tool;
 use crate::tree::SphereTree;
+use printed::{PrintedGingiva, PrintedSkeleton, ReadyGingiva, ReadySkeleton};
 
 /// One contact row as the tissue sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +137,10 @@ pub trait Tissue: Debug + Send {
 pub enum TissueModel {
     /// A tooth, a jaw, an instrument on a stand: does not yield.
     Rigid,
+    /// A tongue exactly by the paper, for comparison.
+    PrintedSkeleton(PrintedSkeleton),
+    /// A gingiva exactly by the paper, for comparison.
+    PrintedGingiva(PrintedGingiva),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -155,9 +162,14 @@ impl TissueModel {
     /// The model made ready for an object with the tree `rest` touched at `level`; none for what is rigid.
     /// The model must have passed [`TissueModel::validate`].
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
-        let _ = (rest, level);
         match self {
             TissueModel::Rigid => None,
+            TissueModel::PrintedSkeleton(model) => {
+                Some(Box::new(ReadySkeleton::new(model, rest, level)))
+            }
+            TissueModel::PrintedGingiva(model) => {
+                Some(Box::new(ReadyGingiva::new(model, rest, level)))
+            }
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -165,9 +177,10 @@ impl TissueModel {
 
     /// Numbers of state that outlive a tick.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
-        let _ = rest;
         match self {
             TissueModel::Rigid => 0,
+            TissueModel::PrintedSkeleton(model) => model.state_len(rest),
+            TissueModel::PrintedGingiva(model) => model.state_len(rest),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -178,8 +191,13 @@ impl TissueModel {
     /// # Errors
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
-        let _ = rest;
-        Ok(())
+        match self {
+            TissueModel::Rigid => Ok(()),
+            TissueModel::PrintedSkeleton(model) => model.validate(rest),
+            TissueModel::PrintedGingiva(model) => model.validate(rest),
+            #[cfg(test)]
+            TissueModel::Winkler(_) => Ok(()),
+        }
     }
 
     /// Whether nothing of it ever moves, so that a tick need not ask.
