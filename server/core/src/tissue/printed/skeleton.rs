@@ -117,7 +117,7 @@ impl PrintedSkeleton {
         })
     }
 
-    fn graph(&self, rest: &SphereTree) -> Result<Graph, TissueError> {
+    pub(super) fn graph(&self, rest: &SphereTree) -> Result<Graph, TissueError> {
         let followers = Followers::new(rest, self.level);
         let place = |field, id: u32| {
             followers
