@@ -212,7 +212,7 @@ fn a_skeleton_becomes_unstable_where_its_eigenvalues_say() {
     let model = skeleton(&tree);
     let graph = model.graph(&tree).expect("its own nodes");
     let unit = Spectrum::of_unit_springs(graph.fixed.len(), &graph.springs, &graph.fixed);
-    assert!(unit.least > 0.0 && unit.most > 5.0 * unit.least, "{unit:?}");
+    assert!(unit.least > 0.0 && unit.most > 3.0 * unit.least, "{unit:?}");
     let (b, m, dt) = (12.0, 0.02, TICK_S);
     // By stiffness, by the largest eigenvalue.
     let limit = b / dt / unit.most;
@@ -260,11 +260,7 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
     for (share, stands) in [(0.9, true), (0.99, true), (1.01, false), (1000.0, false)] {
         model.spring_n_per_m = stiffest * share;
         let found = model.validate(&tree);
-        assert_eq!(
-            found.is_ok(),
-            stands || stiffest * share > 1e5,
-            "{share}: {found:?}"
-        );
+        assert_eq!(found.is_ok(), stands, "{share}: {found:?}");
     }
     // The paper's own numbers: 0.5 N/mm, 0.6 N s/mm, 20 g.
     (model.spring_n_per_m, model.damping_n_s_per_m) = (500.0, 600.0);
@@ -655,7 +651,7 @@ fn bad_numbers_of_a_gingiva_are_refused_by_name() {
         refused(|m| m.attenuation_per_mm = 1.0),
         "attenuation_per_mm"
     );
-    assert_eq!(refused(|m| m.inward[3] *= 2.0), "inward");
+    assert_eq!(refused(|m| m.inward.iter_mut().for_each(|n| *n *= 2.0)), "inward");
     assert_eq!(refused(|m| m.inward[3].x = f64::NAN), "inward");
     assert_eq!(refused(|m| m.inward.truncate(7)), "inward");
     assert_eq!(refused(|m| m.axis = Vec3::zeros()), "axis");
