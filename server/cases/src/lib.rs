@@ -5,6 +5,7 @@
 
 pub mod measure;
 pub mod one_dof;
+pub mod pocket;
 pub mod ripple;
 pub mod run;
 pub mod scenes;

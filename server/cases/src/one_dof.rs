@@ -261,7 +261,13 @@ impl fmt::Display for Table {
         writeln!(
             f,
             "{:>8} {:>22}  {:10} {:>9} {:>9} {:>9} {:>19}",
-            "k_s N/m", "largest step ms (run)", "method", "depth mm", "device N", "tissue N", "force step N"
+            "k_s N/m",
+            "largest step ms (run)",
+            "method",
+            "depth mm",
+            "device N",
+            "tissue N",
+            "force step N"
         )?;
         for row in &self.0 {
             for (method, [slow, fast]) in &row.presses {

@@ -38,9 +38,15 @@ fn pressed_and_held_it_is_where_statics_say() {
             };
             let depth = push * DEPTH / (push + n.spring);
             for press in presses {
-                assert!((press.depth - depth).abs() < 1e-6, "{method}: {press:?}, {depth}");
+                assert!(
+                    (press.depth - depth).abs() < 1e-6,
+                    "{method}: {press:?}, {depth}"
+                );
                 let device = pull * (DEPTH - depth);
-                assert!((press.device_force - device).abs() < 1e-3, "{method}: {press:?}");
+                assert!(
+                    (press.device_force - device).abs() < 1e-3,
+                    "{method}: {press:?}"
+                );
                 // What the tissue feels of what the hand feels: all, or k_p / k_c of it.
                 let ratio = press.tissue_force / press.device_force;
                 assert!((ratio - push / pull).abs() < 1e-3, "{method}: {ratio}");
@@ -60,7 +66,10 @@ fn coupled_stays_stable_where_explicit_euler_does_not() {
             assert!(!(printed.largest_force < 100.0), "{printed:?}");
             for method in [Method::Implicit, Method::Coupled] {
                 let press = numbers.press(method, speed, DEPTH);
-                assert!(press.largest_force <= numbers.coupling * DEPTH * 1.001, "{press:?}");
+                assert!(
+                    press.largest_force <= numbers.coupling * DEPTH * 1.001,
+                    "{press:?}"
+                );
                 assert!(press.force_step < 1e-9, "{method}: {press:?}");
             }
         }
@@ -142,12 +151,21 @@ fn the_core_as_printed_moves_as_the_benchmark_does() {
             let tool = out.tools[0].graphic.position.x + 2.0 * RADIUS;
             let mut centre = [Vec3::zeros()];
             assert!(ws.centres_of(0, &[1], &mut centre) && centre[0].x < 0.02);
-            let away = (tool - contact.tool).abs().max((centre[0].x - contact.place).abs());
+            let away = (tool - contact.tool)
+                .abs()
+                .max((centre[0].x - contact.place).abs());
             worst = worst.max(away);
             deepest = deepest.max(contact.place);
         }
-        println!("k_s {spring} N/m: deepest {:.3} mm, core and benchmark differ by {:.2e} m", deepest * 1e3, worst);
+        println!(
+            "k_s {spring} N/m: deepest {:.3} mm, core and benchmark differ by {:.2e} m",
+            deepest * 1e3,
+            worst
+        );
         assert!(deepest > 1e-6, "{deepest}");
-        assert!(worst < 1e-7 + 1e-3 * deepest.min(1e-4), "k_s {spring}: {worst} m");
+        assert!(
+            worst < 1e-7 + 1e-3 * deepest.min(1e-4),
+            "k_s {spring}: {worst} m"
+        );
     }
 }

@@ -13,6 +13,7 @@
 //! All calls are batched over the rows of one object, and compliance is a 3x3 block per sphere
 //! pair: `n_i' C_ij n_j`.
 
+pub mod gingiva;
 pub mod printed;
 
 use std::fmt::Debug;
@@ -137,6 +138,8 @@ pub trait Tissue: Debug + Send {
 pub enum TissueModel {
     /// A tooth, a jaw, an instrument on a stand: does not yield.
     Rigid,
+    /// The collar around a tooth, with its pocket.
+    Gingiva(Box<gingiva::Gingiva>),
     /// A tongue exactly by the paper, for comparison.
     PrintedSkeleton(PrintedSkeleton),
     /// A gingiva exactly by the paper, for comparison.
@@ -164,6 +167,7 @@ impl TissueModel {
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
         match self {
             TissueModel::Rigid => None,
+            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             TissueModel::PrintedSkeleton(model) => {
                 Some(Box::new(ReadySkeleton::new(model, rest, level)))
             }
@@ -179,6 +183,7 @@ impl TissueModel {
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         match self {
             TissueModel::Rigid => 0,
+            TissueModel::Gingiva(model) => model.state_len(rest),
             TissueModel::PrintedSkeleton(model) => model.state_len(rest),
             TissueModel::PrintedGingiva(model) => model.state_len(rest),
             #[cfg(test)]
@@ -193,6 +198,7 @@ impl TissueModel {
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         match self {
             TissueModel::Rigid => Ok(()),
+            TissueModel::Gingiva(model) => model.validate(rest),
             TissueModel::PrintedSkeleton(model) => model.validate(rest),
             TissueModel::PrintedGingiva(model) => model.validate(rest),
             #[cfg(test)]

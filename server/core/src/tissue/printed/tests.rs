@@ -651,7 +651,10 @@ fn bad_numbers_of_a_gingiva_are_refused_by_name() {
         refused(|m| m.attenuation_per_mm = 1.0),
         "attenuation_per_mm"
     );
-    assert_eq!(refused(|m| m.inward.iter_mut().for_each(|n| *n *= 2.0)), "inward");
+    assert_eq!(
+        refused(|m| m.inward.iter_mut().for_each(|n| *n *= 2.0)),
+        "inward"
+    );
     assert_eq!(refused(|m| m.inward[3].x = f64::NAN), "inward");
     assert_eq!(refused(|m| m.inward.truncate(7)), "inward");
     assert_eq!(refused(|m| m.axis = Vec3::zeros()), "axis");
