@@ -31,6 +31,8 @@ pub struct Workspace {
     pub(crate) gram: Vec<f64>,
     pub(crate) active_set: ActiveSet,
     pub(crate) blender: Blender,
+    /// Gaps of the rows, to choose among them.
+    pub(crate) gaps: Vec<f64>,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
     pub(crate) loads: Vec<Wrench>,
@@ -118,6 +120,7 @@ impl Workspace {
         let yielding = Yielding::all(scene);
         let blended = (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
         let rows = scene.most_contacts() * scene.tools.len();
+        let dense = scene.most_rows();
         let tool_nodes = scene
             .tools
             .iter()
@@ -135,12 +138,20 @@ impl Workspace {
             passes: std::array::from_fn(|_| Pass::with_capacity(rows, blended, tool_nodes)),
             blender: Blender::with_capacity(if blended { rows } else { 0 }),
             // Only tissue needs the dense matrix.
-            gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
+            gram: vec![
+                0.0;
+                if yielding.is_empty() {
+                    0
+                } else {
+                    dense * dense
+                }
+            ],
             active_set: if yielding.is_empty() {
                 ActiveSet::rigid_only(rows)
             } else {
-                ActiveSet::with_capacity(rows)
+                ActiveSet::with_capacity(dense)
             },
+            gaps: Vec::with_capacity(rows),
             sites: Vec::with_capacity(rows),
             site_loads: Vec::with_capacity(rows),
             loads: vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],

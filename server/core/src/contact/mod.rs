@@ -166,6 +166,9 @@ fn outranks(a: &Contact, b: &Contact) -> bool {
     a.gap > b.gap || (a.gap == b.gap && a.key() > b.key())
 }
 
+/// Prediction distance at which full lists keep the smallest gaps, metres.
+pub(crate) const SMALLEST_PREDICTION: f64 = 1e-6;
+
 /// How close spheres must be to count: `base + turn * lever`, with the lever of the tool's sphere from
 /// the working point. A tool that moves by `base` and turns by `turn` carries no sphere farther.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,6 +184,19 @@ impl Distance {
     #[inline]
     pub fn at(&self, lever: f64) -> f64 {
         self.base + self.turn * lever
+    }
+
+    /// Half of it, no less than [`SMALLEST_PREDICTION`]; the turn's part goes altogether where little is left
+    /// at the longest lever.
+    pub(crate) fn halved(&self, longest: f64) -> Self {
+        Self {
+            base: crate::math::fmax(0.5 * self.base, SMALLEST_PREDICTION),
+            turn: if self.at(longest) > 2.0 * SMALLEST_PREDICTION {
+                0.5 * self.turn
+            } else {
+                0.0
+            },
+        }
     }
 }
 
