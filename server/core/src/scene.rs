@@ -17,8 +17,8 @@ pub const SCENE_VERSION: u16 = 3;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Most rows of a problem where something yields, both tools' together: the matrix of compliances is dense.
-/// (The paper's bound is 500, section 3.2.)
-const MAX_TISSUE_ROWS: usize = 512;
+/// All of them can bear load, and enter one by one: more would take more iterations than a tick has.
+const MAX_TISSUE_ROWS: usize = 256;
 /// Contacts that the list of a scene with blended surfaces can hold for each of `max_rows`.
 const CONTACTS_PER_ROW: usize = 4;
 /// Largest compiled scene that is read, bytes.

@@ -19,7 +19,7 @@ use crate::rows::{bend, keep_smallest_gaps, write_lines};
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::tick::{Pass, Workspace};
-use crate::yielding::{Yielding, fill_tissue, yield_target};
+use crate::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
 /// How much farther each pass of a tick looks at least than the one before, and how far at most for that
@@ -201,7 +201,6 @@ fn collide(
     group: &[usize],
     mut d: Distance,
 ) -> (Distance, bool) {
-    ws.yielding.iter_mut().for_each(Yielding::refit);
     let limit = scene.most_contacts() * group.len();
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     let mut cut = false;
@@ -227,21 +226,23 @@ fn collide(
             };
             ws.predictor.begin(&posed);
             for (k, object) in scene.objects.iter().enumerate() {
-                let nodes = match ws.slots[k] {
-                    None => object.tree.nodes(),
-                    Some(slot) => ws.yielding[slot].nodes(scene),
-                };
                 let blend = scene.blend_of(k);
                 blended |= blend > 0.0;
                 let mut within = d;
                 if blend > 0.0 {
                     within.base += share * reach(blend) * blend;
                 }
-                if ws
-                    .predictor
-                    .predict(&posed, (k as u16, nodes, object.level), within, contacts)
-                    .is_err()
-                {
+                let predictor = &mut ws.predictor;
+                let found = match ws.slots[k] {
+                    None => {
+                        let object = (k as u16, object.tree.nodes(), object.level);
+                        predictor.predict(&posed, object, within, contacts)
+                    }
+                    Some(slot) => {
+                        ws.yielding[slot].predict(scene, predictor, &posed, within, contacts)
+                    }
+                };
+                if found.is_err() {
                     cut = true;
                     let most = d.at(longest);
                     if blended && share > 0.0 && most <= 2.0 * scene.params.predict_min {
@@ -303,11 +304,20 @@ fn optimise(
         });
     }
     let tissue = fill_tissue(scene, ws, first);
-    let Pass { rows, solution, .. } = &mut ws.passes[first];
+    if tissue {
+        ws.passes[first].find_bearing();
+    }
+    let Pass {
+        rows,
+        solution,
+        first: begin,
+        ..
+    } = &mut ws.passes[first];
     let problem = Problem {
         rows,
         tissue: tissue.then(|| &ws.gram[..rows.len() * rows.len()]),
         contact_compliance: scene.params.contact_compliance,
+        first: if tissue { begin } else { &[] },
         max_iterations: usize::from(scene.params.max_iterations),
     };
     match scene.params.solver {
@@ -317,6 +327,9 @@ fn optimise(
     let solved = solution.status == SolveStatus::Solved;
     let y = solution.y;
     ws.passes[first].share_out();
+    if tissue && solved {
+        ws.passes[first].note_bearing();
+    }
     if !solved {
         return None;
     }

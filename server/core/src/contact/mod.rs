@@ -5,14 +5,15 @@
 //! more than `d` before the next pass, no pair outside the list can touch. The tick's trust
 //! region keeps that promise, which makes this a continuous collision detection.
 //!
-//! What yields is traversed anew in every pass (`dual`); for what does not, the families of spheres that
-//! were near are kept while the tool stays near (`neighbours`), in a layout for it (`packs`).
-//! Which of the two answered never shows in the answer.
+//! The plain way is to traverse both trees anew in every pass (`dual`). What was near is kept while the tool
+//! stays near: for what is rigid the families of spheres (`neighbours`), in a layout for it (`packs`), for what
+//! yields the pairs of spheres (`soft`). Which of the ways answered never shows in the answer.
 
 mod dual;
 mod neighbours;
 mod packs;
 mod predictor;
+pub(crate) mod soft;
 #[cfg(test)]
 mod tests;
 
