@@ -80,8 +80,6 @@ fn more_rows_than_a_dense_problem_holds_are_said_and_the_nearest_kept() {
         );
         full += u32::from(tool.status & status::CONTACTS_FULL != 0);
         force = tool.raw_wrench.force.z;
-            eprintln!("{k} {tool:?}");
-        }
     }
     assert!(full > 0);
     assert!(force > 0.05, "{force}");
