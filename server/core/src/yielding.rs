@@ -105,12 +105,13 @@ impl Yielding {
         let at_rest = object.tree.nodes();
         let slot = usize::from(tool.slot);
         if !predictor.is_plain() {
-            let now = (self.model.as_ref(), self.shape.as_slice());
-            if !self.near[slot].covers(predictor, tool.level, now, d) {
+            let shape = (!self.still).then_some(self.shape.as_slice());
+            if !self.near[slot].covers(predictor, tool.level, (self.model.as_ref(), shape), d) {
                 self.refit();
                 let nodes = if self.still { at_rest } else { &self.nodes };
                 let listed = (index, nodes, object.level);
-                self.near[slot].list(predictor, tool, listed, &self.shape, d);
+                let shape = (!self.still).then_some(self.shape.as_slice());
+                self.near[slot].list(predictor, tool, listed, shape, d);
             }
             let now = (self.model.as_ref(), self.shape.as_slice());
             if self.near[slot].usable() {

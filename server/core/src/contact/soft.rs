@@ -30,8 +30,9 @@ pub(crate) struct SoftNeighbours {
     found: ContactList,
     rotation: Mat3,
     working_point: Vec3,
-    /// Shape of the tissue when the list was made.
+    /// Shape of the tissue when the list was made, and whether that was its rest.
     shape: Vec<f64>,
+    at_rest: bool,
     /// Level of the tool; none before the first list.
     level: Option<u8>,
     /// Translation plus prediction distance that it holds for, metres.
@@ -52,6 +53,7 @@ impl SoftNeighbours {
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
             shape: vec![0.0; shape_len],
+            at_rest: false,
             level: None,
             reach: 0.0,
             turn: 0.0,
@@ -64,23 +66,30 @@ impl SoftNeighbours {
         self.usable
     }
 
-    /// Whether no pair outside the list can be closer than `d` at this pose and shape.
+    /// Whether no pair outside the list can be closer than `d` at this pose and shape; no shape is the rest.
     pub fn covers(
         &self,
         predictor: &Predictor,
         level: u8,
-        (model, shape): (&dyn Tissue, &[f64]),
+        (model, shape): (&dyn Tissue, Option<&[f64]>),
         d: Distance,
     ) -> bool {
         let posed = &predictor.posed;
         let turned = posed.rotation - self.rotation;
         let spare = self.turn - d.turn;
         let moved = norm(&(posed.working_point - self.working_point)) + d.base;
-        self.level == Some(level)
-            && moved <= self.reach
-            && turned.norm_squared() <= spare * spare
-            && spare >= 0.0
-            && moved + model.motion(&self.shape, shape) <= self.reach
+        if self.level != Some(level)
+            || moved > self.reach
+            || turned.norm_squared() > spare * spare
+            || spare < 0.0
+        {
+            return false;
+        }
+        match shape {
+            None if self.at_rest => true,
+            None => false,
+            Some(shape) => moved + model.motion(&self.shape, shape) <= self.reach,
+        }
     }
 
     /// Makes the list for this pose and shape; `object` is its index, its nodes brought to the shape, its
@@ -90,13 +99,17 @@ impl SoftNeighbours {
         predictor: &mut Predictor,
         tool: &PosedTool<'_>,
         object: (u16, &[Node], u8),
-        shape: &[f64],
+        shape: Option<&[f64]>,
         d: Distance,
     ) {
         let posed = &predictor.posed;
         (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
         self.level = Some(tool.level);
-        self.shape.copy_from_slice(shape);
+        self.at_rest = shape.is_none();
+        match shape {
+            Some(shape) => self.shape.copy_from_slice(shape),
+            None => self.shape.fill(0.0),
+        }
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
         let within = Distance {
             base: self.reach,
