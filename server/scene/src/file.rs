@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
-use crate::parametric::{Mirror, Molar, Probe};
+use crate::parametric::{Mirror, Molar, Probe, Tongue};
+use crate::skeleton::SkeletonOptions;
 
 /// A scene file as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +46,8 @@ pub enum ToolKind {
 pub enum ObjectKind {
     /// A lower left first molar.
     Molar,
+    /// A tongue at rest.
+    Tongue,
 }
 
 /// How an object yields.
@@ -54,6 +57,8 @@ pub enum TissueEntry {
     /// Not at all.
     #[default]
     Rigid,
+    /// As a whole, on a skeleton of springs: a tongue.
+    Skeleton,
 }
 
 /// `[[tool]]`: either `kind` or `mesh` with `unit`, `working_point_mm`, `tip_mm`, `tip_axis`.
@@ -110,6 +115,8 @@ pub struct ObjectEntry {
     pub kind: Option<ObjectKind>,
     /// Dimensions of a parametric molar that differ from the defaults.
     pub molar: Option<Molar>,
+    /// Dimensions of a parametric tongue that differ from the defaults.
+    pub tongue: Option<Tongue>,
     /// STL, OBJ or PLY file, relative to the scene file.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
@@ -126,6 +133,8 @@ pub struct ObjectEntry {
     /// How it yields.
     #[serde(default)]
     pub tissue: TissueEntry,
+    /// Parameters of `tissue = "skeleton"` that differ from the defaults.
+    pub skeleton: Option<SkeletonOptions>,
 }
 
 fn contact_level() -> u8 {

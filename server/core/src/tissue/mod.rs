@@ -13,6 +13,8 @@
 //! All calls are batched over the rows of one object, and compliance is a 3x3 block per sphere
 //! pair: `n_i' C_ij n_j`.
 
+pub mod skeleton;
+
 use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
@@ -134,6 +136,8 @@ pub trait Tissue: Debug + Send {
 pub enum TissueModel {
     /// A tooth, a jaw, an instrument on a stand: does not yield.
     Rigid,
+    /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
+    Skeleton(Box<skeleton::Skeleton>),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -155,9 +159,10 @@ impl TissueModel {
     /// The model made ready for an object with the tree `rest` touched at `level`; none for what is rigid.
     /// The model must have passed [`TissueModel::validate`].
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
-        let _ = (rest, level);
+        let _ = level;
         match self {
             TissueModel::Rigid => None,
+            TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -168,6 +173,7 @@ impl TissueModel {
         let _ = rest;
         match self {
             TissueModel::Rigid => 0,
+            TissueModel::Skeleton(model) => model.state_len(),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -178,8 +184,10 @@ impl TissueModel {
     /// # Errors
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
-        let _ = rest;
-        Ok(())
+        match self {
+            TissueModel::Skeleton(model) => model.validate(rest),
+            _ => Ok(()),
+        }
     }
 
     /// Whether nothing of it ever moves, so that a tick need not ask.
