@@ -4,6 +4,7 @@
 //! measures judge a case, a demo run and a recording.
 
 pub mod measure;
+pub mod pocket;
 pub mod ripple;
 pub mod run;
 pub mod scenes;
