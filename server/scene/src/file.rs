@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
-use crate::parametric::{Mirror, Molar, Pocket, Probe};
+use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
+use crate::skeleton::SkeletonOptions;
 
 /// A scene file as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +46,8 @@ pub enum ToolKind {
 pub enum ObjectKind {
     /// A lower left first molar.
     Molar,
+    /// A tongue at rest.
+    Tongue,
     /// The gingiva of one of the file's molars, at its place: wants `tooth` and `tissue = "gingiva"`.
     Gingiva,
 }
@@ -56,6 +59,8 @@ pub enum TissueEntry {
     /// Not at all.
     #[default]
     Rigid,
+    /// As a whole, on a skeleton of springs: a tongue.
+    Skeleton,
     /// As a gingiva does; wants `kind = "gingiva"`.
     Gingiva,
 }
@@ -146,6 +151,8 @@ pub struct ObjectEntry {
     pub kind: Option<ObjectKind>,
     /// Dimensions of a parametric molar that differ from the defaults.
     pub molar: Option<Molar>,
+    /// Dimensions of a parametric tongue that differ from the defaults.
+    pub tongue: Option<Tongue>,
     /// STL, OBJ or PLY file, relative to the scene file.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
@@ -162,6 +169,8 @@ pub struct ObjectEntry {
     /// How it yields.
     #[serde(default)]
     pub tissue: TissueEntry,
+    /// Parameters of `tissue = "skeleton"` that differ from the defaults.
+    pub skeleton: Option<SkeletonOptions>,
     /// Name of the molar that a gingiva surrounds.
     pub tooth: Option<String>,
     /// Pocket of a gingiva, where it differs from the default.

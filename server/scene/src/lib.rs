@@ -33,6 +33,7 @@ mod relocate;
 pub mod repair;
 pub mod sample;
 pub mod shapes;
+pub mod skeleton;
 pub mod solid;
 mod validate;
 mod volume;

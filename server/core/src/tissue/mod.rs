@@ -15,6 +15,7 @@
 
 pub mod gingiva;
 pub mod printed;
+pub mod skeleton;
 
 use std::fmt::Debug;
 
@@ -138,6 +139,8 @@ pub trait Tissue: Debug + Send {
 pub enum TissueModel {
     /// A tooth, a jaw, an instrument on a stand: does not yield.
     Rigid,
+    /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
+    Skeleton(Box<skeleton::Skeleton>),
     /// The collar around a tooth, with its pocket.
     Gingiva(Box<gingiva::Gingiva>),
     /// A tongue exactly by the paper, for comparison.
@@ -167,6 +170,7 @@ impl TissueModel {
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
         match self {
             TissueModel::Rigid => None,
+            TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             TissueModel::PrintedSkeleton(model) => {
                 Some(Box::new(ReadySkeleton::new(model, rest, level)))
@@ -183,6 +187,7 @@ impl TissueModel {
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         match self {
             TissueModel::Rigid => 0,
+            TissueModel::Skeleton(model) => model.state_len(),
             TissueModel::Gingiva(model) => model.state_len(rest),
             TissueModel::PrintedSkeleton(model) => model.state_len(rest),
             TissueModel::PrintedGingiva(model) => model.state_len(rest),
@@ -198,6 +203,7 @@ impl TissueModel {
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         match self {
             TissueModel::Rigid => Ok(()),
+            TissueModel::Skeleton(model) => model.validate(rest),
             TissueModel::Gingiva(model) => model.validate(rest),
             TissueModel::PrintedSkeleton(model) => model.validate(rest),
             TissueModel::PrintedGingiva(model) => model.validate(rest),

@@ -8,6 +8,7 @@ use super::ranged;
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, fmax, norm};
 use crate::params::within;
+use crate::tissue::gingiva::Gingiva;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
 use crate::tree::SphereTree;
 
@@ -57,6 +58,17 @@ impl PrintedGingiva {
             tip_diameter_m: 5e-4,
             contact_distance_m: 5e-4,
         }
+    }
+
+    /// A coupled gingiva as printed: the same directions from the tooth; spheres at the pocket's floor and below stay. `tooth` is the
+    /// index of its tooth in the scene, `rest` its tree; the numbers are the defaults.
+    pub fn of(coupled: &Gingiva, rest: &SphereTree, tooth: u16) -> Self {
+        let inward = rest.shape_at(coupled.level).map(|(id, _)| {
+            let place = coupled.places.get(id as usize);
+            let wall = place.filter(|place| place.height > 0.0 && !place.floor);
+            wall.map_or_else(Vec3::zeros, |place| place.away)
+        });
+        Self::new(coupled.level, tooth, inward.collect(), coupled.tooth.axis)
     }
 
     /// Numbers of state: displacement of each sphere, and whether each tool was in hybrid contact.

@@ -8,6 +8,7 @@ use super::ranged;
 use super::stability::Spectrum;
 use crate::TICK_S;
 use crate::math::{Vec3, fmax};
+use crate::tissue::skeleton::SkeletonLevel;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
 use crate::tree::SphereTree;
 
@@ -48,6 +49,39 @@ impl PrintedSkeleton {
             mass_kg: 0.02,
             penalty_n_per_m: 5.0,
             contact_distance_m: 5e-4,
+        }
+    }
+
+    /// The spring graph of a coupled skeleton as printed: the same spheres, springs and held nodes, all springs as stiff as
+    /// its are on average; other numbers are the defaults.
+    pub fn of(coupled: &SkeletonLevel, rest: &SphereTree) -> Self {
+        let node = |k: u16| {
+            coupled
+                .nodes
+                .get(usize::from(k))
+                .copied()
+                .unwrap_or(u32::MAX)
+        };
+        let springs = coupled
+            .springs
+            .iter()
+            .map(|spring| [node(spring.a), node(spring.b)]);
+        let held = coupled.nodes.iter().zip(&coupled.fixed);
+        let level = |&id: &u32| rest.nodes().get(id as usize).map(|node| node.level);
+        let sum = coupled
+            .springs
+            .iter()
+            .flat_map(|spring| spring.stiffness)
+            .fold(0.0, |sum, k| sum + k);
+        Self {
+            spring_n_per_m: sum / fmax(3.0 * coupled.springs.len() as f64, 1.0),
+            ..Self::new(
+                coupled.nodes.iter().filter_map(level).max().unwrap_or(0),
+                springs.collect(),
+                held.filter(|(_, fixed)| **fixed)
+                    .map(|(id, _)| *id)
+                    .collect(),
+            )
         }
     }
 
