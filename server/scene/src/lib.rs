@@ -28,6 +28,7 @@ mod parallel;
 pub mod parametric;
 mod parts;
 mod polish;
+pub mod printed;
 mod random;
 mod relocate;
 pub mod repair;

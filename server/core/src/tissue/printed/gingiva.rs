@@ -61,14 +61,19 @@ impl PrintedGingiva {
     }
 
     /// A coupled gingiva as printed: the same directions from the tooth; spheres at the pocket's floor and below stay. `tooth` is the
-    /// index of its tooth in the scene, `rest` its tree; the numbers are the defaults.
+    /// index of its tooth in the scene, `rest` its tree; `k_d` is the wall's stiffness, `K_p` half of it, the rest the defaults.
     pub fn of(coupled: &Gingiva, rest: &SphereTree, tooth: u16) -> Self {
         let inward = rest.shape_at(coupled.level).map(|(id, _)| {
             let place = coupled.places.get(id as usize);
             let wall = place.filter(|place| place.height > 0.0 && !place.floor);
             wall.map_or_else(Vec3::zeros, |place| place.away)
         });
-        Self::new(coupled.level, tooth, inward.collect(), coupled.tooth.axis)
+        let stiffness = coupled.params.wall_stiffness;
+        Self {
+            stiffness_n_per_m: stiffness,
+            penalty_n_per_m: 0.5 * stiffness,
+            ..Self::new(coupled.level, tooth, inward.collect(), coupled.tooth.axis)
+        }
     }
 
     /// Numbers of state: displacement of each sphere, and whether each tool was in hybrid contact.
