@@ -18,6 +18,8 @@ pub mod config;
 pub mod error;
 pub mod handle;
 
+pub mod detail;
+
 mod handoff;
 mod identity;
 mod inputs;
@@ -31,6 +33,7 @@ mod running;
 mod simulation;
 mod transport;
 
+pub use detail::{Budget, Detail};
 pub use config::{Exercise, ServerConfig};
 pub use error::ServerError;
 pub use handle::{Server, ServerHandle};

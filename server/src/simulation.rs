@@ -11,6 +11,7 @@ use sulcus_proto::{WrenchDatagram, limits};
 use sulcus_sessions::Row;
 use triple_buffer::{Input, Output};
 
+use crate::detail::{Chooser, Detail};
 use crate::handoff::{Bell, Edge, Flags, PoseIn, SNAPSHOT_TICKS, WrenchOut};
 use crate::inputs::Inputs;
 use crate::metrics::{Metrics, TickTimes};
@@ -31,6 +32,8 @@ pub(crate) struct Simulation {
     pub entries: Producer<Entry>,
     /// Snapshot buffers that the recorder has written and gives back.
     pub buffers: Consumer<Vec<u8>>,
+    /// Level of detail of tissue.
+    pub detail: Detail,
     pub real_time: bool,
 }
 
@@ -101,6 +104,7 @@ struct Ticker {
     state: State,
     workspace: Workspace,
     inputs: Inputs,
+    chooser: Chooser,
     grid: Grid,
     next_snapshot: u64,
     metrics: Metrics,
@@ -113,6 +117,7 @@ impl Ticker {
             state: State::new(&scene),
             workspace: Workspace::new(&scene),
             inputs: Inputs::new(scene.tools.len()),
+            chooser: Chooser::new(link.detail),
             grid: Grid {
                 begin_ns: 0,
                 next_ns: 0,
@@ -134,6 +139,7 @@ impl Ticker {
         self.grid.next_ns = point_ns + TICK_NS;
 
         self.collect();
+        self.inputs.detail = self.chooser.level();
         let input = self.inputs.take(now_ns, skipped);
         // The wall's window encloses the CPU's: CPU time never exceeds wall time.
         let wall = monotonic_ns();
@@ -168,6 +174,7 @@ impl Ticker {
             self.next_snapshot = output.tick + SNAPSHOT_TICKS;
             self.snapshot(unix_ns);
         }
+        self.chooser.took(cpu_end.saturating_sub(cpu));
         self.metrics.skipped += u64::from(skipped);
         self.metrics.late += u64::from(wall_end > self.grid.next_ns);
         let times = TickTimes {

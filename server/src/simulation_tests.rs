@@ -132,6 +132,7 @@ fn bench(rows: usize) -> Bench {
         flags: Arc::default(),
         entries: entries_in,
         buffers: buffers_out,
+        detail: Detail::default(),
         real_time: false,
     };
     let mut ticker = Ticker::new(simulation, Metrics::new().expect("histograms"));

@@ -38,7 +38,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         &recording,
         &ReplayOptions::default(),
         &mut |ticks| bar.set("replaying", ticks as f64 / rows),
-        &mut |scene, input, output| observer.observe(scene, input, output),
+        &mut |scene, input, output, ws| observer.observe(scene, input, output, ws),
     )?;
     bar.done();
     let bytes = std::fs::metadata(path)?.len();

@@ -83,7 +83,7 @@ pub fn run(
         cpu.saturating_record(thread_cpu_ns() - cpu_0);
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
         felt = as_sent(&output);
-        observer.observe(&scene, &input, &output);
+        observer.observe(&scene, &input, &output, &ws);
         let now = started + k * 1_000_000;
         recorder.push(&Row::new(now, &input, &output))?;
         if k.is_multiple_of(SNAPSHOT_TICKS) {

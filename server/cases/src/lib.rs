@@ -3,10 +3,13 @@
 //! The same table feeds the tests, the report and the demo (`--exercise hard/NAME`); the same
 //! measures judge a case, a demo run and a recording.
 
+mod bearing;
 pub mod measure;
+mod residual;
 pub mod ripple;
 pub mod run;
 pub mod scenes;
+mod sway;
 pub mod table;
 
 pub use measure::{Measures, Observer};

@@ -52,7 +52,7 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
         };
         (case.disturb)(k, &mut input);
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-        observer.observe(&scene, &input, &output);
+        observer.observe(&scene, &input, &output, &ws);
         felt = std::array::from_fn(|t| output.tools[t].wrench);
         margin = margin.min((case.margin)(&scene, &output));
     }
