@@ -33,8 +33,8 @@ mod running;
 mod simulation;
 mod transport;
 
-pub use detail::{Budget, Detail};
 pub use config::{Exercise, ServerConfig};
+pub use detail::{Budget, Detail};
 pub use error::ServerError;
 pub use handle::{Server, ServerHandle};
 pub use identity::fingerprint;

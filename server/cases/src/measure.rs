@@ -189,7 +189,9 @@ impl Observer {
             m.exhausted += u64::from(out.status & status::EXHAUSTED != 0);
             let tool = &scene.tools[t];
             if out.converged && out.status & status::SOLVER_FAILED == 0 {
-                m.imbalance = m.imbalance.max(imbalance(ws, t, &now.about_working_point(tool)));
+                m.imbalance = m
+                    .imbalance
+                    .max(imbalance(ws, t, &now.about_working_point(tool)));
             }
             if out.converged
                 && norm(&now.raw.force) > 0.05

@@ -45,7 +45,9 @@ impl Sway {
                 .leaves
                 .iter()
                 .zip(&solid.rest)
-                .fold(0.0, |most: f64, (leaf, rest)| most.max(norm(&(leaf.0 - rest))));
+                .fold(0.0, |most: f64, (leaf, rest)| {
+                    most.max(norm(&(leaf.0 - rest)))
+                });
             self.now = self.now.max(moved);
             if self.loaded[k] {
                 self.let_go[k] = None;
