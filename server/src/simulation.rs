@@ -170,6 +170,7 @@ impl Ticker {
         {
             self.metrics.rows_dropped += 1;
         }
+        self.zones(unix_ns, &output);
         if output.tick >= self.next_snapshot {
             self.next_snapshot = output.tick + SNAPSHOT_TICKS;
             self.snapshot(unix_ns);
@@ -193,6 +194,21 @@ impl Ticker {
             && let Some(pose) = self.link.poses.output_buffer()
         {
             self.inputs.pose(*pose);
+        }
+    }
+
+    /// Says which hands have become heavier in a pocket. (Should the queue be full, the row that carries it
+    /// is missing too, and that is counted.)
+    fn zones(&mut self, unix_ns: u64, output: &TickOutput) {
+        for (tool, out) in output.tools.iter().enumerate() {
+            if let Some(reading) = out.pocket.filter(|reading| reading.entered_zone) {
+                let _ = self.link.entries.push(Entry::Zone {
+                    unix_ns,
+                    tick: output.tick,
+                    tool: tool as u8,
+                    reading,
+                });
+            }
         }
     }
 

@@ -192,6 +192,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
                 tick += 1 + u64::from(row.input.skipped);
                 assert_eq!(row.tick, tick);
             }
+            Entry::Zone { .. } => panic!("there is no pocket"),
             Entry::Snapshot {
                 tick: of, bytes, ..
             } => {

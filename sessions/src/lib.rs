@@ -25,6 +25,7 @@ pub mod info;
 pub mod key;
 pub mod message;
 mod naming;
+pub mod occurrence;
 pub mod read;
 pub mod record;
 pub mod replay;
@@ -41,6 +42,7 @@ pub use header::SessionHeader;
 pub use info::{Info, info};
 pub use key::{KeyError, PublicKey, StationKey};
 pub use message::{Event, Level, Message};
+pub use occurrence::Occurrence;
 pub use read::{Ending, Facts, ReadError, Recording};
 pub use record::{Finished, RecordError, Recorder};
 pub use replay::{

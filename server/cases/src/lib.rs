@@ -4,6 +4,7 @@
 //! measures judge a case, a demo run and a recording.
 
 mod bearing;
+pub mod chart;
 pub mod measure;
 mod residual;
 pub mod ripple;
@@ -12,6 +13,7 @@ pub mod scenes;
 mod sway;
 pub mod table;
 
+pub use chart::Chart;
 pub use measure::{Measures, Observer};
 pub use run::{CaseReport, run};
 pub use table::{Bounds, Case, TABLE, find};
