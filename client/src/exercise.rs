@@ -146,8 +146,16 @@ pub fn prepare(
             // Where a hand would hide a figure the table moves the tool itself; here a person watches,
             // so a hand follows the same script.
             match case.driver {
-                Driver::Kinematic(script) => ((case.scene)(), script(), HandParams::default()),
-                Driver::Closed(script, hand) => ((case.scene)(), script(), hand()),
+                Driver::Kinematic(script) => {
+                    let scene = (case.scene)();
+                    let script = script(&scene);
+                    (scene, script, HandParams::default())
+                }
+                Driver::Closed(script, hand) => {
+                    let scene = (case.scene)();
+                    let script = script(&scene);
+                    (scene, script, hand())
+                }
             }
         } else {
             let Some(lesson) = LESSONS.iter().find(|lesson| lesson.name == name) else {

@@ -11,7 +11,9 @@ use sulcus_core::State;
 use sulcus_core::output::PocketReading;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
-use sulcus_sessions::{Level, Occurrence, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+use sulcus_sessions::{
+    Level, Occurrence, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey,
+};
 
 use crate::ServerConfig;
 use crate::handoff::{Bell, Flags};

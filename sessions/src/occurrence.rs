@@ -94,7 +94,11 @@ mod tests {
         assert_eq!(said.data["zone"], "trauma");
         assert_eq!(said.data["floor_force_n"], 0.53);
         assert_eq!(Occurrence::parse(&said.to_string()), Some(said));
-        for other in ["session ended: Stopped", "x at tick y: {}", "x at tick 1: {"] {
+        for other in [
+            "session ended: Stopped",
+            "x at tick y: {}",
+            "x at tick 1: {",
+        ] {
             assert_eq!(Occurrence::parse(other), None);
         }
     }

@@ -10,6 +10,7 @@
 pub mod crown;
 mod frame;
 pub mod hand;
+pub mod pocket_path;
 pub mod probing;
 pub mod retraction;
 pub mod script;

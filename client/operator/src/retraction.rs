@@ -14,6 +14,9 @@ use crate::script::{Script, smoothstep};
 pub struct RetractionParams {
     /// Length of the exercise, seconds. Default 20.
     pub duration: f64,
+    /// Angle between the press and straight down, radians: 0 on the back of the tongue, more on its flank.
+    /// Default 0.46 (27 degrees).
+    pub flank: f64,
     /// How far the disc goes in. Default 7 mm (5 to 10 are usual).
     pub press: f64,
     /// Force that the hand does not press beyond, newtons. Default 2.
@@ -28,12 +31,15 @@ pub struct RetractionParams {
     pub slide: f64,
     /// Speed of sliding, m/s. Default 8 mm/s.
     pub slide_speed: f64,
+    /// How often it is done at most. Default: until the time is up.
+    pub times: u32,
 }
 
 impl Default for RetractionParams {
     fn default() -> Self {
         Self {
             duration: 20.0,
+            flank: 0.46,
             press: 7e-3,
             most_force: 2.0,
             press_speed: 10e-3,
@@ -41,6 +47,7 @@ impl Default for RetractionParams {
             hold: 1.5,
             slide: 5e-3,
             slide_speed: 8e-3,
+            times: u32::MAX,
         }
     }
 }
@@ -91,12 +98,15 @@ pub struct Retraction {
     inward: Vec3,
     sideways: Vec3,
     along: Vec3,
-    /// Half the thickness and more: from the disc's centre to its far edge.
+    /// From the disc's centre to its far edge, and to its face.
     reach: f64,
+    thickness: f64,
     // What changes while it is performed.
     time: f64,
     phase: Phase,
     force: f64,
+    /// How often it let go.
+    done: u32,
     /// How far in the hand sees the disc, metres.
     seen: f64,
     /// Where the hand means the disc to be: in, aside, along.
@@ -138,15 +148,16 @@ impl Retraction {
         let side = tooth.map_or(1.0, |tooth| {
             (tooth.tree.nodes()[0].centre.y - middle.y).signum()
         });
-        let inward = Vec3::new(0.0, -0.5 * side, -1.0).normalize();
-        let sideways = Vec3::new(0.0, -side, 0.5).normalize();
+        let (sine, cosine) = (libm::sin(params.flank), libm::cos(params.flank));
+        let inward = Vec3::new(0.0, -side * sine, -cosine);
+        let sideways = Vec3::new(0.0, -side * cosine, sine);
         // The disc's far edge points back into the mouth, the handle comes out of it.
         let along = -Vec3::x();
         let frame = ToolFrame::of(tool);
         let disc = tool.working_point;
         let reach = (tool.tip - disc).norm();
         let thickness = face_height(tool, &disc, &-frame.basis.column(1).into_owned(), reach);
-        let touch = touching(tongue, &inward, reach, side).ok_or_else(|| {
+        let touch = touching(tongue, &inward, reach, side * sine).ok_or_else(|| {
             NoTongue(format!(
                 "the mirror would not meet `{}` from above: is z up, and is it a tongue?",
                 tongue.name
@@ -163,12 +174,31 @@ impl Retraction {
             sideways,
             along,
             reach,
+            thickness,
             time: 0.0,
             phase: Phase::Press,
             force: 0.0,
+            done: 0,
             seen: 0.0,
             meant: [-OFF, 0.0, 0.0],
         })
+    }
+
+    /// Where the middle of the disc's face first touches the tongue at rest, world.
+    pub fn touch(&self) -> Vec3 {
+        self.touch + self.inward * self.thickness
+    }
+
+    /// Device pose with the disc's face `deep` metres into the tongue as it is at rest, set off sideways and
+    /// along it.
+    pub fn pose(&self, deep: f64, aside: f64, along: f64) -> Pose {
+        let centre = self.touch
+            + self.inward * deep
+            + self.sideways * aside
+            + self.along * along;
+        // The tool's tip is the disc's far edge; its face looks away from the handle's side.
+        let edge = centre + self.along * self.reach;
+        self.tool.at(&edge, &self.along, &-self.inward)
     }
 
     /// One millisecond of the phase under way.
@@ -200,8 +230,11 @@ impl Retraction {
                     None => Phase::LetGo,
                 }
             }
-            Phase::LetGo if towards(0, -OFF, LET_GO_SPEED) => Phase::Rest(0.8),
-            Phase::Rest(left) if left <= 0.0 => Phase::Press,
+            Phase::LetGo if towards(0, -OFF, LET_GO_SPEED) => {
+                self.done += 1;
+                Phase::Rest(0.8)
+            }
+            Phase::Rest(left) if left <= 0.0 && self.done < p.times => Phase::Press,
             Phase::Rest(left) => {
                 towards(1, 0.0, ASIDE_SPEED);
                 Phase::Rest(left - TICK_S)
@@ -233,14 +266,8 @@ impl Script for Retraction {
         let leaving = smoothstep((t - self.params.duration + 0.5 * TRANSIT) / (0.5 * TRANSIT));
         let away = (1.0 - smoothstep(t / TRANSIT) + leaving).min(1.0);
         let [deep, aside, along] = self.meant;
-        let centre = self.touch
-            + self.inward * (deep - STANDOFF * away)
-            + self.sideways * aside
-            + self.along * along;
-        // The tool's tip is the disc's far edge; its face looks away from the handle's side.
-        let edge = centre + self.along * self.reach;
         let mut targets = [None; MAX_TOOLS];
-        targets[self.slot] = Some(self.tool.at(&edge, &self.along, &-self.inward));
+        targets[self.slot] = Some(self.pose(deep - STANDOFF * away, aside, along));
         targets
     }
 
@@ -258,18 +285,19 @@ fn face_height(tool: &Tool, disc: &Vec3, face: &Vec3, reach: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where a flat disc of radius `reach` that comes along `inward` first meets the tongue's flank on `side`:
-/// the middle of its face.
+/// Where a flat disc of radius `reach` that comes along `inward` first meets the tongue, `side` of the way to
+/// its left flank: the middle of its face.
 fn touching(tongue: &Object, inward: &Vec3, reach: f64, side: f64) -> Option<Vec3> {
     let leaves = || tongue.tree.shape_at(tongue.level).map(|(_, node)| node);
     let huge = Vec3::repeat(f64::INFINITY);
     let (low, high) = leaves().fold((huge, -huge), |(low, high), node| {
         (low.inf(&node.centre), high.sup(&node.centre))
     });
-    // A little in front of the middle: the root behind is stiff, the tip too thin for the disc.
+    // A little in front of the middle: the root behind is stiff, the tip too thin for the disc. A flank lies
+    // off the middle.
     let aim = Vec3::new(
         0.5 * (low.x + high.x) + 0.1 * (high.x - low.x),
-        0.5 * (low.y + high.y) + 0.2 * side * (high.y - low.y),
+        0.5 * (low.y + high.y) + 0.45 * side * (high.y - low.y),
         0.5 * (low.z + high.z),
     );
     let near = leaves().filter(|node| {

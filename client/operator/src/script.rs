@@ -34,6 +34,23 @@ impl<F: Fn(f64) -> Pose> Script for OneTool<F> {
     }
 }
 
+/// A script from a closure for both tools.
+pub struct TwoTools<F> {
+    /// Poses at `t` seconds.
+    pub poses: F,
+    /// Length, seconds.
+    pub duration_s: f64,
+}
+
+impl<F: Fn(f64) -> [Option<Pose>; MAX_TOOLS]> Script for TwoTools<F> {
+    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
+        (self.poses)(t)
+    }
+    fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+}
+
 /// 0 below 0, 1 above 1, smooth (zero slope at both ends) between.
 pub fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);

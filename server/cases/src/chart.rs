@@ -107,7 +107,11 @@ impl Chart {
 /// Index in [`SITES`] of a bearing, radians from mesial over buccal, -pi to pi.
 fn site_at(around: f64) -> usize {
     let degrees = around.to_degrees();
-    let side = if degrees < 0.0 { degrees + 180.0 } else { degrees };
+    let side = if degrees < 0.0 {
+        degrees + 180.0
+    } else {
+        degrees
+    };
     // Along each side of the tooth 90 degrees is its middle; mesial comes first on the buccal side.
     let along = if side < 90.0 - MIDDLE {
         0

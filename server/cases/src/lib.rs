@@ -11,6 +11,7 @@ pub mod ripple;
 pub mod run;
 pub mod scenes;
 mod sway;
+pub mod tissue_scenes;
 pub mod table;
 
 pub use chart::Chart;

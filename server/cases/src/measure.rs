@@ -9,6 +9,9 @@ use crate::bearing::{Bearing, imbalance};
 use crate::residual::FullQuery;
 use crate::sway::Sway;
 
+/// Ticks after which what a resting hand holds has settled.
+const SETTLE_TICKS: u64 = 1000;
+
 /// What a run amounts to. SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
@@ -67,6 +70,9 @@ pub struct Measures {
     pub rebound: f64,
     /// *Unrest*: displacement of the leaf that is farthest from its rest in the last tick seen, metres.
     pub unrest: f64,
+    /// *Drift*: farthest that the graphic tool's working point goes from where it was a second after the
+    /// hand came to rest exactly, while it rests, metres.
+    pub drift: f64,
     /// Largest difference between the raw wrench and `G log(q_h q_g^-1)`, relative, over converged
     /// ticks in contact with more than 0.05 N.
     pub coupling_error: f64,
@@ -83,6 +89,8 @@ pub struct Observer {
     second_differences: f64,
     second_difference_count: u64,
     put_out: f64,
+    /// Ticks since each hand moved, and where the tool then came to be.
+    resting: [(u64, Vec3); MAX_TOOLS],
     query: FullQuery,
     bearing: Bearing,
     sway: Sway,
@@ -119,6 +127,7 @@ impl Observer {
             second_differences: 0.0,
             second_difference_count: 0,
             put_out: 0.0,
+            resting: [(0, Vec3::zeros()); MAX_TOOLS],
             query: FullQuery::new(scene),
             bearing: Bearing::default(),
             sway: Sway::new(scene),
@@ -212,6 +221,13 @@ impl Observer {
             };
             let (hand, graphic) = (norm(&moved(|t| &t.haptic)), norm(&moved(|t| &t.graphic)));
             m.jump = m.jump.max(graphic - hand);
+            let at = now.graphic.transform(&tool.working_point);
+            let (rest, place) = &mut self.resting[t];
+            *rest = if now.haptic == before.haptic { *rest + 1 } else { 0 };
+            if *rest <= SETTLE_TICKS {
+                *place = at;
+            }
+            m.drift = m.drift.max(norm(&(at - *place)));
             let change = now.raw.force - before.raw.force;
             m.force_step = m
                 .force_step

@@ -12,6 +12,7 @@ pub mod cache;
 pub mod carry;
 pub mod check;
 mod cluster;
+pub mod built_in;
 pub mod compile;
 pub mod distance;
 mod edges;
