@@ -6,6 +6,7 @@
 mod bearing;
 pub mod chart;
 pub mod measure;
+pub mod pocket;
 mod residual;
 pub mod ripple;
 pub mod run;

@@ -15,6 +15,8 @@ use crate::solid::SolidError;
 
 /// Text of the scene that is used when none is named.
 pub const DEFAULT_SCENE: &str = include_str!("../../scenes/crown.toml");
+/// Text of the scene of one molar with its gingiva and a pocket.
+pub const POCKET_SCENE: &str = include_str!("../../scenes/pocket.toml");
 
 /// How to build, apart from what the scene file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -167,7 +169,7 @@ fn compile(
     }
     let mut objects = Vec::new();
     for entry in &source.objects {
-        objects.push(compiler.object(entry)?);
+        objects.push(compiler.object(entry, &source.objects)?);
     }
     let source_hash = compiler.hasher.finalize().to_hex().to_string();
     let mut warnings = compiler.warnings;

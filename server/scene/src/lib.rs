@@ -19,6 +19,7 @@ mod edges;
 pub mod error;
 pub mod file;
 mod fit;
+pub mod gingiva;
 mod level;
 pub mod load;
 pub mod medial;

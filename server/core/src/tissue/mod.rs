@@ -13,6 +13,8 @@
 //! All calls are batched over the rows of one object, and compliance is a 3x3 block per sphere
 //! pair: `n_i' C_ij n_j`.
 
+pub mod gingiva;
+
 use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
@@ -134,6 +136,8 @@ pub trait Tissue: Debug + Send {
 pub enum TissueModel {
     /// A tooth, a jaw, an instrument on a stand: does not yield.
     Rigid,
+    /// The collar around a tooth, with its pocket.
+    Gingiva(Box<gingiva::Gingiva>),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -155,9 +159,10 @@ impl TissueModel {
     /// The model made ready for an object with the tree `rest` touched at `level`; none for what is rigid.
     /// The model must have passed [`TissueModel::validate`].
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
-        let _ = (rest, level);
+        let _ = level;
         match self {
             TissueModel::Rigid => None,
+            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -165,9 +170,9 @@ impl TissueModel {
 
     /// Numbers of state that outlive a tick.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
-        let _ = rest;
         match self {
             TissueModel::Rigid => 0,
+            TissueModel::Gingiva(model) => model.state_len(rest),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -178,8 +183,10 @@ impl TissueModel {
     /// # Errors
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
-        let _ = rest;
-        Ok(())
+        match self {
+            TissueModel::Gingiva(model) => model.validate(rest),
+            _ => Ok(()),
+        }
     }
 
     /// Whether nothing of it ever moves, so that a tick need not ask.
