@@ -192,10 +192,7 @@ impl Retraction {
     /// Device pose with the disc's face `deep` metres into the tongue as it is at rest, set off sideways and
     /// along it.
     pub fn pose(&self, deep: f64, aside: f64, along: f64) -> Pose {
-        let centre = self.touch
-            + self.inward * deep
-            + self.sideways * aside
-            + self.along * along;
+        let centre = self.touch + self.inward * deep + self.sideways * aside + self.along * along;
         // The tool's tip is the disc's far edge; its face looks away from the handle's side.
         let edge = centre + self.along * self.reach;
         self.tool.at(&edge, &self.along, &-self.inward)

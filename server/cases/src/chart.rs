@@ -170,7 +170,7 @@ impl<'a> Pocket<'a> {
             }
         }
         let params = &gingiva.params;
-        gingiva.margin_at(around) - nearest.1 + params.reading_force / params.floor_stiffness
+        gingiva.margin_at(around) - nearest.1 + params.sink()
     }
 }
 

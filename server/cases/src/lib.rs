@@ -12,8 +12,8 @@ pub mod ripple;
 pub mod run;
 pub mod scenes;
 mod sway;
-pub mod tissue_scenes;
 pub mod table;
+pub mod tissue_scenes;
 
 pub use chart::Chart;
 pub use measure::{Measures, Observer};

@@ -223,7 +223,11 @@ impl Observer {
             m.jump = m.jump.max(graphic - hand);
             let at = now.graphic.transform(&tool.working_point);
             let (rest, place) = &mut self.resting[t];
-            *rest = if now.haptic == before.haptic { *rest + 1 } else { 0 };
+            *rest = if now.haptic == before.haptic {
+                *rest + 1
+            } else {
+                0
+            };
             if *rest <= SETTLE_TICKS {
                 *place = at;
             }

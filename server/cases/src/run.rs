@@ -29,9 +29,7 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
     let mut felt = [Wrench::ZERO; MAX_TOOLS];
     let mut margin = f64::INFINITY;
     let mut operator = match case.driver {
-        Driver::Closed(script, params) => {
-            Some(Operator::new(script(&scene), params(), case.seed))
-        }
+        Driver::Closed(script, params) => Some(Operator::new(script(&scene), params(), case.seed)),
         Driver::Kinematic(_) => None,
     };
     let mut script = match case.driver {

@@ -113,13 +113,7 @@ impl Bounds {
         );
         most("jump", m.jump, self.jump, 1e3, "mm");
         most("force step", m.force_step, self.force_step, 1.0, "N");
-        most(
-            "torque step",
-            m.torque_step,
-            self.torque_step,
-            1e3,
-            "N mm",
-        );
+        most("torque step", m.torque_step, self.torque_step, 1e3, "N mm");
         most("step sent", m.sent_step, self.sent_step, 1.0, "N");
         most("buzz", m.buzz, self.buzz, 1.0, "N");
         most("imbalance", m.imbalance, self.imbalance, 100.0, "%");

@@ -56,7 +56,10 @@ pub fn tongue(coupling: f64) -> Scene {
 pub fn pocket(width: &str) -> Scene {
     changed(
         BuiltIn::Pocket,
-        &[("width_mm", width), ("depths_mm", "[4.0, 4.0, 4.0, 4.0, 4.0, 4.0]")],
+        &[
+            ("width_mm", width),
+            ("depths_mm", "[4.0, 4.0, 4.0, 4.0, 4.0, 4.0]"),
+        ],
     )
 }
 

@@ -11,6 +11,7 @@ use crate::check::MeshError;
 use crate::file::{self, FileError, SceneFile};
 use crate::load::LoadError;
 use crate::parts::Compiler;
+use crate::skeleton::SkeletonError;
 use crate::solid::SolidError;
 
 /// Text of the scene that is used when none is named.
@@ -67,6 +68,14 @@ pub enum BuildError {
         part: String,
         /// Why.
         source: TreeBuildError,
+    },
+    /// A skeleton cannot be made.
+    #[error("{part}: {source}")]
+    Skeleton {
+        /// The object.
+        part: String,
+        /// Why.
+        source: SkeletonError,
     },
     /// The parts do not make a scene.
     #[error("{}: {source}", file.display())]

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
-use crate::parametric::{Mirror, Molar, Pocket, Probe};
+use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
+use crate::skeleton::SkeletonOptions;
 
 /// A scene file as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,8 @@ pub enum ObjectKind {
     Molar,
     /// The gingiva of one of the file's molars, at its place: wants `tooth` and `tissue = "gingiva"`.
     Gingiva,
+    /// A tongue at rest.
+    Tongue,
 }
 
 /// How an object yields.
@@ -56,6 +59,8 @@ pub enum TissueEntry {
     /// Not at all.
     #[default]
     Rigid,
+    /// As a whole, on a skeleton of springs: a tongue.
+    Skeleton,
     /// As a gingiva does; wants `kind = "gingiva"`.
     Gingiva,
 }
@@ -146,6 +151,8 @@ pub struct ObjectEntry {
     pub kind: Option<ObjectKind>,
     /// Dimensions of a parametric molar that differ from the defaults.
     pub molar: Option<Molar>,
+    /// Dimensions of a parametric tongue that differ from the defaults.
+    pub tongue: Option<Tongue>,
     /// STL, OBJ or PLY file, relative to the scene file.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
@@ -168,6 +175,8 @@ pub struct ObjectEntry {
     pub pocket: Option<Pocket>,
     /// Parameters of a gingiva that differ from the defaults.
     pub gingiva: Option<GingivaEntry>,
+    /// Parameters of `tissue = "skeleton"` that differ from the defaults.
+    pub skeleton: Option<SkeletonOptions>,
 }
 
 fn contact_level() -> u8 {

@@ -8,11 +8,11 @@
 
 pub mod blend;
 pub mod build;
+pub mod built_in;
 pub mod cache;
 pub mod carry;
 pub mod check;
 mod cluster;
-pub mod built_in;
 pub mod compile;
 pub mod distance;
 mod edges;
@@ -34,13 +34,15 @@ mod relocate;
 pub mod repair;
 pub mod sample;
 pub mod shapes;
+pub mod skeleton;
 pub mod solid;
 mod validate;
 mod volume;
 pub mod zone;
 
+pub use built_in::{BuiltIn, compile_built_in};
 pub use cache::default_cache_dir;
 pub use compile::{
-    BuildError, BuildOptions, Compiled, compile_default, compile_file, default_scene,
+    BuildError, BuildOptions, Compiled, compile_default, compile_file, compile_text, default_scene,
 };
 pub use solid::{Solid, SolidError, read_solid};

@@ -18,10 +18,12 @@ use crate::gingiva::{Surrounding, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::parametric::{Collar, Mirror, Probe};
+use crate::skeleton::skeleton;
 use crate::solid::read_solid;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
 const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
+const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
 
 /// What the parts of one scene share while they are made.
@@ -114,24 +116,38 @@ impl Compiler<'_> {
         let mesh = match entry.kind {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
+            Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
             None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
         };
         let wanted = TreeOptions {
             levels: entry.levels,
-            blended: true,
+            blended: entry.tissue == TissueEntry::Rigid,
+            volumetric: entry.tissue == TissueEntry::Skeleton,
             ..TreeOptions::default()
         };
         let place = Vec3::from(entry.translate_mm) * 1e-3;
         // The tree is built where the mesh was drawn, so that the cache serves every place.
         let (tree, level) = self.tree(&part, &mesh, entry.level, wanted)?;
-        let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
         let tissue = match entry.tissue {
             // (A gingiva was made above.)
             TissueEntry::Rigid | TissueEntry::Gingiva => TissueModel::Rigid,
+            TissueEntry::Skeleton => {
+                let options = entry.skeleton.clone().unwrap_or_default();
+                let made = skeleton(&tree, &mesh, &options).map_err(|source| {
+                    let part = part.clone();
+                    BuildError::Skeleton { part, source }
+                })?;
+                TissueModel::Skeleton(Box::new(made))
+            }
+        };
+        let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
+        let colour = match entry.tissue {
+            TissueEntry::Rigid | TissueEntry::Gingiva => TOOTH_COLOUR,
+            TissueEntry::Skeleton => TONGUE_COLOUR,
         };
         let mesh = mesh.placed(1.0, place);
         let carriers = carriers(&tree, &mesh.vertices);
-        let mesh = mesh.to_display(TOOTH_COLOUR);
+        let mesh = mesh.to_display(colour);
         Ok(Object {
             name: entry.name.clone(),
             fdi: entry.fdi,
@@ -239,7 +255,7 @@ impl Compiler<'_> {
         wanted.levels = wanted
             .levels
             .min(self.options.deepest.unwrap_or(u8::MAX))
-            .max(1);
+            .max(if wanted.volumetric { 2 } else { 1 });
         let key = cache::key(mesh, &wanted, weights.map_or("", |weights| weights.0));
         let (done, parts) = (self.done as f64, self.parts as f64);
         self.done += 1;

@@ -186,7 +186,9 @@ pub(super) const CASES: &[Case] = &[
                 let pose = |site: f64, late: f64| {
                     let t = t - late;
                     let down = smoothstep(t / 1.5) - smoothstep((t - 4.0) / 1.5);
-                    let tilt = TURN * libm::sin(3.0 * t) * smoothstep((t - 1.5) / 0.2)
+                    let tilt = TURN
+                        * libm::sin(3.0 * t)
+                        * smoothstep((t - 1.5) / 0.2)
                         * (1.0 - smoothstep((t - 3.5) / 0.2));
                     let bearing = path.bearing(site);
                     Some(path.pose(bearing, -2e-3 + 6e-3 * down, tilt, Vec3::zeros()))
@@ -206,9 +208,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || {
             let mut scene = tongue(0.5);
             let touch = mirror(&scene, 0.0).touch();
-            scene
-                .objects
-                .push(bar(touch + Vec3::new(0.0, 8e-3, -4e-3)));
+            scene.objects.push(bar(touch + Vec3::new(0.0, 8e-3, -4e-3)));
             scene
         },
         driver: Driver::Kinematic(|scene| {
@@ -230,7 +230,11 @@ pub(super) const CASES: &[Case] = &[
         driver: Driver::Kinematic(|scene| {
             let mirror = mirror(scene, 0.0);
             let pose = move |t: f64| {
-                let deep = if (0.3..1.5).contains(&t) { 15e-3 } else { -5e-3 };
+                let deep = if (0.3..1.5).contains(&t) {
+                    15e-3
+                } else {
+                    -5e-3
+                };
                 mirror.pose(deep, 0.0, 0.0)
             };
             Box::new(OneTool {
@@ -248,7 +252,11 @@ pub(super) const CASES: &[Case] = &[
             let path = path(scene);
             let bearing = path.bearing(BUCCAL);
             let pose = move |t: f64| {
-                let depth = if (0.3..1.5).contains(&t) { 6e-3 } else { -14e-3 };
+                let depth = if (0.3..1.5).contains(&t) {
+                    6e-3
+                } else {
+                    -14e-3
+                };
                 path.pose(bearing, depth, 0.0, Vec3::zeros())
             };
             Box::new(OneTool {

@@ -14,6 +14,7 @@
 //! pair: `n_i' C_ij n_j`.
 
 pub mod gingiva;
+pub mod skeleton;
 
 use std::fmt::Debug;
 
@@ -138,6 +139,8 @@ pub enum TissueModel {
     Rigid,
     /// The collar around a tooth, with its pocket.
     Gingiva(Box<gingiva::Gingiva>),
+    /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
+    Skeleton(Box<skeleton::Skeleton>),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -163,6 +166,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => None,
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
+            TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -173,6 +177,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => 0,
             TissueModel::Gingiva(model) => model.state_len(rest),
+            TissueModel::Skeleton(model) => model.state_len(),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -185,6 +190,7 @@ impl TissueModel {
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         match self {
             TissueModel::Gingiva(model) => model.validate(rest),
+            TissueModel::Skeleton(model) => model.validate(rest),
             _ => Ok(()),
         }
     }

@@ -1,14 +1,16 @@
 //! Shapes from a handful of numbers: a tooth, a probe and a mirror that need no data and no licence.
 
-mod blend;
+pub(crate) mod blend;
 pub mod gingiva;
 pub mod mirror;
 pub mod molar;
 pub mod polygonise;
 pub mod probe;
+pub mod tongue;
 mod tube;
 
 pub use gingiva::{Collar, Pocket};
 pub use mirror::Mirror;
 pub use molar::Molar;
 pub use probe::Probe;
+pub use tongue::Tongue;

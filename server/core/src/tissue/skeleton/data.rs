@@ -1,0 +1,277 @@
+//! What a scene says of a skeleton, and what of it cannot stand.
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::{Vec3, norm};
+use crate::params::within;
+use crate::tissue::TissueError;
+use crate::tree::SphereTree;
+
+/// Most nodes of a skeleton: the inverse is dense.
+pub const MAX_SKELETON_NODES: usize = 1024;
+/// Skeleton nodes that carry a sphere.
+pub const CARRIERS: usize = 4;
+/// Closest that two nodes joined by a spring may be, metres.
+const SHORTEST_SPRING: f64 = 1e-6;
+
+/// An organ that deforms as a whole: a coarse skeleton, and where the time that is left allows it a fine
+/// one (the paper's section 3.1). Both belong to one tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Skeleton {
+    /// In force at [`crate::TickInput::detail`] 0.
+    pub coarse: SkeletonLevel,
+    /// In force at detail 1; without it that is the coarse one too.
+    pub fine: Option<SkeletonLevel>,
+}
+
+/// Springs and masses on some nodes of a sphere tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SkeletonLevel {
+    /// Nodes of the tree that are the skeleton's nodes; their rest centres are its rest.
+    pub nodes: Vec<u32>,
+    /// For each of them whether it never moves.
+    pub fixed: Vec<bool>,
+    /// What joins them.
+    pub springs: Vec<Spring>,
+    /// Numbers that all nodes share.
+    pub params: SkeletonParams,
+    /// For each node of the tree which skeleton nodes carry it.
+    pub skin: Vec<Skin>,
+}
+
+/// A spring between two skeleton nodes. It resists the difference of their displacements (the paper's Eq. 1
+/// as a vector spring with the sign mended): at rest along any direction, so the three axes do not couple.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spring {
+    /// Index in [`SkeletonLevel::nodes`].
+    pub a: u16,
+    /// Index in [`SkeletonLevel::nodes`].
+    pub b: u16,
+    /// Stiffness along the world's x, y and z at small stretch, N/m. 1e-3 to 1e7.
+    pub stiffness: [f64; 3],
+}
+
+/// Numbers that all nodes of a skeleton share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SkeletonParams {
+    /// Mass of a node, kg. A real tongue (1.04 g/cm3) has about 1.3 g for each of 64 nodes. 1e-7 to 10.
+    pub mass: f64,
+    /// Damping of a node's motion against the world, N s/m (the paper's `b_c`; it resists rigid motion too,
+    /// which fixed nodes rule out). 0 to 1e4; about 0.5 for 64 nodes keeps a soft tongue from ringing.
+    pub damping: f64,
+    /// How stiffness grows with stretch.
+    pub law: StretchLaw,
+}
+
+/// Stiffness by stretch. With `e` the length of a spring's change in units of its rest length (the axes
+/// weighted by their stiffness), stiffness is `1 + (limit - 1) x / (1 + x)` times that at rest, `x = (e / half)^2`.
+///
+/// The stretch counts the change's every direction, as Eq. 1 does: so the force has a potential, and no
+/// closed path of a hand gains energy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StretchLaw {
+    /// Stiffness of a very much stretched spring over that at rest. 1 (always the same) to 100.
+    pub limit: f64,
+    /// Stretch at which half of the growth is reached. 0.01 to 100.
+    pub half: f64,
+}
+
+impl StretchLaw {
+    /// The same stiffness at any stretch.
+    pub const LINEAR: StretchLaw = StretchLaw {
+        limit: 1.0,
+        half: 1.0,
+    };
+
+    /// Stiffness over that at rest, where `x` is the square of the stretch in units of `half`.
+    #[inline]
+    pub fn factor(&self, x: f64) -> f64 {
+        1.0 + (self.limit - 1.0) * x / (1.0 + x)
+    }
+
+    /// Steepest slope of force over displacement at any stretch, over that at rest: the slope is
+    /// `1 + (limit - 1) (3 y - 2 y^2)` at `y = x / (1 + x)`, steepest at `y = 3/4`.
+    pub fn steepest(&self) -> f64 {
+        1.0 + 1.125 * (self.limit - 1.0)
+    }
+}
+
+/// Which skeleton nodes carry a sphere of the tree: it moves by the weighted mean of their displacements, and hands
+/// loads on by the same weights.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Skin {
+    /// Indices in [`SkeletonLevel::nodes`].
+    pub nodes: [u16; CARRIERS],
+    /// Not negative, sum 1.
+    pub weights: [f64; CARRIERS],
+}
+
+fn wrong(
+    field: &'static str,
+    found: impl ToString,
+    expected: impl ToString,
+) -> Result<(), TissueError> {
+    Err(TissueError {
+        field,
+        found: found.to_string(),
+        expected: expected.to_string(),
+    })
+}
+
+impl Skeleton {
+    /// Checks both levels against the tree.
+    ///
+    /// # Errors
+    /// Names the field, the value found and the value expected.
+    pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
+        self.coarse.validate(rest)?;
+        self.fine
+            .as_ref()
+            .map_or(Ok(()), |fine| fine.validate(rest))
+    }
+
+    /// Numbers of state: displacements and velocities of all free nodes; with two levels also the
+    /// share of the fine one.
+    pub fn state_len(&self) -> usize {
+        let fine = self.fine.as_ref().map_or(0, |fine| 6 * fine.free() + 1);
+        6 * self.coarse.free() + fine
+    }
+}
+
+impl SkeletonParams {
+    fn validate(&self) -> Result<(), TissueError> {
+        if !within(self.mass, 1e-7, 10.0) {
+            return wrong("mass of a skeleton node", self.mass, "1e-7 to 10 kg");
+        }
+        if !within(self.damping, 0.0, 1e4) {
+            return wrong("damping of a skeleton node", self.damping, "0 to 1e4 N s/m");
+        }
+        if !within(self.law.limit, 1.0, 100.0) {
+            return wrong("limit of the stretch law", self.law.limit, "1 to 100");
+        }
+        if !within(self.law.half, 0.01, 100.0) {
+            return wrong("half of the stretch law", self.law.half, "0.01 to 100");
+        }
+        Ok(())
+    }
+}
+
+impl SkeletonLevel {
+    /// Nodes that can move.
+    pub fn free(&self) -> usize {
+        self.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    /// Checks the level against the tree.
+    ///
+    /// # Errors
+    /// Names the field, the value found and the value expected; of a node that no springs join to a fixed one,
+    /// which it is.
+    pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
+        self.params.validate()?;
+        let (n, tree) = (self.nodes.len(), rest.nodes());
+        if !(2..=MAX_SKELETON_NODES).contains(&n) {
+            return wrong("number of skeleton nodes", n, "2 to 1024");
+        }
+        if self.fixed.len() != n {
+            return wrong("fixed flags of the skeleton", self.fixed.len(), n);
+        }
+        if self.free() == 0 || self.free() == n {
+            return wrong(
+                "number of free skeleton nodes",
+                self.free(),
+                "at least 1, and at least 1 that is fixed",
+            );
+        }
+        if let Some(node) = self.nodes.iter().find(|&&node| node as usize >= tree.len()) {
+            return wrong(
+                "skeleton node",
+                format!("tree node {node}"),
+                format!("one of {}", tree.len()),
+            );
+        }
+        for spring in &self.springs {
+            let (a, b) = (usize::from(spring.a), usize::from(spring.b));
+            if a >= n || b >= n || a == b {
+                return wrong(
+                    "spring of the skeleton",
+                    format!("between {a} and {b}"),
+                    format!("two different nodes under {n}"),
+                );
+            }
+            let length = norm(&self.reach(spring, rest));
+            if !within(length, SHORTEST_SPRING, f64::INFINITY) {
+                return wrong(
+                    "length of a spring",
+                    format!("{length} m between {a} and {b}"),
+                    "at least a micrometre",
+                );
+            }
+            if let Some(k) = spring.stiffness.iter().find(|k| !within(**k, 1e-3, 1e7)) {
+                return wrong(
+                    "stiffness of a spring",
+                    format!("{k} N/m between {a} and {b}"),
+                    "1e-3 to 1e7 N/m",
+                );
+            }
+        }
+        if let Some(lost) = self.lost() {
+            let at: Vec3 = tree[self.nodes[lost] as usize].centre * 1e3;
+            return wrong(
+                "skeleton node",
+                format!(
+                    "{lost} at ({:.1}, {:.1}, {:.1}) mm without a way to a fixed node",
+                    at.x, at.y, at.z
+                ),
+                "springs that lead to a fixed node",
+            );
+        }
+        if self.skin.len() != tree.len() {
+            return wrong("skin of the skeleton", self.skin.len(), tree.len());
+        }
+        for (k, skin) in self.skin.iter().enumerate() {
+            let sum: f64 = skin.weights.iter().sum();
+            if skin.weights.iter().any(|w| !within(*w, 0.0, 1.0))
+                || !within(sum, 1.0 - 1e-9, 1.0 + 1e-9)
+            {
+                return wrong(
+                    "skin weights",
+                    format!("{:?} of tree node {k}", skin.weights),
+                    "none negative, sum 1",
+                );
+            }
+            if let Some(node) = skin.nodes.iter().find(|&&node| usize::from(node) >= n) {
+                return wrong(
+                    "skin",
+                    format!("skeleton node {node} for tree node {k}"),
+                    format!("one under {n}"),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// From one end of a spring to the other at rest, metres.
+    pub(super) fn reach(&self, spring: &Spring, rest: &SphereTree) -> Vec3 {
+        let centre = |k: u16| rest.nodes()[self.nodes[usize::from(k)] as usize].centre;
+        centre(spring.b) - centre(spring.a)
+    }
+
+    /// A free node that springs do not join to any fixed one, if there is one: it would drift for ever.
+    pub fn lost(&self) -> Option<usize> {
+        let mut held = self.fixed.clone();
+        loop {
+            let mut more = false;
+            for spring in &self.springs {
+                let (a, b) = (usize::from(spring.a), usize::from(spring.b));
+                if held[a] != held[b] {
+                    (held[a], held[b]) = (true, true);
+                    more = true;
+                }
+            }
+            if !more {
+                return held.iter().position(|held| !held);
+            }
+        }
+    }
+}

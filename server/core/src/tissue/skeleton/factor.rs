@@ -1,0 +1,179 @@
+//! The step matrices of a skeleton's three axes, factored once: sparse `L D L'` in an order that keeps
+//! fill small. The axes share their graph, so every entry holds all three side by side.
+
+/// A number for each axis; the fourth lane pads and stays zero.
+pub(super) type Axes = [f64; 4];
+
+/// `y += a x` lane by lane.
+#[inline(always)]
+pub(super) fn add_product(y: &mut Axes, a: &Axes, x: &Axes) {
+    for k in 0..4 {
+        y[k] += a[k] * x[k];
+    }
+}
+
+/// `y -= a x` lane by lane.
+#[inline(always)]
+pub(super) fn subtract_product(y: &mut Axes, a: &Axes, x: &Axes) {
+    for k in 0..4 {
+        y[k] -= a[k] * x[k];
+    }
+}
+
+/// Symmetric positive definite matrix, dense, row-major: what is factored.
+#[derive(Clone, Debug)]
+pub(super) struct Matrix {
+    pub n: usize,
+    pub entries: Vec<Axes>,
+}
+
+impl Matrix {
+    pub fn zeros(n: usize) -> Self {
+        Self {
+            n,
+            entries: vec![[0.0; 4]; n * n],
+        }
+    }
+
+    pub fn at(&mut self, i: usize, j: usize) -> &mut Axes {
+        &mut self.entries[i * self.n + j]
+    }
+}
+
+/// Order of elimination by least degree: node by node whichever then has the fewest neighbours left.
+pub(super) fn elimination_order(
+    n: usize,
+    edges: impl Iterator<Item = (usize, usize)>,
+) -> Vec<usize> {
+    let mut joined = vec![false; n * n];
+    for (i, j) in edges {
+        joined[i * n + j] = true;
+        joined[j * n + i] = true;
+    }
+    let mut left: Vec<usize> = (0..n).collect();
+    let mut order = Vec::with_capacity(n);
+    while !left.is_empty() {
+        let degree = |i: usize| left.iter().filter(|&&j| joined[i * n + j]).count();
+        let mut best = (usize::MAX, 0);
+        for (place, &i) in left.iter().enumerate() {
+            let d = degree(i);
+            if d < best.0 {
+                best = (d, place);
+            }
+        }
+        let gone = left.remove(best.1);
+        let around: Vec<usize> = left
+            .iter()
+            .copied()
+            .filter(|&j| joined[gone * n + j])
+            .collect();
+        for &i in &around {
+            for &j in &around {
+                joined[i * n + j] |= i != j;
+            }
+        }
+        order.push(gone);
+    }
+    order
+}
+
+/// `L D L'` of a matrix whose rows are in the order of elimination.
+#[derive(Clone, Debug)]
+pub(super) struct Factor {
+    /// Where each column's entries begin; one more for the end.
+    start: Vec<u32>,
+    /// Rows of the entries below the diagonal, column by column.
+    rows: Vec<u16>,
+    entries: Vec<Axes>,
+    /// `1 / D`, zero in the padding.
+    inverse_diagonal: Vec<Axes>,
+}
+
+impl Factor {
+    /// Factors `matrix`, of which the lower triangle is read.
+    pub fn new(mut matrix: Matrix) -> Self {
+        let n = matrix.n;
+        // Where fill comes; a value that happens to cancel is still a place.
+        let mut filled: Vec<bool> = matrix
+            .entries
+            .iter()
+            .map(|entry| entry.iter().any(|x| *x != 0.0))
+            .collect();
+        let mut factor = Self {
+            start: vec![0],
+            rows: Vec::new(),
+            entries: Vec::new(),
+            inverse_diagonal: Vec::with_capacity(n),
+        };
+        for j in 0..n {
+            let pivot = *matrix.at(j, j);
+            let mut inverse = [0.0; 4];
+            for k in 0..3 {
+                inverse[k] = 1.0 / pivot[k];
+            }
+            let below: Vec<usize> = (j + 1..n).filter(|&i| filled[i * n + j]).collect();
+            for &i in &below {
+                let mut l = *matrix.at(i, j);
+                for k in 0..4 {
+                    l[k] *= inverse[k];
+                }
+                for &c in below.iter().take_while(|&&c| c <= i) {
+                    let other = *matrix.at(c, j);
+                    subtract_product(matrix.at(i, c), &l, &other);
+                    filled[i * n + c] = true;
+                }
+                factor.rows.push(i as u16);
+                factor.entries.push(l);
+            }
+            factor.start.push(factor.rows.len() as u32);
+            factor.inverse_diagonal.push(inverse);
+        }
+        factor
+    }
+
+    /// Solves in place.
+    pub fn solve(&self, x: &mut [Axes]) {
+        let columns = || self.start.windows(2).map(|w| w[0] as usize..w[1] as usize);
+        for (j, column) in columns().enumerate() {
+            let pivot = x[j];
+            let below = self.rows[column.clone()].iter().zip(&self.entries[column]);
+            for (&i, l) in below {
+                subtract_product(&mut x[usize::from(i)], l, &pivot);
+            }
+            for k in 0..4 {
+                x[j][k] = pivot[k] * self.inverse_diagonal[j][k];
+            }
+        }
+        for (j, column) in columns().enumerate().rev() {
+            let mut sum = x[j];
+            let below = self.rows[column.clone()].iter().zip(&self.entries[column]);
+            for (&i, l) in below {
+                subtract_product(&mut sum, l, &x[usize::from(i)]);
+            }
+            x[j] = sum;
+        }
+    }
+
+    /// The dense inverse, row by row; symmetric to rounding.
+    pub fn inverse(&self) -> Vec<Axes> {
+        let n = self.inverse_diagonal.len();
+        let mut all = vec![[0.0; 4]; n * n];
+        for (j, row) in all.chunks_exact_mut(n).enumerate() {
+            row[j] = [1.0, 1.0, 1.0, 0.0];
+            self.solve(row);
+        }
+        // Both halves the same bits: the matrix of contacts must be symmetric whichever is read.
+        for i in 0..n {
+            for j in 0..i {
+                all[i * n + j] = all[j * n + i];
+            }
+        }
+        all
+    }
+
+    /// Entries below the diagonal.
+    #[cfg(test)]
+    pub fn fill(&self) -> usize {
+        self.rows.len()
+    }
+}

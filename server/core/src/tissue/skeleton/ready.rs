@@ -1,0 +1,262 @@
+//! A skeleton in a tick: one level or two, and the way from one to the other.
+
+use crate::TICK_S;
+use crate::math::{Vec3, fclamp};
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue};
+use crate::tree::SphereTree;
+
+use super::data::Skeleton;
+use super::factor::Axes;
+use super::lattice::{Lattice, farthest};
+
+/// Most that the share of the fine level changes in a tick: a whole change takes 0.2 s.
+const SHIFT: f64 = 1.0 / 200.0;
+/// Displacement and velocity under which what nothing loads is at rest, metres and m/s: a hundredth of the
+/// bound on a return to rest.
+const REST_M: f64 = 1e-8;
+const REST_M_PER_S: f64 = 1e-6;
+
+/// A [`Skeleton`] made ready. Its state is `u` and `v` of the coarse level's free nodes (three numbers a node),
+/// then of the fine one's, then the share of the fine one; a level out of force is all zeros. A configuration
+/// is `u` of both levels, four numbers a node.
+///
+/// While the share `s` is between 0 and 1 both levels bear the whole load and a sphere is where
+/// `(1-s)` and `s` of them say: its compliance is the same mixture, and for a constant share the whole is
+/// passive because its parts are.
+#[derive(Debug)]
+pub(in crate::tissue) struct Ready {
+    rest: Vec<Vec3>,
+    coarse: Lattice,
+    fine: Option<Lattice>,
+    /// Share of the fine level in this tick.
+    share: f64,
+    /// Configuration at the start of this tick, and velocities.
+    start: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+/// The part of a configuration that a level reads, node by node.
+fn nodes(shape: &[f64]) -> &[Axes] {
+    shape.as_chunks().0
+}
+
+fn nodes_mut(shape: &mut [f64]) -> &mut [Axes] {
+    shape.as_chunks_mut().0
+}
+
+/// Three numbers a node to four.
+fn widen(from: &[f64], to: &mut [f64]) {
+    for (from, to) in from.chunks_exact(3).zip(nodes_mut(to)) {
+        *to = [from[0], from[1], from[2], 0.0];
+    }
+}
+
+fn narrow(from: &[f64], to: &mut [f64]) {
+    for (from, to) in nodes(from).iter().zip(to.chunks_exact_mut(3)) {
+        to.copy_from_slice(&from[..3]);
+    }
+}
+
+impl Ready {
+    /// `model` must have passed its check against `rest`.
+    pub fn new(model: &Skeleton, rest: &SphereTree) -> Self {
+        let coarse = Lattice::new(&model.coarse, rest);
+        let fine = model.fine.as_ref().map(|fine| Lattice::new(fine, rest));
+        let len = coarse.shape_len() + fine.as_ref().map_or(0, Lattice::shape_len);
+        Self {
+            rest: rest.nodes().iter().map(|node| node.centre).collect(),
+            coarse,
+            fine,
+            share: 0.0,
+            start: vec![0.0; len],
+            velocity: vec![0.0; len],
+        }
+    }
+
+    /// Where the fine level's numbers begin in a configuration and in the state.
+    fn cuts(&self) -> (usize, usize) {
+        (self.coarse.shape_len(), 6 * self.coarse.free())
+    }
+
+    /// Levels in force.
+    fn in_force(&self) -> (bool, Option<&Lattice>) {
+        (
+            self.share < 1.0,
+            self.fine.as_ref().filter(|_| self.share > 0.0),
+        )
+    }
+}
+
+/// Reads displacements and velocities of one level.
+fn read(state: &[f64], u: &mut [f64], v: &mut [f64]) {
+    let (us, vs) = state.split_at(state.len() / 2);
+    widen(us, u);
+    widen(vs, v);
+}
+
+/// Gives the nodes of a level that comes into force the motion of the level that was in force.
+fn map(from: &Lattice, u: &[f64], v: &[f64], to: &Lattice, to_u: &mut [f64], to_v: &mut [f64]) {
+    let all = to
+        .tree_nodes()
+        .iter()
+        .zip(nodes_mut(to_u))
+        .zip(nodes_mut(to_v));
+    for ((&node, to_u), to_v) in all {
+        *to_u = from.displacement(nodes(u), node);
+        *to_v = from.displacement(nodes(v), node);
+    }
+}
+
+impl Tissue for Ready {
+    fn shape_len(&self) -> usize {
+        self.start.len()
+    }
+
+    fn free_step(
+        &mut self,
+        state: &[f64],
+        hands: &Hands<'_>,
+        shape: &mut [f64],
+        free: &mut [f64],
+    ) -> bool {
+        let (cut, state_cut) = self.cuts();
+        let (wanted, last) = match (&self.fine, state.last()) {
+            (Some(_), Some(share)) => (f64::from(hands.detail.min(1)), fclamp(*share, 0.0, 1.0)),
+            _ => (0.0, 0.0),
+        };
+        let (of_coarse, of_fine) = state.split_at(state_cut);
+        let of_fine = &of_fine[..of_fine.len() / 6 * 6];
+        let (u, fine_u) = self.start.split_at_mut(cut);
+        let (v, fine_v) = self.velocity.split_at_mut(cut);
+        // A level out of force is not looked at.
+        let zero = |numbers: &[f64]| numbers.iter().all(|x| *x == 0.0);
+        let resting = (last == 1.0 || zero(of_coarse)) && (last == 0.0 || zero(of_fine));
+        let towards = fclamp(wanted - last, -SHIFT, SHIFT);
+        self.share = if resting || towards == wanted - last {
+            wanted
+        } else {
+            last + towards
+        };
+        if resting {
+            // Whatever the share, nothing is displaced.
+            self.start.fill(0.0);
+            shape.fill(0.0);
+            free.fill(0.0);
+            return self.share == last;
+        }
+        if last < 1.0 {
+            read(of_coarse, u, v);
+        }
+        if let Some(fine) = &self.fine {
+            if last > 0.0 {
+                read(of_fine, fine_u, fine_v);
+                if last == 1.0 && self.share < 1.0 {
+                    map(fine, fine_u, fine_v, &self.coarse, u, v);
+                }
+            } else if self.share > 0.0 {
+                map(&self.coarse, u, v, fine, fine_u, fine_v);
+            }
+        }
+        let (free_coarse, free_fine) = free.split_at_mut(cut);
+        if self.share < 1.0 {
+            self.coarse
+                .free_step(nodes(u), nodes(v), nodes_mut(free_coarse));
+        } else {
+            u.fill(0.0);
+            free_coarse.fill(0.0);
+        }
+        match &mut self.fine {
+            Some(fine) if self.share > 0.0 => {
+                fine.free_step(nodes(fine_u), nodes(fine_v), nodes_mut(free_fine));
+            }
+            _ => {
+                fine_u.fill(0.0);
+                free_fine.fill(0.0);
+            }
+        }
+        shape.copy_from_slice(&self.start);
+        false
+    }
+
+    fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]) {
+        let (u, fine_u) = shape.split_at(self.cuts().0);
+        let (u, fine_u) = (nodes(u), nodes(fine_u));
+        match self.in_force() {
+            (true, None) => self.coarse.centres(u, &self.rest, ids, out),
+            (false, Some(fine)) => fine.centres(fine_u, &self.rest, ids, out),
+            (_, fine) => {
+                let Some(fine) = fine else { return };
+                let (s, t) = (self.share, 1.0 - self.share);
+                for (id, centre) in ids.iter().zip(out) {
+                    let (a, b) = (
+                        self.coarse.displacement(u, *id),
+                        fine.displacement(fine_u, *id),
+                    );
+                    let moved: [f64; 3] = std::array::from_fn(|k| t * a[k] + s * b[k]);
+                    *centre = self.rest[*id as usize] + Vec3::from(moved);
+                }
+            }
+        }
+    }
+
+    fn add_gram(&mut self, sites: &[Site], gram: &mut Gram<'_>) {
+        if self.share < 1.0 {
+            self.coarse.add_gram(sites, 1.0 - self.share, gram);
+        }
+        if let Some(fine) = self.fine.as_mut().filter(|_| self.share > 0.0) {
+            fine.add_gram(sites, self.share, gram);
+        }
+    }
+
+    fn apply(&mut self, sites: &[Site], lambda: &[f64], free: &[f64], shape: &mut [f64]) {
+        shape.copy_from_slice(free);
+        let (u, fine_u) = shape.split_at_mut(self.cuts().0);
+        if self.share < 1.0 {
+            self.coarse.load(sites, lambda, nodes_mut(u));
+        }
+        if let Some(fine) = self.fine.as_mut().filter(|_| self.share > 0.0) {
+            fine.load(sites, lambda, nodes_mut(fine_u));
+        }
+    }
+
+    fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
+        let cut = self.cuts().0;
+        // Spheres move by means of their carriers' motion, so none moves farther than the farthest of those.
+        let way = |from: &[f64], to: &[f64]| farthest(nodes(from), nodes(to));
+        let (coarse, fine) = self.in_force();
+        let mut most = 0.0;
+        if coarse {
+            most += (1.0 - self.share) * way(&from[..cut], &to[..cut]);
+        }
+        if fine.is_some() {
+            most += self.share * way(&from[cut..], &to[cut..]);
+        }
+        most
+    }
+
+    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], _: &Hands<'_>, state: &mut [f64]) {
+        let (cut, state_cut) = self.cuts();
+        for ((v, now), before) in self.velocity.iter_mut().zip(shape).zip(&self.start) {
+            *v = (now - before) / TICK_S;
+        }
+        // What is out of force is zero in a configuration, and so at rest.
+        let under = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() < bound);
+        if loads.is_empty() && under(shape, REST_M) && under(&self.velocity, REST_M_PER_S) {
+            state.fill(0.0);
+        } else {
+            let (of_coarse, of_fine) = state.split_at_mut(state_cut);
+            let (u, v) = of_coarse.split_at_mut(state_cut / 2);
+            narrow(&shape[..cut], u);
+            narrow(&self.velocity[..cut], v);
+            let len = of_fine.len() / 6 * 6;
+            let (u, v) = of_fine[..len].split_at_mut(len / 2);
+            narrow(&shape[cut..], u);
+            narrow(&self.velocity[cut..], v);
+        }
+        if self.fine.is_some()
+            && let Some(share) = state.last_mut()
+        {
+            *share = self.share;
+        }
+    }
+}
