@@ -129,14 +129,20 @@ pub fn compile_default(
     options: &BuildOptions,
     progress: &dyn Fn(&str, f64),
 ) -> Result<Compiled, BuildError> {
-    let path = Path::new("crown.toml");
-    compile(
-        &file::parse(DEFAULT_SCENE, path)?,
-        DEFAULT_SCENE,
-        path,
-        options,
-        progress,
-    )
+    compile_text(DEFAULT_SCENE, Path::new("crown.toml"), options, progress)
+}
+
+/// Compiles the text of a scene file; `path` is what errors call it, and where its meshes are looked for.
+///
+/// # Errors
+/// As [`compile_file`].
+pub fn compile_text(
+    text: &str,
+    path: &Path,
+    options: &BuildOptions,
+    progress: &dyn Fn(&str, f64),
+) -> Result<Compiled, BuildError> {
+    compile(&file::parse(text, path)?, text, path, options, progress)
 }
 
 /// The default scene, from the cache at its usual place where possible.
