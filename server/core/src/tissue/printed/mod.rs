@@ -38,8 +38,8 @@ mod tests;
 
 pub use gingiva::PrintedGingiva;
 pub(crate) use gingiva::ReadyGingiva;
-pub use skeleton::PrintedSkeleton;
 pub(crate) use skeleton::ReadySkeleton;
+pub use skeleton::{PenaltyMeter, PrintedSkeleton};
 
 use super::TissueError;
 use crate::params::within;

@@ -8,6 +8,7 @@ use super::ranged;
 use super::stability::Spectrum;
 use crate::TICK_S;
 use crate::math::{Vec3, fmax};
+use crate::scene::Object;
 use crate::tissue::skeleton::SkeletonLevel;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
 use crate::tree::SphereTree;
@@ -187,6 +188,30 @@ impl PrintedSkeleton {
     }
 }
 
+/// Tells what loads a printed skeleton: what its own equations say, which is not what the hand feels. For measurements.
+#[derive(Debug)]
+pub struct PenaltyMeter(ReadySkeleton);
+
+impl PenaltyMeter {
+    /// For `object`, whose tissue `model` is.
+    pub fn new(model: &PrintedSkeleton, object: &Object) -> Self {
+        Self(ReadySkeleton::new(model, &object.tree, object.level))
+    }
+
+    /// Sum of Eq. 2 over all pairs, newtons, and the number of pairs. `state` is the object's part of
+    /// [`crate::State::tissue`] before a tick, `hands` that tick's haptic and the last one's graphic poses.
+    pub fn load(&mut self, state: &[f64], hands: &Hands<'_>) -> (Vec3, u32) {
+        let n = self.0.force.len();
+        let pairs = self.0.load(&state[..n], hands);
+        let sum = self
+            .0
+            .force
+            .chunks_exact(3)
+            .fold(Vec3::zeros(), |sum, f| sum + Vec3::new(f[0], f[1], f[2]));
+        (sum, pairs)
+    }
+}
+
 /// Springs and held nodes, by place in the skeleton.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
@@ -290,8 +315,8 @@ impl ReadySkeleton {
         }
     }
 
-    /// Sums Eq. 2 over all pairs; whether any of it is not zero.
-    fn load(&mut self, u: &[f64], hands: &Hands<'_>) -> bool {
+    /// Sums Eq. 2 over all pairs into the forces; returns how many pairs there were.
+    fn load(&mut self, u: &[f64], hands: &Hands<'_>) -> u32 {
         let Self {
             model,
             followers,
@@ -301,8 +326,9 @@ impl ReadySkeleton {
         } = self;
         force.fill(0.0);
         let (nodes, place) = followers.posed(u);
+        let mut pairs = 0;
         for hand in hands.tools.iter().flatten() {
-            for_each_press(
+            pairs += for_each_press(
                 hand,
                 model.contact_distance_m,
                 (nodes, *level),
@@ -315,7 +341,7 @@ impl ReadySkeleton {
                 },
             );
         }
-        force.iter().any(|f| *f != 0.0)
+        pairs
     }
 }
 
@@ -332,7 +358,8 @@ impl Tissue for ReadySkeleton {
         free: &mut [f64],
     ) -> bool {
         let n = 3 * self.followers.movers.len();
-        let loaded = self.load(&state[..n], hands);
+        self.load(&state[..n], hands);
+        let loaded = self.force.iter().any(|f| *f != 0.0);
         let moving = state.iter().any(|x| *x != 0.0);
         shape.fill(0.0);
         if loaded || moving {
