@@ -124,7 +124,7 @@ impl OneDof {
         late > early && late > 1e-12
     }
 
-    /// Runs a contact: from 5 mm off at `speed` m/s to `depth` metres inside, then a second's rest.
+    /// Runs a contact: from 5 mm off at `speed` m/s to `depth` metres inside, then three seconds' rest.
     pub fn press(&self, method: Method, speed: f64, depth: f64) -> Press {
         let mut contact = Contact {
             place: 0.0,
@@ -133,7 +133,7 @@ impl OneDof {
         };
         let (mut found, mut last, mut before) = (Press::default(), 0.0, -5e-3);
         let way = ((depth + 5e-3) / speed / TICK_S).ceil() as u32;
-        for tick in 0..way + 1000 {
+        for tick in 0..way + 3000 {
             let haptic = (-5e-3 + speed * TICK_S * f64::from(tick)).min(depth);
             let tissue_force = contact.step(self, method, haptic, TICK_S);
             let force = self.coupling * (haptic - contact.tool);

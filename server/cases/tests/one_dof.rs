@@ -70,14 +70,14 @@ fn coupled_stays_stable_where_explicit_euler_does_not() {
                     press.largest_force <= numbers.coupling * DEPTH * 1.001,
                     "{press:?}"
                 );
-                assert!(press.force_step < 1e-9, "{method}: {press:?}");
+                assert!(press.force_step < 1e-3, "{method}: {press:?}");
             }
         }
     }
 }
 
-/// Radius of both spheres.
-const RADIUS: f64 = 2e-3;
+/// Radius of all spheres: so large that the haptic one, deep inside, still overlaps what it presses.
+const RADIUS: f64 = 1e-2;
 
 /// Fig. 7 as a scene: a held sphere, one that moves along x, and a tool of one sphere.
 fn figure_7(numbers: &OneDof) -> Scene {
