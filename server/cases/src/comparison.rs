@@ -7,10 +7,11 @@ use sulcus_core::output::status;
 use sulcus_core::tissue::printed::{PenaltyMeter, PrintedGingiva, PrintedSkeleton};
 use sulcus_core::tissue::{Hand, Hands, TissueModel};
 use sulcus_core::{MAX_TOOLS, Scene, State, TickOutput, Vec3};
+use sulcus_operator::HandParams;
 
 use crate::measure::Measures;
 use crate::run::run_on;
-use crate::table::Case;
+use crate::table::{Case, Driver};
 
 /// How the tissue of a case is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +84,7 @@ pub struct Compared {
     pub load_ratio: Option<f64>,
     /// Most pairs of spheres that load a printed skeleton.
     pub pairs: u32,
-    /// Tool-ticks in which the graphic tip is more than 2 mm above the haptic one.
+    /// Tool-ticks in which the graphic tip, once with the hand, is more than 2 mm above the haptic one.
     pub ejected: u64,
     /// Ticks in which a tissue that diverged was put back to rest.
     pub faults: u64,
@@ -96,6 +97,7 @@ struct Sums {
     tissue: f64,
     device: f64,
     unknown: bool,
+    arrived: [bool; MAX_TOOLS],
     pairs: u32,
     ejected: u64,
     faults: u64,
@@ -152,23 +154,29 @@ impl Sums {
         for (t, tool) in scene.tools.iter().enumerate().filter(|(t, _)| present(*t)) {
             let out = &output.tools[t];
             let above = out.graphic.transform(&tool.tip) - out.haptic.transform(&tool.tip);
-            self.ejected += u64::from(above.z > 2e-3);
+            self.arrived[t] |= norm(&above) < 2e-3;
+            self.ejected += u64::from(self.arrived[t] && above.z > 2e-3);
             self.faults += u64::from(out.status & status::FAULT != 0);
         }
     }
 }
 
+/// The case with a hand and its device, which feel the wrench, where the table moves the tool itself.
+pub fn by_hand(case: &Case) -> Case {
+    let driver = match case.driver {
+        Driver::Kinematic(script) => Driver::Closed(script, HandParams::default),
+        closed => closed,
+    };
+    Case { driver, ..*case }
+}
+
 /// Runs `case` by `method`.
-pub fn compare(case: &'static Case, method: Method) -> Compared {
+pub fn compare(case: &Case, method: Method) -> Compared {
     compare_changed(case, method, |_| {})
 }
 
 /// The same, the scene changed by `change` after it became the method's.
-pub fn compare_changed(
-    case: &'static Case,
-    method: Method,
-    change: impl FnOnce(&mut Scene),
-) -> Compared {
+pub fn compare_changed(case: &Case, method: Method, change: impl FnOnce(&mut Scene)) -> Compared {
     let mut sums = Sums::default();
     let report = run_on(
         case,
