@@ -91,6 +91,28 @@ impl PrintedSkeleton {
         6 * rest.shape_at(self.level).count()
     }
 
+    /// Largest spring stiffness that is stable at the tick's step with this mass (N/m) and the damping that it wants
+    /// (N s/m): the given one, unless no spring is stable with that.
+    fn stiffest(&self, unit: &Spectrum) -> (f64, f64) {
+        let (b, m, dt, kp) = (
+            self.damping_n_s_per_m,
+            self.mass_kg,
+            TICK_S,
+            self.penalty_n_per_m,
+        );
+        // b >= lambda_max dt, and b <= 2m/dt + lambda_min dt/2.
+        let most = (b / dt - kp) / unit.most;
+        if most > 0.0 && b <= 2.0 * m / dt + 0.5 * dt * most * unit.least {
+            return (most, b);
+        }
+        // Where both bounds of the damping meet.
+        let most = fmax(
+            (2.0 * m / (dt * dt) - kp) / (unit.most - 0.5 * unit.least),
+            0.0,
+        );
+        (most, (most * unit.most + kp) * dt)
+    }
+
     /// Range of the stiffness of all modes, N/m, with the penalty of one pair at a sphere (the paper's
     /// `k_s + k_p`). More pairs at one sphere, as there are at level 3, can carry a scene beyond the limit that
     /// this says; the tick then puts it back to rest with [`crate::output::status::FAULT`].
@@ -135,8 +157,7 @@ impl PrintedSkeleton {
         if step >= TICK_S {
             return Ok(());
         }
-        // At this damping; none where the damping is too large for the mass.
-        let stiffest = fmax((b / TICK_S - self.penalty_n_per_m) / unit.most, 0.0);
+        let (stiffest, at) = self.stiffest(unit);
         let damping = fmax(b, spectrum.smallest_damping(TICK_S));
         Err(TissueError {
             field: "explicit Euler (as printed)",
@@ -145,7 +166,7 @@ impl PrintedSkeleton {
                 self.spring_n_per_m, spectrum.least, spectrum.most
             ),
             expected: format!(
-                "a stable skeleton: spring at most {stiffest:.4e} N/m at this damping, mass at least {:.4e} kg \
+                "a stable skeleton: spring at most {stiffest:.4e} N/m (with a damping of {at:.4e} N s/m), mass at least {:.4e} kg \
                  (with a damping of {damping:.4e} N s/m), or a time step of at most {step:.4e} s where the tick has {TICK_S} s",
                 spectrum.smallest_mass(b, TICK_S),
             ),

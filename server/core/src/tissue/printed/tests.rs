@@ -249,6 +249,13 @@ fn a_skeleton_becomes_unstable_where_its_eigenvalues_say() {
     }
 }
 
+/// The number that follows some words.
+fn number_after(text: &str, words: &str) -> f64 {
+    let rest = text.split(words).nth(1).expect("the words");
+    let number: String = rest.chars().take_while(|c| !c.is_whitespace()).collect();
+    number.parse().expect("a number")
+}
+
 #[test]
 fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
     let tree = block();
@@ -272,6 +279,21 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
         refused.contains("spring at most") && refused.contains("time step of at most"),
         "{refused}"
     );
+    // No spring stands at that damping, so another is named; both a little less than it says, it stands, both more, and it
+    // does not.
+    let (stiffest, damping) = (
+        number_after(&refused, "spring at most "),
+        number_after(&refused, "(with a damping of "),
+    );
+    for (share, stands) in [(0.999, true), (1.01, false)] {
+        let mut other = model.clone();
+        other.spring_n_per_m = stiffest * share;
+        other.damping_n_s_per_m = damping * 0.5 * (1.0 + share);
+        assert_eq!(other.validate(&tree).is_ok(), stands, "{share}: {refused}");
+    }
+    let step = number_after(&refused, "time step of at most ");
+    let spectrum = model.spectrum(&tree).expect("its own nodes");
+    assert!((step / spectrum.largest_time_step(600.0, 0.02) - 1.0).abs() < 1e-3);
     // Just over and just under what it asks for: 0.3 kg less what the springs' slowest mode gives.
     let least = model.spectrum(&tree).expect("its own nodes").least;
     let mass = 0.5 * TICK_S * 600.0 - 0.25 * TICK_S * TICK_S * least;
