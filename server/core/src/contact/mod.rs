@@ -10,6 +10,7 @@
 //! Which of the two answered never shows in the answer.
 
 mod dual;
+mod front;
 mod neighbours;
 mod packs;
 mod predictor;

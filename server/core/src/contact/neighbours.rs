@@ -6,7 +6,7 @@
 //! not one distance but a translation and a turn: a sphere with the lever `l` from the working point may move
 //! `translation + turn l`, so spheres near the tip need not wait for what the far end of the shaft does.
 
-use super::dual::reach_of;
+use super::front::Search;
 use super::packs::Packs;
 use super::predictor::{Lever, Posed, PosedTool};
 use super::{ContactList, ContactsFull, Distance};
@@ -14,15 +14,12 @@ use crate::math::{Mat3, Vec3, fmax, norm};
 use crate::tree::Node;
 
 /// Most pairs in a list.
-const CAPACITY: usize = 4096;
+pub(super) const CAPACITY: usize = 4096;
 /// Translation that a list allows for, metres. Larger: fewer, longer lists. Measured with a probe round a
 /// molar: twice or half as much of this and of the turn costs a tick at any level 0 to 15 % more.
 const TRANSLATION: f64 = 5e-5;
 /// Turn that a list allows for: largest Frobenius norm of a difference of rotation matrices.
 const TURN: f64 = 8.5e-3;
-/// How much looser an object's family must fit than the tool's node to be opened first: what the tool is opened
-/// to early is tested against fewer families later. Measured: 1 and 10 cost more.
-const TOOL_FIRST: f64 = 3.0;
 /// Most tool spheres that one family is tested against before its contacts are written; where more
 /// are near, the contacts need sorting.
 const RUN: usize = 32;
@@ -56,22 +53,6 @@ struct Placed {
     at: Vec3,
     reach: f64,
     d: f64,
-}
-
-/// Scratch of the making of a list.
-#[derive(Debug)]
-pub(super) struct Scratch {
-    keys: Vec<u64>,
-    places: Vec<u32>,
-}
-
-impl Scratch {
-    pub fn new(tool_nodes: usize) -> Self {
-        Self {
-            keys: Vec::with_capacity(CAPACITY),
-            places: vec![0; tool_nodes],
-        }
-    }
 }
 
 impl Neighbours {
@@ -119,32 +100,22 @@ impl Neighbours {
         (packs, level): (&Packs, u8),
         levers: &[Lever],
         d: Distance,
-        (stack, scratch): (&mut Vec<(u32, u32)>, &mut Scratch),
+        (search, places): (&mut Search, &mut [u32]),
     ) -> u64 {
         (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
         self.levels = Some((tool.level, level));
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
-        let mut tested = 0;
-        self.usable = self.collect(
-            tool,
-            posed,
-            (packs, level),
-            levers,
-            (stack, scratch),
-            &mut tested,
-        );
+        let slack = |lever| slack(self.reach, self.turn, lever);
+        let (usable, tested) = search.run(tool, posed, (packs, level), levers, slack, CAPACITY);
+        self.usable = usable;
         self.pairs.clear();
         self.spheres.clear();
-        if !self.usable {
-            return tested;
+        for key in search.keys() {
+            places[*key as u32 as usize] = u32::MAX;
         }
-        scratch.keys.sort_unstable();
-        for key in &scratch.keys {
-            scratch.places[*key as u32 as usize] = u32::MAX;
-        }
-        for key in &scratch.keys {
+        for key in search.keys() {
             let t = *key as u32;
-            let place = &mut scratch.places[t as usize];
+            let place = &mut places[t as usize];
             if *place == u32::MAX {
                 *place = self.spheres.len() as u32;
                 self.spheres.push(t);
@@ -152,68 +123,6 @@ impl Neighbours {
             self.pairs.push(((key >> 32) as u32, *place));
         }
         tested
-    }
-
-    /// Collects `family << 32 | tool sphere`; false when there is no room.
-    fn collect(
-        &self,
-        tool: &PosedTool<'_>,
-        posed: &mut Posed,
-        (packs, level): (&Packs, u8),
-        levers: &[Lever],
-        (stack, scratch): (&mut Vec<(u32, u32)>, &mut Scratch),
-        tested: &mut u64,
-    ) -> bool {
-        scratch.keys.clear();
-        stack.clear();
-        stack.push((0, 0));
-        while let Some((t, p)) = stack.pop() {
-            let node = &tool.nodes[t as usize];
-            let family = &packs.families[p as usize];
-            let is_shape = node.is_shape_at(tool.level);
-            let from = posed.centre_of(tool, t) - family.origin;
-            let reach = reach_of(node, is_shape) + self.slack(levers[t as usize].of(is_shape));
-            let shapes = family.shapes_at(level);
-            let below = family.members & !shapes;
-            let (mut near_shapes, mut near_below) = (0, 0);
-            if shapes != 0 {
-                *tested += 8;
-                near_shapes = shapes & packs.shapes[p as usize].within(&from, reach);
-            }
-            if below != 0 {
-                *tested += 8;
-                near_below = below & packs.bounds[p as usize].within(&from, reach);
-            }
-            if !is_shape
-                && (near_shapes != 0
-                    || (near_below != 0
-                        && TOOL_FIRST * (node.bound_radius - node.contact_radius)
-                            > packs.loose[p as usize]))
-            {
-                for child in node.first_child..node.first_child + u32::from(node.children) {
-                    stack.push((child, p));
-                }
-                continue;
-            }
-            if near_shapes != 0 {
-                if scratch.keys.len() == CAPACITY {
-                    return false;
-                }
-                scratch.keys.push(u64::from(p) << 32 | u64::from(t));
-            }
-            while near_below != 0 {
-                let lane = near_below.trailing_zeros();
-                near_below &= near_below - 1;
-                stack.push((t, family.pack_of(lane)));
-            }
-        }
-        true
-    }
-
-    /// How much farther than its radius a tool's sphere must be felt for.
-    #[inline]
-    fn slack(&self, lever: f64) -> f64 {
-        fmax(0.0, self.reach) + self.turn * lever + ROUNDING
     }
 
     /// Appends the contacts under `d`, in order.
@@ -269,4 +178,10 @@ impl Neighbours {
         }
         Ok(())
     }
+}
+
+/// How much farther than its radius a tool's sphere must be felt for.
+#[inline]
+fn slack(reach: f64, turn: f64, lever: f64) -> f64 {
+    fmax(0.0, reach) + turn * lever + ROUNDING
 }

@@ -27,8 +27,10 @@ pub(super) struct Family {
     pub first_pack: u32,
     /// Siblings, a bit each.
     pub members: u8,
-    /// Siblings with children.
-    pub parents: u8,
+    /// Siblings with children, a bit each.
+    parents: u8,
+    /// As many lowest bits as there are siblings with children.
+    inner: u8,
     /// Level of the siblings.
     pub level: u8,
     /// Where the siblings' coordinates count from.
@@ -39,7 +41,7 @@ pub(super) struct Family {
 #[derive(Debug)]
 pub(super) struct Packs {
     pub families: Vec<Family>,
-    /// Bounds of the siblings.
+    /// Bounds of the siblings with children, side by side in the order of their packs.
     pub bounds: Vec<Balls>,
     /// Contact spheres of the siblings.
     pub shapes: Vec<Balls>,
@@ -76,11 +78,13 @@ impl Packs {
             })
         };
         let origin = siblings[0].centre;
+        let parents = bits(|node| node.children > 0);
         self.families.push(Family {
             first,
             first_pack,
             members: bits(|_| true),
-            parents: bits(|node| node.children > 0),
+            parents,
+            inner: ((1u16 << parents.count_ones()) - 1) as u8,
             level: siblings[0].level,
             origin,
         });
@@ -88,8 +92,10 @@ impl Packs {
             |most, (node, bound): (&Node, &Sphere)| fmax(most, bound.radius - node.contact_radius);
         self.loose
             .push(siblings.iter().zip(bounds).fold(0.0, loose));
+        let inner = siblings.iter().zip(bounds);
+        let inner = inner.filter(|(node, _)| node.children > 0);
         self.bounds
-            .push(Balls::new(bounds.iter().copied(), &origin));
+            .push(Balls::new(inner.map(|(_, bound)| *bound), &origin));
         self.shapes
             .push(Balls::new(siblings.iter().map(Node::sphere), &origin));
     }
@@ -158,12 +164,6 @@ fn enclosing<I: Iterator<Item = Sphere>>(start: Sphere, balls: impl Fn() -> I) -
 }
 
 impl Family {
-    /// Pack of the children of the sibling in `lane`, which must have some.
-    #[inline]
-    pub fn pack_of(&self, lane: u32) -> u32 {
-        self.first_pack + (self.parents & ((1 << lane) - 1)).count_ones()
-    }
-
     /// Siblings that are the shape at `level`.
     #[inline]
     pub fn shapes_at(&self, level: u8) -> u8 {
@@ -171,6 +171,16 @@ impl Family {
             self.members
         } else {
             self.members & !self.parents
+        }
+    }
+
+    /// The same, and the lanes of `bounds` of those that have the shape at `level` below them.
+    #[inline]
+    pub fn shapes_and_parents(&self, level: u8) -> (u8, u8) {
+        if self.level == level {
+            (self.members, 0)
+        } else {
+            (self.members & !self.parents, self.inner)
         }
     }
 }

@@ -1,7 +1,8 @@
 //! One tool against one object after the other, by the way that suits the object.
 
 use super::dual::{STACK, traverse};
-use super::neighbours::{Neighbours, Scratch};
+use super::front::Search;
+use super::neighbours::{CAPACITY, Neighbours};
 use super::packs::Packs;
 use super::{Contact, ContactList, ContactsFull, Distance, centre};
 use crate::MAX_TOOLS;
@@ -49,7 +50,9 @@ pub struct Predictor {
     neighbours: Vec<Option<Neighbours>>,
     /// Per tool and node.
     levers: [Vec<Lever>; MAX_TOOLS],
-    scratch: Scratch,
+    search: Search,
+    /// Place in a list's spheres of each node of a tool.
+    places: Vec<u32>,
     work: Work,
     plain: bool,
 }
@@ -100,7 +103,8 @@ impl Predictor {
             packs,
             neighbours,
             levers: std::array::from_fn(|t| scene.tools.get(t).map_or(Vec::new(), levers)),
-            scratch: Scratch::new(tool_nodes),
+            search: Search::new(tool_nodes, CAPACITY),
+            places: vec![0; tool_nodes],
             work: Work::default(),
             plain: false,
         }
@@ -162,7 +166,7 @@ impl Predictor {
                     (packs, level),
                     &self.levers[t],
                     d,
-                    (&mut self.stack, &mut self.scratch),
+                    (&mut self.search, &mut self.places),
                 );
             }
             if neighbours.usable() {
@@ -193,6 +197,13 @@ impl Posed {
             self.centres[at] = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
         }
         self.centres[at]
+    }
+
+    /// The same for one that was asked for in this pass.
+    #[inline]
+    pub fn known_centre(&self, node: u32) -> &Vec3 {
+        debug_assert_eq!(self.stamps[node as usize], self.pass);
+        &self.centres[node as usize]
     }
 
     /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
