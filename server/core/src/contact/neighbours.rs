@@ -43,6 +43,8 @@ pub(super) struct Neighbours {
     reach: f64,
     /// Turn that it holds for, what the distance itself has of it included.
     turn: f64,
+    /// Most pairs that it has room for.
+    most: usize,
     /// Whether all pairs found room.
     usable: bool,
 }
@@ -56,11 +58,14 @@ struct Placed {
 }
 
 impl Neighbours {
-    pub fn new() -> Self {
+    /// Room for the neighbours of a tool of so many `spheres` on an object of so many `families`.
+    pub fn new(spheres: usize, families: usize) -> Self {
+        let pairs = CAPACITY.min(spheres.saturating_mul(families));
         Self {
-            pairs: Vec::with_capacity(CAPACITY),
-            spheres: Vec::with_capacity(CAPACITY),
-            placed: Vec::with_capacity(CAPACITY),
+            pairs: Vec::with_capacity(pairs),
+            spheres: Vec::with_capacity(spheres.min(pairs)),
+            placed: Vec::with_capacity(spheres.min(pairs)),
+            most: pairs,
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
             levels: None,
@@ -106,7 +111,7 @@ impl Neighbours {
         self.levels = Some((tool.level, level));
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
         let slack = |lever| slack(self.reach, self.turn, lever);
-        let (usable, tested) = search.run(tool, posed, (packs, level), levers, slack, CAPACITY);
+        let (usable, tested) = search.run(tool, posed, (packs, level), levers, slack, self.most);
         self.usable = usable;
         self.pairs.clear();
         self.spheres.clear();

@@ -85,8 +85,13 @@ impl Predictor {
         let neighbours = scene
             .tools
             .iter()
-            .flat_map(|_| &packs)
-            .map(|packs| packs.as_ref().map(|_| Neighbours::new()))
+            .flat_map(|tool| {
+                let spheres = tool.tree.nodes().len();
+                packs.iter().map(move |packs| {
+                    let families = packs.as_ref()?.families.len();
+                    Some(Neighbours::new(spheres, families))
+                })
+            })
             .collect();
         let tool_nodes = scene.tools.iter().map(|tool| tool.tree.nodes().len()).max();
         let tool_nodes = tool_nodes.unwrap_or(0);

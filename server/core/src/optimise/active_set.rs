@@ -12,7 +12,7 @@
 //! rotations. Until it ends an iterate violates rows, so only a `Solved` answer may be applied.
 
 use super::rigid::RigidScratch;
-use super::{ContactSolver, Problem, Solution, SolveStatus};
+use super::{ContactSolver, Problem, Solution, SolveStatus, dot6};
 use crate::math::fmax;
 
 /// Active rows at which the six unknowns of a tool are the better place to work.
@@ -164,12 +164,30 @@ impl ActiveSet {
         tolerance: f64,
     ) -> Option<usize> {
         let mut worst = (None, -tolerance);
-        for i in 0..problem.rows.len() {
-            if self.state[i] == RowState::Free {
-                let w = problem.slack(i, &solution.lambda, &solution.y);
-                if w < worst.1 {
-                    worst = (Some(i), w);
-                }
+        let mut look = |i: usize, w: f64| {
+            if w < worst.1 {
+                worst = (Some(i), w);
+            }
+        };
+        let loads = self.state.iter().zip(&solution.lambda);
+        let rows = problem.rows.iter().zip(loads).enumerate();
+        let free = rows.filter(|(_, (_, (state, _)))| **state == RowState::Free);
+        if problem.tissue.is_some() {
+            for (i, _) in free {
+                look(i, problem.slack(i, &solution.lambda, &solution.y));
+            }
+        } else if self.active.is_empty() {
+            // Nothing is loaded: the slack is the bias.
+            for (i, (row, _)) in free {
+                look(i, row.bias);
+            }
+        } else {
+            // The slack again, without asking every row for the tissue: this is where most of a solve goes.
+            let (first, second) = solution.y.split_at(6);
+            for (i, (row, (_, load))) in free {
+                let y = if row.tool == 0 { first } else { second };
+                let w = row.bias + dot6(&row.a, y) + problem.contact_compliance * load;
+                look(i, w);
             }
         }
         worst.0
