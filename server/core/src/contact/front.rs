@@ -6,15 +6,15 @@
 //! of the time of a traversal that keeps a stack.
 
 use super::dual::{STACK, reach_of};
-use super::packs::Packs;
+use super::packs::{Felt, Packs};
 use super::predictor::{Lever, Posed, PosedTool};
 use crate::tree::MAX_CHILDREN;
 
 /// Most pairs of a front.
 const MOST: usize = 8192;
 /// How much looser an object's family must fit than the tool's node to be opened first: what the tool is opened
-/// to early is tested against fewer families later.
-const TOOL_FIRST: f64 = 3.0;
+/// to early is tested against fewer families later. Measured: 3, 10 and 30 cost a little more, 1 twice as much.
+const TOOL_FIRST: f64 = 6.0;
 
 /// Pairs of one level of the object's tree, and their successors.
 #[derive(Debug)]
@@ -30,8 +30,8 @@ pub(super) struct Search {
     stack: Vec<(u32, u32)>,
     now: Front,
     next: Front,
-    /// How far from its centre each sphere of the tool is felt for, metres; only of those in the front.
-    reach: Vec<f64>,
+    /// Where and how far each sphere of the tool is felt for; only of those in the front.
+    felt: Vec<Felt>,
     /// Family and sphere of what was found: `family << 32 | sphere`.
     keys: Vec<u64>,
     found: usize,
@@ -51,7 +51,7 @@ impl Front {
     fn push(&mut self, first: u32, lanes: u8, sphere: u32) {
         let families = &mut self.families[self.len..self.len + MAX_CHILDREN];
         for (family, lane) in families.iter_mut().zip(&LANES[usize::from(lanes)]) {
-            *family = first + u32::from(*lane);
+            *family = first + lane;
         }
         self.spheres[self.len..self.len + MAX_CHILDREN].fill(sphere);
         self.len += lanes.count_ones() as usize;
@@ -59,14 +59,14 @@ impl Front {
 }
 
 /// The set bits of each byte, ascending.
-static LANES: [[u8; MAX_CHILDREN]; 256] = {
+static LANES: [[u32; MAX_CHILDREN]; 256] = {
     let mut lanes = [[0; MAX_CHILDREN]; 256];
     let mut byte = 0;
     while byte < 256 {
         let (mut lane, mut found) = (0, 0);
         while lane < MAX_CHILDREN {
             if byte >> lane & 1 == 1 {
-                lanes[byte][found] = lane as u8;
+                lanes[byte][found] = lane as u32;
                 found += 1;
             }
             lane += 1;
@@ -83,7 +83,7 @@ impl Search {
             stack: Vec::with_capacity(STACK),
             now: Front::new(),
             next: Front::new(),
-            reach: vec![0.0; tool_nodes],
+            felt: vec![Felt::default(); tool_nodes],
             keys: vec![0; most + 1],
             found: 0,
         }
@@ -109,7 +109,7 @@ impl Search {
         let mut tested = 0;
         let mut fits = self.open_tool(tool, posed, (packs, level), levers, slack, &mut tested);
         while fits && self.now.len > 0 {
-            fits = self.descend(posed, (packs, level), most, &mut tested);
+            fits = self.descend((packs, level), most, &mut tested);
         }
         if fits {
             self.keys[..self.found].sort_unstable();
@@ -136,26 +136,26 @@ impl Search {
             let node = &tool.nodes[t as usize];
             let family = &packs.families[p as usize];
             let is_shape = node.is_shape_at(tool.level);
-            let at = posed.centre_of(tool, t);
+            let from = posed.centre_of(tool, t) - packs.origin;
             let reach = reach_of(node, is_shape) + slack(levers[t as usize].of(is_shape));
             if is_shape {
                 if self.now.len == MOST {
                     return false;
                 }
-                self.reach[t as usize] = reach;
+                self.felt[t as usize] = Felt::new(&from, reach);
                 self.now.push(p, 1, t);
                 continue;
             }
-            let from = at - family.origin;
+            let felt = Felt::new(&from, reach);
             let (shapes, parents) = family.shapes_and_parents(level);
             let (mut near_shapes, mut near_below) = (0, 0);
             if shapes != 0 {
                 *tested += 8;
-                near_shapes = shapes & packs.shapes[p as usize].within(&from, reach);
+                near_shapes = shapes & packs.shapes[p as usize].within(felt);
             }
             if parents != 0 {
                 *tested += 8;
-                near_below = parents & packs.bounds[p as usize].within(&from, reach);
+                near_below = parents & packs.bounds[p as usize].within(felt);
             }
             let tighter =
                 TOOL_FIRST * (node.bound_radius - node.contact_radius) > packs.loose[p as usize];
@@ -166,20 +166,14 @@ impl Search {
                 continue;
             }
             for lane in &LANES[usize::from(near_below)][..near_below.count_ones() as usize] {
-                self.stack.push((t, family.first_pack + u32::from(*lane)));
+                self.stack.push((t, family.first_pack + lane));
             }
         }
         true
     }
 
     /// Takes the front down one level; false when there is no room.
-    fn descend(
-        &mut self,
-        posed: &Posed,
-        (packs, level): (&Packs, u8),
-        most: usize,
-        tested: &mut u64,
-    ) -> bool {
+    fn descend(&mut self, (packs, level): (&Packs, u8), most: usize, tested: &mut u64) -> bool {
         self.next.len = 0;
         let len = self.now.len;
         for (&p, &t) in self.now.families[..len]
@@ -187,13 +181,12 @@ impl Search {
             .zip(&self.now.spheres[..len])
         {
             let family = &packs.families[p as usize];
-            let reach = self.reach[t as usize];
-            let from = posed.known_centre(t) - family.origin;
+            let felt = self.felt[t as usize];
             let (shapes, parents) = family.shapes_and_parents(level);
             // Which of both there are hardly ever changes within a front.
             if parents != 0 {
                 *tested += 8;
-                let near = parents & packs.bounds[p as usize].within(&from, reach);
+                let near = parents & packs.bounds[p as usize].within(felt);
                 if self.next.len > MOST - MAX_CHILDREN {
                     return false;
                 }
@@ -201,7 +194,7 @@ impl Search {
             }
             if shapes != 0 {
                 *tested += 8;
-                let near = shapes & packs.shapes[p as usize].within(&from, reach);
+                let near = shapes & packs.shapes[p as usize].within(felt);
                 self.keys[self.found] = u64::from(p) << 32 | u64::from(t);
                 self.found += usize::from(near != 0);
                 if self.found > most {

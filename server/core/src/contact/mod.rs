@@ -94,7 +94,7 @@ impl ContactList {
         self.contacts.sort_unstable_by_key(Contact::key);
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, contact: Contact) -> Result<(), ContactsFull> {
         // One more than this and the list is full, which is rare.
         if self.contacts.len() + 1 < self.limit {

@@ -7,7 +7,7 @@
 //! `translation + turn l`, so spheres near the tip need not wait for what the far end of the shaft does.
 
 use super::front::Search;
-use super::packs::Packs;
+use super::packs::{Felt, Packs};
 use super::predictor::{Lever, Posed, PosedTool};
 use super::{ContactList, ContactsFull, Distance};
 use crate::math::{Mat3, Vec3, fmax, norm};
@@ -53,7 +53,7 @@ pub(super) struct Neighbours {
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     at: Vec3,
-    reach: f64,
+    felt: Felt,
     d: f64,
 }
 
@@ -142,9 +142,11 @@ impl Neighbours {
         self.placed.clear();
         for &t in &self.spheres {
             let d = d.at(levers[t as usize].own);
+            let at = posed.centre_of(tool, t);
+            let reach = tool.nodes[t as usize].contact_radius + d;
             self.placed.push(Placed {
-                at: posed.centre_of(tool, t),
-                reach: tool.nodes[t as usize].contact_radius + d,
+                at,
+                felt: Felt::new(&(at - packs.origin), reach),
                 d,
             });
         }
@@ -160,7 +162,7 @@ impl Neighbours {
             let (mut masks, mut any) = ([0; RUN], 0);
             for (mask, &(_, place)) in masks.iter_mut().zip(now) {
                 let placed = &self.placed[place as usize];
-                *mask = shapes & balls.within(&(placed.at - family.origin), placed.reach);
+                *mask = shapes & balls.within(placed.felt);
                 any |= *mask;
             }
             // Sphere by sphere of the object, so that the contacts come sorted.

@@ -193,26 +193,22 @@ impl Predictor {
 }
 
 impl Posed {
-    /// World centre of a node of the tool.
-    #[inline]
+    /// World centre of a node of the tool. Always inlined: a result that comes back through memory piece by piece
+    /// cannot be read as a whole without a stall.
+    #[inline(always)]
     pub fn centre_of(&mut self, tool: &PosedTool<'_>, node: u32) -> Vec3 {
         let at = node as usize;
-        if self.stamps[at] != self.pass {
-            self.stamps[at] = self.pass;
-            self.centres[at] = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
+        if self.stamps[at] == self.pass {
+            return self.centres[at];
         }
-        self.centres[at]
-    }
-
-    /// The same for one that was asked for in this pass.
-    #[inline]
-    pub fn known_centre(&self, node: u32) -> &Vec3 {
-        debug_assert_eq!(self.stamps[node as usize], self.pass);
-        &self.centres[node as usize]
+        let centre = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
+        self.stamps[at] = self.pass;
+        self.centres[at] = centre;
+        centre
     }
 
     /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
-    #[inline]
+    #[inline(always)]
     pub fn contact(
         &self,
         tool: &PosedTool<'_>,
