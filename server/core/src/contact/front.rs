@@ -2,8 +2,8 @@
 //!
 //! The tool's tree is opened first, pair by pair with the object's families. What its spheres may then reach is a
 //! front of pairs (family, sphere) that goes down the object's tree level by level. A front is worked through
-//! without a branch that depends on what a test says, so that one test need not wait for the one before: a third
-//! of the time of a traversal that keeps a stack.
+//! without a branch that depends on what a test says, so that one test need not wait for the one before: on a molar
+//! of 32,000 spheres a list takes a quarter less time than by a traversal that keeps a stack.
 
 use super::dual::{STACK, reach_of};
 use super::packs::{Felt, Packs};

@@ -6,7 +6,7 @@
 //! region keeps that promise, which makes this a continuous collision detection.
 //!
 //! What yields is traversed anew in every pass (`dual`); for what does not, the families of spheres that
-//! were near are kept while the tool stays near (`neighbours`), in a layout for it (`packs`).
+//! were near are kept while the tool stays near (`neighbours`): found by `front`, in a layout for it (`packs`).
 //! Which of the two answered never shows in the answer.
 
 mod dual;

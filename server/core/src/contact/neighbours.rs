@@ -16,7 +16,8 @@ use crate::tree::Node;
 /// Most pairs in a list.
 pub(super) const CAPACITY: usize = 4096;
 /// Translation that a list allows for, metres. Larger: fewer, longer lists. Measured with a probe round a
-/// molar: twice or half as much of this and of the turn costs a tick at any level 0 to 15 % more.
+/// molar: with twice as much of this and of the turn the mean tick at level 5 takes a tenth longer, at level 3 a fifth
+/// less, and the median at level 5 a fifth longer.
 const TRANSLATION: f64 = 5e-5;
 /// Turn that a list allows for: largest Frobenius norm of a difference of rotation matrices.
 const TURN: f64 = 8.5e-3;
