@@ -23,6 +23,8 @@ Examples:
   sulcus-client                                   the demo: 20 s, recorded and replayed
   sulcus-client demo --virtual --duration 60      the same in virtual time, as fast as it goes
   sulcus-client demo --scene server/scenes/crown.toml --json
+  sulcus-client demo --exercise probing           one tooth's pocket, in real time
+  sulcus-client demo --virtual --exercise retraction --json
   sulcus-client demo --virtual --exercise hard/wedge
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT
 
@@ -48,13 +50,14 @@ pub struct DemoArgs {
     /// Length of the session in seconds (a hard case has its own)
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
     pub duration: f64,
-    /// What to perform: `crown`, or a hard case as `hard/NAME` (see `--list-exercises`)
+    /// What to perform: `crown`, `probing` (a pocket), `retraction` (a tongue held aside), or a hard case as `hard/NAME`
+    /// (see `--list-exercises`)
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
     /// List the exercises and stop
     #[arg(long)]
     pub list_exercises: bool,
-    /// Scene file (TOML); the built-in parametric molar when omitted
+    /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a tongue
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Seed of the simulated operator's tremor
@@ -90,7 +93,10 @@ pub struct RunArgs {
     /// Device: only `simulated` so far
     #[arg(long, value_name = "NAME", default_value = "simulated")]
     pub device: String,
-    /// Scene that the simulated operator knows; must be the server's
+    /// What the simulated operator performs: `crown`, `probing` or `retraction`
+    #[arg(long, value_name = "NAME", default_value = "crown")]
+    pub exercise: String,
+    /// Scene that the simulated operator knows, when it is not the exercise's own; must be the server's
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Length of the session in seconds

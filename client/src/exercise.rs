@@ -9,7 +9,10 @@ use sulcus_cases::table::Driver;
 use sulcus_core::Scene;
 use sulcus_core::optimise::SolverKind;
 use sulcus_operator::crown::{Crown, CrownParams};
+use sulcus_operator::probing::{Probing, ProbingParams};
+use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::{HandParams, Operator, Script};
+use sulcus_scene::BuiltIn;
 
 use crate::progress::Steps;
 
@@ -17,6 +20,8 @@ use crate::progress::Steps;
 pub struct Prepared {
     /// Name, as on the command line.
     pub name: String,
+    /// What the student is told.
+    pub task: &'static str,
     /// Compiled scene.
     pub scene: Arc<Scene>,
     /// The same as bytes.
@@ -47,12 +52,65 @@ impl Prepared {
     }
 }
 
+/// An exercise for students.
+struct Lesson {
+    name: &'static str,
+    about: &'static str,
+    task: &'static str,
+    /// Scene when none is named.
+    scene: BuiltIn,
+    /// Its script for a length in seconds.
+    script: fn(&Scene, f64) -> anyhow::Result<Box<dyn Script + Send>>,
+}
+
+const LESSONS: [Lesson; 3] = [
+    Lesson {
+        name: "crown",
+        about: "the probe is led round the crown of a tooth, pressed lightly, lifted now and then",
+        task: "Lead the tip of the probe round the crown, with a light hand.",
+        scene: BuiltIn::Crown,
+        script: |scene, duration| {
+            let params = CrownParams {
+                duration,
+                ..CrownParams::default()
+            };
+            Ok(Box::new(Crown::new(scene, None, params)?))
+        },
+    },
+    Lesson {
+        name: "probing",
+        about: "the buccal pocket of one tooth is probed in a walking stroke, three sites read at 0.2 N",
+        task: "Probe the buccal side: along the tooth to the floor, 0.2 N, read, walk on.",
+        scene: BuiltIn::Pocket,
+        script: |scene, duration| {
+            let params = ProbingParams {
+                duration,
+                ..ProbingParams::default()
+            };
+            Ok(Box::new(Probing::new(scene, None, params)?))
+        },
+    },
+    Lesson {
+        name: "retraction",
+        about: "the mouth mirror presses the tongue, pushes it aside, holds it, slides along and lets go",
+        task: "Hold the tongue aside with the mirror, gently, and let it go again.",
+        scene: BuiltIn::Tongue,
+        script: |scene, duration| {
+            let params = RetractionParams {
+                duration,
+                ..RetractionParams::default()
+            };
+            Ok(Box::new(Retraction::new(scene, params)?))
+        },
+    },
+];
+
 /// Names for `--list-exercises`, with what each is about.
 pub fn list() -> Vec<(String, &'static str)> {
-    let mut names = vec![(
-        "crown".to_owned(),
-        "the probe is led round the crown of a tooth, pressed lightly, lifted now and then",
-    )];
+    let mut names: Vec<(String, &'static str)> = LESSONS
+        .iter()
+        .map(|lesson| (lesson.name.to_owned(), lesson.about))
+        .collect();
     names.extend(
         sulcus_cases::TABLE
             .iter()
@@ -75,6 +133,7 @@ pub fn prepare(
 ) -> anyhow::Result<Prepared> {
     let mut warnings = Vec::new();
     let mut hard = None;
+    let mut task = "Hold on: this is a hard case, not an exercise.";
     let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) =
         if let Some(case) = name.strip_prefix("hard/") {
             let Some(case) = sulcus_cases::find(case) else {
@@ -87,20 +146,26 @@ pub fn prepare(
             // Where a hand would hide a figure the table moves the tool itself; here a person watches,
             // so a hand follows the same script.
             match case.driver {
-                Driver::Kinematic(script) => ((case.scene)(), script(), HandParams::default()),
-                Driver::Closed(script, hand) => ((case.scene)(), script(), hand()),
+                Driver::Kinematic(script) => {
+                    let scene = (case.scene)();
+                    let script = script(&scene);
+                    (scene, script, HandParams::default())
+                }
+                Driver::Closed(script, hand) => {
+                    let scene = (case.scene)();
+                    let script = script(&scene);
+                    (scene, script, hand())
+                }
             }
-        } else if name == "crown" {
-            let compiled = compile(scene_file, steps)?;
-            warnings = compiled.warnings;
-            let params = CrownParams {
-                duration: duration_s,
-                ..CrownParams::default()
-            };
-            let script = Crown::new(&compiled.scene, None, params)?;
-            (compiled.scene, Box::new(script), HandParams::default())
         } else {
-            bail!("{}", unknown(name));
+            let Some(lesson) = LESSONS.iter().find(|lesson| lesson.name == name) else {
+                bail!("{}", unknown(name))
+            };
+            task = lesson.task;
+            let compiled = compile(scene_file, lesson.scene, steps)?;
+            warnings = compiled.warnings;
+            let script = (lesson.script)(&compiled.scene, duration_s)?;
+            (compiled.scene, script, HandParams::default())
         };
     scene.params.solver = solver;
     let scene_bytes = scene
@@ -109,6 +174,7 @@ pub fn prepare(
     let operator = Operator::new(script, hand, seed);
     Ok(Prepared {
         name: name.to_owned(),
+        task,
         scene: Arc::new(scene),
         scene_bytes: Arc::new(scene_bytes),
         ticks: operator.ticks(),
@@ -118,11 +184,15 @@ pub fn prepare(
     })
 }
 
-/// The scene of a file, or the built-in one.
+/// The scene of a file, or a built-in one.
 ///
 /// # Errors
 /// When the file cannot be used; the message says what and where.
-pub fn compile(scene_file: Option<&Path>, steps: &Steps) -> anyhow::Result<sulcus_scene::Compiled> {
+pub fn compile(
+    scene_file: Option<&Path>,
+    otherwise: BuiltIn,
+    steps: &Steps,
+) -> anyhow::Result<sulcus_scene::Compiled> {
     let options = sulcus_scene::BuildOptions {
         cache: sulcus_scene::default_cache_dir(),
         ..Default::default()
@@ -131,7 +201,7 @@ pub fn compile(scene_file: Option<&Path>, steps: &Steps) -> anyhow::Result<sulcu
     let progress = |what: &str, share: f64| bar.set(what, share);
     let compiled = match scene_file {
         Some(file) => sulcus_scene::compile_file(file, &options, &progress)?,
-        None => sulcus_scene::compile_default(&options, &progress)?,
+        None => sulcus_scene::compile_built_in(otherwise, &options, &progress)?,
     };
     bar.done();
     Ok(compiled)

@@ -30,7 +30,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     let steps = Steps;
     let solver = SolverKind::ActiveSet;
     let prepared = exercise::prepare(
-        "crown",
+        &args.exercise,
         args.scene.as_deref(),
         args.duration,
         args.seed,

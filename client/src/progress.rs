@@ -35,6 +35,11 @@ impl Bar {
             .set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
     }
 
+    /// Says something that happened, above the bar, also where there is no bar.
+    pub fn say(&self, text: &str) {
+        self.0.suspend(|| eprintln!("{text}"));
+    }
+
     /// Ends the step and takes its bar away.
     pub fn done(&self) {
         self.0.finish_and_clear();

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sulcus_core::Scene;
+use sulcus_core::{Scene, TickInput};
 use sulcus_proto::limits::NAME_BYTES;
 use sulcus_proto::ticket::hex;
 
 use crate::ServerError;
+use crate::detail::Detail;
 
 /// What a student is asked to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +62,8 @@ pub struct ServerConfig {
     /// File of the key that signs recordings, made on first use; `None`: at its usual place
     /// (`sulcus_sessions::StationKey::default_path`).
     pub station_key: Option<PathBuf>,
+    /// Level of detail of tissue: fixed, as sessions with a rubric need it, or by the time that ticks leave.
+    pub detail: Detail,
     /// Longest session; `None`: no limit.
     pub max_session: Option<Duration>,
     /// Whether to ask the system for real-time scheduling and locked memory. (Where it is not
@@ -90,6 +93,7 @@ impl ServerConfig {
             patient: String::new(),
             rubric: String::new(),
             station_key: None,
+            detail: Detail::default(),
             max_session: None,
             real_time: true,
         })
@@ -135,6 +139,28 @@ impl ServerConfig {
         }
         if self.max_session.is_some_and(|limit| limit.is_zero()) {
             return bad("session limit", "zero".into(), "more than zero, or none");
+        }
+        match self.detail {
+            Detail::Fixed(level) if level > TickInput::MAX_DETAIL => {
+                return bad(
+                    "level of detail",
+                    level.to_string(),
+                    "0 (coarse) or 1 (fine)",
+                );
+            }
+            Detail::Fixed(_) => {}
+            Detail::ByTime(_) if !self.rubric.is_empty() => {
+                return bad(
+                    "level of detail",
+                    "by time, in a session with a rubric".into(),
+                    "a fixed level where a session is graded: all students must feel the same",
+                );
+            }
+            Detail::ByTime(budget) => {
+                if let Err((field, found, expected)) = budget.validate() {
+                    return bad(field, found, expected);
+                }
+            }
         }
         Ok(())
     }

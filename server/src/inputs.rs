@@ -17,6 +17,8 @@ pub(crate) struct Inputs {
     pose: Option<PoseIn>,
     paused: bool,
     force_limit_n: f32,
+    /// Level of detail for the next tick.
+    pub detail: u8,
     /// Buttons that went down since the tool's last tick with a hand: seen for one tick at least, even
     /// when every pose that held them was lost. Kept until there is a tick to see them in.
     pressed: [u16; MAX_TOOLS],
@@ -29,6 +31,7 @@ impl Inputs {
             pose: None,
             paused: false,
             force_limit_n: 0.0,
+            detail: 0,
             pressed: [0; MAX_TOOLS],
         }
     }
@@ -62,6 +65,7 @@ impl Inputs {
             paused: self.paused,
             force_limit_n: self.force_limit_n,
             skipped,
+            detail: self.detail,
             ..TickInput::IDLE
         };
         let Some(pose) = &self.pose else { return input };

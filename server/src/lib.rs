@@ -18,6 +18,8 @@ pub mod config;
 pub mod error;
 pub mod handle;
 
+pub mod detail;
+
 mod handoff;
 mod identity;
 mod inputs;
@@ -32,6 +34,7 @@ mod simulation;
 mod transport;
 
 pub use config::{Exercise, ServerConfig};
+pub use detail::{Budget, Detail};
 pub use error::ServerError;
 pub use handle::{Server, ServerHandle};
 pub use identity::fingerprint;

@@ -141,6 +141,7 @@ mod tests {
                 active: 0,
                 min_gap: f64::INFINITY,
                 converged,
+                pocket: None,
             };
             let output = TickOutput {
                 tick: 0,

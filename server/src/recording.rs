@@ -8,9 +8,12 @@ use std::time::Duration;
 
 use rtrb::{Consumer, Producer};
 use sulcus_core::State;
+use sulcus_core::output::PocketReading;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
-use sulcus_sessions::{Level, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+use sulcus_sessions::{
+    Level, Occurrence, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey,
+};
 
 use crate::ServerConfig;
 use crate::handoff::{Bell, Flags};
@@ -26,6 +29,13 @@ pub(crate) const EVENTS: usize = 256;
 /// What the simulation queues. One queue for both, so that a snapshot follows its tick's row.
 pub(crate) enum Entry {
     Row(Row),
+    /// A hand became heavier in a pocket.
+    Zone {
+        unix_ns: u64,
+        tick: u64,
+        tool: u8,
+        reading: PocketReading,
+    },
     Snapshot {
         unix_ns: u64,
         tick: u64,
@@ -190,6 +200,16 @@ impl Thread {
         while let Ok(entry) = self.entries.pop() {
             let result = match entry {
                 Entry::Row(row) => self.recorder.push(&row),
+                Entry::Zone {
+                    unix_ns,
+                    tick,
+                    tool,
+                    reading,
+                } => {
+                    let said = Occurrence::force_zone(tick, tool.into(), &reading).to_string();
+                    let level = Occurrence::level_of(reading.zone);
+                    self.recorder.event(unix_ns, level, &said)
+                }
                 Entry::Snapshot {
                     unix_ns,
                     tick,

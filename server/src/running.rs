@@ -113,6 +113,7 @@ impl Running {
                 flags: flags.clone(),
                 entries,
                 buffers: buffers_out,
+                detail: config.detail,
                 real_time: config.real_time,
             };
             // Should this fail, the recorder sees its queue and channel abandoned and finishes.

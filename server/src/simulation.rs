@@ -11,6 +11,7 @@ use sulcus_proto::{WrenchDatagram, limits};
 use sulcus_sessions::Row;
 use triple_buffer::{Input, Output};
 
+use crate::detail::{Chooser, Detail};
 use crate::handoff::{Bell, Edge, Flags, PoseIn, SNAPSHOT_TICKS, WrenchOut};
 use crate::inputs::Inputs;
 use crate::metrics::{Metrics, TickTimes};
@@ -31,6 +32,8 @@ pub(crate) struct Simulation {
     pub entries: Producer<Entry>,
     /// Snapshot buffers that the recorder has written and gives back.
     pub buffers: Consumer<Vec<u8>>,
+    /// Level of detail of tissue.
+    pub detail: Detail,
     pub real_time: bool,
 }
 
@@ -101,6 +104,7 @@ struct Ticker {
     state: State,
     workspace: Workspace,
     inputs: Inputs,
+    chooser: Chooser,
     grid: Grid,
     next_snapshot: u64,
     metrics: Metrics,
@@ -113,6 +117,7 @@ impl Ticker {
             state: State::new(&scene),
             workspace: Workspace::new(&scene),
             inputs: Inputs::new(scene.tools.len()),
+            chooser: Chooser::new(link.detail),
             grid: Grid {
                 begin_ns: 0,
                 next_ns: 0,
@@ -134,6 +139,7 @@ impl Ticker {
         self.grid.next_ns = point_ns + TICK_NS;
 
         self.collect();
+        self.inputs.detail = self.chooser.level();
         let input = self.inputs.take(now_ns, skipped);
         // The wall's window encloses the CPU's: CPU time never exceeds wall time.
         let wall = monotonic_ns();
@@ -164,10 +170,12 @@ impl Ticker {
         {
             self.metrics.rows_dropped += 1;
         }
+        self.zones(unix_ns, &output);
         if output.tick >= self.next_snapshot {
             self.next_snapshot = output.tick + SNAPSHOT_TICKS;
             self.snapshot(unix_ns);
         }
+        self.chooser.took(cpu_end.saturating_sub(cpu));
         self.metrics.skipped += u64::from(skipped);
         self.metrics.late += u64::from(wall_end > self.grid.next_ns);
         let times = TickTimes {
@@ -186,6 +194,21 @@ impl Ticker {
             && let Some(pose) = self.link.poses.output_buffer()
         {
             self.inputs.pose(*pose);
+        }
+    }
+
+    /// Says which hands have become heavier in a pocket. (Should the queue be full, the row that carries it
+    /// is missing too, and that is counted.)
+    fn zones(&mut self, unix_ns: u64, output: &TickOutput) {
+        for (tool, out) in output.tools.iter().enumerate() {
+            if let Some(reading) = out.pocket.filter(|reading| reading.entered_zone) {
+                let _ = self.link.entries.push(Entry::Zone {
+                    unix_ns,
+                    tick: output.tick,
+                    tool: tool as u8,
+                    reading,
+                });
+            }
         }
     }
 

@@ -132,6 +132,7 @@ fn bench(rows: usize) -> Bench {
         flags: Arc::default(),
         entries: entries_in,
         buffers: buffers_out,
+        detail: Detail::default(),
         real_time: false,
     };
     let mut ticker = Ticker::new(simulation, Metrics::new().expect("histograms"));
@@ -191,6 +192,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
                 tick += 1 + u64::from(row.input.skipped);
                 assert_eq!(row.tick, tick);
             }
+            Entry::Zone { .. } => panic!("there is no pocket"),
             Entry::Snapshot {
                 tick: of, bytes, ..
             } => {

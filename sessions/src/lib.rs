@@ -4,7 +4,7 @@
 //! and the input of every tick. Beside it stand what came out (wrench, status, chained state hash),
 //! snapshots every ten seconds, and the station's signature over a chain of all of that.
 //!
-//! # Layout of a recording (format version 1)
+//! # Layout of a recording (format version 2)
 //! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions,
 //!   station, opaque learner id, blake3 of every attachment, the signer's public key
 //! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
@@ -25,6 +25,7 @@ pub mod info;
 pub mod key;
 pub mod message;
 mod naming;
+pub mod occurrence;
 pub mod read;
 pub mod record;
 pub mod replay;
@@ -41,6 +42,7 @@ pub use header::SessionHeader;
 pub use info::{Info, info};
 pub use key::{KeyError, PublicKey, StationKey};
 pub use message::{Event, Level, Message};
+pub use occurrence::Occurrence;
 pub use read::{Ending, Facts, ReadError, Recording};
 pub use record::{Finished, RecordError, Recorder};
 pub use replay::{

@@ -119,7 +119,7 @@ pub fn replay(
     options: &ReplayOptions,
     progress: &mut dyn FnMut(u64),
 ) -> Result<ReplayReport, ReplayError> {
-    replay_observed(recording, options, progress, &mut |_, _, _| {})
+    replay_observed(recording, options, progress, &mut |_, _, _, _| {})
 }
 
 /// As [`replay`], and `observe` sees every tick as it is run again: what measures a session.
@@ -130,7 +130,7 @@ pub fn replay_observed(
     recording: &Recording,
     options: &ReplayOptions,
     progress: &mut dyn FnMut(u64),
-    observe: &mut dyn FnMut(&Scene, &TickInput, &TickOutput),
+    observe: &mut dyn FnMut(&Scene, &TickInput, &TickOutput, &Workspace),
 ) -> Result<ReplayReport, ReplayError> {
     let mut scene = recording.scene()?;
     scene.params.solver = options.solver.unwrap_or(scene.params.solver);
@@ -143,7 +143,7 @@ pub fn replay_observed(
         match &message {
             Message::Row(row) => {
                 let output = run.row(row);
-                observe(&scene, &row.input, &output);
+                observe(&scene, &row.input, &output, &run.workspace);
             }
             Message::Snapshot { tick, state } => run.snapshot(*tick, state)?,
             Message::Signed(_) | Message::Event(_) => {}

@@ -37,6 +37,7 @@ u64     time_unix_ns  session clock, nanoseconds since the Unix epoch
 u8      paused        0 or 1
 u16     skipped       ticks of the grid missed just before this one
 f32     force_limit_n instructor's limit, N; 0: the scene's
+u8      detail        level of detail of tissues, 0 the coarsest
 2 times, input of a tool:
   u8      flags       bit 0 present, bit 1 stale
   u16     age_ticks   age of the pose
@@ -117,7 +118,7 @@ mod tests {
     fn the_schema_adds_up_to_the_length() {
         assert_eq!(
             Row::BYTES,
-            8 + 8 + 1 + 2 + 4 + 2 * (1 + 2 + 2 + 12 + 16) + 2 * 26 + 8
+            8 + 8 + 1 + 2 + 4 + 1 + 2 * (1 + 2 + 2 + 12 + 16) + 2 * 26 + 8
         );
     }
 
@@ -126,8 +127,9 @@ mod tests {
         fn bytes_survive_a_round_trip(raw in proptest::collection::vec(any::<u8>(), Row::BYTES)) {
             let mut raw = raw;
             raw[16] &= 1; // paused
-            raw[23] &= 3; // flags of the first tool
-            raw[56] &= 3; // and of the second
+            raw[23] &= TickInput::MAX_DETAIL; // level of detail
+            raw[24] &= 3; // flags of the first tool
+            raw[57] &= 3; // and of the second
             let row = Row::from_bytes(&raw).expect("valid flags");
             prop_assert_eq!(&row.to_bytes()[..], &raw[..]);
         }

@@ -3,10 +3,11 @@
 //!
 //! The path is laid on the tooth's own spheres, so it fits any tooth that a scene names.
 
-use sulcus_core::math::{Mat3, Quat};
-use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, Tool, Vec3};
+use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, Vec3};
 
+use crate::frame::ToolFrame;
 use crate::script::{Script, smoothstep};
+use crate::sounding::{bearing_vector, first_touch, tip_radius};
 
 /// How the crown is probed. Lengths in metres, times in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,14 +71,6 @@ pub struct Crown {
     /// Distance from the tooth's axis at which the tip touches, by height and bearing.
     radius: Vec<[f64; BEARINGS]>,
     mean_radius: f64,
-}
-
-/// What the script needs of the tool: its tip and two directions in its frame.
-#[derive(Clone, Copy, Debug)]
-struct ToolFrame {
-    tip: Vec3,
-    /// Columns: out of the tip, towards the handle across it, their cross product.
-    basis: Mat3,
 }
 
 impl Crown {
@@ -202,156 +195,5 @@ impl Script for Crown {
     }
     fn duration_s(&self) -> f64 {
         self.params.duration
-    }
-}
-
-impl ToolFrame {
-    fn of(tool: &Tool) -> Self {
-        let out = tool.tip_axis.normalize();
-        let to_handle = -tool.tip;
-        let across = to_handle - out * out.dot(&to_handle);
-        // A straight tool has no side: any will do.
-        let across = if across.norm() > 1e-6 {
-            across.normalize()
-        } else {
-            // Not along the axis itself, whichever that is.
-            let least = Vec3::ith(out.iamin(), 1.0);
-            out.cross(&least).normalize()
-        };
-        Self {
-            tip: tool.tip,
-            basis: Mat3::from_columns(&[out, across, out.cross(&across)]),
-        }
-    }
-
-    /// Device pose that puts the tip at `tip`, pointing along `pointing`, the handle leaning
-    /// towards `side`.
-    fn at(&self, tip: &Vec3, pointing: &Vec3, side: &Vec3) -> Pose {
-        let across = (side - pointing * pointing.dot(side)).normalize();
-        let world = Mat3::from_columns(&[*pointing, across, pointing.cross(&across)]);
-        let rotation = nalgebra_rotation(&(world * self.basis.transpose()));
-        Pose::new(tip - rotation * self.tip, rotation)
-    }
-}
-
-fn nalgebra_rotation(m: &Mat3) -> Quat {
-    // Shepperd's method on the largest diagonal: no branch near a singularity.
-    let trace = m[(0, 0)] + m[(1, 1)] + m[(2, 2)];
-    let squares = [trace, m[(0, 0)], m[(1, 1)], m[(2, 2)]];
-    let largest = (0..4).fold(
-        0,
-        |best, k| if squares[k] > squares[best] { k } else { best },
-    );
-    let (w, x, y, z) = match largest {
-        0 => (
-            1.0 + trace,
-            m[(2, 1)] - m[(1, 2)],
-            m[(0, 2)] - m[(2, 0)],
-            m[(1, 0)] - m[(0, 1)],
-        ),
-        1 => (
-            m[(2, 1)] - m[(1, 2)],
-            1.0 + 2.0 * m[(0, 0)] - trace,
-            m[(0, 1)] + m[(1, 0)],
-            m[(0, 2)] + m[(2, 0)],
-        ),
-        2 => (
-            m[(0, 2)] - m[(2, 0)],
-            m[(0, 1)] + m[(1, 0)],
-            1.0 + 2.0 * m[(1, 1)] - trace,
-            m[(1, 2)] + m[(2, 1)],
-        ),
-        _ => (
-            m[(1, 0)] - m[(0, 1)],
-            m[(0, 2)] + m[(2, 0)],
-            m[(1, 2)] + m[(2, 1)],
-            1.0 + 2.0 * m[(2, 2)] - trace,
-        ),
-    };
-    sulcus_core::math::normalised(w, x, y, z)
-}
-
-fn bearing_vector(degrees: f64) -> Vec3 {
-    let angle = degrees.to_radians();
-    Vec3::new(libm::cos(angle), libm::sin(angle), 0.0)
-}
-
-/// Where a ray from outside along `-out` first meets a sphere: distance from `centre` along `out`.
-fn first_touch(centre: &Vec3, out: &Vec3, sphere: &Vec3, radius: f64) -> Option<f64> {
-    let to = sphere - centre;
-    let along = to.dot(out);
-    let off = to.norm_squared() - along * along;
-    let reach = radius * radius - off;
-    (reach > 0.0).then(|| along + reach.sqrt())
-}
-
-/// Radius of the sphere nearest to the tip.
-fn tip_radius(tool: &Tool) -> f64 {
-    let nearest = tool.tree.shape_at(tool.level).min_by(|a, b| {
-        let d = |node: &sulcus_core::Node| (node.centre - tool.tip).norm();
-        d(a.1).total_cmp(&d(b.1))
-    });
-    nearest.map_or(0.0, |(_, node)| node.contact_radius)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sulcus_core::math::exp_rotation;
-
-    #[test]
-    fn any_rotation_matrix_becomes_its_quaternion() {
-        for k in 0..200 {
-            let w = Vec3::new(
-                libm::sin(f64::from(k)),
-                libm::cos(2.3 * f64::from(k)),
-                libm::sin(0.7 * f64::from(k)),
-            ) * 3.0;
-            let q = exp_rotation(&w);
-            let back = nalgebra_rotation(&q.to_rotation_matrix().into_inner());
-            assert!(q.angle_to(&back) < 1e-7, "{w:?}");
-        }
-    }
-
-    #[test]
-    fn a_straight_tool_along_any_axis_gets_a_rotation() {
-        for axis in [Vec3::x(), Vec3::y(), -Vec3::z()] {
-            let tool = sulcus_core::Tool {
-                name: "straight".into(),
-                tree: sulcus_core::SphereTree::over_leaves(&[sulcus_core::Sphere {
-                    centre: axis,
-                    radius: 1.0,
-                }])
-                .expect("valid"),
-                level: 0,
-                working_point: axis,
-                tip: axis,
-                tip_axis: axis,
-                stiffness_n_per_m: 500.0,
-                stiffness_nm_per_rad: 0.5,
-                park: Pose::identity(),
-                bands: Vec::new(),
-                mesh: sulcus_core::DisplayMesh::default(),
-            };
-            let pose = ToolFrame::of(&tool).at(&Vec3::zeros(), &-Vec3::z(), &Vec3::x());
-            assert!(
-                (pose.orientation * axis + Vec3::z()).norm() < 1e-12,
-                "{axis:?}: {pose:?}"
-            );
-            assert!(
-                pose.transform(&tool.tip).norm() < 1e-12,
-                "{axis:?}: {pose:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_ray_meets_a_ball_at_its_near_side() {
-        let hit = first_touch(&Vec3::zeros(), &Vec3::x(), &Vec3::new(2.0, 0.0, 0.0), 1.0);
-        assert_eq!(hit, Some(3.0));
-        assert_eq!(
-            first_touch(&Vec3::zeros(), &Vec3::x(), &Vec3::new(2.0, 1.5, 0.0), 1.0),
-            None
-        );
     }
 }

@@ -79,6 +79,11 @@ impl Hand {
         }
     }
 
+    /// Where the device is.
+    pub fn device(&self) -> Pose {
+        self.device
+    }
+
     /// One millisecond towards `target` under the wrench `felt` about the device point (world
     /// axes). Returns the device's pose.
     pub fn step(&mut self, target: &Pose, felt: &Wrench) -> Pose {

@@ -8,8 +8,13 @@
 //! SI units, world axes.
 
 pub mod crown;
+mod frame;
 pub mod hand;
+pub mod pocket_path;
+pub mod probing;
+pub mod retraction;
 pub mod script;
+mod sounding;
 pub mod tremor;
 
 use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Wrench};
@@ -48,6 +53,9 @@ impl Operator {
     pub fn step(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
         let t = self.tick as f64 * sulcus_core::TICK_S;
         self.tick += 1;
+        let held: [Option<Pose>; MAX_TOOLS] =
+            std::array::from_fn(|slot| self.hands[slot].as_ref().map(Hand::device));
+        self.script.feel(felt, &held);
         let targets = self.script.targets(t);
         std::array::from_fn(|slot| {
             let Some(target) = targets[slot] else {

@@ -1,9 +1,15 @@
 //! Where a hand means to be over time.
 
-use sulcus_core::{MAX_TOOLS, Pose};
+use sulcus_core::{MAX_TOOLS, Pose, Wrench};
 
-/// A scripted intention, a pure function of time.
+/// A scripted intention: a function of time, and, where a script goes by what it feels, of that.
 pub trait Script {
+    /// Takes in, once per millisecond and before [`Script::targets`], what the hands feel (wrenches about the
+    /// device points, world axes) and where they are (device poses; `None` where no hand holds the tool).
+    /// Most scripts do not care.
+    fn feel(&mut self, felt: &[Wrench; MAX_TOOLS], hands: &[Option<Pose>; MAX_TOOLS]) {
+        let _ = (felt, hands);
+    }
     /// Device poses (`world_from_tool`) that the hands mean to reach at `t` seconds; `None` where no
     /// hand holds the tool.
     fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS];
@@ -22,6 +28,23 @@ pub struct OneTool<F> {
 impl<F: Fn(f64) -> Pose> Script for OneTool<F> {
     fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
         [Some((self.pose)(t)), None]
+    }
+    fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+}
+
+/// A script from a closure for both tools.
+pub struct TwoTools<F> {
+    /// Poses at `t` seconds.
+    pub poses: F,
+    /// Length, seconds.
+    pub duration_s: f64,
+}
+
+impl<F: Fn(f64) -> [Option<Pose>; MAX_TOOLS]> Script for TwoTools<F> {
+    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
+        (self.poses)(t)
     }
     fn duration_s(&self) -> f64 {
         self.duration_s

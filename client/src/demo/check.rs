@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use sulcus_cases::{Measures, Observer};
+use sulcus_cases::chart::SITES;
+use sulcus_cases::{Chart, Measures, Observer};
 use sulcus_sessions::{Recording, ReplayOptions, ReplayReport, Signature, replay_observed};
 
+use super::summary::{PocketSummary, SiteSummary, TissueSummary};
 use crate::progress::Steps;
 
 /// What the replay found.
@@ -13,6 +15,10 @@ pub struct Checked {
     pub report: ReplayReport,
     /// The measures of the session, by full queries of all pairs.
     pub measures: Measures,
+    /// What a probe read.
+    pub chart: Chart,
+    /// Whether anything in the scene yields.
+    yields: bool,
     /// Size of the file.
     pub bytes: u64,
 }
@@ -21,6 +27,41 @@ impl Checked {
     /// Whether the signatures hold.
     pub fn signature_valid(&self) -> bool {
         matches!(self.report.signature, Signature::Valid { .. }) && self.report.chain_ok
+    }
+
+    /// What was read in pockets; none where no tool was in one.
+    pub fn pocket(&self) -> Option<PocketSummary> {
+        let sites = self.chart.sites();
+        let [_, too_heavy, trauma, damage] = self.chart.zones;
+        (!sites.is_empty()).then(|| PocketSummary {
+            sites: sites
+                .iter()
+                .map(|site| SiteSummary {
+                    tooth: site.tooth,
+                    site: SITES[site.site],
+                    truth_mm: site.truth * 1e3,
+                    measured_mm: site.measured.map(|depth| depth * 1e3),
+                    deepest_mm: site.deepest * 1e3,
+                    max_force_n: site.max_force,
+                })
+                .collect(),
+            too_heavy,
+            trauma,
+            damage,
+        })
+    }
+
+    /// How tissue fared; none where nothing yields.
+    pub fn tissue(&self) -> Option<TissueSummary> {
+        let m = &self.measures;
+        self.yields.then(|| TissueSummary {
+            indentation_mm: m.indentation * 1e3,
+            unrest_um: m.unrest * 1e6,
+            max_raw_force_n: m.max_raw_force,
+            buzz_n: m.buzz,
+            imbalance: m.imbalance,
+            flips: m.flips,
+        })
     }
 }
 
@@ -31,20 +72,25 @@ impl Checked {
 pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let recording = Recording::open(path)?;
     let scene = recording.scene()?;
-    let mut observer = Observer::new(&scene);
+    let (mut observer, mut chart) = (Observer::new(&scene), Chart::default());
     let rows = recording.len().max(1) as f64;
     let bar = steps.bar("replaying");
     let report = replay_observed(
         &recording,
         &ReplayOptions::default(),
         &mut |ticks| bar.set("replaying", ticks as f64 / rows),
-        &mut |scene, input, output| observer.observe(scene, input, output),
+        &mut |scene, input, output, ws| {
+            observer.observe(scene, input, output, ws);
+            chart.observe(scene, output);
+        },
     )?;
     bar.done();
     let bytes = std::fs::metadata(path)?.len();
     Ok(Checked {
         report,
         measures: observer.measures(),
+        chart,
+        yields: scene.objects.iter().any(|o| !o.tissue.is_rigid()),
         bytes,
     })
 }

@@ -29,7 +29,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     )?;
     config.exercise = Exercise {
         name: name.clone(),
-        text: "Lead the tip of the probe round the crown, with a light hand.".into(),
+        text: prepared.task.into(),
         definition: prepared.definition(args.seed),
         seed: args.seed,
     };
@@ -96,6 +96,8 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         realtime_factor: (summary.ticks + summary.skipped) as f64 * sulcus_core::TICK_S / wall_s,
         replay_realtime_factor: checked.report.realtime_factor,
         recording_bytes: checked.bytes,
+        pocket: checked.pocket(),
+        tissue: checked.tissue(),
         grade: None,
     })
 }

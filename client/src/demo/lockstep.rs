@@ -9,8 +9,9 @@ use sulcus_core::{
     MAX_TOOLS, NoProbe, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
 };
 use sulcus_proto::Percentiles;
-use sulcus_sessions::{Recorder, Row, SessionEnd, SessionHeader, StationKey};
+use sulcus_sessions::{Occurrence, Recorder, Row, SessionEnd, SessionHeader, StationKey};
 
+use super::zones::{entered, zone_line};
 use crate::exercise::Prepared;
 use crate::interrupt;
 use crate::progress::Steps;
@@ -83,9 +84,14 @@ pub fn run(
         cpu.saturating_record(thread_cpu_ns() - cpu_0);
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
         felt = as_sent(&output);
-        observer.observe(&scene, &input, &output);
+        observer.observe(&scene, &input, &output, &ws);
         let now = started + k * 1_000_000;
         recorder.push(&Row::new(now, &input, &output))?;
+        for (tool, reading) in entered(&output) {
+            let said = Occurrence::force_zone(k, tool, &reading);
+            bar.say(&zone_line(k, &reading));
+            recorder.event(now, Occurrence::level_of(reading.zone), &said.to_string())?;
+        }
         if k.is_multiple_of(SNAPSHOT_TICKS) {
             recorder.snapshot(now, k, &state.to_bytes())?;
         }

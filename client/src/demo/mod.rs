@@ -5,6 +5,7 @@ pub mod check;
 pub mod live;
 pub mod lockstep;
 pub mod summary;
+mod zones;
 
 use anyhow::Context;
 use sulcus_sessions::StationKey;
@@ -107,6 +108,8 @@ fn run_virtual(
         realtime_factor: ran.ticks as f64 * sulcus_core::TICK_S / ran.wall_s,
         replay_realtime_factor: checked.report.realtime_factor,
         recording_bytes: checked.bytes,
+        pocket: checked.pocket(),
+        tissue: checked.tissue(),
         grade: None,
     })
 }

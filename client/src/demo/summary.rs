@@ -56,8 +56,94 @@ pub struct DemoSummary {
     pub replay_realtime_factor: f64,
     /// Size of the recording.
     pub recording_bytes: u64,
+    /// What was read in pockets; null where no tool was in one.
+    pub pocket: Option<PocketSummary>,
+    /// How tissue fared; null where nothing yields.
+    pub tissue: Option<TissueSummary>,
     /// Null until there is grading.
     pub grade: Option<()>,
+}
+
+/// What was read in pockets.
+#[derive(Clone, Debug, Serialize)]
+pub struct PocketSummary {
+    /// Each zone of the circumference that was reached.
+    pub sites: Vec<SiteSummary>,
+    /// Times that a hand became too heavy on the floor.
+    pub too_heavy: u64,
+    /// Times that it became so heavy that healthy tissue bleeds.
+    pub trauma: u64,
+    /// Times that it did damage.
+    pub damage: u64,
+}
+
+/// One zone of one tooth.
+#[derive(Clone, Debug, Serialize)]
+pub struct SiteSummary {
+    /// FDI number.
+    pub tooth: u8,
+    /// Name of the zone.
+    pub site: &'static str,
+    /// Depth that is prescribed there.
+    pub truth_mm: f64,
+    /// Deepest reading at correct force; null when the force never was.
+    pub measured_mm: Option<f64>,
+    /// Deepest that the tip was.
+    pub deepest_mm: f64,
+    /// Largest force on the floor.
+    pub max_force_n: f64,
+}
+
+/// How tissue fared.
+#[derive(Clone, Debug, Serialize)]
+pub struct TissueSummary {
+    /// Largest displacement of any leaf sphere.
+    pub indentation_mm: f64,
+    /// Displacement of the farthest leaf at the end.
+    pub unrest_um: f64,
+    /// Largest force before clamp and slew.
+    pub max_raw_force_n: f64,
+    /// Mean second difference of the raw force per tick.
+    pub buzz_n: f64,
+    /// Largest difference between the contacts' loads and the wrench, relative.
+    pub imbalance: f64,
+    /// Contact normals that flipped.
+    pub flips: u64,
+}
+
+impl PocketSummary {
+    fn lines(&self, lines: &mut Vec<String>) {
+        for site in &self.sites {
+            let read = match site.measured_mm {
+                Some(depth) => format!(
+                    "{depth:.1} mm read, {:.1} prescribed ({:+.1})",
+                    site.truth_mm,
+                    depth - site.truth_mm
+                ),
+                None => format!(
+                    "never read at correct force ({:.1} prescribed)",
+                    site.truth_mm
+                ),
+            };
+            lines.push(format!(
+                "{:13} {} of {}, {:.2} N at most",
+                site.site, read, site.tooth, site.max_force_n
+            ));
+        }
+        lines.push(format!(
+            "force zones   {} times too heavy, {} trauma, {} damage",
+            self.too_heavy, self.trauma, self.damage
+        ));
+    }
+}
+
+impl TissueSummary {
+    fn line(&self) -> String {
+        format!(
+            "tissue        {:.1} mm at most, {:.2} um from rest at the end, buzz {:.4} N",
+            self.indentation_mm, self.unrest_um, self.buzz_n
+        )
+    }
 }
 
 impl DemoSummary {
@@ -117,6 +203,12 @@ impl DemoSummary {
             self.max_residual_um, self.exhausted
         ));
         lines.push(format!("force         {:.2} N at most", self.max_force_n));
+        if let Some(pocket) = &self.pocket {
+            pocket.lines(&mut lines);
+        }
+        if let Some(tissue) = &self.tissue {
+            lines.push(tissue.line());
+        }
         lines.push(match self.first_divergent_tick {
             None if self.identical => {
                 format!(

@@ -3,12 +3,19 @@
 //! The same table feeds the tests, the report and the demo (`--exercise hard/NAME`); the same
 //! measures judge a case, a demo run and a recording.
 
+mod bearing;
+pub mod chart;
 pub mod measure;
+pub mod pocket;
+mod residual;
 pub mod ripple;
 pub mod run;
 pub mod scenes;
+mod sway;
 pub mod table;
+pub mod tissue_scenes;
 
+pub use chart::Chart;
 pub use measure::{Measures, Observer};
 pub use run::{CaseReport, run};
 pub use table::{Bounds, Case, TABLE, find};

@@ -1,10 +1,16 @@
 //! One definition of every measure of a run.
 
-use sulcus_core::blend::compatibility;
 use sulcus_core::math::{log_rotation, norm};
 use sulcus_core::{
-    MAX_TOOLS, Node, Pose, Scene, TickInput, TickOutput, Vec3, Wrench, output::status,
+    MAX_TOOLS, Pose, Scene, TickInput, TickOutput, Vec3, Workspace, Wrench, output::status,
 };
+
+use crate::bearing::{Bearing, imbalance};
+use crate::residual::FullQuery;
+use crate::sway::Sway;
+
+/// Ticks after which what a resting hand holds has settled.
+const SETTLE_TICKS: u64 = 1000;
 
 /// What a run amounts to. SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,7 +28,7 @@ pub struct Measures {
     pub solver_failed: u64,
     /// Tool-ticks with unusable input.
     pub bad_input: u64,
-    /// *Residual*: deepest penetration over all leaf pairs on the final shapes of converged ticks,
+    /// *Residual*: deepest penetration over all leaf pairs on the final, deformed shapes of converged ticks,
     /// metres, by a full query that shares nothing with the tick's. Where an object's spheres are blended
     /// ([`sulcus_core::blend`]) it is that of the blended surface, of whatever seed and with all spheres in
     /// the sum, or of the cores, whichever is deeper.
@@ -36,6 +42,9 @@ pub struct Measures {
     pub buzz: f64,
     /// *Force step*: largest change of the **raw** force in a tick beyond `k_t |dq_h|`, newtons.
     pub force_step: f64,
+    /// *Torque step*: largest change of the **raw** torque in a tick, about the tool's working point (about the
+    /// device point a lateral force would count with its lever of 90 mm), newton metres.
+    pub torque_step: f64,
     /// Largest raw force, newtons.
     pub max_raw_force: f64,
     /// Largest force sent to the hand, newtons.
@@ -44,6 +53,26 @@ pub struct Measures {
     pub sent_step: f64,
     /// *Energy*: most that the wrench sent had put out into the hand at any time, joules.
     pub energy: f64,
+    /// *Work put in*: most that the hand had put in at any time, net of what it got back, joules.
+    pub work_in: f64,
+    /// *Imbalance*: largest difference between the sum of the contacts' loads, on teeth and tissue, and the
+    /// raw wrench, relative to the sum of their magnitudes, over converged ticks with more than 0.01 N of
+    /// them. Torques about the working point count with a lever of 1 mm.
+    pub imbalance: f64,
+    /// *Flips*: times that a pair of spheres bore load in two consecutive ticks and its normal turned by more
+    /// than 90 degrees between them.
+    pub flips: u64,
+    /// *Indentation*: largest displacement of any leaf of a tissue from its rest, metres.
+    pub indentation: f64,
+    /// *Rebound*: energy that appears in a tissue after the last load on it has gone: largest later
+    /// displacement of any leaf over that at letting go, squared (a spring's energy), minus one; 0 when it
+    /// only ever comes back. Displacements under 10 um are rest.
+    pub rebound: f64,
+    /// *Unrest*: displacement of the leaf that is farthest from its rest in the last tick seen, metres.
+    pub unrest: f64,
+    /// *Drift*: farthest that the graphic tool's working point goes from where it was a second after the
+    /// hand came to rest exactly, while it rests, metres.
+    pub drift: f64,
     /// Largest difference between the raw wrench and `G log(q_h q_g^-1)`, relative, over converged
     /// ticks in contact with more than 0.05 N.
     pub coupling_error: f64,
@@ -60,9 +89,11 @@ pub struct Observer {
     second_differences: f64,
     second_difference_count: u64,
     put_out: f64,
-    tool_leaves: Vec<Vec<Node>>,
-    solids: Vec<Solid>,
-    placed: Vec<(Vec3, f64)>,
+    /// Ticks since each hand moved, and where the tool then came to be.
+    resting: [(u64, Vec3); MAX_TOOLS],
+    query: FullQuery,
+    bearing: Bearing,
+    sway: Sway,
     /// Every how many ticks the full query runs (1: always).
     pub residual_every: u64,
 }
@@ -77,12 +108,17 @@ struct ToolTrace {
     sent: Wrench,
 }
 
+impl ToolTrace {
+    /// The raw wrench about the haptic tool's working point, where the coupling's spring is.
+    fn about_working_point(&self, tool: &sulcus_core::Tool) -> Wrench {
+        self.raw
+            .moved(&-(self.haptic.orientation * tool.working_point))
+    }
+}
+
 impl Observer {
     /// An observer for runs of `scene` at its own levels of detail.
     pub fn new(scene: &Scene) -> Self {
-        let leaves = |tree: &sulcus_core::SphereTree, level| {
-            tree.shape_at(level).map(|(_, node)| *node).collect()
-        };
         Self {
             measures: Measures::default(),
             last: None,
@@ -91,23 +127,33 @@ impl Observer {
             second_differences: 0.0,
             second_difference_count: 0,
             put_out: 0.0,
-            tool_leaves: scene
-                .tools
-                .iter()
-                .map(|tool| leaves(&tool.tree, tool.level))
-                .collect(),
-            solids: (0..scene.objects.len())
-                .map(|k| Solid::new(scene, k))
-                .collect(),
-            placed: Vec::new(),
+            resting: [(0, Vec3::zeros()); MAX_TOOLS],
+            query: FullQuery::new(scene),
+            bearing: Bearing::default(),
+            sway: Sway::new(scene),
             residual_every: 1,
         }
     }
 
-    /// Takes one tick in.
-    pub fn observe(&mut self, scene: &Scene, input: &TickInput, output: &TickOutput) {
+    /// Takes one tick in; `ws` is the workspace as that tick left it.
+    pub fn observe(
+        &mut self,
+        scene: &Scene,
+        input: &TickInput,
+        output: &TickOutput,
+        ws: &Workspace,
+    ) {
         let m = &mut self.measures;
         m.ticks += 1;
+        let looks = m.ticks.is_multiple_of(self.residual_every);
+        if looks {
+            self.query.deform(ws);
+            self.sway.observe(self.query.solids(), ws);
+            m.indentation = self.sway.indentation;
+            m.rebound = self.sway.rebound;
+            m.unrest = self.sway.now;
+        }
+        m.flips += self.bearing.flips(ws);
         let mut in_contact = false;
         let mut trace: [ToolTrace; MAX_TOOLS] = std::array::from_fn(|t| ToolTrace {
             present: output.tools[t].status & status::ABSENT == 0,
@@ -134,13 +180,8 @@ impl Observer {
                 self.arriving[t] = true;
                 continue;
             }
-            if m.ticks.is_multiple_of(self.residual_every) {
-                let depth = deepest(
-                    &self.tool_leaves[t],
-                    &now.graphic,
-                    &self.solids,
-                    &mut self.placed,
-                );
+            if looks {
+                let depth = self.query.deepest(t, &now.graphic);
                 if out.converged {
                     m.residual = m.residual.max(depth);
                 } else {
@@ -156,6 +197,11 @@ impl Observer {
             let now = &*now;
             m.exhausted += u64::from(out.status & status::EXHAUSTED != 0);
             let tool = &scene.tools[t];
+            if out.converged && out.status & status::SOLVER_FAILED == 0 {
+                m.imbalance = m
+                    .imbalance
+                    .max(imbalance(ws, t, &now.about_working_point(tool)));
+            }
             if out.converged
                 && norm(&now.raw.force) > 0.05
                 && out.status & status::TWIST_SATURATED == 0
@@ -175,10 +221,23 @@ impl Observer {
             };
             let (hand, graphic) = (norm(&moved(|t| &t.haptic)), norm(&moved(|t| &t.graphic)));
             m.jump = m.jump.max(graphic - hand);
+            let at = now.graphic.transform(&tool.working_point);
+            let (rest, place) = &mut self.resting[t];
+            *rest = if now.haptic == before.haptic {
+                *rest + 1
+            } else {
+                0
+            };
+            if *rest <= SETTLE_TICKS {
+                *place = at;
+            }
+            m.drift = m.drift.max(norm(&(at - *place)));
             let change = now.raw.force - before.raw.force;
             m.force_step = m
                 .force_step
                 .max(norm(&change) - tool.stiffness_n_per_m * hand);
+            let torque = |trace: &ToolTrace| trace.about_working_point(tool).torque;
+            m.torque_step = m.torque_step.max(norm(&(torque(now) - torque(&before))));
             let loaded = out.active > 0 || norm(&before.raw.force) > 0.0;
             if let Some(last) = self.last_force_change[t].filter(|_| loaded) {
                 self.second_differences += norm(&(change - last));
@@ -191,6 +250,7 @@ impl Observer {
             let step = now.haptic.position - before.haptic.position;
             self.put_out += before.sent.force.dot(&step) + before.sent.torque.dot(&turn);
             m.energy = m.energy.max(self.put_out);
+            m.work_in = m.work_in.max(-self.put_out);
         }
         m.contact_ticks += u64::from(in_contact);
         self.last = Some(trace);
@@ -215,129 +275,9 @@ fn coupling_error(tool: &sulcus_core::Tool, now: &ToolTrace) -> f64 {
         force: stretch * tool.stiffness_n_per_m,
         torque: twist * tool.stiffness_nm_per_rad,
     };
-    let raw = now
-        .raw
-        .moved(&-(now.haptic.orientation * tool.working_point));
+    let raw = now.about_working_point(tool);
     let force = norm(&(spring.force - raw.force)) / norm(&raw.force);
     let torque =
         norm(&(spring.torque - raw.torque)) / norm(&raw.torque).max(norm(&raw.force) * 1e-3);
     force.max(torque)
-}
-
-/// The leaves of an object at the level in use.
-#[derive(Clone, Debug)]
-struct Solid {
-    /// Centre and radius: the core's, where the spheres are blended.
-    leaves: Vec<(Vec3, f64)>,
-    /// Blend length, metres; 0 where they are hard.
-    blend: f64,
-    /// Box of the leaves.
-    low: Vec3,
-    high: Vec3,
-}
-
-/// Blend lengths beyond which a sphere weighs under a ten-thousandth of a millionth.
-const FAR: f64 = 23.0;
-
-impl Solid {
-    fn new(scene: &Scene, k: usize) -> Self {
-        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
-        let radius = |id, node: &Node| {
-            if blend > 0.0 {
-                object.tree.core_radius(id, object.level)
-            } else {
-                node.contact_radius
-            }
-        };
-        let leaves = object.tree.shape_at(object.level);
-        let leaves: Vec<_> = leaves
-            .map(|(id, node)| (node.centre, radius(id, node)))
-            .collect();
-        let (low, high) = box_of(&leaves);
-        Self {
-            leaves,
-            blend,
-            low,
-            high,
-        }
-    }
-
-    /// Depth of a ball below the blended surface, metres; 0 or less outside of it.
-    fn blended_depth(&self, centre: &Vec3, radius: f64) -> f64 {
-        let margin = radius + FAR * self.blend;
-        if (0..3).any(|k| centre[k] + margin < self.low[k] || centre[k] - margin > self.high[k]) {
-            return 0.0;
-        }
-        let seen: Vec<(f64, f64, Vec3)> = self
-            .leaves
-            .iter()
-            .filter(|(c, r)| (centre - c).norm_squared() < (r + margin) * (r + margin))
-            .map(|(c, r)| {
-                let distance = (centre - c).norm();
-                (distance - r - radius, distance, (centre - c) / distance)
-            })
-            .collect();
-        let least = seen.iter().fold(f64::INFINITY, |least, s| least.min(s.0));
-        if least - self.blend * (seen.len() as f64).ln() >= 0.0 {
-            return 0.0;
-        }
-        seen.iter()
-            .map(|(own, distance, normal)| {
-                let sum: f64 = seen
-                    .iter()
-                    .map(|(gap, other, n)| {
-                        let cosine = normal.dot(n);
-                        let nearer = distance.min(*other);
-                        let shared = compatibility(cosine, nearer, gap - own, self.blend);
-                        shared * ((least - gap) / self.blend).exp()
-                    })
-                    .sum();
-                self.blend * sum.ln() - least
-            })
-            .fold(0.0, f64::max)
-    }
-}
-
-/// Box around balls.
-fn box_of(balls: &[(Vec3, f64)]) -> (Vec3, Vec3) {
-    let huge = Vec3::repeat(f64::INFINITY);
-    let (mut low, mut high) = (huge, -huge);
-    for (centre, radius) in balls {
-        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
-        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
-    }
-    (low, high)
-}
-
-/// Deepest overlap of any tool leaf with any object, metres; 0 when none. Looks at every pair
-/// whose boxes meet: no tree, no prediction distance.
-fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3, f64)>) -> f64 {
-    placed.clear();
-    placed.extend(
-        tool.iter()
-            .map(|node| (pose.transform(&node.centre), node.contact_radius)),
-    );
-    let (low, high) = box_of(placed);
-    let mut depth: f64 = 0.0;
-    for solid in solids {
-        for (c, r) in &solid.leaves {
-            if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
-                continue;
-            }
-            for (centre, radius) in placed.iter() {
-                let reach = r + radius;
-                let between = centre - c;
-                let squared = between.norm_squared();
-                if squared < reach * reach {
-                    depth = depth.max(reach - squared.sqrt());
-                }
-            }
-        }
-        if solid.blend > 0.0 {
-            for (centre, radius) in placed.iter() {
-                depth = depth.max(solid.blended_depth(centre, *radius));
-            }
-        }
-    }
-    depth
 }

@@ -29,30 +29,30 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
     let mut felt = [Wrench::ZERO; MAX_TOOLS];
     let mut margin = f64::INFINITY;
     let mut operator = match case.driver {
-        Driver::Closed(script, params) => Some(Operator::new(script(), params(), case.seed)),
+        Driver::Closed(script, params) => Some(Operator::new(script(&scene), params(), case.seed)),
         Driver::Kinematic(_) => None,
     };
-    let ticks = match case.driver {
-        Driver::Closed(script, _) => script().duration_s(),
-        Driver::Kinematic(script) => script().duration_s(),
-    } * 1e3;
-    let script = match case.driver {
-        Driver::Kinematic(script) | Driver::Closed(script, _) => script(),
+    let mut script = match case.driver {
+        Driver::Kinematic(script) | Driver::Closed(script, _) => script(&scene),
     };
+    let ticks = script.duration_s() * 1e3;
+    let mut hands = [None; MAX_TOOLS];
     for k in 0..ticks as u64 {
         let mut input = TickInput::IDLE;
         input.tools = match &mut operator {
             Some(operator) => operator.step(&felt),
-            None => script
-                .targets(k as f64 * sulcus_core::TICK_S)
-                .map(|target| match target {
+            None => {
+                script.feel(&felt, &hands);
+                hands = script.targets(k as f64 * sulcus_core::TICK_S);
+                hands.map(|target| match target {
                     Some(pose) => present(&pose),
                     None => sulcus_core::ToolInput::ABSENT,
-                }),
+                })
+            }
         };
         (case.disturb)(k, &mut input);
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-        observer.observe(&scene, &input, &output);
+        observer.observe(&scene, &input, &output, &ws);
         felt = std::array::from_fn(|t| output.tools[t].wrench);
         margin = margin.min((case.margin)(&scene, &output));
     }

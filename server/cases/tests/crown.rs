@@ -74,7 +74,7 @@ fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
         let mut input = TickInput::IDLE;
         input.tools = operator.step(&felt);
         let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-        observer.observe(scene, &input, &out);
+        observer.observe(scene, &input, &out, &ws);
         check_books(scene, &state, &ws, &out, k);
         felt = std::array::from_fn(|t| out.tools[t].wrench);
     }

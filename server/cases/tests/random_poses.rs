@@ -57,7 +57,7 @@ fn twenty_thousand_ticks_of_random_poses() {
                     .chain(sent.torque.iter())
                     .all(|x| x.is_finite())
             );
-            observer.observe(&scene, &input, &output);
+            observer.observe(&scene, &input, &output, &ws);
         }
         let m = observer.measures();
         println!("{case}: {m:?}");

@@ -27,8 +27,9 @@ pub fn default_cache_dir() -> Option<PathBuf> {
         .or_else(|| set("HOME").map(|dir| dir.join(".cache").join("sulcus")))
 }
 
-/// Name of the tree that these options make from this mesh.
-pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions) -> blake3::Hash {
+/// Name of the tree that these options make from this mesh; `weights` names the importance of its places, empty where
+/// all count the same.
+pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions, weights: &str) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
     hasher.update(MAGIC);
     hasher.update(&BUILDER_VERSION.to_le_bytes());
@@ -37,6 +38,7 @@ pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions) -> blake3::Hash {
     hasher.update(&options.good_enough.to_bits().to_le_bytes());
     hasher.update(&[u8::from(options.volumetric), u8::from(options.blended)]);
     mesh.hash_into(&mut hasher);
+    hasher.update(weights.as_bytes());
     hasher.finalize()
 }
 
@@ -147,7 +149,7 @@ mod tests {
             ..TreeOptions::default()
         };
         let tree = build_tree(&mesh, &options, &|_, _| ()).expect("tree");
-        let name = key(&mesh, &options);
+        let name = key(&mesh, &options, "");
         assert_eq!(load(dir.path(), &name), None);
         store(dir.path(), &name, &tree).expect("stored");
         assert_eq!(load(dir.path(), &name), Some(tree.clone()));
@@ -174,6 +176,7 @@ mod tests {
                 volumetric: true,
                 ..options
             },
+            "",
         );
         std::fs::write(path(dir.path(), &other), &good).expect("written");
         assert_eq!(load(dir.path(), &other), None);

@@ -16,6 +16,8 @@ use crate::solid::SolidError;
 
 /// Text of the scene that is used when none is named.
 pub const DEFAULT_SCENE: &str = include_str!("../../scenes/crown.toml");
+/// Text of the scene of one molar with its gingiva and a pocket.
+pub const POCKET_SCENE: &str = include_str!("../../scenes/pocket.toml");
 
 /// How to build, apart from what the scene file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -127,14 +129,20 @@ pub fn compile_default(
     options: &BuildOptions,
     progress: &dyn Fn(&str, f64),
 ) -> Result<Compiled, BuildError> {
-    let path = Path::new("crown.toml");
-    compile(
-        &file::parse(DEFAULT_SCENE, path)?,
-        DEFAULT_SCENE,
-        path,
-        options,
-        progress,
-    )
+    compile_text(DEFAULT_SCENE, Path::new("crown.toml"), options, progress)
+}
+
+/// Compiles the text of a scene file; `path` is what errors call it, and where its meshes are looked for.
+///
+/// # Errors
+/// As [`compile_file`].
+pub fn compile_text(
+    text: &str,
+    path: &Path,
+    options: &BuildOptions,
+    progress: &dyn Fn(&str, f64),
+) -> Result<Compiled, BuildError> {
+    compile(&file::parse(text, path)?, text, path, options, progress)
 }
 
 /// The default scene, from the cache at its usual place where possible.
@@ -170,7 +178,7 @@ fn compile(
     }
     let mut objects = Vec::new();
     for entry in &source.objects {
-        objects.push(compiler.object(entry)?);
+        objects.push(compiler.object(entry, &source.objects)?);
     }
     let source_hash = compiler.hasher.finalize().to_hex().to_string();
     let mut warnings = compiler.warnings;

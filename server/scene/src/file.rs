@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
-use crate::parametric::{Mirror, Molar, Probe, Tongue};
+use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
 use crate::skeleton::SkeletonOptions;
 
 /// A scene file as written.
@@ -48,6 +48,8 @@ pub enum ObjectKind {
     Molar,
     /// A tongue at rest.
     Tongue,
+    /// The gingiva of one of the file's molars, at its place: wants `tooth` and `tissue = "gingiva"`.
+    Gingiva,
 }
 
 /// How an object yields.
@@ -59,6 +61,40 @@ pub enum TissueEntry {
     Rigid,
     /// As a whole, on a skeleton of springs: a tongue.
     Skeleton,
+    /// As a gingiva does; wants `kind = "gingiva"`.
+    Gingiva,
+}
+
+/// `[object.gingiva]`: what differs from the defaults of [`sulcus_core::tissue::gingiva::GingivaParams`], in clinical units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GingivaEntry {
+    /// Stiffness of the pocket's wall away from the tooth, N/mm.
+    pub wall_stiffness_n_per_mm: Option<f64>,
+    /// Stiffness of it along the tooth, N/mm.
+    pub shear_stiffness_n_per_mm: Option<f64>,
+    /// Length over which a press is felt, mm.
+    pub reach_mm: Option<f64>,
+    /// Time constant, ms.
+    pub relaxation_ms: Option<f64>,
+    /// Stiffness of the floor along the tooth's axis, N/mm.
+    pub floor_stiffness_n_per_mm: Option<f64>,
+    /// Height in which the wall becomes the floor, mm.
+    pub floor_taper_mm: Option<f64>,
+    /// Force at which the prescribed depths are read, N.
+    pub reading_force_n: Option<f64>,
+    /// How inflamed it is, 0 to 1.
+    pub inflammation: Option<f64>,
+    /// Share of the stiffness that full inflammation takes away.
+    pub softening: Option<f64>,
+    /// Threshold of the zone "too heavy", N.
+    pub too_heavy_n: Option<f64>,
+    /// Threshold of the zone "trauma", N.
+    pub trauma_n: Option<f64>,
+    /// Threshold of the zone "damage", N.
+    pub damage_n: Option<f64>,
+    /// Share of a threshold under which its zone is left.
+    pub rearm: Option<f64>,
 }
 
 /// `[[tool]]`: either `kind` or `mesh` with `unit`, `working_point_mm`, `tip_mm`, `tip_axis`.
@@ -135,6 +171,12 @@ pub struct ObjectEntry {
     pub tissue: TissueEntry,
     /// Parameters of `tissue = "skeleton"` that differ from the defaults.
     pub skeleton: Option<SkeletonOptions>,
+    /// Name of the molar that a gingiva surrounds.
+    pub tooth: Option<String>,
+    /// Pocket of a gingiva, where it differs from the default.
+    pub pocket: Option<Pocket>,
+    /// Parameters of a gingiva that differ from the defaults.
+    pub gingiva: Option<GingivaEntry>,
 }
 
 fn contact_level() -> u8 {

@@ -8,6 +8,7 @@
 
 pub mod blend;
 pub mod build;
+pub mod built_in;
 pub mod cache;
 pub mod carry;
 pub mod check;
@@ -18,6 +19,7 @@ mod edges;
 pub mod error;
 pub mod file;
 mod fit;
+pub mod gingiva;
 mod level;
 pub mod load;
 pub mod medial;
@@ -38,8 +40,9 @@ mod validate;
 mod volume;
 pub mod zone;
 
+pub use built_in::{BuiltIn, compile_built_in};
 pub use cache::default_cache_dir;
 pub use compile::{
-    BuildError, BuildOptions, Compiled, compile_default, compile_file, default_scene,
+    BuildError, BuildOptions, Compiled, compile_default, compile_file, compile_text, default_scene,
 };
 pub use solid::{Solid, SolidError, read_solid};

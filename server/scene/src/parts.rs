@@ -4,22 +4,26 @@ use std::path::Path;
 
 use sulcus_core::math::exp_rotation;
 use sulcus_core::tissue::TissueModel;
+use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
 use sulcus_core::{Object, Pose, SphereTree, Tool, Vec3};
 
-use crate::build::{TreeBuildError, TreeOptions, build_tree};
+use crate::build::{TreeBuildError, TreeOptions, build_tree, build_weighted};
 use crate::cache;
 use crate::carry::carriers;
 use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
+use crate::distance::MeshDistance;
 use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
+use crate::gingiva::{Surrounding, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
-use crate::parametric::{Mirror, Probe};
+use crate::parametric::{Collar, Mirror, Probe};
 use crate::skeleton::skeleton;
 use crate::solid::read_solid;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
 const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
+const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
 
 /// What the parts of one scene share while they are made.
@@ -102,11 +106,17 @@ impl Compiler<'_> {
         })
     }
 
-    pub fn object(&mut self, entry: &ObjectEntry) -> Result<Object, BuildError> {
+    /// Makes one of `all` objects.
+    pub fn object(
+        &mut self,
+        entry: &ObjectEntry,
+        all: &[ObjectEntry],
+    ) -> Result<Object, BuildError> {
         let part = format!("object `{}`", entry.name);
         let mesh = match entry.kind {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
+            Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
             None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
         };
         let wanted = TreeOptions {
@@ -119,7 +129,8 @@ impl Compiler<'_> {
         // The tree is built where the mesh was drawn, so that the cache serves every place.
         let (tree, level) = self.tree(&part, &mesh, entry.level, wanted)?;
         let tissue = match entry.tissue {
-            TissueEntry::Rigid => TissueModel::Rigid,
+            // (A gingiva was made above.)
+            TissueEntry::Rigid | TissueEntry::Gingiva => TissueModel::Rigid,
             TissueEntry::Skeleton => {
                 let options = entry.skeleton.clone().unwrap_or_default();
                 let made = skeleton(&tree, &mesh, &options).map_err(|source| {
@@ -131,7 +142,7 @@ impl Compiler<'_> {
         };
         let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
         let colour = match entry.tissue {
-            TissueEntry::Rigid => TOOTH_COLOUR,
+            TissueEntry::Rigid | TissueEntry::Gingiva => TOOTH_COLOUR,
             TissueEntry::Skeleton => TONGUE_COLOUR,
         };
         let mesh = mesh.placed(1.0, place);
@@ -145,6 +156,57 @@ impl Compiler<'_> {
             tissue,
             mesh,
             carriers,
+        })
+    }
+
+    /// The gingiva of one of `all` objects.
+    fn gingiva(&mut self, entry: &ObjectEntry, all: &[ObjectEntry]) -> Result<Object, BuildError> {
+        let part = format!("object `{}`", entry.name);
+        // The file was checked to name a molar.
+        let tooth = all
+            .iter()
+            .find(|tooth| Some(&tooth.name) == entry.tooth.as_ref());
+        let (molar, place) = tooth.map_or_else(Default::default, |tooth| {
+            let molar = tooth.molar.clone().unwrap_or_default();
+            (molar, Vec3::from(tooth.translate_mm) * 1e-3)
+        });
+        let params = gingiva_params(entry);
+        let pocket = entry.pocket.clone().unwrap_or_default();
+        let surface = MeshDistance::new(molar.mesh());
+        let collar = Collar::new(&pocket, &surface, params.sink());
+        let mesh = collar.mesh();
+        let wanted = TreeOptions {
+            levels: entry.levels,
+            ..TreeOptions::default()
+        };
+        let importance = |p: &Vec3| collar.importance(p);
+        let weights = (&*collar.importance_key(), &importance as &Importance<'_>);
+        let (tree, level) = self.weighted(&part, &mesh, entry.level, wanted, Some(weights))?;
+        let frame = ToothFrame {
+            origin: Vec3::zeros(),
+            axis: Vec3::z(),
+            mesial: Vec3::x(),
+            buccal: Vec3::y(),
+        };
+        let surrounding = Surrounding {
+            tooth: &surface,
+            frame,
+            mesh: &mesh,
+            floor: &|around| collar.floor(around),
+            width: pocket.width_mm * 1e-3,
+        };
+        let mut gingiva = model(&tree, level, params, &surrounding);
+        gingiva.tooth.origin += place;
+        let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
+        let mesh = mesh.placed(1.0, place);
+        Ok(Object {
+            name: entry.name.clone(),
+            fdi: entry.fdi,
+            carriers: carriers(&tree, &mesh.vertices),
+            tree,
+            level,
+            tissue: TissueModel::Gingiva(Box::new(gingiva)),
+            mesh: mesh.to_display(GINGIVA_COLOUR),
         })
     }
 
@@ -174,7 +236,19 @@ impl Compiler<'_> {
         part: &str,
         mesh: &TriMesh,
         level: u8,
+        wanted: TreeOptions,
+    ) -> Result<(SphereTree, u8), BuildError> {
+        self.weighted(part, mesh, level, wanted, None)
+    }
+
+    /// As [`Compiler::tree`], where places differ in importance: what that is called, and how much each place counts.
+    fn weighted(
+        &mut self,
+        part: &str,
+        mesh: &TriMesh,
+        level: u8,
         mut wanted: TreeOptions,
+        weights: Option<(&str, &Importance<'_>)>,
     ) -> Result<(SphereTree, u8), BuildError> {
         check(mesh, part)?;
         mesh.hash_into(&mut self.hasher);
@@ -182,7 +256,7 @@ impl Compiler<'_> {
             .levels
             .min(self.options.deepest.unwrap_or(u8::MAX))
             .max(if wanted.volumetric { 2 } else { 1 });
-        let key = cache::key(mesh, &wanted);
+        let key = cache::key(mesh, &wanted, weights.map_or("", |weights| weights.0));
         let (done, parts) = (self.done as f64, self.parts as f64);
         self.done += 1;
         let kept = self
@@ -199,7 +273,11 @@ impl Compiler<'_> {
                 let step = |stage: &str, share: f64| {
                     (self.progress)(&format!("{part}: {stage}"), (done + share) / parts)
                 };
-                let tree = build_tree(mesh, &wanted, &step).map_err(|source| BuildError::Tree {
+                let built = match weights {
+                    Some((_, importance)) => build_weighted(mesh, &wanted, importance, &step),
+                    None => build_tree(mesh, &wanted, &step),
+                };
+                let tree = built.map_err(|source| BuildError::Tree {
                     part: part.to_owned(),
                     source,
                 })?;
@@ -217,6 +295,49 @@ impl Compiler<'_> {
         let level = level.min(tree.depth());
         Ok((tree, level))
     }
+}
+
+/// How much a place (metres) counts.
+type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
+
+/// Parameters of a gingiva as written in a file.
+pub(crate) fn gingiva_params(entry: &ObjectEntry) -> GingivaParams {
+    let mut params = GingivaParams::default();
+    let Some(given) = &entry.gingiva else {
+        return params;
+    };
+    let set = |to: &mut f64, from: Option<f64>, unit: f64| {
+        if let Some(x) = from {
+            *to = x * unit;
+        }
+    };
+    let (n_per_mm, mm, ms) = (1e3, 1e-3, 1e-3);
+    set(
+        &mut params.wall_stiffness,
+        given.wall_stiffness_n_per_mm,
+        n_per_mm,
+    );
+    set(
+        &mut params.shear_stiffness,
+        given.shear_stiffness_n_per_mm,
+        n_per_mm,
+    );
+    set(&mut params.reach, given.reach_mm, mm);
+    set(&mut params.relaxation, given.relaxation_ms, ms);
+    set(
+        &mut params.floor_stiffness,
+        given.floor_stiffness_n_per_mm,
+        n_per_mm,
+    );
+    set(&mut params.floor_taper, given.floor_taper_mm, mm);
+    set(&mut params.reading_force, given.reading_force_n, 1.0);
+    set(&mut params.inflammation, given.inflammation, 1.0);
+    set(&mut params.softening, given.softening, 1.0);
+    set(&mut params.too_heavy, given.too_heavy_n, 1.0);
+    set(&mut params.trauma, given.trauma_n, 1.0);
+    set(&mut params.damage, given.damage_n, 1.0);
+    set(&mut params.rearm, given.rearm, 1.0);
+    params
 }
 
 fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {

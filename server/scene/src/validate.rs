@@ -3,7 +3,7 @@
 use sulcus_core::MAX_TOOLS;
 
 use crate::file::{ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
-use crate::parametric::{Mirror, Tongue};
+use crate::parametric::{Mirror, Pocket, Tongue};
 use crate::skeleton::SkeletonOptions;
 
 /// A value that cannot stand.
@@ -45,6 +45,7 @@ pub(crate) fn scene_file(scene: &SceneFile) -> Checked {
     scene.tools.iter().try_for_each(tool)?;
     scene.objects.iter().try_for_each(object)?;
     for (k, object) in scene.objects.iter().enumerate() {
+        gingiva(object, &scene.objects)?;
         if scene.objects[..k]
             .iter()
             .any(|earlier| earlier.name == object.name)
@@ -387,6 +388,98 @@ fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions) -> Checke
     range("fixed_root", options.fixed_root, 0.0, 0.9, "0 to 0.9")?;
     range("fixed_bottom", options.fixed_bottom, 0.0, 0.9, "0 to 0.9")?;
     range("free_tip", options.free_tip, 0.0, 1.0, "0 to 1")
+}
+
+/// What only a gingiva has, and what it must have.
+fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
+    let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
+    let is_gingiva = entry.kind == Some(ObjectKind::Gingiva);
+    let yields = entry.tissue == TissueEntry::Gingiva;
+    if is_gingiva != yields {
+        return wrong(
+            field("tissue"),
+            if yields {
+                "\"gingiva\""
+            } else {
+                "not \"gingiva\""
+            },
+            "\"gingiva\" together with kind = \"gingiva\", or neither",
+        );
+    }
+    let given = [
+        ("tooth", entry.tooth.is_some()),
+        ("pocket", entry.pocket.is_some()),
+        ("gingiva", entry.gingiva.is_some()),
+    ];
+    if !is_gingiva {
+        return match given.iter().find(|(_, given)| *given) {
+            Some((key, _)) => wrong(field(key), "given", "nothing without kind = \"gingiva\""),
+            None => Ok(()),
+        };
+    }
+    let Some(name) = &entry.tooth else {
+        return wrong(
+            field("tooth"),
+            "missing",
+            "the name of an object of kind \"molar\"",
+        );
+    };
+    let tooth = all.iter().find(|other| other.name == *name);
+    if tooth.is_none_or(|tooth| tooth.kind != Some(ObjectKind::Molar)) {
+        return wrong(
+            field("tooth"),
+            format!("\"{name}\""),
+            "the name of an object of kind \"molar\"",
+        );
+    }
+    if entry.translate_mm != [0.0; 3] {
+        return wrong(
+            field("translate_mm"),
+            format!("{:?}", entry.translate_mm),
+            "nothing, because a gingiva lies where its tooth does",
+        );
+    }
+    if let Some(pocket) = &entry.pocket {
+        self::pocket(&field, pocket)?;
+    }
+    match crate::parts::gingiva_params(entry).validate() {
+        Ok(()) => Ok(()),
+        Err(error) => wrong(
+            field(&format!("gingiva.{}", error.field)),
+            error.found,
+            "a value in the range of that parameter (SI units)",
+        ),
+    }
+}
+
+fn pocket(field: &dyn Fn(&str) -> String, pocket: &Pocket) -> Checked {
+    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
+        let field = |key: &str| field(&format!("pocket.{key}"));
+        number(&field, key, x, low, high, expected)
+    };
+    range("width_mm", pocket.width_mm, 0.2, 1.5, "0.2 to 1.5 mm")?;
+    for depth in pocket.depths_mm {
+        range("depths_mm", depth, 1.5, 8.0, "1.5 to 8 mm each")?;
+    }
+    let margin = pocket.margin_mm;
+    range("margin_mm", margin, -5.0, 4.0, "-5 to 4 mm")?;
+    range(
+        "papilla_mm",
+        pocket.papilla_mm,
+        margin,
+        5.0,
+        "margin_mm to 5 mm",
+    )?;
+    range("crest_mm", pocket.crest_mm, 0.4, 1.5, "0.4 to 1.5 mm")?;
+    range(
+        "wall_mm",
+        pocket.wall_mm,
+        pocket.crest_mm,
+        4.0,
+        "crest_mm to 4 mm",
+    )?;
+    range("base_mm", pocket.base_mm, 1.0, 5.0, "1 to 5 mm")?;
+    range("grid_mm", pocket.grid_mm, 0.08, 0.4, "0.08 to 0.4 mm")
 }
 
 fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) -> Checked {

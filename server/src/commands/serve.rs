@@ -15,7 +15,7 @@ use sulcus_scene::{BuildOptions, compile_default, compile_file};
 use tokio::signal::unix::{SignalKind, signal};
 
 use super::scene::Narrator;
-use crate::{Exercise, Server, ServerConfig, ServerHandle};
+use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerHandle};
 
 /// Serve one station until Ctrl-C.
 #[derive(Clone, Debug, Args)]
@@ -48,6 +48,10 @@ pub struct ServeArgs {
     /// Name of the exercise
     #[arg(long, value_name = "NAME", default_value = "free")]
     pub exercise: String,
+    /// Simulate tissue at its finer level while ticks take less CPU time than this on average, microseconds; default: always
+    /// the coarse level, as graded sessions need it
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(10..=900))]
+    pub detail_budget: Option<u32>,
     /// Longest session, seconds
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_session: Option<u64>,
@@ -77,6 +81,12 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
         ..Exercise::default()
     };
     config.station_key.clone_from(&args.key);
+    if let Some(budget_us) = args.detail_budget {
+        config.detail = Detail::ByTime(Budget {
+            budget_us,
+            ..Budget::default()
+        });
+    }
     config.max_session = args.max_session.map(Duration::from_secs);
     config.real_time = !args.no_realtime;
     let from_environment = || {

@@ -41,16 +41,16 @@ pub struct Work {
 /// shows in an answer.
 #[derive(Debug)]
 pub struct Predictor {
-    posed: Posed,
-    stack: Vec<(u32, u32)>,
+    pub(super) posed: Posed,
+    pub(super) stack: Vec<(u32, u32)>,
     /// Families of each rigid object; none for what yields.
     packs: Vec<Option<Packs>>,
     /// Per tool and object, tools outermost.
     neighbours: Vec<Option<Neighbours>>,
     /// Per tool and node.
-    levers: [Vec<Lever>; MAX_TOOLS],
+    pub(super) levers: [Vec<Lever>; MAX_TOOLS],
     scratch: Scratch,
-    work: Work,
+    pub(super) work: Work,
     plain: bool,
 }
 
@@ -113,6 +113,16 @@ impl Predictor {
             plain: true,
             ..Self::new(scene)
         }
+    }
+
+    /// Whether nothing is kept from query to query.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.plain
+    }
+
+    /// The spheres of the tool in `slot`, the one that [`Predictor::begin`] was called with, and their levers.
+    pub(super) fn posed_for(&mut self, slot: u8) -> (&mut Posed, &[Lever]) {
+        (&mut self.posed, &self.levers[usize::from(slot)])
     }
 
     /// What was done so far.

@@ -13,6 +13,7 @@
 //! All calls are batched over the rows of one object, and compliance is a 3x3 block per sphere
 //! pair: `n_i' C_ij n_j`.
 
+pub mod gingiva;
 pub mod skeleton;
 
 use std::fmt::Debug;
@@ -138,6 +139,8 @@ pub enum TissueModel {
     Rigid,
     /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
     Skeleton(Box<skeleton::Skeleton>),
+    /// The collar around a tooth, with its pocket.
+    Gingiva(Box<gingiva::Gingiva>),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -163,6 +166,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => None,
             TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
+            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -170,10 +174,10 @@ impl TissueModel {
 
     /// Numbers of state that outlive a tick.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
-        let _ = rest;
         match self {
             TissueModel::Rigid => 0,
             TissueModel::Skeleton(model) => model.state_len(),
+            TissueModel::Gingiva(model) => model.state_len(rest),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -186,6 +190,7 @@ impl TissueModel {
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         match self {
             TissueModel::Skeleton(model) => model.validate(rest),
+            TissueModel::Gingiva(model) => model.validate(rest),
             _ => Ok(()),
         }
     }

@@ -1,6 +1,7 @@
 //! Shapes from a handful of numbers: a tooth, a probe and a mirror that need no data and no licence.
 
 pub(crate) mod blend;
+pub mod gingiva;
 pub mod mirror;
 pub mod molar;
 pub mod polygonise;
@@ -8,6 +9,7 @@ pub mod probe;
 pub mod tongue;
 mod tube;
 
+pub use gingiva::{Collar, Pocket};
 pub use mirror::Mirror;
 pub use molar::Molar;
 pub use probe::Probe;

@@ -1,0 +1,190 @@
+//! The *residual*'s query: all leaf pairs at the levels in use, on the final, deformed shapes. No tree, no
+//! prediction distance, nothing of the tick's but where the spheres are.
+
+use sulcus_core::blend::compatibility;
+use sulcus_core::{Node, Pose, Scene, SphereTree, Vec3, Workspace};
+
+/// All leaves of a scene, where the last tick left them.
+#[derive(Clone, Debug)]
+pub(crate) struct FullQuery {
+    tools: Vec<Vec<Node>>,
+    solids: Vec<Solid>,
+    placed: Vec<(Vec3, f64)>,
+}
+
+impl FullQuery {
+    /// The leaves of `scene` at its own levels of detail, at rest.
+    pub fn new(scene: &Scene) -> Self {
+        let leaves =
+            |tree: &SphereTree, level| tree.shape_at(level).map(|(_, node)| *node).collect();
+        Self {
+            tools: scene
+                .tools
+                .iter()
+                .map(|tool| leaves(&tool.tree, tool.level))
+                .collect(),
+            solids: (0..scene.objects.len())
+                .map(|k| Solid::new(scene, k))
+                .collect(),
+            placed: Vec::new(),
+        }
+    }
+
+    /// Brings what yields to where the last tick left it.
+    pub fn deform(&mut self, ws: &Workspace) {
+        self.solids.iter_mut().for_each(|solid| solid.deform(ws));
+    }
+
+    /// The objects, in the scene's order.
+    pub fn solids(&self) -> &[Solid] {
+        &self.solids
+    }
+
+    /// Deepest overlap of any leaf of tool `t` at `pose` with any object, metres; 0 when none.
+    pub fn deepest(&mut self, t: usize, pose: &Pose) -> f64 {
+        deepest(&self.tools[t], pose, &self.solids, &mut self.placed)
+    }
+}
+
+/// The leaves of an object at the level in use.
+#[derive(Clone, Debug)]
+pub(crate) struct Solid {
+    object: usize,
+    /// Nodes that the leaves are.
+    ids: Vec<u32>,
+    /// Centres at rest.
+    pub rest: Vec<Vec3>,
+    /// Whether it can yield.
+    pub yields: bool,
+    /// Centre and radius: the core's, where the spheres are blended.
+    pub leaves: Vec<(Vec3, f64)>,
+    centres: Vec<Vec3>,
+    /// Blend length, metres; 0 where they are hard.
+    blend: f64,
+    /// Box of the leaves.
+    low: Vec3,
+    high: Vec3,
+}
+
+/// Blend lengths beyond which a sphere weighs under a ten-thousandth of a millionth.
+const FAR: f64 = 23.0;
+
+impl Solid {
+    fn new(scene: &Scene, k: usize) -> Self {
+        let (object, blend) = (&scene.objects[k], scene.blend_of(k));
+        let radius = |id, node: &Node| {
+            if blend > 0.0 {
+                object.tree.core_radius(id, object.level)
+            } else {
+                node.contact_radius
+            }
+        };
+        let shape = || object.tree.shape_at(object.level);
+        let leaves: Vec<_> = shape()
+            .map(|(id, node)| (node.centre, radius(id, node)))
+            .collect();
+        let (low, high) = box_of(&leaves);
+        let rest: Vec<Vec3> = shape().map(|(_, node)| node.centre).collect();
+        Self {
+            object: k,
+            ids: shape().map(|(id, _)| id).collect(),
+            centres: rest.clone(),
+            rest,
+            yields: !object.tissue.is_rigid(),
+            leaves,
+            blend,
+            low,
+            high,
+        }
+    }
+
+    /// Brings the leaves to where the last tick left them.
+    fn deform(&mut self, ws: &Workspace) {
+        if !self.yields || !ws.centres_of(self.object, &self.ids, &mut self.centres) {
+            return;
+        }
+        for (leaf, centre) in self.leaves.iter_mut().zip(&self.centres) {
+            leaf.0 = *centre;
+        }
+        (self.low, self.high) = box_of(&self.leaves);
+    }
+
+    /// Depth of a ball below the blended surface, metres; 0 or less outside of it.
+    fn blended_depth(&self, centre: &Vec3, radius: f64) -> f64 {
+        let margin = radius + FAR * self.blend;
+        if (0..3).any(|k| centre[k] + margin < self.low[k] || centre[k] - margin > self.high[k]) {
+            return 0.0;
+        }
+        let seen: Vec<(f64, f64, Vec3)> = self
+            .leaves
+            .iter()
+            .filter(|(c, r)| (centre - c).norm_squared() < (r + margin) * (r + margin))
+            .map(|(c, r)| {
+                let distance = (centre - c).norm();
+                (distance - r - radius, distance, (centre - c) / distance)
+            })
+            .collect();
+        let least = seen.iter().fold(f64::INFINITY, |least, s| least.min(s.0));
+        if least - self.blend * (seen.len() as f64).ln() >= 0.0 {
+            return 0.0;
+        }
+        seen.iter()
+            .map(|(own, distance, normal)| {
+                let sum: f64 = seen
+                    .iter()
+                    .map(|(gap, other, n)| {
+                        let cosine = normal.dot(n);
+                        let nearer = distance.min(*other);
+                        let shared = compatibility(cosine, nearer, gap - own, self.blend);
+                        shared * ((least - gap) / self.blend).exp()
+                    })
+                    .sum();
+                self.blend * sum.ln() - least
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Box around balls.
+fn box_of(balls: &[(Vec3, f64)]) -> (Vec3, Vec3) {
+    let huge = Vec3::repeat(f64::INFINITY);
+    let (mut low, mut high) = (huge, -huge);
+    for (centre, radius) in balls {
+        low = low.zip_map(&(centre - Vec3::repeat(*radius)), f64::min);
+        high = high.zip_map(&(centre + Vec3::repeat(*radius)), f64::max);
+    }
+    (low, high)
+}
+
+/// Deepest overlap of any tool leaf with any object, metres; 0 when none. Looks at every pair
+/// whose boxes meet: no tree, no prediction distance.
+fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3, f64)>) -> f64 {
+    placed.clear();
+    placed.extend(
+        tool.iter()
+            .map(|node| (pose.transform(&node.centre), node.contact_radius)),
+    );
+    let (low, high) = box_of(placed);
+    let mut depth: f64 = 0.0;
+    for solid in solids {
+        for (c, r) in &solid.leaves {
+            if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
+                continue;
+            }
+            for (centre, radius) in placed.iter() {
+                let reach = r + radius;
+                let between = centre - c;
+                let squared = between.norm_squared();
+                if squared < reach * reach {
+                    depth = depth.max(reach - squared.sqrt());
+                }
+            }
+        }
+        if solid.blend > 0.0 {
+            for (centre, radius) in placed.iter() {
+                depth = depth.max(solid.blended_depth(centre, *radius));
+            }
+        }
+    }
+    depth
+}

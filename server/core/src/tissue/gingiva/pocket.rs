@@ -1,0 +1,93 @@
+//! What a tool in the pocket reads, and how heavy it is on the floor.
+
+use super::{Gingiva, GingivaParams, MEMORY};
+use crate::MAX_TOOLS;
+use crate::math::{Vec3, fmax, norm};
+use crate::output::{ForceZone, PocketReading};
+use crate::tissue::{Hands, SiteLoad};
+
+/// What is remembered of one tool: floor force (N), zone (0 to 3), whether the zone was entered in this tick.
+const PER_TOOL: usize = MEMORY / MAX_TOOLS;
+
+/// The zone after a force `newtons`, from the zone before: entered at its threshold, left under `rearm` of it.
+pub fn zone_after(params: &GingivaParams, before: ForceZone, newtons: f64) -> ForceZone {
+    let zones = ForceZone::ALL[1..].iter().zip(params.thresholds());
+    zones.fold(ForceZone::Light, |zone, (&heavier, threshold)| {
+        let held = before >= heavier && newtons >= params.rearm * threshold;
+        if newtons >= threshold || held {
+            heavier
+        } else {
+            zone
+        }
+    })
+}
+
+fn zone_of(number: f64) -> ForceZone {
+    ForceZone::ALL
+        .into_iter()
+        .find(|zone| f64::from(*zone as u8) == number)
+        .unwrap_or_default()
+}
+
+/// Writes what is remembered of each tool after a tick with these loads. `floor` tells the floor's nodes.
+pub fn remember(
+    model: &Gingiva,
+    loads: &[SiteLoad],
+    floor: impl Fn(u32) -> bool,
+    memory: &mut [f64],
+) {
+    for (t, memory) in memory.chunks_exact_mut(PER_TOOL).enumerate() {
+        let ours = loads
+            .iter()
+            .filter(|load| usize::from(load.tool) == t && floor(load.sphere));
+        let pressed = ours.fold(0.0, |sum, load| sum - load.force.dot(&model.tooth.axis));
+        let force = fmax(0.0, pressed);
+        let before = zone_of(memory[1]);
+        let after = zone_after(&model.params, before, force);
+        memory[0] = force;
+        memory[1] = f64::from(after as u8);
+        memory[2] = f64::from(u8::from(after > before));
+    }
+}
+
+/// What the tool in `slot` reads; none above the margin or outside the gingiva. `walls` are the places above the floor:
+/// present centre and direction away from the tooth.
+pub fn read(
+    model: &Gingiva,
+    slot: usize,
+    hands: &Hands<'_>,
+    memory: &[f64],
+    (root, bound): (&Vec3, f64),
+    walls: impl Iterator<Item = (Vec3, Vec3)>,
+) -> Option<PocketReading> {
+    let hand = hands.tools.get(slot)?.as_ref()?;
+    let tip = hand.graphic.transform(&hand.tool.tip);
+    // The tip is within what encloses the gingiva, or not in its pocket.
+    if !(norm(&(tip - root)) <= bound) {
+        return None;
+    }
+    let (around, height) = model.tooth.cylindrical(&tip);
+    let depth = model.margin_at(around) - height;
+    if !(depth > 0.0) {
+        return None;
+    }
+    // On the tooth's side of the wall that is nearest, wherever that was pushed.
+    let mut nearest = (f64::INFINITY, false);
+    for (centre, away) in walls {
+        let from = tip - centre;
+        let squared = from.dot(&from);
+        if squared < nearest.0 {
+            nearest = (squared, from.dot(&away) < 0.0);
+        }
+    }
+    let memory = &memory[slot * PER_TOOL..(slot + 1) * PER_TOOL];
+    nearest.1.then_some(PocketReading {
+        // The tick knows which object this is.
+        object: 0,
+        around,
+        depth,
+        floor_force: memory[0],
+        zone: zone_of(memory[1]),
+        entered_zone: memory[2] == 1.0,
+    })
+}

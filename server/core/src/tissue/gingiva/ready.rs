@@ -1,0 +1,252 @@
+//! The model made ready for a tick.
+//!
+//! State: what is remembered of each tool ([`super::pocket`]), then the displacement of each yielding sphere. A
+//! configuration is the displacements alone, metres, x y z sphere by sphere.
+
+use super::kernel::{Falloff, Root};
+use super::{Gingiva, MEMORY, pocket};
+use crate::TICK_S;
+use crate::math::{Vec3, fclamp, fmax};
+use crate::output::PocketReading;
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue};
+use crate::tree::SphereTree;
+
+/// A node that does not yield.
+const NONE: u32 = u32::MAX;
+/// Most rows of both tools on one tissue.
+const MOST_ROWS: usize = 1024 * crate::MAX_TOOLS;
+/// Displacement under which what comes back is back, metres.
+const AT_REST: f64 = 1e-9;
+
+/// A gingiva made ready.
+#[derive(Debug)]
+pub struct Ready {
+    model: Gingiva,
+    /// Rest centre of each node, metres.
+    rest: Vec<Vec3>,
+    /// Bound radius of the root at rest, metres.
+    bound: f64,
+    /// Yielding sphere that each node goes with.
+    slots: Vec<u32>,
+    /// Yielding spheres above the floor: what has a tooth's side and an outer side.
+    walls: Vec<u32>,
+    /// Node of each yielding sphere.
+    nodes: Vec<u32>,
+    /// Root of each yielding sphere's compliance over one tick, (m/N)^1/2.
+    roots: Vec<Root>,
+    falloff: Falloff,
+    /// Share of a displacement that is left a tick later.
+    kept: f64,
+    /// Scratch of [`Tissue::add_gram`]: each row's normal times its root, and its yielding sphere.
+    turned: Vec<(Vec3, u32)>,
+    /// Scratch of [`Tissue::apply`]: sums over the loads, axis by axis.
+    sums: [Vec<f64>; 3],
+}
+
+impl Ready {
+    /// The model for the tree `rest`. It must have passed [`Gingiva::validate`].
+    pub fn new(model: &Gingiva, rest: &SphereTree) -> Self {
+        let nodes: Vec<u32> = rest.shape_at(model.level).map(|(id, _)| id).collect();
+        let mut slots = vec![NONE; rest.nodes().len()];
+        for (slot, &node) in nodes.iter().enumerate() {
+            slots[node as usize] = slot as u32;
+        }
+        // Parents come before their children.
+        for (k, node) in rest.nodes().iter().enumerate() {
+            let slot = slots[k];
+            if slot != NONE && node.children > 0 {
+                let first = node.first_child as usize;
+                slots[first..first + usize::from(node.children)].fill(slot);
+            }
+        }
+        let params = &model.params;
+        let kept = params.relaxation / (params.relaxation + TICK_S);
+        let firmness = params.firmness();
+        let (wall, shear, floor) = (
+            1.0 / (firmness * params.wall_stiffness),
+            1.0 / (firmness * params.shear_stiffness),
+            1.0 / (firmness * params.floor_stiffness),
+        );
+        let roots = nodes.iter().map(|&node| {
+            let place = &model.places[node as usize];
+            let (axis, away) = (model.tooth.axis, place.away);
+            // 0 at the floor and below, 1 where the wall is all wall.
+            let t = fclamp(place.height / fmax(params.floor_taper, 1e-9), 0.0, 1.0);
+            let share = t * t * (3.0 - 2.0 * t);
+            let along = shear * share + floor * (1.0 - share);
+            let root = |compliance: f64| ((1.0 - kept) * compliance).sqrt();
+            Root::along([
+                (root(wall), away),
+                (root(shear), axis.cross(&away)),
+                (root(along), axis),
+            ])
+        });
+        let roots: Vec<Root> = roots.collect();
+        let centres = nodes
+            .iter()
+            .map(|&node| rest.nodes()[node as usize].centre)
+            .collect();
+        let wall = |node: u32| {
+            let place = &model.places[node as usize];
+            place.height > 0.0 && !place.floor
+        };
+        Self {
+            rest: rest.nodes().iter().map(|node| node.centre).collect(),
+            bound: rest.nodes()[0].bound_radius,
+            walls: (0..nodes.len() as u32)
+                .filter(|slot| wall(nodes[*slot as usize]))
+                .collect(),
+            falloff: Falloff::new(centres, params.reach),
+            sums: std::array::from_fn(|_| vec![0.0; nodes.len()]),
+            turned: Vec::with_capacity(MOST_ROWS),
+            model: model.clone(),
+            slots,
+            nodes,
+            roots,
+            kept,
+        }
+    }
+
+    fn displaced(&self, shape: &[f64], slot: u32) -> Vec3 {
+        let at = 3 * slot as usize;
+        self.rest[self.nodes[slot as usize] as usize]
+            + Vec3::new(shape[at], shape[at + 1], shape[at + 2])
+    }
+}
+
+impl Tissue for Ready {
+    fn shape_len(&self) -> usize {
+        3 * self.falloff.len()
+    }
+
+    fn free_step(
+        &mut self,
+        state: &[f64],
+        _: &Hands<'_>,
+        shape: &mut [f64],
+        free: &mut [f64],
+    ) -> bool {
+        shape.copy_from_slice(&state[MEMORY..]);
+        // Two zeros differ in their sign alone.
+        let asleep = state
+            .iter()
+            .fold(0, |bits, x| bits | (x.to_bits() & !(1 << 63)))
+            == 0;
+        let mut most = 0.0;
+        for (free, now) in free.iter_mut().zip(&*shape) {
+            *free = self.kept * now;
+            most = fmax(most, free.abs());
+        }
+        // No number of ticks would bring it all the way back.
+        if most < AT_REST {
+            free.fill(0.0);
+        }
+        asleep
+    }
+
+    fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]) {
+        for (id, centre) in ids.iter().zip(out) {
+            *centre = self.rest[*id as usize];
+            let slot = self.slots[*id as usize];
+            if slot != NONE {
+                let at = 3 * slot as usize;
+                *centre += Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
+            }
+        }
+    }
+
+    fn add_gram(&mut self, sites: &[Site], gram: &mut Gram<'_>) {
+        self.turned.clear();
+        let (slots, roots) = (&self.slots, &self.roots);
+        self.turned.extend(sites.iter().map(|site| {
+            let slot = slots[site.sphere as usize];
+            match roots.get(slot as usize) {
+                Some(root) => (root.times(&site.normal), slot),
+                None => (Vec3::zeros(), 0),
+            }
+        }));
+        for (i, (a, from)) in self.turned.iter().enumerate() {
+            let falloff = self.falloff.from(*from as usize);
+            gram.add(i, i, a.dot(a));
+            for (j, (b, to)) in self.turned[..i].iter().enumerate() {
+                let compliance = falloff(*to as usize) * a.dot(b);
+                gram.add(i, j, compliance);
+                gram.add(j, i, compliance);
+            }
+        }
+    }
+
+    fn apply(&mut self, sites: &[Site], lambda: &[f64], free: &[f64], shape: &mut [f64]) {
+        shape.copy_from_slice(free);
+        let Self {
+            slots,
+            roots,
+            falloff,
+            sums,
+            ..
+        } = self;
+        let mut any = false;
+        let mut next = 0;
+        while let Some(site) = sites.get(next) {
+            // All of a sphere's rows stand together: they share its row of the matrix.
+            let (slot, mut load) = (slots[site.sphere as usize], Vec3::zeros());
+            while let Some(same) = sites.get(next).filter(|same| same.sphere == site.sphere) {
+                load -= same.normal * lambda[next];
+                next += 1;
+            }
+            if slot == NONE || load == Vec3::zeros() {
+                continue;
+            }
+            if !any {
+                sums.iter_mut().for_each(|sum| sum.fill(0.0));
+                any = true;
+            }
+            let load = roots[slot as usize].times(&load);
+            let row = falloff.row(slot as usize);
+            for (axis, sum) in sums.iter_mut().enumerate() {
+                let load = load[axis];
+                for (sum, share) in sum.iter_mut().zip(row) {
+                    *sum += share * load;
+                }
+            }
+        }
+        if !any {
+            return;
+        }
+        let [x, y, z] = sums;
+        for (k, (root, moved)) in roots.iter().zip(shape.chunks_exact_mut(3)).enumerate() {
+            let by = root.times(&Vec3::new(x[k], y[k], z[k]));
+            for axis in 0..3 {
+                moved[axis] += by[axis];
+            }
+        }
+    }
+
+    fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
+        let squared = from
+            .chunks_exact(3)
+            .zip(to.chunks_exact(3))
+            .fold(0.0, |most, (a, b)| {
+                let (x, y, z) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+                fmax(most, x * x + y * y + z * z)
+            });
+        squared.sqrt()
+    }
+
+    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], _: &Hands<'_>, state: &mut [f64]) {
+        let (memory, moved) = state.split_at_mut(MEMORY);
+        moved.copy_from_slice(shape);
+        let floor = |sphere: u32| self.model.places[sphere as usize].floor;
+        pocket::remember(&self.model, loads, floor, memory);
+    }
+
+    fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
+        let (memory, shape) = state.split_at(MEMORY);
+        let walls = self.walls.iter().map(|&wall| {
+            let away = self.model.places[self.nodes[wall as usize] as usize].away;
+            (self.displaced(shape, wall), away)
+        });
+        let root = (&self.rest[0], self.bound);
+        pocket::read(&self.model, slot, hands, memory, root, walls)
+    }
+}

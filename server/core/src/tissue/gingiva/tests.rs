@@ -1,0 +1,1 @@
+//! The kernel, its books, its way in time, its zones.

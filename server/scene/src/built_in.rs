@@ -1,0 +1,51 @@
+//! The scenes that the programs bring along.
+
+use std::path::Path;
+
+use crate::compile::{BuildError, BuildOptions, Compiled, compile_text};
+
+/// A scene that needs no file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuiltIn {
+    /// A lower molar and a probe; the default.
+    Crown,
+    /// The molar with its gingiva and a pocket, and a probe.
+    Pocket,
+    /// A tongue and a mouth mirror.
+    Tongue,
+}
+
+impl BuiltIn {
+    /// All of them.
+    pub const ALL: [BuiltIn; 3] = [BuiltIn::Crown, BuiltIn::Pocket, BuiltIn::Tongue];
+
+    /// Its scene file.
+    pub fn text(self) -> &'static str {
+        match self {
+            BuiltIn::Crown => include_str!("../../scenes/crown.toml"),
+            BuiltIn::Pocket => include_str!("../../scenes/pocket.toml"),
+            BuiltIn::Tongue => include_str!("../../scenes/tongue.toml"),
+        }
+    }
+
+    /// What errors call its file.
+    pub fn file_name(self) -> &'static Path {
+        Path::new(match self {
+            BuiltIn::Crown => "crown.toml",
+            BuiltIn::Pocket => "pocket.toml",
+            BuiltIn::Tongue => "tongue.toml",
+        })
+    }
+}
+
+/// Compiles a built-in scene.
+///
+/// # Errors
+/// Only if the program was built from a broken source.
+pub fn compile_built_in(
+    which: BuiltIn,
+    options: &BuildOptions,
+    progress: &dyn Fn(&str, f64),
+) -> Result<Compiled, BuildError> {
+    compile_text(which.text(), which.file_name(), options, progress)
+}

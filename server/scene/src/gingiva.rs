@@ -1,0 +1,131 @@
+//! From a gingiva's tree and its tooth to what the tissue model needs of each sphere.
+
+use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
+use sulcus_core::{SphereTree, Vec3};
+
+use crate::distance::MeshDistance;
+use crate::mesh::TriMesh;
+use crate::nearest_sphere::NearestSphere;
+use crate::parallel;
+
+/// Angles at which the margin is kept.
+const ANGLES: usize = 128;
+/// Vertices of the floor lie up to this far from the floor's height, metres.
+const FLOOR_BAND: f64 = 1.5e-4;
+
+/// What surrounds one tooth, all in world axes, metres.
+#[derive(Clone, Copy)]
+pub struct Surrounding<'a> {
+    /// The tooth's surface.
+    pub tooth: &'a MeshDistance,
+    /// Which way round it is.
+    pub frame: ToothFrame,
+    /// The gingiva's surface.
+    pub mesh: &'a TriMesh,
+    /// Height of the floor at rest over the frame's origin at an angle (radians from mesial over buccal).
+    pub floor: &'a (dyn Fn(f64) -> f64 + Sync),
+    /// Width of the pocket at rest.
+    pub width: f64,
+}
+
+/// The model of a gingiva whose tree is touched at `level`.
+pub fn model(
+    tree: &SphereTree,
+    level: u8,
+    params: GingivaParams,
+    around: &Surrounding<'_>,
+) -> Gingiva {
+    let floor = floor_nodes(tree, around);
+    let nodes = tree.nodes();
+    let places = parallel::map(nodes.len(), |k| place(&nodes[k].centre, floor[k], around));
+    Gingiva {
+        params,
+        tooth: around.frame,
+        margin: margin(around.mesh, &around.frame),
+        places,
+        level,
+    }
+}
+
+fn place(centre: &Vec3, floor: bool, around: &Surrounding<'_>) -> Place {
+    let frame = &around.frame;
+    let nearest = around.tooth.nearest(centre);
+    let across = |v: Vec3| v - frame.axis * v.dot(&frame.axis);
+    // Inside the tooth the nearest point of its surface lies outwards.
+    let from_surface = across(centre - nearest.point) * nearest.signed.signum();
+    let from_axis = across(centre - frame.origin);
+    let away = [from_surface, from_axis, frame.mesial]
+        .into_iter()
+        .find(|v| v.norm() > 1e-6)
+        .unwrap_or(frame.mesial)
+        .normalize();
+    let (angle, height) = frame.cylindrical(centre);
+    Place {
+        // Once more, so that rounding leaves nothing along the axis.
+        away: across(away).normalize(),
+        height: height - (around.floor)(angle),
+        floor,
+    }
+}
+
+/// Which nodes stand for the floor of the pocket: at each level those nearest to the vertices of the mesh that are
+/// its floor.
+fn floor_nodes(tree: &SphereTree, around: &Surrounding<'_>) -> Vec<bool> {
+    let bottom: Vec<Vec3> = {
+        let vertices = &around.mesh.vertices;
+        let on_floor = parallel::map(vertices.len(), |v| {
+            let (angle, height) = around.frame.cylindrical(&vertices[v]);
+            (height - (around.floor)(angle)).abs() < FLOOR_BAND
+                && (0.0..0.9 * around.width).contains(&around.tooth.signed(&vertices[v]))
+        });
+        let pairs = vertices.iter().zip(on_floor);
+        pairs.filter(|(_, on)| *on).map(|(v, _)| *v).collect()
+    };
+    let mut floor = vec![false; tree.nodes().len()];
+    for level in 0..=tree.depth() {
+        let (ids, spheres): (Vec<u32>, Vec<_>) = tree
+            .shape_at(level)
+            .map(|(id, node)| (id, node.sphere()))
+            .unzip();
+        let index = NearestSphere::new(&spheres);
+        for vertex in &bottom {
+            floor[ids[index.nearest(vertex, None).1 as usize] as usize] = true;
+        }
+    }
+    floor
+}
+
+/// Height of the crest of a collar at equal angles: the highest point in which the half plane at that angle cuts
+/// the mesh.
+fn margin(mesh: &TriMesh, frame: &ToothFrame) -> Vec<f64> {
+    let seen: Vec<[f64; 3]> = parallel::map(mesh.vertices.len(), |v| {
+        let from = mesh.vertices[v] - frame.origin;
+        [&frame.mesial, &frame.buccal, &frame.axis].map(|axis| from.dot(axis))
+    });
+    parallel::map(ANGLES, |k| {
+        let angle = 2.0 * std::f64::consts::PI * k as f64 / ANGLES as f64;
+        let (cosine, sine) = (libm::cos(angle), libm::sin(angle));
+        let (along, side) = (
+            |p: &[f64; 3]| p[0] * cosine + p[1] * sine,
+            |p: &[f64; 3]| p[1] * cosine - p[0] * sine,
+        );
+        let mut highest = f64::NEG_INFINITY;
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| seen[v as usize]);
+            for e in 0..3 {
+                let (a, b) = (&corners[e], &corners[(e + 1) % 3]);
+                let (sa, sb) = (side(a), side(b));
+                if (sa < 0.0) == (sb < 0.0) {
+                    continue;
+                }
+                let share = sa / (sa - sb);
+                if along(a) + share * (along(b) - along(a)) > 0.0 {
+                    let height = a[2] + share * (b[2] - a[2]);
+                    highest = if height > highest { height } else { highest };
+                }
+            }
+        }
+        // A collar has a crest all round; what has none there has its floor as its margin.
+        if highest.is_finite() { highest } else { 0.0 }
+    })
+}
