@@ -31,6 +31,8 @@ pub(crate) struct Effort {
     pub plugs: usize,
     /// Times that the places where the error is largest between the samples are made samples.
     pub exchanges: usize,
+    /// Times that the largest error of the more important places is brought down after all that.
+    pub tightenings: usize,
     /// Points on a sphere that are looked at for its exposed part.
     pub ball_points: usize,
 }
@@ -50,6 +52,7 @@ impl Effort {
             last_rounds,
             plugs: if level == 3 { 4 } else { 0 },
             exchanges: if level == 3 { 3 } else { 0 },
+            tightenings: if level == 3 { 10 } else { 0 },
             ball_points: if level > 3 { 48 } else { 96 },
         }
     }
@@ -148,15 +151,27 @@ pub(crate) fn finish_level(
     effort: &Effort,
     seed: u64,
 ) -> Owned {
-    let movable = level.families.len();
-    let options = |rounds| PolishOptions {
-        rounds,
-        ball_points: effort.ball_points,
-    };
     let owned = assign(surface, &level.spheres, None);
     let norm = Norm {
         knee: LAST_KNEE * rms_of(surface, &owned),
         power: LAST_POWER,
+    };
+    lower(surface, inscribed, level, effort, norm, seed)
+}
+
+/// Polishes and plugs by a given norm.
+pub(crate) fn lower(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    level: &mut Level,
+    effort: &Effort,
+    norm: Norm,
+    seed: u64,
+) -> Owned {
+    let movable = level.families.len();
+    let options = |rounds| PolishOptions {
+        rounds,
+        ball_points: effort.ball_points,
     };
     let (mut cost, mut owned) = polish(
         surface,
@@ -175,9 +190,9 @@ pub(crate) fn finish_level(
             barred: &barred,
             seed: seed ^ (plugging as u64 + 1) << 32,
         };
-        if !plug(surface, inscribed, &mut tried, &owned, &wish) {
+        let Some(plugged) = plug(surface, inscribed, &mut tried, &owned, &wish) else {
             break;
-        }
+        };
         let (tried_cost, tried_owned) = polish(
             surface,
             &mut tried.spheres,
@@ -188,11 +203,8 @@ pub(crate) fn finish_level(
         if tried_cost < cost {
             (*level, cost, owned) = (tried, tried_cost, tried_owned);
             barred.clear();
-        } else if let Some(&(_, worst)) = owned
-            .iter()
-            .max_by(|a, b| norm.of(a.0).total_cmp(&norm.of(b.0)))
-        {
-            barred.push(worst);
+        } else {
+            barred.push(plugged);
         }
     }
     owned
