@@ -27,8 +27,10 @@ pub(crate) struct Effort {
     pub rounds: usize,
     /// Rounds of polishing at the end.
     pub last_rounds: usize,
-    /// Most tries at the single largest error after that.
+    /// Most tries at the largest error after that.
     pub plugs: usize,
+    /// Failed ones after which the tries end; after a failure the next largest error is tried.
+    pub failures: usize,
     /// Times that the places where the error is largest between the samples are made samples.
     pub exchanges: usize,
     /// Times that the largest error of the more important places is brought down after all that.
@@ -51,6 +53,7 @@ impl Effort {
             rounds,
             last_rounds,
             plugs: if level == 3 { 4 } else { 0 },
+            failures: 1,
             exchanges: if level == 3 { 3 } else { 0 },
             tightenings: if level == 3 { 10 } else { 0 },
             ball_points: if level > 3 { 48 } else { 96 },
@@ -205,6 +208,9 @@ pub(crate) fn lower(
             barred.clear();
         } else {
             barred.push(plugged);
+            if barred.len() >= effort.failures {
+                break;
+            }
         }
     }
     owned

@@ -24,14 +24,15 @@ const POWER: i32 = 24;
 const KNEE: f64 = 0.4;
 /// Share of the largest error from which one is followed to its peak.
 const FOLLOWED: f64 = 0.65;
-/// First step uphill, of the distance between samples, and steps.
+/// Tries to go uphill, to six sides each; one that fails halves the step.
 const CLIMBS: usize = 16;
+/// First step uphill, of the mean distance between samples.
 const FIRST_STEP: f64 = 0.25;
-/// Peaks nearer to each other than this are one, of the distance between samples.
+/// Peaks nearer to each other than this are one, of the mean distance between samples.
 const APART: f64 = 0.25;
 
-/// Lowers the largest error of `level` where `importance` is higher. Nothing happens where it is the same
-/// everywhere. Peaks are added to `samples`.
+/// Lowers the largest error of `level` where `importance` is higher, in rounds of which the best is kept;
+/// nothing happens where it is the same everywhere. Peaks are added to `samples`.
 pub(crate) fn tighten(
     distance: &MeshDistance,
     importance: &(dyn Fn(&Vec3) -> f64 + Sync),
@@ -46,21 +47,15 @@ pub(crate) fn tighten(
     let strict = |p: &Vec3| libm::pow(importance(p), 1.0 / ROOT);
     samples.strictness =
         parallel::map(samples.samples.len(), |s| strict(&samples.samples[s].point));
-    if samples
-        .strictness
-        .iter()
-        .all(|&s| s == samples.strictness[0])
-    {
+    if samples.strictness.windows(2).all(|pair| pair[0] == pair[1]) {
         samples.strictness.fill(1.0);
         return;
     }
     let mut owned = assign(&samples.surface(distance), &level.spheres, None);
-    let largest = |samples: &Samples, owned: &Owned| {
-        let felt = owned.iter().zip(&samples.strictness);
-        felt.fold(0.0_f64, |most, ((gap, _), s)| most.max(gap.abs() * s))
-    };
+    let felt = owned.iter().zip(&samples.strictness);
+    let largest = felt.fold(0.0_f64, |most, ((gap, _), s)| most.max(gap.abs() * s));
     let norm = Norm {
-        knee: KNEE * largest(samples, &owned),
+        knee: KNEE * largest,
         power: POWER,
     };
     let mut best = (f64::INFINITY, level.clone());
@@ -87,7 +82,11 @@ pub(crate) fn tighten(
         } else {
             0
         };
-        let effort = Effort { plugs, ..*effort };
+        let effort = Effort {
+            plugs,
+            failures: plugs,
+            ..*effort
+        };
         let seed = seed ^ (round as u64 + 1) << 8;
         let surface = samples.surface(distance);
         owned = lower(&surface, &samples.inscribed, level, &effort, norm, seed);
