@@ -207,7 +207,7 @@ impl Compared {
     /// Names of the columns of its line.
     pub fn heading() -> String {
         format!(
-            "{:16} {:22} {:>9} {:>12} {:>10} {:>9} {:>11} {:>10} {:>8} {:>7} {:>10} {:>7}",
+            "{:16} {:22} {:>9} {:>12} {:>10} {:>9} {:>11} {:>10} {:>8} {:>8} {:>8} {:>7} {:>10} {:>7}",
             "case",
             "method",
             "buzz N",
@@ -216,6 +216,8 @@ impl Compared {
             "jump mm",
             "torque Nmm",
             "step N",
+            "most N",
+            "dent mm",
             "F_t/F_d",
             "pairs",
             "exhausted",
@@ -232,7 +234,7 @@ impl fmt::Display for Compared {
             .map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
         write!(
             f,
-            "{:16} {:22} {:9.4} {:12.3} {:10.1} {:9.3} {:11.3} {:10.3} {:>8} {:7} {:10} {:7}",
+            "{:16} {:22} {:9.4} {:12.3} {:10.1} {:9.3} {:11.3} {:10.3} {:8.3} {:8.3} {:>8} {:7} {:10} {:7}",
             self.case,
             self.method,
             m.buzz,
@@ -241,6 +243,8 @@ impl fmt::Display for Compared {
             m.jump * 1e3,
             m.torque_step * 1e3,
             m.force_step,
+            m.max_raw_force,
+            m.indentation * 1e3,
             ratio,
             self.pairs,
             m.exhausted,

@@ -71,9 +71,12 @@ fn on_the_tongue_the_load_as_printed_is_not_the_devices() {
         }
     }));
     assert!(ratio(&stiffer) > 7.0, "{stiffer:?}");
-    assert!(coupled.measures.jump < 1e-4 && printed.measures.jump > 10.0 * coupled.measures.jump);
-    assert!(
-        printed.measures.force_step > 10.0 * coupled.measures.force_step,
-        "{printed:?}"
-    );
+    // So the hand feels what K_p says of one and the same tongue: twice as much, or a fifth.
+    let most = |compared: &Compared| compared.measures.max_raw_force;
+    assert!(most(&printed) > 1.5 * most(&coupled), "{printed:?}");
+    assert!(most(&stiffer) < 0.5 * most(&coupled), "{stiffer:?}");
+    // All three give way: a tongue that stood still would prove nothing.
+    for compared in [&coupled, &printed, &stiffer] {
+        assert!(compared.measures.indentation > 8e-3, "{compared:?}");
+    }
 }

@@ -40,6 +40,22 @@ impl Followers {
         }
     }
 
+    /// The same, each node below the movers going with the mover (a tree node) that `carriers` names for it instead of
+    /// with its ancestor.
+    pub fn carried_by(mut self, carriers: &[u32]) -> Self {
+        let below = |followers: &Self, id: usize| {
+            followers.place[id].is_some() && followers.movers.binary_search(&(id as u32)).is_err()
+        };
+        for (id, carrier) in carriers.iter().enumerate().take(self.place.len()) {
+            if below(&self, id)
+                && let Ok(at) = self.movers.binary_search(carrier)
+            {
+                self.place[id] = Some(at as u32);
+            }
+        }
+        self
+    }
+
     /// Displacement of a tree node when the movers are displaced by `u` (x, y, z of each), metres.
     #[inline]
     fn displacement(&self, u: &[f64], node: u32) -> Vec3 {

@@ -17,7 +17,7 @@
 //! | Eq. 2, 3 | index is the tissue's sphere on the left, the tool's on the right | one load `K_p dp` per *pair*, summed |
 //! | 3.2, 4.2 | "the object" in contact prediction | as deformed at the end of the last tick |
 //! | 4.2 | "out of contact at t" | no sphere of the whole haptic tool overlaps that shape |
-//! | 4.2, 6 | contact on level 3, skeleton on level 2 | load on the ancestor; children shift as their ancestor does |
+//! | 4.2, 6 | contact on level 3, skeleton on level 2 | load on the ancestor; children shift as their ancestor does; in a tree of inscribed spheres, whose ancestors may lie on the other side, on the skeleton's sphere that is named for each ([`PrintedSkeleton::carriers`]) |
 //! | Eq. 9 | one spring | all eigenvalues of the skeleton ([`stability`]) |
 //! | Eq. 11, 12 | several pairs on one fringe sphere | the largest displacement of them |
 //! | Eq. 13 | direction of the arrow | from the tooth to the gingiva |

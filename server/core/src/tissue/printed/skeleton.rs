@@ -9,7 +9,7 @@ use super::stability::Spectrum;
 use crate::TICK_S;
 use crate::math::{Vec3, fmax};
 use crate::scene::Object;
-use crate::tissue::skeleton::SkeletonLevel;
+use crate::tissue::skeleton::{CARRIERS, SkeletonLevel, Skin};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
 use crate::tree::SphereTree;
 
@@ -23,6 +23,10 @@ pub struct PrintedSkeleton {
     pub springs: Vec<[u32; 2]>,
     /// Tree nodes of that level that are held: the paper's root and bottom layer.
     pub fixed: Vec<u32>,
+    /// For each node of the tree the skeleton's sphere (a tree node) that it follows and loads if it lies below the
+    /// skeleton; empty: its ancestor. A tree of inscribed spheres needs it: there a sphere of the upper surface may have an
+    /// ancestor in the bottom layer, which is held.
+    pub carriers: Vec<u32>,
     /// `k_s` of every spring, N/m. Default 50, range 0.1 to 1e5. Larger: stiffer, nearer to the limit of stability.
     /// Source: section 8.1 has 500 (0.5 N/mm), which needs 0.3 kg per sphere.
     pub spring_n_per_m: f64,
@@ -45,6 +49,7 @@ impl PrintedSkeleton {
             level,
             springs,
             fixed,
+            carriers: Vec::new(),
             spring_n_per_m: 50.0,
             damping_n_s_per_m: 12.0,
             mass_kg: 0.02,
@@ -54,7 +59,7 @@ impl PrintedSkeleton {
     }
 
     /// The spring graph of a coupled skeleton as printed: the same spheres, springs and held nodes, all springs as stiff as
-    /// its are on average; other numbers are the defaults.
+    /// its are on average; each sphere follows the one that carries most of it there. Other numbers are the defaults.
     pub fn of(coupled: &SkeletonLevel, rest: &SphereTree) -> Self {
         let node = |k: u16| {
             coupled
@@ -69,12 +74,23 @@ impl PrintedSkeleton {
             .map(|spring| [node(spring.a), node(spring.b)]);
         let held = coupled.nodes.iter().zip(&coupled.fixed);
         let level = |&id: &u32| rest.nodes().get(id as usize).map(|node| node.level);
+        let carrier = |skin: &Skin| {
+            let heavier = |best: usize, k: usize| {
+                if skin.weights[k] > skin.weights[best] {
+                    k
+                } else {
+                    best
+                }
+            };
+            node(skin.nodes[(1..CARRIERS).fold(0, heavier)])
+        };
         let sum = coupled
             .springs
             .iter()
             .flat_map(|spring| spring.stiffness)
             .fold(0.0, |sum, k| sum + k);
         Self {
+            carriers: coupled.skin.iter().map(carrier).collect(),
             spring_n_per_m: sum / fmax(3.0 * coupled.springs.len() as f64, 1.0),
             ..Self::new(
                 coupled.nodes.iter().filter_map(level).max().unwrap_or(0),
@@ -190,6 +206,19 @@ impl PrintedSkeleton {
                     ),
                 })
         };
+        if !self.carriers.is_empty() && self.carriers.len() != rest.nodes().len() {
+            return Err(TissueError {
+                field: "carriers",
+                found: format!("{} of them", self.carriers.len()),
+                expected: format!(
+                    "one for each of {} nodes, or none at all",
+                    rest.nodes().len()
+                ),
+            });
+        }
+        for &id in &self.carriers {
+            place("carriers", id)?;
+        }
         let mut fixed = vec![false; followers.movers.len()];
         for &id in &self.fixed {
             fixed[place("fixed", id)? as usize] = true;
@@ -322,7 +351,7 @@ pub(crate) struct ReadySkeleton {
 impl ReadySkeleton {
     /// For an object touched at `level`; `model` has passed its validation.
     pub fn new(model: &PrintedSkeleton, rest: &SphereTree, level: u8) -> Self {
-        let followers = Followers::new(rest, model.level);
+        let followers = Followers::new(rest, model.level).carried_by(&model.carriers);
         let n = followers.movers.len();
         Self {
             graph: model.graph(rest).unwrap_or(Graph {

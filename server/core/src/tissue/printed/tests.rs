@@ -329,6 +329,17 @@ fn loose_or_unknown_spheres_are_refused() {
         "fixed"
     );
     let mut model = skeleton(&tree);
+    model.carriers = vec![model.fixed[0]; 3];
+    assert_eq!(
+        model.validate(&tree).expect_err("too few").field,
+        "carriers"
+    );
+    model.carriers = vec![0; tree.nodes().len()];
+    assert_eq!(
+        model.validate(&tree).expect_err("the root").field,
+        "carriers"
+    );
+    let mut model = skeleton(&tree);
     model.mass_kg = f64::NAN;
     assert_eq!(model.validate(&tree).expect_err("no mass").field, "mass_kg");
 }
@@ -419,6 +430,56 @@ fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
     let away = hands(&tool, over(Vec3::new(at.x, at.y, 2e-3)), graphic, &loads);
     assert!(ready.free_step(&vec![0.0; 2 * n], &away, &mut shape, &mut free));
     assert!(shape.iter().all(|x| *x == 0.0));
+}
+
+/// A carrier that is named takes load and shift instead of the ancestor.
+#[test]
+fn a_named_carrier_bears_and_leads() {
+    let tree = block();
+    let mut model = skeleton(&tree);
+    let ids: Vec<u32> = tree.shape_at(2).map(|(id, _)| id).collect();
+    let free = ids
+        .iter()
+        .position(|id| !model.fixed.contains(id))
+        .expect("one");
+    model.carriers = vec![ids[free]; tree.nodes().len()];
+    model.validate(&tree).expect("fits");
+    let mut ready = ReadySkeleton::new(&model, &tree, 7);
+    let (tool, loads, n) = (rod(), [Wrench::ZERO], 3 * ids.len());
+    let graphic = over(Vec3::new(1.5e-3, 2e-4, 9e-4));
+    let haptic = over(Vec3::new(1.5e-3, 2e-4, -4e-4));
+    let (mut shape, mut free_shape) = (vec![0.0; 2 * n + 1], vec![0.0; 2 * n + 1]);
+    let mut state = vec![0.0; 2 * n];
+    let now = hands(&tool, haptic, graphic, &loads);
+    for _ in 0..2 {
+        ready.free_step(&state, &now, &mut shape, &mut free_shape);
+        ready.commit(&shape, &[], &now, &mut state);
+    }
+    let leaves: Vec<u32> = tree
+        .shape_at(7)
+        .map(|(id, _)| id)
+        .filter(|id| !ids.contains(id))
+        .collect();
+    let mut centres = vec![Vec3::zeros(); leaves.len()];
+    ready.centres(&shape, &leaves, &mut centres);
+    for (id, centre) in leaves.iter().zip(centres) {
+        let shift = centre.z - tree.nodes()[*id as usize].centre.z;
+        assert!(
+            shift < 0.0 && (shift - state[3 * free + 2]).abs() < 1e-15,
+            "{id}: {shift}"
+        );
+    }
+    // Of the velocities only its own.
+    let moving = (0..ids.len()).filter(|k| state[n + 3 * k + 2] < 0.0);
+    assert!(moving.clone().count() >= 1 && moving.clone().any(|k| k == free));
+    let fastest = moving.fold(free, |best, k| {
+        if state[n + 3 * k + 2] < state[n + 3 * best + 2] {
+            k
+        } else {
+            best
+        }
+    });
+    assert_eq!(fastest, free);
 }
 
 /// Presses the rod into the block and draws it out again.
