@@ -38,7 +38,7 @@ pub struct Params {
     /// Iteration cap of the solver. Default 400, range 10..10000.
     pub max_iterations: u16,
     /// Contacts that each tool's list can hold (four times as many where surfaces are blended, whose rows have
-    /// many each). Default 1024, range 16..4096, with tissue to 1024 (its
+    /// many each). Default 1024, range 16..4096; where something yields a problem holds at most 256 rows (its
     /// matrix is dense). Where more sphere pairs are close the tick looks less far ahead.
     pub max_rows: u16,
     /// Whether trees that were calibrated for it are touched as one smooth surface, blended from their

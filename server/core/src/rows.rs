@@ -88,6 +88,26 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
     }
 }
 
+/// Leaves out the rows with the largest gaps until `most` are left; false when all were kept.
+pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, first: usize, most: usize) -> bool {
+    let lines = &mut ws.passes[first].lines;
+    if lines.len() <= most {
+        return false;
+    }
+    ws.gaps.clear();
+    ws.gaps.extend(lines.iter().map(|line| line.gap));
+    let (below, limit, _) = ws.gaps.select_nth_unstable_by(most, f64::total_cmp);
+    let limit = *limit;
+    // Of those as far as the first that has no room, the first ones stay.
+    let mut room = most - below.iter().filter(|gap| **gap < limit).count();
+    lines.retain(|line| {
+        let tie = line.gap == limit && room > 0;
+        room -= usize::from(tie);
+        line.gap < limit || tie
+    });
+    true
+}
+
 /// Lever of a group's tool sphere about the working point, metres.
 pub(crate) fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64 {
     let first = groups.contacts(group)[0];

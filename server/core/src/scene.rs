@@ -16,8 +16,9 @@ use crate::tree::SphereTree;
 pub const SCENE_VERSION: u16 = 3;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
-/// Most rows per tool where something yields: the matrix of compliances is dense.
-const MAX_TISSUE_ROWS: u16 = 1024;
+/// Most rows of a problem where something yields, both tools' together: the matrix of compliances is dense.
+/// All of them can bear load, and enter one by one: more would take more iterations than a tick has.
+const MAX_TISSUE_ROWS: usize = 256;
 /// Contacts that the list of a scene with blended surfaces can hold for each of `max_rows`.
 const CONTACTS_PER_ROW: usize = 4;
 /// Largest compiled scene that is read, bytes.
@@ -166,15 +167,29 @@ impl Scene {
         }
     }
 
-    /// Contacts that one tool's list can hold. A blended row has many; where something yields the list
-    /// is as long as the dense matrix allows.
+    /// Contacts that one tool's list can hold. A blended row has many.
     pub(crate) fn most_contacts(&self) -> usize {
         let rows = usize::from(self.params.max_rows);
         let blended = (0..self.objects.len()).any(|k| self.blend_of(k) > 0.0);
-        if blended && self.objects.iter().all(|object| object.tissue.is_rigid()) {
+        if blended {
             rows * CONTACTS_PER_ROW
         } else {
             rows
+        }
+    }
+
+    /// Whether anything in it can yield.
+    pub fn yields(&self) -> bool {
+        self.objects.iter().any(|object| !object.tissue.is_rigid())
+    }
+
+    /// Rows that one problem can hold: as many as there can be contacts, but where something yields no more
+    /// than its dense matrix has room for.
+    pub(crate) fn most_rows(&self) -> usize {
+        if self.yields() {
+            usize::from(self.params.max_rows).min(MAX_TISSUE_ROWS)
+        } else {
+            self.most_contacts() * self.tools.len()
         }
     }
 
@@ -259,15 +274,6 @@ impl Scene {
                 "number of objects",
                 self.objects.len().to_string(),
                 "at most 65535",
-            );
-        }
-        let yields = self.objects.iter().any(|object| !object.tissue.is_rigid());
-        if yields && self.params.max_rows > MAX_TISSUE_ROWS {
-            return field(
-                "scene",
-                "max_rows",
-                self.params.max_rows.to_string(),
-                "at most 1024 with tissue",
             );
         }
         let trees = self.tools.iter().map(|tool| (&tool.name, &tool.tree));

@@ -6,7 +6,7 @@
 //! continuous collision detection that the paper left open.
 
 use crate::blend::reach;
-use crate::contact::{Distance, Overflow, PosedTool};
+use crate::contact::{Distance, Overflow, PosedTool, SMALLEST_PREDICTION};
 use crate::gaps::true_gaps;
 use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -15,15 +15,12 @@ use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
 use crate::output::status;
-use crate::rows::{bend, write_lines};
+use crate::rows::{bend, keep_smallest_gaps, write_lines};
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::tick::{Pass, Workspace};
-use crate::yielding::{Yielding, fill_tissue, yield_target};
+use crate::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
-
-/// Prediction distance at which a full contact list keeps the smallest gaps, metres.
-const SMALLEST_PREDICTION: f64 = 1e-6;
 
 /// How much farther each pass of a tick looks at least than the one before, and how far at most for that
 /// reason alone, metres: farther than its own motion a pass only lists more rows.
@@ -99,13 +96,25 @@ pub(crate) fn advance<P: StageProbe>(
     while passes < params.max_substeps {
         passes += 1;
         probe.begin(Stage::Collide);
-        let (used, cut) = collide(scene, state, ws, group, d);
-        if cut {
-            status_bits |= status::CONTACTS_FULL;
+        loop {
+            let (used, cut) = collide(scene, state, ws, group, d);
+            write_lines(scene, ws, first, used);
+            d = used;
+            let full = ws.passes[first].lines.len() > scene.most_rows();
+            if cut || full {
+                status_bits |= status::CONTACTS_FULL;
+            }
+            if !full {
+                break;
+            }
+            if d.at(longest) <= SMALLEST_PREDICTION {
+                keep_smallest_gaps(ws, first, scene.most_rows());
+                break;
+            }
+            // The same way out as a full list of contacts: look less far.
+            d = d.halved(longest);
         }
-        d = used;
         probe.begin(Stage::Optimise);
-        write_lines(scene, ws, first, d);
         let target = optimise(scene, state, ws, group, wanted);
         let Some(Answer {
             steps: step,
@@ -192,7 +201,6 @@ fn collide(
     group: &[usize],
     mut d: Distance,
 ) -> (Distance, bool) {
-    ws.yielding.iter_mut().for_each(Yielding::refit);
     let limit = scene.most_contacts() * group.len();
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     let mut cut = false;
@@ -218,34 +226,29 @@ fn collide(
             };
             ws.predictor.begin(&posed);
             for (k, object) in scene.objects.iter().enumerate() {
-                let nodes = match ws.slots[k] {
-                    None => object.tree.nodes(),
-                    Some(slot) => ws.yielding[slot].nodes(scene),
-                };
                 let blend = scene.blend_of(k);
                 blended |= blend > 0.0;
                 let mut within = d;
                 if blend > 0.0 {
                     within.base += share * reach(blend) * blend;
                 }
-                if ws
-                    .predictor
-                    .predict(&posed, (k as u16, nodes, object.level), within, contacts)
-                    .is_err()
-                {
+                let predictor = &mut ws.predictor;
+                let found = match ws.slots[k] {
+                    None => {
+                        let object = (k as u16, object.tree.nodes(), object.level);
+                        predictor.predict(&posed, object, within, contacts)
+                    }
+                    Some(slot) => {
+                        ws.yielding[slot].predict(scene, predictor, &posed, within, contacts)
+                    }
+                };
+                if found.is_err() {
                     cut = true;
                     let most = d.at(longest);
                     if blended && share > 0.0 && most <= 2.0 * scene.params.predict_min {
                         share = if share > 0.1 { 0.5 * share } else { 0.0 };
                     } else {
-                        d = Distance {
-                            base: fmax(0.5 * d.base, SMALLEST_PREDICTION),
-                            turn: if most > 2.0 * SMALLEST_PREDICTION {
-                                0.5 * d.turn
-                            } else {
-                                0.0
-                            },
-                        };
+                        d = d.halved(longest);
                     }
                     continue 'again;
                 }
@@ -301,11 +304,20 @@ fn optimise(
         });
     }
     let tissue = fill_tissue(scene, ws, first);
-    let Pass { rows, solution, .. } = &mut ws.passes[first];
+    if tissue {
+        ws.passes[first].find_bearing();
+    }
+    let Pass {
+        rows,
+        solution,
+        first: begin,
+        ..
+    } = &mut ws.passes[first];
     let problem = Problem {
         rows,
         tissue: tissue.then(|| &ws.gram[..rows.len() * rows.len()]),
         contact_compliance: scene.params.contact_compliance,
+        first: if tissue { begin } else { &[] },
         max_iterations: usize::from(scene.params.max_iterations),
     };
     match scene.params.solver {
@@ -315,6 +327,9 @@ fn optimise(
     let solved = solution.status == SolveStatus::Solved;
     let y = solution.y;
     ws.passes[first].share_out();
+    if tissue && solved {
+        ws.passes[first].note_bearing();
+    }
     if !solved {
         return None;
     }

@@ -31,6 +31,8 @@ pub struct Workspace {
     pub(crate) gram: Vec<f64>,
     pub(crate) active_set: ActiveSet,
     pub(crate) blender: Blender,
+    /// Gaps of the rows, to choose among them.
+    pub(crate) gaps: Vec<f64>,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
     pub(crate) loads: Vec<Wrench>,
@@ -58,6 +60,10 @@ pub(crate) struct Pass {
     /// What each contact bears, newtons: its row's multiplier, or its shares of those of blended rows.
     pub shares: Vec<f64>,
     pub solution: Solution,
+    /// Keys of the contacts whose rows bore load in the tick's last pass, sorted.
+    pub bearing: Vec<(u16, u32, u8, u32)>,
+    /// Rows of these contacts in this pass.
+    pub first: Vec<u32>,
     /// Whether the matrix of tissue compliance belongs to this pass.
     pub tissue: bool,
 }
@@ -72,6 +78,8 @@ impl Pass {
             shares: Vec::with_capacity(rows),
             rows: Vec::with_capacity(rows),
             solution: Solution::with_capacity(rows),
+            bearing: Vec::with_capacity(rows),
+            first: Vec::with_capacity(rows),
             tissue: false,
         }
     }
@@ -84,7 +92,34 @@ impl Pass {
         self.rows.clear();
         self.shares.clear();
         self.solution.lambda.clear();
+        self.bearing.clear();
         self.tissue = false;
+    }
+
+    /// Remembers which contacts' rows bear load.
+    pub fn note_bearing(&mut self) {
+        self.bearing.clear();
+        let contacts = self.contacts.as_slice();
+        let loads = self.lines.iter().zip(&self.solution.lambda);
+        let bearing = loads.filter(|(_, load)| **load > 0.0);
+        self.bearing
+            .extend(bearing.map(|(line, _)| contacts[line.contact as usize].key()));
+        self.bearing.sort_unstable();
+    }
+
+    /// Finds the rows of the contacts that bore load in the last pass.
+    pub fn find_bearing(&mut self) {
+        self.first.clear();
+        if self.bearing.is_empty() {
+            return;
+        }
+        let contacts = self.contacts.as_slice();
+        for (i, line) in self.lines.iter().enumerate() {
+            let key = contacts[line.contact as usize].key();
+            if self.bearing.binary_search(&key).is_ok() {
+                self.first.push(i as u32);
+            }
+        }
     }
 
     /// Each contact with its load.
@@ -118,6 +153,7 @@ impl Workspace {
         let yielding = Yielding::all(scene);
         let blended = (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
         let rows = scene.most_contacts() * scene.tools.len();
+        let dense = scene.most_rows();
         let tool_nodes = scene
             .tools
             .iter()
@@ -135,12 +171,20 @@ impl Workspace {
             passes: std::array::from_fn(|_| Pass::with_capacity(rows, blended, tool_nodes)),
             blender: Blender::with_capacity(if blended { rows } else { 0 }),
             // Only tissue needs the dense matrix.
-            gram: vec![0.0; if yielding.is_empty() { 0 } else { rows * rows }],
+            gram: vec![
+                0.0;
+                if yielding.is_empty() {
+                    0
+                } else {
+                    dense * dense
+                }
+            ],
             active_set: if yielding.is_empty() {
                 ActiveSet::rigid_only(rows)
             } else {
-                ActiveSet::with_capacity(rows)
+                ActiveSet::with_capacity(dense)
             },
+            gaps: Vec::with_capacity(rows),
             sites: Vec::with_capacity(rows),
             site_loads: Vec::with_capacity(rows),
             loads: vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
@@ -174,6 +218,7 @@ impl Workspace {
                 rows: &pass.rows,
                 tissue: pass.tissue.then(|| &self.gram[..m * m]),
                 contact_compliance,
+                first: &[],
                 max_iterations,
             };
             (problem, &pass.solution)

@@ -2,15 +2,16 @@
 
 use std::ops::Range;
 
-use crate::Scene;
 use crate::blend::Line;
-use crate::contact::Contact;
+use crate::contact::soft::SoftNeighbours;
+use crate::contact::{Contact, ContactList, ContactsFull, Distance, PosedTool, Predictor};
 use crate::math::{Vec3, fmax};
 use crate::rows::runs;
 use crate::state::State;
 use crate::tick::{Pass, Workspace};
 use crate::tissue::{Gram, Hands, Tissue, refit};
 use crate::tree::Node;
+use crate::{MAX_TOOLS, Scene};
 
 /// An object that can yield, in a workspace.
 #[derive(Debug)]
@@ -29,8 +30,11 @@ pub(crate) struct Yielding {
     target: Vec<f64>,
     /// Whether it is at rest, would stay there and is not touched: then it costs nothing.
     pub still: bool,
-    /// Nodes at the present shape; not kept while still.
+    /// Nodes at the present shape, if `fitted`; not kept while still.
     nodes: Vec<Node>,
+    fitted: bool,
+    /// What is near each tool.
+    near: [SoftNeighbours; MAX_TOOLS],
     ids: Vec<u32>,
     centres: Vec<Vec3>,
 }
@@ -53,6 +57,8 @@ impl Yielding {
                 target: vec![0.0; len],
                 still: true,
                 nodes: nodes.to_vec(),
+                fitted: false,
+                near: std::array::from_fn(|_| SoftNeighbours::new(len)),
                 ids: (0..nodes.len() as u32).collect(),
                 centres: vec![Vec3::zeros(); nodes.len()],
             })
@@ -66,11 +72,12 @@ impl Yielding {
         self.still = self
             .model
             .free_step(state, hands, &mut self.shape, &mut self.free);
+        self.fitted = false;
     }
 
     /// Brings the nodes to the present shape.
-    pub fn refit(&mut self) {
-        if !self.still {
+    fn refit(&mut self) {
+        if !self.still && !self.fitted {
             let Self {
                 model,
                 shape,
@@ -80,16 +87,40 @@ impl Yielding {
                 ..
             } = self;
             refit(model.as_ref(), shape, ids, centres, nodes);
+            self.fitted = true;
         }
     }
 
-    /// Nodes at the shape of the last [`Yielding::refit`].
-    pub fn nodes<'a>(&'a self, scene: &'a Scene) -> &'a [Node] {
-        if self.still {
-            scene.objects[self.object].tree.nodes()
-        } else {
-            &self.nodes
+    /// Appends every pair of contact spheres of `tool` and this object at its present shape with a gap under
+    /// `d` to `out`.
+    pub fn predict(
+        &mut self,
+        scene: &Scene,
+        predictor: &mut Predictor,
+        tool: &PosedTool<'_>,
+        d: Distance,
+        out: &mut ContactList,
+    ) -> Result<(), ContactsFull> {
+        let (object, index) = (&scene.objects[self.object], self.object as u16);
+        let at_rest = object.tree.nodes();
+        let slot = usize::from(tool.slot);
+        if !predictor.is_plain() {
+            let shape = (!self.still).then_some(self.shape.as_slice());
+            if !self.near[slot].covers(predictor, tool.level, (self.model.as_ref(), shape), d) {
+                self.refit();
+                let nodes = if self.still { at_rest } else { &self.nodes };
+                let listed = (index, nodes, object.level);
+                let shape = (!self.still).then_some(self.shape.as_slice());
+                self.near[slot].list(predictor, tool, listed, shape, d);
+            }
+            let now = (self.model.as_ref(), self.shape.as_slice());
+            if self.near[slot].usable() {
+                return self.near[slot].query(predictor, tool, (index, at_rest), now, d, out);
+            }
         }
+        self.refit();
+        let nodes = if self.still { at_rest } else { &self.nodes };
+        predictor.predict(tool, (index, nodes, object.level), d, out)
     }
 
     /// Centre of a node at the present shape, whether refit or not, world axes, metres.
@@ -108,6 +139,7 @@ impl Yielding {
             for (shape, target) in self.shape.iter_mut().zip(&self.target) {
                 *shape += share * (target - *shape);
             }
+            self.fitted = false;
         }
     }
 }
@@ -150,12 +182,12 @@ pub(crate) fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bo
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
         for (row, line) in rows[run.clone()].iter_mut().zip(&lines[run]) {
             let contact = about(line);
-            let mut free = [Vec3::zeros()];
-            yielding
-                .model
-                .centres(&yielding.free, &[contact.object_sphere], &mut free);
-            let now = yielding.nodes[contact.object_sphere as usize].centre;
-            row.bias += contact.normal.dot(&(now - free[0]));
+            let mut centre = [Vec3::zeros(); 2];
+            let [now, free] = &mut centre;
+            let (id, model) = ([contact.object_sphere], &yielding.model);
+            model.centres(&yielding.shape, &id, std::slice::from_mut(now));
+            model.centres(&yielding.free, &id, std::slice::from_mut(free));
+            row.bias += contact.normal.dot(&(*now - *free));
         }
     }
     true

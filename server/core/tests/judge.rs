@@ -164,6 +164,7 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
             rows: &rows,
             tissue: compliance.as_deref(),
             contact_compliance,
+            first: &[],
             max_iterations: usize::from(Params::default().max_iterations),
         };
         own.solve(&problem, &mut ours);
@@ -208,6 +209,7 @@ fn an_iteration_limit_is_said_and_not_an_answer() {
         rows: &rows,
         tissue: None,
         contact_compliance: 1e-7,
+        first: &[],
         max_iterations: 1,
     };
     let (mut solver, mut solution) = (ActiveSet::with_capacity(64), Solution::with_capacity(64));
@@ -224,6 +226,7 @@ fn numbers_that_are_not_finite_give_no_answer() {
         rows: &rows,
         tissue: None,
         contact_compliance: 1e-7,
+        first: &[],
         max_iterations: 100,
     };
     let mut solution = Solution::with_capacity(8);
@@ -241,6 +244,7 @@ fn one_row_has_the_answer_on_paper() {
         rows: &rows,
         tissue: None,
         contact_compliance: 1e-7,
+        first: &[],
         max_iterations: 100,
     };
     let mut solution = Solution::with_capacity(1);

@@ -46,10 +46,10 @@ pub enum ToolKind {
 pub enum ObjectKind {
     /// A lower left first molar.
     Molar,
-    /// The gingiva of one of the file's molars, at its place: wants `tooth` and `tissue = "gingiva"`.
-    Gingiva,
     /// A tongue at rest.
     Tongue,
+    /// The gingiva of one of the file's molars, at its place: wants `tooth` and `tissue = "gingiva"`.
+    Gingiva,
 }
 
 /// How an object yields.
@@ -83,6 +83,8 @@ pub struct GingivaEntry {
     pub floor_taper_mm: Option<f64>,
     /// Force at which the prescribed depths are read, N.
     pub reading_force_n: Option<f64>,
+    /// Diameter of the tip with which they are read, mm.
+    pub reading_tip_mm: Option<f64>,
     /// How inflamed it is, 0 to 1.
     pub inflammation: Option<f64>,
     /// Share of the stiffness that full inflammation takes away.
@@ -169,14 +171,14 @@ pub struct ObjectEntry {
     /// How it yields.
     #[serde(default)]
     pub tissue: TissueEntry,
+    /// Parameters of `tissue = "skeleton"` that differ from the defaults.
+    pub skeleton: Option<SkeletonOptions>,
     /// Name of the molar that a gingiva surrounds.
     pub tooth: Option<String>,
     /// Pocket of a gingiva, where it differs from the default.
     pub pocket: Option<Pocket>,
     /// Parameters of a gingiva that differ from the defaults.
     pub gingiva: Option<GingivaEntry>,
-    /// Parameters of `tissue = "skeleton"` that differ from the defaults.
-    pub skeleton: Option<SkeletonOptions>,
 }
 
 fn contact_level() -> u8 {

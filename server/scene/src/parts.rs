@@ -22,8 +22,8 @@ use crate::skeleton::skeleton;
 use crate::solid::read_solid;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
-const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
 const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
+const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
 
 /// What the parts of one scene share while they are made.
@@ -115,8 +115,8 @@ impl Compiler<'_> {
         let part = format!("object `{}`", entry.name);
         let mesh = match entry.kind {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
-            Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
+            Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
             None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
         };
         let wanted = TreeOptions {
@@ -331,6 +331,7 @@ pub(crate) fn gingiva_params(entry: &ObjectEntry) -> GingivaParams {
     );
     set(&mut params.floor_taper, given.floor_taper_mm, mm);
     set(&mut params.reading_force, given.reading_force_n, 1.0);
+    set(&mut params.reading_tip, given.reading_tip_mm, mm);
     set(&mut params.inflammation, given.inflammation, 1.0);
     set(&mut params.softening, given.softening, 1.0);
     set(&mut params.too_heavy, given.too_heavy_n, 1.0);

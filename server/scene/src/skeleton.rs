@@ -137,7 +137,7 @@ pub fn skeleton(
     let mut fine = level(tree, &distance, options, FINE)?;
     // The same organ: as much damping in all, and as far under a mirror.
     fine.params.damping *= coarse.free() as f64 / fine.free() as f64;
-    let factor = pressed(&fine, tree) / pressed(&coarse, tree);
+    let factor = pressed(&coarse, tree) / pressed(&fine, tree);
     for spring in &mut fine.springs {
         spring.stiffness = spring.stiffness.map(|k| k * factor);
     }

@@ -335,6 +335,61 @@ fn object(entry: &ObjectEntry) -> Checked {
     Ok(())
 }
 
+fn tongue_dimensions(field: &dyn Fn(&str) -> String, tongue: &Tongue) -> Checked {
+    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
+        let field = |key: &str| field(&format!("tongue.{key}"));
+        number(&field, key, x, low, high, expected)
+    };
+    range("length_mm", tongue.length_mm, 40.0, 120.0, "40 to 120 mm")?;
+    range("width_mm", tongue.width_mm, 25.0, 80.0, "25 to 80 mm")?;
+    range("height_mm", tongue.height_mm, 15.0, 50.0, "15 to 50 mm")?;
+    range("groove_mm", tongue.groove_mm, 0.0, 2.0, "0 to 2 mm")?;
+    range("grid_mm", tongue.grid_mm, 0.5, 2.0, "0.5 to 2 mm")
+}
+
+fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions) -> Checked {
+    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
+        let field = |key: &str| field(&format!("skeleton.{key}"));
+        number(&field, key, x, low, high, expected)
+    };
+    for k in options.stiffness_n_per_mm {
+        range(
+            "stiffness_n_per_mm",
+            k,
+            1e-4,
+            1000.0,
+            "0.0001 to 1000 N/mm each",
+        )?;
+    }
+    range("root_factor", options.root_factor, 0.1, 20.0, "0.1 to 20")?;
+    range("tip_factor", options.tip_factor, 0.1, 20.0, "0.1 to 20")?;
+    range("stretch_limit", options.stretch_limit, 1.0, 20.0, "1 to 20")?;
+    range(
+        "stretch_half",
+        options.stretch_half,
+        0.05,
+        20.0,
+        "0.05 to 20",
+    )?;
+    range(
+        "damping_n_s_per_m",
+        options.damping_n_s_per_m,
+        0.0,
+        100.0,
+        "0 to 100 N s/m",
+    )?;
+    range(
+        "density_g_per_cm3",
+        options.density_g_per_cm3,
+        0.1,
+        20.0,
+        "0.1 to 20 g/cm3",
+    )?;
+    range("fixed_root", options.fixed_root, 0.0, 0.9, "0 to 0.9")?;
+    range("fixed_bottom", options.fixed_bottom, 0.0, 0.9, "0 to 0.9")?;
+    range("free_tip", options.free_tip, 0.0, 1.0, "0 to 1")
+}
+
 /// What only a gingiva has, and what it must have.
 fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
@@ -425,61 +480,6 @@ fn pocket(field: &dyn Fn(&str) -> String, pocket: &Pocket) -> Checked {
     )?;
     range("base_mm", pocket.base_mm, 1.0, 5.0, "1 to 5 mm")?;
     range("grid_mm", pocket.grid_mm, 0.08, 0.4, "0.08 to 0.4 mm")
-}
-
-fn tongue_dimensions(field: &dyn Fn(&str) -> String, tongue: &Tongue) -> Checked {
-    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-        let field = |key: &str| field(&format!("tongue.{key}"));
-        number(&field, key, x, low, high, expected)
-    };
-    range("length_mm", tongue.length_mm, 40.0, 120.0, "40 to 120 mm")?;
-    range("width_mm", tongue.width_mm, 25.0, 80.0, "25 to 80 mm")?;
-    range("height_mm", tongue.height_mm, 15.0, 50.0, "15 to 50 mm")?;
-    range("groove_mm", tongue.groove_mm, 0.0, 2.0, "0 to 2 mm")?;
-    range("grid_mm", tongue.grid_mm, 0.5, 2.0, "0.5 to 2 mm")
-}
-
-fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions) -> Checked {
-    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-        let field = |key: &str| field(&format!("skeleton.{key}"));
-        number(&field, key, x, low, high, expected)
-    };
-    for k in options.stiffness_n_per_mm {
-        range(
-            "stiffness_n_per_mm",
-            k,
-            1e-4,
-            1000.0,
-            "0.0001 to 1000 N/mm each",
-        )?;
-    }
-    range("root_factor", options.root_factor, 0.1, 20.0, "0.1 to 20")?;
-    range("tip_factor", options.tip_factor, 0.1, 20.0, "0.1 to 20")?;
-    range("stretch_limit", options.stretch_limit, 1.0, 20.0, "1 to 20")?;
-    range(
-        "stretch_half",
-        options.stretch_half,
-        0.05,
-        20.0,
-        "0.05 to 20",
-    )?;
-    range(
-        "damping_n_s_per_m",
-        options.damping_n_s_per_m,
-        0.0,
-        100.0,
-        "0 to 100 N s/m",
-    )?;
-    range(
-        "density_g_per_cm3",
-        options.density_g_per_cm3,
-        0.1,
-        20.0,
-        "0.1 to 20 g/cm3",
-    )?;
-    range("fixed_root", options.fixed_root, 0.0, 0.9, "0 to 0.9")?;
-    range("fixed_bottom", options.fixed_bottom, 0.0, 0.9, "0 to 0.9")?;
-    range("free_tip", options.free_tip, 0.0, 1.0, "0 to 1")
 }
 
 fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) -> Checked {

@@ -5,14 +5,16 @@
 //! more than `d` before the next pass, no pair outside the list can touch. The tick's trust
 //! region keeps that promise, which makes this a continuous collision detection.
 //!
-//! What yields is traversed anew in every pass (`dual`); for what does not, the families of spheres that
-//! were near are kept while the tool stays near (`neighbours`), in a layout for it (`packs`).
-//! Which of the two answered never shows in the answer.
+//! The plain way is to traverse both trees anew in every pass (`dual`). What was near is kept while the tool
+//! stays near: for what is rigid the families of spheres (`neighbours`), found by `front` in a layout for it
+//! (`packs`), for what yields the pairs of spheres (`soft`). Which of the ways answered never shows in the answer.
 
 mod dual;
+mod front;
 mod neighbours;
 mod packs;
 mod predictor;
+pub(crate) mod soft;
 #[cfg(test)]
 mod tests;
 
@@ -103,7 +105,7 @@ impl ContactList {
         self.contacts.sort_unstable_by_key(Contact::key);
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, contact: Contact) -> Result<(), ContactsFull> {
         // One more than this and the list is full, which is rare.
         if self.contacts.len() + 1 < self.limit {
@@ -166,6 +168,9 @@ fn outranks(a: &Contact, b: &Contact) -> bool {
     a.gap > b.gap || (a.gap == b.gap && a.key() > b.key())
 }
 
+/// Prediction distance at which full lists keep the smallest gaps, metres.
+pub(crate) const SMALLEST_PREDICTION: f64 = 1e-6;
+
 /// How close spheres must be to count: `base + turn * lever`, with the lever of the tool's sphere from
 /// the working point. A tool that moves by `base` and turns by `turn` carries no sphere farther.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,6 +186,19 @@ impl Distance {
     #[inline]
     pub fn at(&self, lever: f64) -> f64 {
         self.base + self.turn * lever
+    }
+
+    /// Half of it, no less than [`SMALLEST_PREDICTION`]; the turn's part goes altogether where little is left
+    /// at the longest lever.
+    pub(crate) fn halved(&self, longest: f64) -> Self {
+        Self {
+            base: crate::math::fmax(0.5 * self.base, SMALLEST_PREDICTION),
+            turn: if self.at(longest) > 2.0 * SMALLEST_PREDICTION {
+                0.5 * self.turn
+            } else {
+                0.0
+            },
+        }
     }
 }
 

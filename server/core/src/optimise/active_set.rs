@@ -10,13 +10,19 @@
 //! largest violation, `H_PP s = -b_P` is solved on the active set `P`, and rows whose multiplier
 //! would turn negative leave. The Cholesky factor of `H_PP` grows by a row and shrinks by Givens
 //! rotations. Until it ends an iterate violates rows, so only a `Solved` answer may be applied.
+//!
+//! Where something yields, rows enter in blocks: those that bore load in the tick's last pass first, then all
+//! that are violated about as much as the worst. Every step goes downhill on the dual, so when a block
+//! gained nothing the next row enters alone, which always does.
 
 use super::rigid::RigidScratch;
-use super::{ContactSolver, Problem, Solution, SolveStatus};
+use super::{ContactSolver, Problem, Solution, SolveStatus, dot6};
 use crate::math::fmax;
 
 /// Active rows at which the six unknowns of a tool are the better place to work.
 const MANY: usize = 32;
+/// Share of the worst violation from which a row enters together with the worst.
+const BLOCK: f64 = 0.5;
 /// Rows enter while their violation exceeds this share of the problem's scale.
 const ENTRY_TOLERANCE: f64 = 1e-11;
 /// Head-room for rounding in `w`, per unit of the largest `H_ii lambda_i`.
@@ -35,6 +41,10 @@ pub struct ActiveSet {
     factor: Vec<f64>,
     /// Right-hand side and solution over `active`.
     work: Vec<f64>,
+    /// Slack of every row.
+    slack: Vec<f64>,
+    /// Rows that enter together.
+    block: Vec<usize>,
     capacity: usize,
 }
 
@@ -60,6 +70,8 @@ impl ActiveSet {
         Self {
             rigid: RigidScratch::with_capacity(capacity),
             state: Vec::with_capacity(capacity),
+            slack: Vec::with_capacity(capacity),
+            block: Vec::with_capacity(capacity),
             ..Self::dense(MANY)
         }
     }
@@ -71,6 +83,8 @@ impl ActiveSet {
             state: Vec::with_capacity(capacity),
             factor: vec![0.0; capacity * capacity],
             work: vec![0.0; capacity],
+            slack: Vec::with_capacity(capacity),
+            block: Vec::with_capacity(capacity),
             capacity,
         }
     }
@@ -124,6 +138,16 @@ impl ActiveSet {
         }
     }
 
+    /// Removes all active rows that bear nothing and whose next multiplier, in `work`, is not positive: with
+    /// them nothing can move.
+    fn remove_idle(&mut self, solution: &Solution) {
+        for k in (0..self.active.len()).rev() {
+            if self.work[k] <= 0.0 && solution.lambda[self.active[k]] == 0.0 {
+                self.remove(k);
+            }
+        }
+    }
+
     /// Solves `H_PP s = work` in place.
     fn substitute(&mut self) {
         let (n, stride) = (self.active.len(), self.capacity);
@@ -157,19 +181,53 @@ impl ActiveSet {
         }
     }
 
+    /// The free row whose slack is the most negative, if it is under `-tolerance`.
     fn most_violated(
-        &self,
+        &mut self,
         problem: &Problem<'_>,
         solution: &Solution,
         tolerance: f64,
     ) -> Option<usize> {
+        let m = problem.rows.len();
         let mut worst = (None, -tolerance);
-        for i in 0..problem.rows.len() {
-            if self.state[i] == RowState::Free {
-                let w = problem.slack(i, &solution.lambda, &solution.y);
-                if w < worst.1 {
-                    worst = (Some(i), w);
+        let mut look = |i: usize, w: f64| {
+            if w < worst.1 {
+                worst = (Some(i), w);
+            }
+        };
+        if let Some(c) = problem.tissue {
+            self.slack.clear();
+            self.slack
+                .extend((0..m).map(|i| problem.rigid_slack(i, &solution.lambda, &solution.y)));
+            // Only active rows bear load; C is symmetric, so its rows are its columns.
+            for &j in &self.active {
+                let load = solution.lambda[j];
+                for (w, c_ij) in self.slack.iter_mut().zip(&c[j * m..(j + 1) * m]) {
+                    *w += c_ij * load;
                 }
+            }
+            for (i, (w, state)) in self.slack.iter().zip(&self.state).enumerate() {
+                if *state == RowState::Free {
+                    look(i, *w);
+                }
+            }
+            return worst.0;
+        }
+        let loads = self.state.iter().zip(&solution.lambda);
+        let rows = problem.rows.iter().zip(loads).enumerate();
+        let free = rows.filter(|(_, (_, (state, _)))| **state == RowState::Free);
+        if self.active.is_empty() {
+            // Nothing is loaded: the slack is the bias.
+            for (i, (row, _)) in free {
+                look(i, row.bias);
+            }
+        } else {
+            // The slack again, without asking every row for the tissue: this is where most of a solve goes.
+            let (first, second) = solution.y.split_at(6);
+            for (i, (row, (_, load))) in free {
+                let y = if row.tool == 0 { first } else { second };
+                let w = row.bias + dot6(&row.a, y) + problem.contact_compliance * load;
+                look(i, w);
             }
         }
         worst.0
@@ -196,27 +254,47 @@ impl ContactSolver for ActiveSet {
         let base_tolerance = ENTRY_TOLERANCE * problem.scale();
         let mut largest = 0.0;
         let mut refinements = 0;
+        let blocks = problem.tissue.is_some();
+        let mut alone = !blocks;
+        self.block.clear();
+        if blocks {
+            self.block.extend(problem.first.iter().map(|&i| i as usize));
+        }
         loop {
-            let tolerance = base_tolerance + ROUNDING * largest;
-            let Some(entering) = self.most_violated(problem, solution, tolerance) else {
-                // Refine, and look once more with the cleaner numbers.
-                if refinements < 2 && !self.active.is_empty() {
-                    refinements += 1;
-                    self.refine(problem, solution);
-                    solution.y = problem.primal(&solution.lambda);
-                    continue;
+            if self.block.is_empty() {
+                let tolerance = base_tolerance + ROUNDING * largest;
+                let Some(worst) = self.most_violated(problem, solution, tolerance) else {
+                    // Refine, and look once more with the cleaner numbers.
+                    if refinements < 2 && !self.active.is_empty() {
+                        refinements += 1;
+                        self.refine(problem, solution);
+                        solution.y = problem.primal(&solution.lambda);
+                        continue;
+                    }
+                    solution.status = SolveStatus::Solved;
+                    return;
+                };
+                if alone {
+                    self.block.push(worst);
+                } else {
+                    let limit = BLOCK * self.slack[worst];
+                    let violated = self.slack.iter().zip(&self.state).enumerate();
+                    let near = violated
+                        .filter(|(_, (w, state))| **state == RowState::Free && **w <= limit)
+                        .map(|(i, _)| i);
+                    self.block.extend(near);
                 }
-                solution.status = SolveStatus::Solved;
-                return;
-            };
+            }
             if problem.tissue.is_none() && self.active.len() == MANY {
                 solution.lambda.fill(0.0);
                 self.rigid.solve(problem, solution);
                 return;
             }
-            if !self.append(problem, entering) {
-                solution.status = SolveStatus::NumericalError;
-                return;
+            for k in 0..self.block.len() {
+                if !self.append(problem, self.block[k]) {
+                    solution.status = SolveStatus::NumericalError;
+                    return;
+                }
             }
             loop {
                 solution.iterations += 1;
@@ -249,20 +327,30 @@ impl ContactSolver for ActiveSet {
                 let Some(k) = leaving else { break };
                 let row = self.active[k];
                 solution.lambda[row] = 0.0;
-                self.remove(k);
-                if row == entering {
-                    self.state[row] = RowState::Barred;
-                    break;
+                if alone {
+                    self.remove(k);
+                    if self.block[0] == row {
+                        self.state[row] = RowState::Barred;
+                        break;
+                    }
+                } else {
+                    self.remove_idle(solution);
                 }
             }
+            let gained = self
+                .block
+                .iter()
+                .any(|&i| self.state[i] == RowState::Active);
             // Something moved: rows barred earlier may try again.
-            if self.state[entering] == RowState::Active {
+            if gained {
                 for state in &mut self.state {
                     if *state == RowState::Barred {
                         *state = RowState::Free;
                     }
                 }
             }
+            alone = !(blocks && gained);
+            self.block.clear();
             solution.y = problem.primal(&solution.lambda);
             refinements = 0;
         }

@@ -54,6 +54,9 @@ pub struct Problem<'a> {
     pub tissue: Option<&'a [f64]>,
     /// `eps`, metres per newton; positive.
     pub contact_compliance: f64,
+    /// Rows that bore load when a problem like this was solved a moment ago: where a solver may begin. Does
+    /// not change where it ends.
+    pub first: &'a [u32],
     /// Iteration cap.
     pub max_iterations: usize,
 }
@@ -122,9 +125,7 @@ impl Problem<'_> {
     /// `w_i = b_i + a_i y + ((C + eps I) lambda)_i`, metres.
     #[inline]
     pub fn slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
-        let row = &self.rows[i];
-        let mut w =
-            row.bias + dot6(&row.a, y_of(y, row.tool)) + self.contact_compliance * lambda[i];
+        let mut w = self.rigid_slack(i, lambda, y);
         if let Some(c) = self.tissue {
             let m = self.rows.len();
             for (c_ij, l) in c[i * m..(i + 1) * m].iter().zip(lambda) {
@@ -134,7 +135,15 @@ impl Problem<'_> {
         w
     }
 
+    /// The same without the tissue's part.
+    #[inline]
+    pub(crate) fn rigid_slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
+        let row = &self.rows[i];
+        row.bias + dot6(&row.a, y_of(y, row.tool)) + self.contact_compliance * lambda[i]
+    }
+
     /// `A' lambda`.
+    #[inline]
     pub fn primal(&self, lambda: &[f64]) -> [f64; UNKNOWNS] {
         let mut y = [0.0; UNKNOWNS];
         for (row, load) in self.rows.iter().zip(lambda) {

@@ -6,6 +6,8 @@ use crate::tissue::{TissueModel, tests::Winkler};
 use crate::tree::{Sphere, SphereTree};
 use crate::*;
 
+mod soft_bed;
+
 /// A straight rod of spheres along z, radius 0.25 mm at the tip, whose frame is at the device.
 pub(crate) fn rod_tool(working_point: Vec3) -> Tool {
     let spheres: Vec<Sphere> = (0..60)

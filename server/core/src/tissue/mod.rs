@@ -137,10 +137,10 @@ pub trait Tissue: Debug + Send {
 pub enum TissueModel {
     /// A tooth, a jaw, an instrument on a stand: does not yield.
     Rigid,
-    /// The collar around a tooth, with its pocket.
-    Gingiva(Box<gingiva::Gingiva>),
     /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
     Skeleton(Box<skeleton::Skeleton>),
+    /// The collar around a tooth, with its pocket.
+    Gingiva(Box<gingiva::Gingiva>),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -165,8 +165,8 @@ impl TissueModel {
         let _ = level;
         match self {
             TissueModel::Rigid => None,
-            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
+            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -176,8 +176,8 @@ impl TissueModel {
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         match self {
             TissueModel::Rigid => 0,
-            TissueModel::Gingiva(model) => model.state_len(rest),
             TissueModel::Skeleton(model) => model.state_len(),
+            TissueModel::Gingiva(model) => model.state_len(rest),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -189,8 +189,8 @@ impl TissueModel {
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         match self {
-            TissueModel::Gingiva(model) => model.validate(rest),
             TissueModel::Skeleton(model) => model.validate(rest),
+            TissueModel::Gingiva(model) => model.validate(rest),
             _ => Ok(()),
         }
     }

@@ -3,22 +3,24 @@
 use sulcus_core::tissue::skeleton::SkeletonLevel;
 use sulcus_core::{SphereTree, Vec3};
 
-/// Radius of the reference load, metres: a number 4 mirror.
-const LOAD_RADIUS: f64 = 0.011;
-/// Spheres whose top is within this of the highest under the load bear it, metres.
-const LOAD_DEPTH: f64 = 0.004;
+/// Radius of the reference tool, metres: a number 4 mirror.
+const RADIUS: f64 = 0.011;
+/// How deep it is pressed, metres.
+const DEPTH: f64 = 0.006;
 /// Where along the organ it presses, as shares of its length.
 const PLACES: [f64; 3] = [0.45, 0.6, 0.75];
+/// Sweeps over the spheres under the disc, at most.
+const SWEEPS: usize = 20_000;
 
-/// Mean way down under the load of a flat mirror from above, per newton, over three places along the middle of the
-/// back, m/N. Springs at rest stiffness; the load is shared evenly by the spheres under it.
+/// Force of a rigid flat disc, as wide as a mouth mirror, pressed 6 mm from above into the middle of the back: mean
+/// over three places, newtons. Springs at rest stiffness; contact without friction, each sphere pushed or free.
 pub fn pressed(level: &SkeletonLevel, tree: &SphereTree) -> f64 {
-    let root = &tree.nodes()[0];
-    let (mut low, mut high) = (root.centre, root.centre);
     let spheres: Vec<(usize, Vec3, f64)> = tree
         .shape_at(3)
         .map(|(k, node)| (k as usize, node.centre, node.contact_radius))
         .collect();
+    let huge = Vec3::repeat(f64::INFINITY);
+    let (mut low, mut high) = (huge, -huge);
     for (_, c, r) in &spheres {
         low = low.inf(&(c - Vec3::repeat(*r)));
         high = high.sup(&(c + Vec3::repeat(*r)));
@@ -27,40 +29,66 @@ pub fn pressed(level: &SkeletonLevel, tree: &SphereTree) -> f64 {
         .iter()
         .map(|share| {
             let (x, y) = (low.x + share * (high.x - low.x), 0.5 * (low.y + high.y));
-            let under: Vec<&(usize, Vec3, f64)> = spheres
+            let under: Vec<(usize, f64)> = spheres
                 .iter()
-                .filter(|(_, c, _)| (c.x - x).hypot(c.y - y) < LOAD_RADIUS)
+                .filter(|(_, c, _)| (c.x - x).hypot(c.y - y) < RADIUS)
+                .map(|(k, c, r)| (*k, c.z + r))
                 .collect();
-            let top = under
-                .iter()
-                .fold(f64::NEG_INFINITY, |top, (_, c, r)| top.max(c.z + r));
-            let bearing: Vec<usize> = under
-                .iter()
-                .filter(|(_, c, r)| c.z + r > top - LOAD_DEPTH)
-                .map(|(k, ..)| *k)
+            let top = under.iter().fold(f64::NEG_INFINITY, |top, s| top.max(s.1));
+            let pressed: Vec<(usize, f64)> = under
+                .into_iter()
+                .map(|(k, height)| (k, DEPTH - (top - height)))
+                .filter(|(_, overlap)| *overlap > 0.0)
                 .collect();
-            compliance(level, &bearing)
+            punch(level, &pressed)
         })
         .sum();
     sum / PLACES.len() as f64
 }
 
-/// Mean way along z of `spheres` under a unit load shared evenly by them, m/N.
-fn compliance(level: &SkeletonLevel, spheres: &[usize]) -> f64 {
+/// Force that moves each of `spheres` down by at least its overlap, none of them pulled, newtons: by projected
+/// Gauss-Seidel.
+fn punch(level: &SkeletonLevel, spheres: &[(usize, f64)]) -> f64 {
+    let n = spheres.len();
+    let loads: Vec<Vec<f64>> = spheres.iter().map(|(k, _)| load_of(level, *k)).collect();
+    let compliance: Vec<Vec<f64>> = loads
+        .iter()
+        .map(|load| {
+            let moved = solve(level, 2, load);
+            let along = |other: &Vec<f64>| moved.iter().zip(other).map(|(u, w)| u * w).sum();
+            loads.iter().map(along).collect()
+        })
+        .collect();
+    let mut force = vec![0.0; n];
+    for _ in 0..SWEEPS {
+        let mut change = 0.0_f64;
+        for i in 0..n {
+            // What hangs on fixed nodes alone cannot give way.
+            if compliance[i][i] < 1e-9 {
+                continue;
+            }
+            let moved: f64 = compliance[i].iter().zip(&force).map(|(c, f)| c * f).sum();
+            let new = (force[i] + (spheres[i].1 - moved) / compliance[i][i]).max(0.0);
+            change = change.max((new - force[i]).abs());
+            force[i] = new;
+        }
+        if change < 1e-9 {
+            break;
+        }
+    }
+    force.iter().sum()
+}
+
+/// Share of a unit load on a sphere that each free node bears.
+fn load_of(level: &SkeletonLevel, sphere: usize) -> Vec<f64> {
     let mut load = vec![0.0; level.nodes.len()];
-    for &k in spheres {
-        let skin = &level.skin[k];
-        for (node, w) in skin.nodes.iter().zip(skin.weights) {
-            load[usize::from(*node)] += w / spheres.len() as f64;
+    let skin = &level.skin[sphere];
+    for (node, w) in skin.nodes.iter().zip(skin.weights) {
+        if !level.fixed[usize::from(*node)] {
+            load[usize::from(*node)] += w;
         }
     }
-    for (load, fixed) in load.iter_mut().zip(&level.fixed) {
-        if *fixed {
-            *load = 0.0;
-        }
-    }
-    let moved = solve(level, 2, &load);
-    moved.iter().zip(&load).map(|(u, f)| u * f).sum()
+    load
 }
 
 /// `K u = f` along one axis by conjugate gradients; fixed nodes stay.

@@ -1,0 +1,140 @@
+//! Time of a tick with a mouth mirror on the parametric tongue, level 3: thread CPU time in percentiles, stage
+//! by stage, with the coarse skeleton, the fine one, and both in force at once.
+//!
+//! `cargo bench -p sulcus-core --bench tongue`
+
+// A bench has a clock and prints; the core under it does neither.
+#![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
+
+use rustix::time::{ClockId, clock_gettime};
+use sulcus_core::math::exp_rotation;
+use sulcus_core::{
+    NoProbe, Pose, Scene, Stage, StageProbe, State, TickInput, Vec3, Workspace, tick,
+};
+use sulcus_operator::present;
+use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
+
+fn cpu_ns() -> u64 {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
+}
+
+#[derive(Default)]
+struct Stages {
+    current: Option<(Stage, u64)>,
+    sums: [u64; 5],
+}
+
+impl StageProbe for Stages {
+    fn begin(&mut self, stage: Stage) {
+        self.end();
+        self.current = Some((stage, cpu_ns()));
+    }
+    fn end(&mut self) {
+        if let Some((stage, since)) = self.current.take() {
+            self.sums[stage as usize] += cpu_ns() - since;
+        }
+    }
+}
+
+/// Presses the flat disc of the mirror down in a second, then slides it to and fro and turns it for the rest.
+fn input(scene: &Scene, t: f64, down: f64) -> TickInput {
+    let tool = &scene.tools[0];
+    let flat = exp_rotation(&Vec3::new(0.0, 0.0, std::f64::consts::PI))
+        * exp_rotation(&Vec3::new(0.0, -std::f64::consts::FRAC_PI_4, 0.0));
+    let slide = if t > 1.5 { t - 1.5 } else { 0.0 };
+    let tilt = Vec3::new(
+        0.15 * libm::sin(1.1 * slide),
+        0.1 * libm::sin(0.7 * slide),
+        0.0,
+    );
+    let turned = exp_rotation(&tilt) * flat;
+    let place = Vec3::new(
+        0.005 + 0.008 * libm::sin(slide),
+        0.008 * libm::sin(0.8 * slide),
+        0.034 - down * if t < 1.0 { t } else { 1.0 },
+    );
+    let mut input = TickInput::IDLE;
+    input.tools[0] = present(&Pose::new(place - turned * tool.working_point, turned));
+    input
+}
+
+fn main() {
+    // `cargo test --benches` passes --test: nothing to check there.
+    if std::env::args().any(|arg| arg == "--test") {
+        return;
+    }
+    let options = BuildOptions {
+        cache: default_cache_dir(),
+        ..BuildOptions::default()
+    };
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/tongue.toml");
+    let scene = compile_file(&file, &options, &|_, _| {})
+        .expect("the tongue")
+        .scene;
+    println!("mirror on tongue, 12 s, level 3; thread CPU time, us");
+    println!(
+        "{:16} {:>7} {:>7} {:>7} {:>8}   substeps  rows  active  force N",
+        "", "p50", "p99", "p99.9", "max"
+    );
+    type Detail = fn(usize) -> u8;
+    let details: [(&str, Detail); 3] = [
+        ("coarse", |_| 0),
+        ("fine", |_| 1),
+        ("always between", |k| (k / 150 % 2) as u8),
+    ];
+    for (name, detail) in details {
+        for down in [0.01, 0.016] {
+            let inputs: Vec<TickInput> = (0..12_000)
+                .map(|k| TickInput {
+                    detail: detail(k),
+                    ..input(&scene, k as f64 * 1e-3, down)
+                })
+                .collect();
+            let n = inputs.len() as f64;
+            let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+            let (mut substeps, mut rows, mut active, mut force) = (0u64, 0u64, 0u64, 0.0);
+            let mut times: Vec<u64> = inputs
+                .iter()
+                .map(|input| {
+                    let before = cpu_ns();
+                    let out = tick(&scene, &mut state, &mut ws, input, &mut NoProbe);
+                    let time = cpu_ns() - before;
+                    substeps += u64::from(out.tools[0].substeps);
+                    rows += u64::from(out.tools[0].rows);
+                    active += u64::from(out.tools[0].active);
+                    force += out.tools[0].raw_wrench.force.norm();
+                    time
+                })
+                .collect();
+            times.sort_unstable();
+            let at = |q: f64| times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3;
+            println!(
+                "{name:16} {:7.1} {:7.1} {:7.1} {:8.1}   {:7.2} {:6.1} {:6.1} {:6.2}",
+                at(0.5),
+                at(0.99),
+                at(0.999),
+                at(1.0),
+                substeps as f64 / n,
+                rows as f64 / n,
+                active as f64 / n,
+                force / n
+            );
+            let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+            let mut stages = Stages::default();
+            for input in &inputs {
+                tick(&scene, &mut state, &mut ws, input, &mut stages);
+            }
+            let mean = |stage: Stage| {
+                format!(
+                    "{stage:?} {:.2}",
+                    stages.sums[stage as usize] as f64 / n * 1e-3
+                )
+            };
+            println!(
+                "    mean by stage, us (each with the clock's own 0.2 or so): {}",
+                Stage::ALL.map(mean).join(", ")
+            );
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The neighbours of one tool on one tissue: pairs of spheres that can come closer than `d` before tool and
+//! tissue together have moved by more than a skin.
+//!
+//! As `neighbours` has them for what is rigid, but down to the single spheres, whose centres are asked of the
+//! tissue's model in every pass: only those in the list, and no tree is brought to the shape meanwhile.
+
+use super::dual::traverse;
+use super::predictor::{Posed, PosedTool, Predictor};
+use super::{ContactList, ContactsFull, Distance, Overflow};
+use crate::math::{Mat3, Vec3, norm};
+use crate::tissue::Tissue;
+use crate::tree::Node;
+
+/// Most pairs in a list.
+const CAPACITY: usize = 4096;
+/// Motion of tool and tissue together that a list allows for, metres.
+const TRANSLATION: f64 = 2e-4;
+/// Turn of the tool that a list allows for: largest Frobenius norm of a difference of rotation matrices.
+const TURN: f64 = 8.5e-3;
+
+/// A list and what it holds for.
+#[derive(Debug)]
+pub(crate) struct SoftNeighbours {
+    /// Place in `spheres` and tool's node, in the order of both.
+    pairs: Vec<(u32, u32)>,
+    /// Nodes of the object in the list, ascending.
+    spheres: Vec<u32>,
+    /// Where they are, as of the present query.
+    centres: Vec<Vec3>,
+    found: ContactList,
+    rotation: Mat3,
+    working_point: Vec3,
+    /// Shape of the tissue when the list was made, and whether that was its rest.
+    shape: Vec<f64>,
+    at_rest: bool,
+    /// Level of the tool; none before the first list.
+    level: Option<u8>,
+    /// Translation plus prediction distance that it holds for, metres.
+    reach: f64,
+    /// Turn that it holds for, what the distance itself has of it included.
+    turn: f64,
+    /// Whether all pairs found room.
+    usable: bool,
+}
+
+impl SoftNeighbours {
+    pub fn new(shape_len: usize) -> Self {
+        Self {
+            pairs: Vec::with_capacity(CAPACITY),
+            spheres: Vec::with_capacity(CAPACITY),
+            centres: vec![Vec3::zeros(); CAPACITY],
+            found: ContactList::with_capacity(CAPACITY),
+            rotation: Mat3::identity(),
+            working_point: Vec3::zeros(),
+            shape: vec![0.0; shape_len],
+            at_rest: false,
+            level: None,
+            reach: 0.0,
+            turn: 0.0,
+            usable: false,
+        }
+    }
+
+    /// Whether the list is whole; where it is not, only a traversal can tell.
+    pub fn usable(&self) -> bool {
+        self.usable
+    }
+
+    /// Whether no pair outside the list can be closer than `d` at this pose and shape; no shape is the rest.
+    pub fn covers(
+        &self,
+        predictor: &Predictor,
+        level: u8,
+        (model, shape): (&dyn Tissue, Option<&[f64]>),
+        d: Distance,
+    ) -> bool {
+        let posed = &predictor.posed;
+        let turned = posed.rotation - self.rotation;
+        let spare = self.turn - d.turn;
+        let moved = norm(&(posed.working_point - self.working_point)) + d.base;
+        if self.level != Some(level)
+            || moved > self.reach
+            || turned.norm_squared() > spare * spare
+            || spare < 0.0
+        {
+            return false;
+        }
+        match shape {
+            None if self.at_rest => true,
+            None => false,
+            Some(shape) => moved + model.motion(&self.shape, shape) <= self.reach,
+        }
+    }
+
+    /// Makes the list for this pose and shape; `object` is its index, its nodes brought to the shape, its
+    /// level.
+    pub fn list(
+        &mut self,
+        predictor: &mut Predictor,
+        tool: &PosedTool<'_>,
+        object: (u16, &[Node], u8),
+        shape: Option<&[f64]>,
+        d: Distance,
+    ) {
+        let posed = &predictor.posed;
+        (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
+        self.level = Some(tool.level);
+        self.at_rest = shape.is_none();
+        match shape {
+            Some(shape) => self.shape.copy_from_slice(shape),
+            None => self.shape.fill(0.0),
+        }
+        (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
+        let within = Distance {
+            base: self.reach,
+            turn: self.turn,
+        };
+        self.pairs.clear();
+        self.spheres.clear();
+        self.found.begin(CAPACITY, Overflow::Stop);
+        self.usable = predictor
+            .traversed(tool, object, within, &mut self.found)
+            .is_ok();
+        if !self.usable {
+            return;
+        }
+        self.found.sort();
+        for contact in self.found.as_slice() {
+            if self.spheres.last() != Some(&contact.object_sphere) {
+                self.spheres.push(contact.object_sphere);
+            }
+            self.pairs
+                .push((self.spheres.len() as u32 - 1, contact.tool_sphere));
+        }
+    }
+
+    /// Appends the contacts under `d`, in order; `nodes` are the object's, for their radii.
+    pub fn query(
+        &mut self,
+        predictor: &mut Predictor,
+        tool: &PosedTool<'_>,
+        (object, nodes): (u16, &[Node]),
+        (model, shape): (&dyn Tissue, &[f64]),
+        d: Distance,
+        out: &mut ContactList,
+    ) -> Result<(), ContactsFull> {
+        let centres = &mut self.centres[..self.spheres.len()];
+        model.centres(shape, &self.spheres, centres);
+        let (posed, levers) = predictor.posed_for(tool.slot);
+        for &(place, t) in &self.pairs {
+            let o = self.spheres[place as usize];
+            let mut sphere = nodes[o as usize].sphere();
+            sphere.centre = centres[place as usize];
+            let at = Posed::centre_of(posed, tool, t);
+            let d = d.at(levers[t as usize].own);
+            if let Some(contact) = posed.contact(tool, (object, o, &sphere), (t, &at), d) {
+                out.push(contact)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Predictor {
+    /// Traverses both trees from their roots, whatever is kept.
+    fn traversed(
+        &mut self,
+        tool: &PosedTool<'_>,
+        object: (u16, &[Node], u8),
+        d: Distance,
+        out: &mut ContactList,
+    ) -> Result<(), ContactsFull> {
+        self.work.lists += 1;
+        let counted = (&mut self.stack, &mut self.work.tested);
+        let within = (d, self.levers[usize::from(tool.slot)].as_slice());
+        traverse(tool, &mut self.posed, object, within, counted, out)
+    }
+}
