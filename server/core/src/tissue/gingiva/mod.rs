@@ -61,7 +61,7 @@ pub struct Place {
     pub away: Vec3,
     /// Height of the centre over the floor of the pocket at its angle, along the tooth's axis, metres; negative below.
     pub height: f64,
-    /// Whether it is the floor of the pocket that this sphere stands for.
+    /// Whether this sphere stands for the floor of the pocket, or for what lies under it.
     pub floor: bool,
 }
 
