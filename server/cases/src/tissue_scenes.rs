@@ -81,7 +81,12 @@ pub fn stiff(mut scene: Scene) -> Scene {
 
 /// Multiplies all stiffness of a tissue.
 fn stiffen(tissue: &mut TissueModel, by: f64) {
-    let _ = (tissue, by);
+    if let TissueModel::Skeleton(model) = tissue {
+        let levels = std::iter::once(&mut model.coarse).chain(&mut model.fine);
+        for spring in levels.flat_map(|level| &mut level.springs) {
+            spring.stiffness = spring.stiffness.map(|k| k * by);
+        }
+    }
 }
 
 /// A rigid bar of 1 mm radius along x through `centre`.

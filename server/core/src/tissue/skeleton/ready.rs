@@ -256,7 +256,10 @@ impl Tissue for Ready {
         }
         // What is out of force is zero in a configuration, and so at rest.
         let under = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() < bound);
-        if loads.is_empty() && under(&shape[..self.start.len()], REST_M) && under(&self.velocity, REST_M_PER_S) {
+        if loads.is_empty()
+            && under(&shape[..self.start.len()], REST_M)
+            && under(&self.velocity, REST_M_PER_S)
+        {
             state.fill(0.0);
         } else {
             let (of_coarse, of_fine) = state.split_at_mut(state_cut);
