@@ -55,32 +55,34 @@ impl Way {
         let outward = frame.mesial * cosine + frame.buccal * sine;
         let tangent = frame.buccal * cosine - frame.mesial * sine;
         let at = |radius: f64, height: f64| frame.origin + outward * radius + frame.axis * height;
-        // The tip's centre is its radius above the very tip.
-        let (mut low, mut high) = (1e-3, 1e-2);
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if clear(&at(middle, height + ROOM)) < ROOM {
-                low = middle;
-            } else {
-                high = middle;
+        // Where the tip's centre is, its radius above the floor, `spare` from touching the tooth.
+        let start = |spare: f64| {
+            let (mut low, mut high) = (1e-3, 1e-2);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if clear(&at(middle, height + ROOM)) < ROOM + spare {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
             }
-        }
-        let centre = at(high, height + ROOM);
-        // Lean out until the whole working end passes.
-        let leaning = |degrees: i32| {
+            at(high, height + ROOM)
+        };
+        let leaning = |degrees: u32| {
             let lean = f64::from(degrees).to_radians();
             frame.axis * libm::cos(lean) + outward * libm::sin(lean)
         };
-        let passes = |up: &Vec3| {
+        let passes = |centre: &Vec3, up: &Vec3| {
             (1..=56).all(|k| {
                 let s = LENGTH * f64::from(k) / 56.0;
                 clear(&(centre + up * s)) >= ROOM + TAPER * s
             })
         };
-        let up = (0..60)
-            .map(leaning)
-            .find(passes)
-            .unwrap_or_else(|| leaning(30));
+        // As upright as the tooth's bulge allows, and then as near to the tooth.
+        let starts = [0.0, 5e-5, 1e-4, 1.5e-4].map(start);
+        let ways = (0..60).flat_map(|degrees| starts.map(|centre| (centre, leaning(degrees))));
+        let mut ways = ways.filter(|(centre, up)| passes(centre, up));
+        let (centre, up) = ways.next().unwrap_or((starts[0], leaning(30)));
         Self {
             floor: centre - up * ROOM,
             up,

@@ -153,7 +153,9 @@ fn both_levels_of_detail_feel_alike() {
         fine.free()
     );
     assert!((a / b - 1.0).abs() < 1e-6, "calibrated: {a} {b}");
-    for deep in [0.0035, 0.007, 0.013] {
+    // Felt through the tick: at the depth that the levels are matched at, and on both sides of it.
+    let mut ratios = Vec::new();
+    for deep in [0.0035, 0.0073, 0.013] {
         let felt = [0, 1].map(|detail| {
             let mut run = Run::new(tongue());
             run.detail = detail;
@@ -162,9 +164,10 @@ fn both_levels_of_detail_feel_alike() {
         });
         let stiffness = felt.map(|(force, depth)| force / depth);
         println!("hand {:.1} mm in: {felt:?}, {stiffness:?} N/m", deep * 1e3);
-        let ratio = stiffness[1] / stiffness[0];
-        assert!((0.85..1.18).contains(&ratio), "{ratio} at {deep}");
+        ratios.push(stiffness[1] / stiffness[0]);
     }
+    println!("fine over coarse: {ratios:?}");
+    assert!((0.95..1.05).contains(&ratios[1]), "{ratios:?}");
 }
 
 #[test]
@@ -287,37 +290,4 @@ fn a_run_from_its_middle_is_the_same_run() {
     let mut resumed = Run::new(scene);
     resumed.state = State::from_bytes(scene, &bytes).expect("a state");
     assert_eq!(play(&mut resumed, 731, 1300), second);
-}
-
-#[test]
-fn tongue_cases() {
-    for name in [
-        "tongue-10-k0.5",
-        "tongue-10-k2",
-        "tongue-10-k5",
-        "tongue-15-k0.5",
-        "tongue-15-k2",
-        "tongue-15-k5",
-        "tongue-teleport",
-        "tongue-stiff",
-    ] {
-        let report = sulcus_cases::run(sulcus_cases::find(name).expect("case"), |_| {});
-        let m = &report.measures;
-        println!(
-            "{name}: buzz {:.5} res {:.2e} exh {} flips {} rebound {:.4} unrest {:.2e} jump {:.2e} fstep {:.4} ind {:.2e} raw {:.2} energy {:.2e} work {:.2e} broken {:?}",
-            m.buzz,
-            m.residual,
-            m.exhausted,
-            m.flips,
-            m.rebound,
-            m.unrest,
-            m.jump,
-            m.force_step,
-            m.indentation,
-            m.max_raw_force,
-            m.energy,
-            m.work_in,
-            report.broken
-        );
-    }
 }

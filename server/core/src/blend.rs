@@ -134,6 +134,7 @@ pub(crate) struct Line {
 
 impl Line {
     /// The row of a hard contact.
+    #[inline]
     pub fn hard(index: usize, contact: &Contact) -> Self {
         Self {
             contact: index as u32,

@@ -74,6 +74,7 @@ pub(crate) fn true_gaps(
 }
 
 /// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
+#[inline]
 fn true_gap(
     scene: &Scene,
     state: &State,

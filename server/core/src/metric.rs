@@ -105,6 +105,7 @@ impl Metric {
     }
 
     /// A row in those coordinates: derivative of a gap by translation and by rotation.
+    #[inline]
     pub fn scaled_row(&self, translation: &Vec3, rotation: &Vec3) -> [f64; 6] {
         match &self.bent {
             None => {

@@ -4,6 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use sulcus_core::tissue::TissueModel;
+use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
 use sulcus_core::tissue::skeleton::{
     Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw,
 };
@@ -136,6 +137,68 @@ fn five_thousand_ticks_in_contact_allocate_nothing() {
         touched > 1000,
         "the test must be in contact, it was in {touched} ticks"
     );
+    assert_eq!(after - before, 0, "calls of the allocator");
+}
+
+/// The plate as a gingiva whose tooth stands along z beside it; its near half is the floor of the pocket.
+fn soft(mut plate: Object) -> Object {
+    let axis = Vec3::z();
+    let place = |node: &Node| Place {
+        away: Vec3::x(),
+        height: node.centre.x,
+        floor: node.centre.x < 0.0,
+    };
+    plate.tissue = TissueModel::Gingiva(Box::new(Gingiva {
+        params: GingivaParams::default(),
+        tooth: ToothFrame {
+            origin: Vec3::zeros(),
+            axis,
+            mesial: Vec3::x(),
+            buccal: Vec3::y(),
+        },
+        margin: vec![1e-3; 16],
+        places: plate.tree.nodes().iter().map(place).collect(),
+        level: 7,
+    }));
+    plate
+}
+
+#[test]
+fn two_tools_in_gingiva_beside_a_tooth_allocate_nothing() {
+    let scene = Scene {
+        name: "pocket".into(),
+        source_hash: String::new(),
+        params: Params::default(),
+        tools: vec![rod(0.0), rod(0.002)],
+        objects: vec![soft(bumpy_plate()), bumpy_plate()],
+    };
+    scene.validate().expect("valid");
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let (mut touched, mut read) = (0, 0);
+    let before = COUNT.with(Cell::get);
+    for k in 0..3000 {
+        let mut input = TickInput::IDLE;
+        for (t, slot) in input.tools.iter_mut().enumerate() {
+            let phase = f64::from(k) * 2e-3 + t as f64;
+            let tip = Vec3::new(
+                2e-3 * libm::sin(3.0 * phase),
+                2e-3 * libm::cos(phase),
+                -2e-3 * libm::sin(phase),
+            );
+            let pose = Pose::new(tip + Vec3::new(0.0, 0.0, 0.09025), Quat::identity());
+            *slot = ToolInput {
+                pose: RawPose::from(&pose),
+                present: k % 1000 > 20,
+                ..ToolInput::ABSENT
+            };
+        }
+        let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+        touched += u32::from(out.tools[0].active > 0);
+        read += u32::from(out.tools[0].pocket.is_some());
+    }
+    let after = COUNT.with(Cell::get);
+    assert!(touched > 500, "in contact in {touched} ticks");
+    assert!(read > 100, "read a depth in {read} ticks");
     assert_eq!(after - before, 0, "calls of the allocator");
 }
 

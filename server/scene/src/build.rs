@@ -14,24 +14,23 @@ use crate::cluster::{Feature, split};
 use crate::distance::MeshDistance;
 use crate::fit::fit;
 use crate::level::{Effort, Level, finish_level, fit_level};
-use crate::medial::inscribed_centre;
 use crate::mesh::TriMesh;
 use crate::nearest_sphere::NearestSphere;
-use crate::polish::{Surface, assign, shares};
+use crate::polish::{assign, shares};
 use crate::random::Random;
 use crate::sample::Sample;
-use crate::{parallel, sample, volume};
+use crate::samples::{Samples, weighted_samples};
+use crate::tighten::tighten;
+use crate::{parallel, volume};
 
 /// Changes whenever the same input gives another tree; part of the cache key.
-pub const BUILDER_VERSION: u32 = 6;
+pub const BUILDER_VERSION: u32 = 7;
 
 /// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
 /// cut along their axis by the centres, discs and bulky things by both.
 const ALPHAS: [f64; 4] = [0.4, 0.02, 0.2, 0.7];
 /// Times that samples then move to the ball that they fit best.
 const ROUNDS: usize = 3;
-/// Importance of a sample on a sharp edge: edges have no area, but they are what a tool catches on.
-const EDGE_IMPORTANCE: f64 = 2.0;
 /// Samples for each sphere that a level may have, level by level.
 const SAMPLES_PER_SPHERE: [usize; 7] = [500, 500, 200, 100, 30, 12, 10];
 /// How much denser the errors between the samples are looked for than samples lie.
@@ -172,93 +171,6 @@ pub fn build_weighted(
     Ok(tree)
 }
 
-/// What a level is fitted to.
-struct Samples {
-    samples: Vec<Sample>,
-    weights: Vec<f64>,
-    /// Inscribed-ball centre of each.
-    inscribed: Vec<Vec3>,
-    /// Smallest radius of a sphere, metres.
-    smallest: f64,
-}
-
-impl Samples {
-    fn of(
-        distance: &MeshDistance,
-        count: usize,
-        importance: &(dyn Fn(&Vec3) -> f64 + Sync),
-    ) -> Self {
-        let (samples, weights) = weighted_samples(distance, count, importance);
-        Self::with(distance, samples, weights)
-    }
-
-    fn with(distance: &MeshDistance, samples: Vec<Sample>, weights: Vec<f64>) -> Self {
-        let (low, high) = distance.mesh().bounds();
-        let size = (high - low).norm();
-        let inscribed = parallel::map(samples.len(), |s| {
-            inscribed_centre(distance, &samples[s], 0.5 * size)
-        });
-        Self {
-            samples,
-            weights,
-            inscribed,
-            smallest: 1e-6 * size,
-        }
-    }
-
-    fn append(&mut self, more: Samples) {
-        self.samples.extend(more.samples);
-        self.weights.extend(more.weights);
-        self.inscribed.extend(more.inscribed);
-    }
-
-    fn surface<'a>(&'a self, distance: &'a MeshDistance) -> Surface<'a> {
-        Surface {
-            distance,
-            samples: &self.samples,
-            importance: &self.weights,
-            smallest: self.smallest,
-        }
-    }
-}
-
-/// Candidates for each sample that is kept, where importance differs.
-const CANDIDATES: usize = 8;
-
-/// Samples of the surface and its sharp edges with their weights. Where importance is higher, samples are
-/// both denser and heavier, by its square root each: a sphere needs samples enough to be fitted to.
-fn weighted_samples(
-    distance: &MeshDistance,
-    count: usize,
-    importance: &(dyn Fn(&Vec3) -> f64 + Sync),
-) -> (Vec<Sample>, Vec<f64>) {
-    let rooted = |samples: &[Sample]| -> Vec<f64> {
-        parallel::map(samples.len(), |s| importance(&samples[s].point).sqrt())
-    };
-    let mut samples = sample::surface(distance, count, 0.0);
-    let mut roots = rooted(&samples);
-    if roots.iter().any(|&root| root != roots[0]) {
-        let candidates = sample::surface(distance, CANDIDATES * count, 0.0);
-        let chances = rooted(&candidates);
-        let share = chances.iter().sum::<f64>() / count as f64;
-        (samples, roots) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut due = 0.0;
-        for (candidate, chance) in candidates.into_iter().zip(chances) {
-            due += chance / share;
-            if due >= 1.0 {
-                due -= 1.0;
-                samples.push(candidate);
-                roots.push(chance);
-            }
-        }
-    }
-    let spacing = (distance.mesh().area() / count as f64).sqrt();
-    let edges = sample::sharp_edges(distance, spacing, count);
-    roots.extend(rooted(&edges).iter().map(|root| root * EDGE_IMPORTANCE));
-    samples.extend(edges);
-    (samples, roots)
-}
-
 struct Builder<'a> {
     distance: &'a MeshDistance,
     importance: &'a (dyn Fn(&Vec3) -> f64 + Sync),
@@ -352,6 +264,14 @@ impl Builder<'_> {
             let surface = samples.surface(self.distance);
             owned = finish_level(&surface, &samples.inscribed, &mut fitted, &effort, seed);
         }
+        tighten(
+            self.distance,
+            self.importance,
+            &mut samples,
+            &mut fitted,
+            &effort,
+            seed,
+        );
         let mut children: Vec<(u32, Share)> = fitted
             .families
             .iter()

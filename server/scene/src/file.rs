@@ -83,6 +83,8 @@ pub struct GingivaEntry {
     pub floor_taper_mm: Option<f64>,
     /// Force at which the prescribed depths are read, N.
     pub reading_force_n: Option<f64>,
+    /// Diameter of the tip with which they are read, mm.
+    pub reading_tip_mm: Option<f64>,
     /// How inflamed it is, 0 to 1.
     pub inflammation: Option<f64>,
     /// Share of the stiffness that full inflammation takes away.

@@ -27,10 +27,14 @@ pub(crate) struct Effort {
     pub rounds: usize,
     /// Rounds of polishing at the end.
     pub last_rounds: usize,
-    /// Most tries at the single largest error after that.
+    /// Most tries at the largest error after that.
     pub plugs: usize,
+    /// Failed ones after which the tries end; after a failure the next largest error is tried.
+    pub failures: usize,
     /// Times that the places where the error is largest between the samples are made samples.
     pub exchanges: usize,
+    /// Times that the largest error of the more important places is brought down after all that.
+    pub tightenings: usize,
     /// Points on a sphere that are looked at for its exposed part.
     pub ball_points: usize,
 }
@@ -49,7 +53,9 @@ impl Effort {
             rounds,
             last_rounds,
             plugs: if level == 3 { 4 } else { 0 },
+            failures: 1,
             exchanges: if level == 3 { 3 } else { 0 },
+            tightenings: if level == 3 { 10 } else { 0 },
             ball_points: if level > 3 { 48 } else { 96 },
         }
     }
@@ -148,15 +154,27 @@ pub(crate) fn finish_level(
     effort: &Effort,
     seed: u64,
 ) -> Owned {
-    let movable = level.families.len();
-    let options = |rounds| PolishOptions {
-        rounds,
-        ball_points: effort.ball_points,
-    };
     let owned = assign(surface, &level.spheres, None);
     let norm = Norm {
         knee: LAST_KNEE * rms_of(surface, &owned),
         power: LAST_POWER,
+    };
+    lower(surface, inscribed, level, effort, norm, seed)
+}
+
+/// Polishes and plugs by a given norm.
+pub(crate) fn lower(
+    surface: &Surface<'_>,
+    inscribed: &[Vec3],
+    level: &mut Level,
+    effort: &Effort,
+    norm: Norm,
+    seed: u64,
+) -> Owned {
+    let movable = level.families.len();
+    let options = |rounds| PolishOptions {
+        rounds,
+        ball_points: effort.ball_points,
     };
     let (mut cost, mut owned) = polish(
         surface,
@@ -175,9 +193,9 @@ pub(crate) fn finish_level(
             barred: &barred,
             seed: seed ^ (plugging as u64 + 1) << 32,
         };
-        if !plug(surface, inscribed, &mut tried, &owned, &wish) {
+        let Some(plugged) = plug(surface, inscribed, &mut tried, &owned, &wish) else {
             break;
-        }
+        };
         let (tried_cost, tried_owned) = polish(
             surface,
             &mut tried.spheres,
@@ -188,11 +206,11 @@ pub(crate) fn finish_level(
         if tried_cost < cost {
             (*level, cost, owned) = (tried, tried_cost, tried_owned);
             barred.clear();
-        } else if let Some(&(_, worst)) = owned
-            .iter()
-            .max_by(|a, b| norm.of(a.0).total_cmp(&norm.of(b.0)))
-        {
-            barred.push(worst);
+        } else {
+            barred.push(plugged);
+            if barred.len() >= effort.failures {
+                break;
+            }
         }
     }
     owned

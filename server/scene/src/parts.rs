@@ -331,6 +331,7 @@ pub(crate) fn gingiva_params(entry: &ObjectEntry) -> GingivaParams {
     );
     set(&mut params.floor_taper, given.floor_taper_mm, mm);
     set(&mut params.reading_force, given.reading_force_n, 1.0);
+    set(&mut params.reading_tip, given.reading_tip_mm, mm);
     set(&mut params.inflammation, given.inflammation, 1.0);
     set(&mut params.softening, given.softening, 1.0);
     set(&mut params.too_heavy, given.too_heavy_n, 1.0);

@@ -20,6 +20,8 @@ pub(crate) struct Surface<'a> {
     pub samples: &'a [Sample],
     /// Importance of each sample, 1 where nothing was asked for.
     pub importance: &'a [f64],
+    /// How much sooner than elsewhere the high power rules the error of each sample: a knee is divided by it.
+    pub strictness: &'a [f64],
     /// Smallest radius, metres.
     pub smallest: f64,
 }
@@ -38,9 +40,25 @@ impl Norm {
         error * error * (1.0 + (error / self.knee).powi(self.power - 2))
     }
 
+    /// The norm for errors whose knee is so many times lower.
+    fn stricter(self, strictness: f64) -> Self {
+        Self {
+            knee: self.knee / strictness,
+            ..self
+        }
+    }
+
     /// Weight of a residual such that weighted squares have the norm's gradient.
     fn weight(self, error: f64) -> f64 {
         1.0 + 0.5 * f64::from(self.power) * (error / self.knee).powi(self.power - 2)
+    }
+}
+
+impl Surface<'_> {
+    /// What an error at a sample costs.
+    pub fn cost(&self, norm: Norm, sample: u32, error: f64) -> f64 {
+        let s = sample as usize;
+        self.importance[s] * norm.stricter(self.strictness[s]).of(error)
     }
 }
 
@@ -121,8 +139,8 @@ pub(crate) fn rms_of(surface: &Surface<'_>, owned: &[(f64, u32)]) -> f64 {
 fn cost(surface: &Surface<'_>, owned: &Owned, exposed: &[Vec<Exposed>], norm: Norm) -> f64 {
     let own: f64 = owned
         .iter()
-        .zip(surface.importance)
-        .map(|((gap, _), w)| w * norm.of(*gap))
+        .zip(0..)
+        .map(|((gap, _), s)| surface.cost(norm, s, *gap))
         .sum();
     let out: f64 = exposed
         .iter()
@@ -190,7 +208,7 @@ fn step(
         return *sphere;
     }
     let (mut hessian, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
-    let mut add = |row: Vector4<f64>, error: f64, w: f64| {
+    let mut add = |row: Vector4<f64>, error: f64, w: f64, norm: Norm| {
         let w = w * norm.weight(error);
         hessian += row * row.transpose() * w;
         gradient += row * (w * error);
@@ -206,11 +224,17 @@ fn step(
             Vector4::new(-u.x, -u.y, -u.z, -1.0),
             apart - sphere.radius,
             surface.importance[s as usize],
+            norm.stricter(surface.strictness[s as usize]),
         );
     }
     for e in exposed {
         let g = e.gradient;
-        add(Vector4::new(g.x, g.y, g.z, g.dot(&e.out)), e.off, e.weight);
+        add(
+            Vector4::new(g.x, g.y, g.z, g.dot(&e.out)),
+            e.off,
+            e.weight,
+            norm,
+        );
     }
     let damping = 1e-3 * hessian.trace();
     hessian += Matrix4::identity() * damping;
@@ -227,7 +251,7 @@ fn step(
             .iter()
             .map(|&s| {
                 let apart = (surface.samples[s as usize].point - candidate.centre).norm();
-                surface.importance[s as usize] * norm.of(apart - candidate.radius)
+                surface.cost(norm, s, apart - candidate.radius)
             })
             .sum();
         let (dc, dr) = (

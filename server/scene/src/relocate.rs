@@ -53,15 +53,14 @@ pub(crate) fn relocate(
     let spheres = &mut level.spheres;
     let mine = shares(owned, spheres.len());
     let index = NearestSphere::new(&*spheres);
-    let importance = |s: u32| surface.importance[s as usize];
     // What each sphere costs now, and what would be added without it.
     let costs: Vec<(f64, f64)> = parallel::map(movable, |k| {
         let (mut cost, mut loss) = (0.0, 0.0);
         for &s in &mine[k] {
-            let now = norm.of(owned[s as usize].0);
+            let now = surface.cost(norm, s, owned[s as usize].0);
             let point = &surface.samples[s as usize].point;
-            cost += importance(s) * now;
-            loss += importance(s) * (norm.of(index.nearest_but(point, k as u32)) - now);
+            cost += now;
+            loss += surface.cost(norm, s, index.nearest_but(point, k as u32)) - now;
         }
         (cost, loss)
     });
@@ -131,15 +130,16 @@ pub(crate) fn plug(
     level: &mut Level,
     owned: &[(f64, u32)],
     wish: &Move<'_>,
-) -> bool {
+) -> Option<u32> {
     let movable = level.families.len();
-    let felt = |s: usize| surface.importance[s] * wish.norm.of(owned[s].0);
-    let Some(worst) = (0..owned.len()).max_by(|&a, &b| felt(a).total_cmp(&felt(b))) else {
-        return false;
-    };
+    let felt = |s: usize| surface.cost(wish.norm, s as u32, owned[s].0);
+    let open = |s: &usize| !wish.barred.contains(&owned[*s].1);
+    let worst = (0..owned.len())
+        .filter(open)
+        .max_by(|&a, &b| felt(a).total_cmp(&felt(b)))?;
     let (error, owner) = owned[worst];
-    if owner as usize >= movable || wish.barred.contains(&owner) {
-        return false;
+    if owner as usize >= movable {
+        return None;
     }
     // What is as badly fitted near by.
     let mine = shares(owned, level.spheres.len());
@@ -158,16 +158,13 @@ pub(crate) fn plug(
     let losses = parallel::map(movable, |k| {
         mine[k].iter().fold(0.0, |loss, &s| {
             let point = &surface.samples[s as usize].point;
-            let without = wish.norm.of(index.nearest_but(point, k as u32));
-            loss + surface.importance[s as usize] * without
+            loss + surface.cost(wish.norm, s, index.nearest_but(point, k as u32))
         })
     });
     let victim = (0..movable)
         .filter(|&k| k != owner as usize)
         .min_by(|&a, &b| losses[a].total_cmp(&losses[b]).then(a.cmp(&b)));
-    let (Some(victim), true) = (victim, hole.len() >= 4) else {
-        return false;
-    };
+    let victim = victim.filter(|_| hole.len() >= 4)?;
     let (_, sphere) = fit(
         surface.distance,
         surface.samples,
@@ -182,10 +179,10 @@ pub(crate) fn plug(
         .collect();
     let mut families = Families::new(&mut level.families, level.parents, &places);
     if !families.join(victim, owner as usize, &places) {
-        return false;
+        return None;
     }
     level.spheres[victim] = sphere;
-    true
+    Some(owner)
 }
 
 fn centroid(surface: &Surface<'_>, members: &[u32]) -> Option<Vec3> {

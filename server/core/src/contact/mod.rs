@@ -6,10 +6,11 @@
 //! region keeps that promise, which makes this a continuous collision detection.
 //!
 //! The plain way is to traverse both trees anew in every pass (`dual`). What was near is kept while the tool
-//! stays near: for what is rigid the families of spheres (`neighbours`), in a layout for it (`packs`), for what
-//! yields the pairs of spheres (`soft`). Which of the ways answered never shows in the answer.
+//! stays near: for what is rigid the families of spheres (`neighbours`), found by `front` in a layout for it
+//! (`packs`), for what yields the pairs of spheres (`soft`). Which of the ways answered never shows in the answer.
 
 mod dual;
+mod front;
 mod neighbours;
 mod packs;
 mod predictor;
@@ -104,7 +105,7 @@ impl ContactList {
         self.contacts.sort_unstable_by_key(Contact::key);
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, contact: Contact) -> Result<(), ContactsFull> {
         // One more than this and the list is full, which is rare.
         if self.contacts.len() + 1 < self.limit {

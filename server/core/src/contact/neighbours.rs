@@ -6,23 +6,21 @@
 //! not one distance but a translation and a turn: a sphere with the lever `l` from the working point may move
 //! `translation + turn l`, so spheres near the tip need not wait for what the far end of the shaft does.
 
-use super::dual::reach_of;
-use super::packs::Packs;
+use super::front::Search;
+use super::packs::{Felt, Packs};
 use super::predictor::{Lever, Posed, PosedTool};
 use super::{ContactList, ContactsFull, Distance};
 use crate::math::{Mat3, Vec3, fmax, norm};
 use crate::tree::Node;
 
 /// Most pairs in a list.
-const CAPACITY: usize = 4096;
+pub(super) const CAPACITY: usize = 4096;
 /// Translation that a list allows for, metres. Larger: fewer, longer lists. Measured with a probe round a
-/// molar: twice or half as much of this and of the turn costs a tick at any level 0 to 15 % more.
+/// molar: with twice as much of this and of the turn the mean tick at level 5 takes a tenth longer, at level 3 a fifth
+/// less, and the median at level 5 a fifth longer.
 const TRANSLATION: f64 = 5e-5;
 /// Turn that a list allows for: largest Frobenius norm of a difference of rotation matrices.
 const TURN: f64 = 8.5e-3;
-/// How much looser an object's family must fit than the tool's node to be opened first: what the tool is opened
-/// to early is tested against fewer families later. Measured: 1 and 10 cost more.
-const TOOL_FIRST: f64 = 3.0;
 /// Most tool spheres that one family is tested against before its contacts are written; where more
 /// are near, the contacts need sorting.
 const RUN: usize = 32;
@@ -46,6 +44,8 @@ pub(super) struct Neighbours {
     reach: f64,
     /// Turn that it holds for, what the distance itself has of it included.
     turn: f64,
+    /// Most pairs that it has room for.
+    most: usize,
     /// Whether all pairs found room.
     usable: bool,
 }
@@ -54,32 +54,19 @@ pub(super) struct Neighbours {
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     at: Vec3,
-    reach: f64,
+    felt: Felt,
     d: f64,
 }
 
-/// Scratch of the making of a list.
-#[derive(Debug)]
-pub(super) struct Scratch {
-    keys: Vec<u64>,
-    places: Vec<u32>,
-}
-
-impl Scratch {
-    pub fn new(tool_nodes: usize) -> Self {
-        Self {
-            keys: Vec::with_capacity(CAPACITY),
-            places: vec![0; tool_nodes],
-        }
-    }
-}
-
 impl Neighbours {
-    pub fn new() -> Self {
+    /// Room for the neighbours of a tool of so many `spheres` on an object of so many `families`.
+    pub fn new(spheres: usize, families: usize) -> Self {
+        let pairs = CAPACITY.min(spheres.saturating_mul(families));
         Self {
-            pairs: Vec::with_capacity(CAPACITY),
-            spheres: Vec::with_capacity(CAPACITY),
-            placed: Vec::with_capacity(CAPACITY),
+            pairs: Vec::with_capacity(pairs),
+            spheres: Vec::with_capacity(spheres.min(pairs)),
+            placed: Vec::with_capacity(spheres.min(pairs)),
+            most: pairs,
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
             levels: None,
@@ -119,32 +106,22 @@ impl Neighbours {
         (packs, level): (&Packs, u8),
         levers: &[Lever],
         d: Distance,
-        (stack, scratch): (&mut Vec<(u32, u32)>, &mut Scratch),
+        (search, places): (&mut Search, &mut [u32]),
     ) -> u64 {
         (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
         self.levels = Some((tool.level, level));
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
-        let mut tested = 0;
-        self.usable = self.collect(
-            tool,
-            posed,
-            (packs, level),
-            levers,
-            (stack, scratch),
-            &mut tested,
-        );
+        let slack = |lever| slack(self.reach, self.turn, lever);
+        let (usable, tested) = search.run(tool, posed, (packs, level), levers, slack, self.most);
+        self.usable = usable;
         self.pairs.clear();
         self.spheres.clear();
-        if !self.usable {
-            return tested;
+        for key in search.keys() {
+            places[*key as u32 as usize] = u32::MAX;
         }
-        scratch.keys.sort_unstable();
-        for key in &scratch.keys {
-            scratch.places[*key as u32 as usize] = u32::MAX;
-        }
-        for key in &scratch.keys {
+        for key in search.keys() {
             let t = *key as u32;
-            let place = &mut scratch.places[t as usize];
+            let place = &mut places[t as usize];
             if *place == u32::MAX {
                 *place = self.spheres.len() as u32;
                 self.spheres.push(t);
@@ -152,68 +129,6 @@ impl Neighbours {
             self.pairs.push(((key >> 32) as u32, *place));
         }
         tested
-    }
-
-    /// Collects `family << 32 | tool sphere`; false when there is no room.
-    fn collect(
-        &self,
-        tool: &PosedTool<'_>,
-        posed: &mut Posed,
-        (packs, level): (&Packs, u8),
-        levers: &[Lever],
-        (stack, scratch): (&mut Vec<(u32, u32)>, &mut Scratch),
-        tested: &mut u64,
-    ) -> bool {
-        scratch.keys.clear();
-        stack.clear();
-        stack.push((0, 0));
-        while let Some((t, p)) = stack.pop() {
-            let node = &tool.nodes[t as usize];
-            let family = &packs.families[p as usize];
-            let is_shape = node.is_shape_at(tool.level);
-            let from = posed.centre_of(tool, t) - family.origin;
-            let reach = reach_of(node, is_shape) + self.slack(levers[t as usize].of(is_shape));
-            let shapes = family.shapes_at(level);
-            let below = family.members & !shapes;
-            let (mut near_shapes, mut near_below) = (0, 0);
-            if shapes != 0 {
-                *tested += 8;
-                near_shapes = shapes & packs.shapes[p as usize].within(&from, reach);
-            }
-            if below != 0 {
-                *tested += 8;
-                near_below = below & packs.bounds[p as usize].within(&from, reach);
-            }
-            if !is_shape
-                && (near_shapes != 0
-                    || (near_below != 0
-                        && TOOL_FIRST * (node.bound_radius - node.contact_radius)
-                            > packs.loose[p as usize]))
-            {
-                for child in node.first_child..node.first_child + u32::from(node.children) {
-                    stack.push((child, p));
-                }
-                continue;
-            }
-            if near_shapes != 0 {
-                if scratch.keys.len() == CAPACITY {
-                    return false;
-                }
-                scratch.keys.push(u64::from(p) << 32 | u64::from(t));
-            }
-            while near_below != 0 {
-                let lane = near_below.trailing_zeros();
-                near_below &= near_below - 1;
-                stack.push((t, family.pack_of(lane)));
-            }
-        }
-        true
-    }
-
-    /// How much farther than its radius a tool's sphere must be felt for.
-    #[inline]
-    fn slack(&self, lever: f64) -> f64 {
-        fmax(0.0, self.reach) + self.turn * lever + ROUNDING
     }
 
     /// Appends the contacts under `d`, in order.
@@ -228,9 +143,11 @@ impl Neighbours {
         self.placed.clear();
         for &t in &self.spheres {
             let d = d.at(levers[t as usize].own);
+            let at = posed.centre_of(tool, t);
+            let reach = tool.nodes[t as usize].contact_radius + d;
             self.placed.push(Placed {
-                at: posed.centre_of(tool, t),
-                reach: tool.nodes[t as usize].contact_radius + d,
+                at,
+                felt: Felt::new(&(at - packs.origin), reach),
                 d,
             });
         }
@@ -246,7 +163,7 @@ impl Neighbours {
             let (mut masks, mut any) = ([0; RUN], 0);
             for (mask, &(_, place)) in masks.iter_mut().zip(now) {
                 let placed = &self.placed[place as usize];
-                *mask = shapes & balls.within(&(placed.at - family.origin), placed.reach);
+                *mask = shapes & balls.within(placed.felt);
                 any |= *mask;
             }
             // Sphere by sphere of the object, so that the contacts come sorted.
@@ -269,4 +186,10 @@ impl Neighbours {
         }
         Ok(())
     }
+}
+
+/// How much farther than its radius a tool's sphere must be felt for.
+#[inline]
+fn slack(reach: f64, turn: f64, lever: f64) -> f64 {
+    fmax(0.0, reach) + turn * lever + ROUNDING
 }

@@ -8,7 +8,30 @@ use crate::tree::{MAX_CHILDREN, Node, Sphere};
 /// Relative head-room of the filter in single precision: four times what its rounding can take.
 const HEADROOM: f64 = 1e-6;
 
-/// Eight balls in single precision, coordinate by coordinate, about an origin of their own: a filter that lets
+/// A ball that is tested against eight at once: centre about the object's origin, and how far it reaches, in single
+/// precision.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Felt {
+    x: f32,
+    y: f32,
+    z: f32,
+    reach: f32,
+}
+
+impl Felt {
+    /// At `from` the object's origin, metres.
+    #[inline]
+    pub fn new(from: &Vec3, reach: f64) -> Self {
+        Self {
+            x: from.x as f32,
+            y: from.y as f32,
+            z: from.z as f32,
+            reach: (reach * (1.0 + HEADROOM)) as f32,
+        }
+    }
+}
+
+/// Eight balls in single precision, coordinate by coordinate, about the object's origin: a filter that lets
 /// through a little too much and never too little. One ball per lane; empty lanes hold nothing of meaning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Balls {
@@ -27,24 +50,26 @@ pub(super) struct Family {
     pub first_pack: u32,
     /// Siblings, a bit each.
     pub members: u8,
-    /// Siblings with children.
-    pub parents: u8,
+    /// Siblings with children, a bit each.
+    parents: u8,
+    /// As many lowest bits as there are siblings with children.
+    inner: u8,
     /// Level of the siblings.
     pub level: u8,
-    /// Where the siblings' coordinates count from.
-    pub origin: Vec3,
 }
 
 /// All families of siblings, in the order of their indices. The first is the root alone.
 #[derive(Debug)]
 pub(super) struct Packs {
     pub families: Vec<Family>,
-    /// Bounds of the siblings.
+    /// Bounds of the siblings with children, side by side in the order of their packs.
     pub bounds: Vec<Balls>,
     /// Contact spheres of the siblings.
     pub shapes: Vec<Balls>,
     /// By how much the loosest bound in the family exceeds its node's shape, metres.
     pub loose: Vec<f64>,
+    /// Where all coordinates count from: the centre of the root.
+    pub origin: Vec3,
 }
 
 impl Packs {
@@ -55,6 +80,7 @@ impl Packs {
             bounds: Vec::with_capacity(inner + 1),
             shapes: Vec::with_capacity(inner + 1),
             loose: Vec::with_capacity(inner + 1),
+            origin: nodes[0].centre,
         };
         let bounds = tight_bounds(nodes);
         packs.add(&nodes[..1], &bounds[..1], 0, 1);
@@ -75,23 +101,25 @@ impl Packs {
                 bits | u8::from(chosen(node)) << lane
             })
         };
-        let origin = siblings[0].centre;
+        let parents = bits(|node| node.children > 0);
         self.families.push(Family {
             first,
             first_pack,
             members: bits(|_| true),
-            parents: bits(|node| node.children > 0),
+            parents,
+            inner: ((1u16 << parents.count_ones()) - 1) as u8,
             level: siblings[0].level,
-            origin,
         });
         let loose =
             |most, (node, bound): (&Node, &Sphere)| fmax(most, bound.radius - node.contact_radius);
         self.loose
             .push(siblings.iter().zip(bounds).fold(0.0, loose));
+        let inner = siblings.iter().zip(bounds);
+        let inner = inner.filter(|(node, _)| node.children > 0);
         self.bounds
-            .push(Balls::new(bounds.iter().copied(), &origin));
+            .push(Balls::new(inner.map(|(_, bound)| *bound), &self.origin));
         self.shapes
-            .push(Balls::new(siblings.iter().map(Node::sphere), &origin));
+            .push(Balls::new(siblings.iter().map(Node::sphere), &self.origin));
     }
 }
 
@@ -158,12 +186,6 @@ fn enclosing<I: Iterator<Item = Sphere>>(start: Sphere, balls: impl Fn() -> I) -
 }
 
 impl Family {
-    /// Pack of the children of the sibling in `lane`, which must have some.
-    #[inline]
-    pub fn pack_of(&self, lane: u32) -> u32 {
-        self.first_pack + (self.parents & ((1 << lane) - 1)).count_ones()
-    }
-
     /// Siblings that are the shape at `level`.
     #[inline]
     pub fn shapes_at(&self, level: u8) -> u8 {
@@ -171,6 +193,16 @@ impl Family {
             self.members
         } else {
             self.members & !self.parents
+        }
+    }
+
+    /// The same, and the lanes of `bounds` of those that have the shape at `level` below them.
+    #[inline]
+    pub fn shapes_and_parents(&self, level: u8) -> (u8, u8) {
+        if self.level == level {
+            (self.members, 0)
+        } else {
+            (self.members & !self.parents, self.inner)
         }
     }
 }
@@ -189,13 +221,13 @@ impl Balls {
         Self { x, y, z, r }
     }
 
-    /// Lanes whose ball may be closer than `reach` to the point `from` (about the family's origin).
-    #[inline]
-    pub fn within(&self, from: &Vec3, reach: f64) -> u8 {
-        let x = f32x8::splat(from.x as f32) - self.x;
-        let y = f32x8::splat(from.y as f32) - self.y;
-        let z = f32x8::splat(from.z as f32) - self.z;
-        let reach = f32x8::splat((reach * (1.0 + HEADROOM)) as f32) + self.r;
+    /// Lanes whose ball may be closer to the centre of `felt` than that reaches.
+    #[inline(always)]
+    pub fn within(&self, felt: Felt) -> u8 {
+        let x = f32x8::splat(felt.x) - self.x;
+        let y = f32x8::splat(felt.y) - self.y;
+        let z = f32x8::splat(felt.z) - self.z;
+        let reach = f32x8::splat(felt.reach) + self.r;
         (x * x + y * y + z * z).simd_lt(reach * reach).to_bitmask() as u8
     }
 }

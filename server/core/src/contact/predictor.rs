@@ -1,7 +1,8 @@
 //! One tool against one object after the other, by the way that suits the object.
 
 use super::dual::{STACK, traverse};
-use super::neighbours::{Neighbours, Scratch};
+use super::front::Search;
+use super::neighbours::{CAPACITY, Neighbours};
 use super::packs::Packs;
 use super::{Contact, ContactList, ContactsFull, Distance, centre};
 use crate::MAX_TOOLS;
@@ -49,7 +50,9 @@ pub struct Predictor {
     neighbours: Vec<Option<Neighbours>>,
     /// Per tool and node.
     pub(super) levers: [Vec<Lever>; MAX_TOOLS],
-    scratch: Scratch,
+    search: Search,
+    /// Place in a list's spheres of each node of a tool.
+    places: Vec<u32>,
     pub(super) work: Work,
     plain: bool,
 }
@@ -82,8 +85,13 @@ impl Predictor {
         let neighbours = scene
             .tools
             .iter()
-            .flat_map(|_| &packs)
-            .map(|packs| packs.as_ref().map(|_| Neighbours::new()))
+            .flat_map(|tool| {
+                let spheres = tool.tree.nodes().len();
+                packs.iter().map(move |packs| {
+                    let families = packs.as_ref()?.families.len();
+                    Some(Neighbours::new(spheres, families))
+                })
+            })
             .collect();
         let tool_nodes = scene.tools.iter().map(|tool| tool.tree.nodes().len()).max();
         let tool_nodes = tool_nodes.unwrap_or(0);
@@ -100,7 +108,8 @@ impl Predictor {
             packs,
             neighbours,
             levers: std::array::from_fn(|t| scene.tools.get(t).map_or(Vec::new(), levers)),
-            scratch: Scratch::new(tool_nodes),
+            search: Search::new(tool_nodes, CAPACITY),
+            places: vec![0; tool_nodes],
             work: Work::default(),
             plain: false,
         }
@@ -172,7 +181,7 @@ impl Predictor {
                     (packs, level),
                     &self.levers[t],
                     d,
-                    (&mut self.stack, &mut self.scratch),
+                    (&mut self.search, &mut self.places),
                 );
             }
             if neighbours.usable() {
@@ -194,19 +203,22 @@ impl Predictor {
 }
 
 impl Posed {
-    /// World centre of a node of the tool.
-    #[inline]
+    /// World centre of a node of the tool. Always inlined: a result that comes back through memory piece by piece
+    /// cannot be read as a whole without a stall.
+    #[inline(always)]
     pub fn centre_of(&mut self, tool: &PosedTool<'_>, node: u32) -> Vec3 {
         let at = node as usize;
-        if self.stamps[at] != self.pass {
-            self.stamps[at] = self.pass;
-            self.centres[at] = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
+        if self.stamps[at] == self.pass {
+            return self.centres[at];
         }
-        self.centres[at]
+        let centre = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
+        self.stamps[at] = self.pass;
+        self.centres[at] = centre;
+        centre
     }
 
     /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
-    #[inline]
+    #[inline(always)]
     pub fn contact(
         &self,
         tool: &PosedTool<'_>,

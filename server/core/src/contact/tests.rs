@@ -351,7 +351,7 @@ proptest! {
         let mut all = vec![Node { children: nodes.len() as u8, first_child: 1, level: 0, bound_radius: 20.0, ..nodes[0] }];
         all.extend(&nodes);
         let packs = packs::Packs::new(&all);
-        let near = packs.shapes[1].within(&(point - packs.families[1].origin), d);
+        let near = packs.shapes[1].within(packs::Felt::new(&(point - packs.origin), d));
         for (lane, node) in nodes.iter().enumerate() {
             let between = point - node.centre;
             let reach = node.contact_radius + d;

@@ -16,7 +16,7 @@
 //! gained nothing the next row enters alone, which always does.
 
 use super::rigid::RigidScratch;
-use super::{ContactSolver, Problem, Solution, SolveStatus};
+use super::{ContactSolver, Problem, Solution, SolveStatus, dot6};
 use crate::math::fmax;
 
 /// Active rows at which the six unknowns of a tool are the better place to work.
@@ -189,10 +189,16 @@ impl ActiveSet {
         tolerance: f64,
     ) -> Option<usize> {
         let m = problem.rows.len();
-        self.slack.clear();
-        self.slack
-            .extend((0..m).map(|i| problem.rigid_slack(i, &solution.lambda, &solution.y)));
+        let mut worst = (None, -tolerance);
+        let mut look = |i: usize, w: f64| {
+            if w < worst.1 {
+                worst = (Some(i), w);
+            }
+        };
         if let Some(c) = problem.tissue {
+            self.slack.clear();
+            self.slack
+                .extend((0..m).map(|i| problem.rigid_slack(i, &solution.lambda, &solution.y)));
             // Only active rows bear load; C is symmetric, so its rows are its columns.
             for &j in &self.active {
                 let load = solution.lambda[j];
@@ -200,11 +206,28 @@ impl ActiveSet {
                     *w += c_ij * load;
                 }
             }
+            for (i, (w, state)) in self.slack.iter().zip(&self.state).enumerate() {
+                if *state == RowState::Free {
+                    look(i, *w);
+                }
+            }
+            return worst.0;
         }
-        let mut worst = (None, -tolerance);
-        for (i, (w, state)) in self.slack.iter().zip(&self.state).enumerate() {
-            if *w < worst.1 && *state == RowState::Free {
-                worst = (Some(i), *w);
+        let loads = self.state.iter().zip(&solution.lambda);
+        let rows = problem.rows.iter().zip(loads).enumerate();
+        let free = rows.filter(|(_, (_, (state, _)))| **state == RowState::Free);
+        if self.active.is_empty() {
+            // Nothing is loaded: the slack is the bias.
+            for (i, (row, _)) in free {
+                look(i, row.bias);
+            }
+        } else {
+            // The slack again, without asking every row for the tissue: this is where most of a solve goes.
+            let (first, second) = solution.y.split_at(6);
+            for (i, (row, (_, load))) in free {
+                let y = if row.tool == 0 { first } else { second };
+                let w = row.bias + dot6(&row.a, y) + problem.contact_compliance * load;
+                look(i, w);
             }
         }
         worst.0

@@ -143,6 +143,7 @@ impl Problem<'_> {
     }
 
     /// `A' lambda`.
+    #[inline]
     pub fn primal(&self, lambda: &[f64]) -> [f64; UNKNOWNS] {
         let mut y = [0.0; UNKNOWNS];
         for (row, load) in self.rows.iter().zip(lambda) {

@@ -16,7 +16,7 @@ use sulcus_scene::parametric::{Mirror, Molar, Probe};
 use sulcus_scene::solid::read_solid;
 use sulcus_scene::zone::{Region, Zone, importance};
 
-/// How many times more the pocket's walls count; the largest error hardly feels less, as it has a high power.
+/// How many times more the pocket's walls count; the largest error is held to one over the sixth root of it.
 const WALL_WEIGHT: f64 = 8000.0;
 
 /// One mesh.

@@ -22,7 +22,7 @@ pub struct GingivaParams {
     /// Time constant of a Kelvin-Voigt solid, s: let go, the tissue comes back as `exp(-t / relaxation)`. Default 0.02,
     /// range 0 to 1. Larger: slower and calmer; 0 is purely elastic. Chosen: short against a probing stroke.
     pub relaxation: f64,
-    /// Stiffness of the floor along the tooth's axis under a tip of 0.5 mm, N/m. Default 500, range 10 to 1e6. Larger: the
+    /// Stiffness of the floor along the tooth's axis under [`GingivaParams::reading_tip`], N/m. Default 500, range 10 to 1e6. Larger: the
     /// depth read depends less on the force. Source: 50 N/cm2 reaches the base of the sulcus, 200 N/cm2 the base of the
     /// junctional epithelium about a millimetre below (Garnick 2000, PMID 10695944): 0.3 N/mm; a little stiffer, because
     /// tissue hardens as it is pressed and this model does not.
@@ -33,6 +33,9 @@ pub struct GingivaParams {
     /// Force at which the prescribed depth is read with a tip of 0.5 mm, N; at rest the floor lies higher by how far
     /// this force presses healthy tissue. Default 0.225, range 0 to 1. Source: 0.20 to 0.25 N of clinical studies.
     pub reading_force: f64,
+    /// Diameter of the tip with which depths are read, m. Default 5e-4, range 1e-4 to 2e-3. A tip spreads its load, and
+    /// presses less deep than the same load on a point: each place of the floor is softer by that much.
+    pub reading_tip: f64,
     /// How inflamed the tissue is, 0 (healthy, default) to 1. Softens walls and floor, so that more is read at the
     /// same force. Source for the direction: inflamed tissue lets a probe deeper at light force.
     pub inflammation: f64,
@@ -59,6 +62,7 @@ impl Default for GingivaParams {
             floor_stiffness: 500.0,
             floor_taper: 5e-4,
             reading_force: 0.225,
+            reading_tip: 5e-4,
             inflammation: 0.0,
             softening: 0.5,
             too_heavy: 0.25,
@@ -96,6 +100,13 @@ impl GingivaParams {
             ),
             ("floor_taper", self.floor_taper, 0.0, 5e-3, "0 to 5e-3 m"),
             ("reading_force", self.reading_force, 0.0, 1.0, "0 to 1 N"),
+            (
+                "reading_tip",
+                self.reading_tip,
+                1e-4,
+                2e-3,
+                "1e-4 to 2e-3 m",
+            ),
             ("inflammation", self.inflammation, 0.0, 1.0, "0 to 1"),
             ("softening", self.softening, 0.0, 0.95, "0 to 0.95"),
             ("too_heavy", self.too_heavy, 1e-3, 10.0, "0.001 to 10 N"),
@@ -131,6 +142,13 @@ impl GingivaParams {
     /// the prescribed depth it lies at rest.
     pub fn sink(&self) -> f64 {
         self.reading_force / self.floor_stiffness
+    }
+
+    /// Compliance of one place of the floor, m/N. A load spread evenly over a disc moves it by the mean of `exp(-distance / l)`
+    /// over all pairs of its points, which is nearly that at their mean distance, 128 / (45 pi) radii.
+    pub fn floor_compliance(&self) -> f64 {
+        let distance = 128.0 / (45.0 * std::f64::consts::PI) * 0.5 * self.reading_tip;
+        libm::exp(distance / self.reach) / (self.firmness() * self.floor_stiffness)
     }
 
     /// Thresholds of the zones above light, N.

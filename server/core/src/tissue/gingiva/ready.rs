@@ -65,7 +65,7 @@ impl Ready {
         let (wall, shear, floor) = (
             1.0 / (firmness * params.wall_stiffness),
             1.0 / (firmness * params.shear_stiffness),
-            1.0 / (firmness * params.floor_stiffness),
+            params.floor_compliance(),
         );
         let roots = nodes.iter().map(|&node| {
             let place = &model.places[node as usize];

@@ -1,0 +1,208 @@
+//! The making of a list of neighbours: which families of an object come within reach of which spheres of a tool.
+//!
+//! The tool's tree is opened first, pair by pair with the object's families. What its spheres may then reach is a
+//! front of pairs (family, sphere) that goes down the object's tree level by level. A front is worked through
+//! without a branch that depends on what a test says, so that one test need not wait for the one before: on a molar
+//! of 32,000 spheres a list takes a quarter less time than by a traversal that keeps a stack.
+
+use super::dual::{STACK, reach_of};
+use super::packs::{Felt, Packs};
+use super::predictor::{Lever, Posed, PosedTool};
+use crate::tree::MAX_CHILDREN;
+
+/// Most pairs of a front.
+const MOST: usize = 8192;
+/// How much looser an object's family must fit than the tool's node to be opened first: what the tool is opened
+/// to early is tested against fewer families later. Measured: 3, 10 and 30 cost a little more, 1 twice as much.
+const TOOL_FIRST: f64 = 6.0;
+
+/// Pairs of one level of the object's tree, and their successors.
+#[derive(Debug)]
+struct Front {
+    families: Vec<u32>,
+    spheres: Vec<u32>,
+    len: usize,
+}
+
+/// Scratch of the making of lists.
+#[derive(Debug)]
+pub(super) struct Search {
+    stack: Vec<(u32, u32)>,
+    now: Front,
+    next: Front,
+    /// Where and how far each sphere of the tool is felt for; only of those in the front.
+    felt: Vec<Felt>,
+    /// Family and sphere of what was found: `family << 32 | sphere`.
+    keys: Vec<u64>,
+    found: usize,
+}
+
+impl Front {
+    fn new() -> Self {
+        Self {
+            families: vec![0; MOST + MAX_CHILDREN],
+            spheres: vec![0; MOST + MAX_CHILDREN],
+            len: 0,
+        }
+    }
+
+    /// Appends the families of `lanes` after `first`; writes eight and counts those that there are.
+    #[inline]
+    fn push(&mut self, first: u32, lanes: u8, sphere: u32) {
+        let families = &mut self.families[self.len..self.len + MAX_CHILDREN];
+        for (family, lane) in families.iter_mut().zip(&LANES[usize::from(lanes)]) {
+            *family = first + lane;
+        }
+        self.spheres[self.len..self.len + MAX_CHILDREN].fill(sphere);
+        self.len += lanes.count_ones() as usize;
+    }
+}
+
+/// The set bits of each byte, ascending.
+static LANES: [[u32; MAX_CHILDREN]; 256] = {
+    let mut lanes = [[0; MAX_CHILDREN]; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        let (mut lane, mut found) = (0, 0);
+        while lane < MAX_CHILDREN {
+            if byte >> lane & 1 == 1 {
+                lanes[byte][found] = lane as u32;
+                found += 1;
+            }
+            lane += 1;
+        }
+        byte += 1;
+    }
+    lanes
+};
+
+impl Search {
+    /// For lists of up to `most` pairs, of tools of up to `tool_nodes` nodes.
+    pub fn new(tool_nodes: usize, most: usize) -> Self {
+        Self {
+            stack: Vec::with_capacity(STACK),
+            now: Front::new(),
+            next: Front::new(),
+            felt: vec![Felt::default(); tool_nodes],
+            keys: vec![0; most + 1],
+            found: 0,
+        }
+    }
+
+    /// What was found, `family << 32 | sphere`, ascending.
+    pub fn keys(&self) -> &[u64] {
+        &self.keys[..self.found]
+    }
+
+    /// Finds the pairs of a family and a sphere of the tool that are closer than `slack` (of the lever of what is
+    /// felt for); `None` when there are more than `most`, else how many spheres were tested.
+    pub fn run(
+        &mut self,
+        tool: &PosedTool<'_>,
+        posed: &mut Posed,
+        (packs, level): (&Packs, u8),
+        levers: &[Lever],
+        slack: impl Fn(f64) -> f64,
+        most: usize,
+    ) -> (bool, u64) {
+        self.found = 0;
+        let mut tested = 0;
+        let mut fits = self.open_tool(tool, posed, (packs, level), levers, slack, &mut tested);
+        while fits && self.now.len > 0 {
+            fits = self.descend((packs, level), most, &mut tested);
+        }
+        if fits {
+            self.keys[..self.found].sort_unstable();
+        } else {
+            self.found = 0;
+        }
+        (fits, tested)
+    }
+
+    /// Begins the front: opens the tool down to its spheres.
+    fn open_tool(
+        &mut self,
+        tool: &PosedTool<'_>,
+        posed: &mut Posed,
+        (packs, level): (&Packs, u8),
+        levers: &[Lever],
+        slack: impl Fn(f64) -> f64,
+        tested: &mut u64,
+    ) -> bool {
+        self.now.len = 0;
+        self.stack.clear();
+        self.stack.push((0, 0));
+        while let Some((t, p)) = self.stack.pop() {
+            let node = &tool.nodes[t as usize];
+            let family = &packs.families[p as usize];
+            let is_shape = node.is_shape_at(tool.level);
+            let from = posed.centre_of(tool, t) - packs.origin;
+            let reach = reach_of(node, is_shape) + slack(levers[t as usize].of(is_shape));
+            if is_shape {
+                if self.now.len == MOST {
+                    return false;
+                }
+                self.felt[t as usize] = Felt::new(&from, reach);
+                self.now.push(p, 1, t);
+                continue;
+            }
+            let felt = Felt::new(&from, reach);
+            let (shapes, parents) = family.shapes_and_parents(level);
+            let (mut near_shapes, mut near_below) = (0, 0);
+            if shapes != 0 {
+                *tested += 8;
+                near_shapes = shapes & packs.shapes[p as usize].within(felt);
+            }
+            if parents != 0 {
+                *tested += 8;
+                near_below = parents & packs.bounds[p as usize].within(felt);
+            }
+            let tighter =
+                TOOL_FIRST * (node.bound_radius - node.contact_radius) > packs.loose[p as usize];
+            if near_shapes != 0 || (near_below != 0 && tighter) {
+                for child in node.first_child..node.first_child + u32::from(node.children) {
+                    self.stack.push((child, p));
+                }
+                continue;
+            }
+            for lane in &LANES[usize::from(near_below)][..near_below.count_ones() as usize] {
+                self.stack.push((t, family.first_pack + lane));
+            }
+        }
+        true
+    }
+
+    /// Takes the front down one level; false when there is no room.
+    fn descend(&mut self, (packs, level): (&Packs, u8), most: usize, tested: &mut u64) -> bool {
+        self.next.len = 0;
+        let len = self.now.len;
+        for (&p, &t) in self.now.families[..len]
+            .iter()
+            .zip(&self.now.spheres[..len])
+        {
+            let family = &packs.families[p as usize];
+            let felt = self.felt[t as usize];
+            let (shapes, parents) = family.shapes_and_parents(level);
+            // Which of both there are hardly ever changes within a front.
+            if parents != 0 {
+                *tested += 8;
+                let near = parents & packs.bounds[p as usize].within(felt);
+                if self.next.len > MOST - MAX_CHILDREN {
+                    return false;
+                }
+                self.next.push(family.first_pack, near, t);
+            }
+            if shapes != 0 {
+                *tested += 8;
+                let near = shapes & packs.shapes[p as usize].within(felt);
+                self.keys[self.found] = u64::from(p) << 32 | u64::from(t);
+                self.found += usize::from(near != 0);
+                if self.found > most {
+                    return false;
+                }
+            }
+        }
+        std::mem::swap(&mut self.now, &mut self.next);
+        true
+    }
+}
