@@ -438,3 +438,11 @@ pub(super) fn farthest(from: &[Axes], to: &[Axes]) -> f64 {
     });
     most.sqrt()
 }
+
+/// Largest displacement of a node, metres.
+pub(super) fn longest(u: &[Axes]) -> f64 {
+    let most = u.iter().fold(0.0, |most, a| {
+        fmax(most, a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    });
+    most.sqrt()
+}
