@@ -57,7 +57,7 @@ impl Checked {
     /// How tissue fared; none where nothing yields.
     pub fn tissue(&self) -> Option<TissueSummary> {
         let m = &self.measures;
-        self.yields.then(|| TissueSummary {
+        self.yields.then_some(TissueSummary {
             indentation_mm: m.indentation * 1e3,
             unrest_um: m.unrest * 1e6,
             max_raw_force_n: m.max_raw_force,

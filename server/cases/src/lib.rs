@@ -5,7 +5,9 @@
 
 mod bearing;
 pub mod chart;
+pub mod comparison;
 pub mod measure;
+pub mod one_dof;
 pub mod pocket;
 mod residual;
 pub mod ripple;
@@ -17,5 +19,5 @@ pub mod tissue_scenes;
 
 pub use chart::Chart;
 pub use measure::{Measures, Observer};
-pub use run::{CaseReport, run};
+pub use run::{CaseReport, run, run_on};
 pub use table::{Bounds, Case, TABLE, find};

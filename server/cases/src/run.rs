@@ -1,6 +1,8 @@
 //! Runs a case of the table.
 
-use sulcus_core::{MAX_TOOLS, NoProbe, Params, State, TickInput, Workspace, Wrench, tick};
+use sulcus_core::{
+    MAX_TOOLS, NoProbe, Params, Scene, State, TickInput, TickOutput, Workspace, Wrench, tick,
+};
 use sulcus_operator::{Operator, present};
 
 use crate::measure::{Measures, Observer};
@@ -22,12 +24,17 @@ pub struct CaseReport {
 /// Runs `case` in virtual time; `adjust` may change the parameters first (another solver, another
 /// contact compliance).
 pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
+    run_on(case, |scene| adjust(&mut scene.params), |_, _, _, _| {})
+}
+
+/// Runs `case` on its scene as `change` leaves it, the hand's way being that of the scene as it was; `each` sees every
+/// tick: the scene, the state before, the output, the state after.
+pub fn run_on(
+    case: &Case,
+    change: impl FnOnce(&mut Scene),
+    mut each: impl FnMut(&Scene, &State, &TickOutput, &State),
+) -> CaseReport {
     let mut scene = (case.scene)();
-    adjust(&mut scene.params);
-    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-    let mut observer = Observer::new(&scene);
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
-    let mut margin = f64::INFINITY;
     let mut operator = match case.driver {
         Driver::Closed(script, params) => Some(Operator::new(script(&scene), params(), case.seed)),
         Driver::Kinematic(_) => None,
@@ -35,6 +42,11 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
     let mut script = match case.driver {
         Driver::Kinematic(script) | Driver::Closed(script, _) => script(&scene),
     };
+    change(&mut scene);
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let mut observer = Observer::new(&scene);
+    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut margin = f64::INFINITY;
     let ticks = script.duration_s() * 1e3;
     let mut hands = [None; MAX_TOOLS];
     for k in 0..ticks as u64 {
@@ -51,7 +63,9 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
             }
         };
         (case.disturb)(k, &mut input);
+        let before = state.clone();
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+        each(&scene, &before, &output, &state);
         observer.observe(&scene, &input, &output, &ws);
         felt = std::array::from_fn(|t| output.tools[t].wrench);
         margin = margin.min((case.margin)(&scene, &output));

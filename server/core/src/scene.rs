@@ -346,6 +346,16 @@ impl Scene {
                     source: error,
                 });
             }
+            if let TissueModel::PrintedGingiva(model) = &object.tissue
+                && usize::from(model.tooth) >= self.objects.len()
+            {
+                return field(
+                    &format!("object `{}`", object.name),
+                    "tooth",
+                    format!("object {}", model.tooth),
+                    "an object of the scene",
+                );
+            }
             let (carriers, vertices) = (&object.carriers, object.mesh.vertices.len());
             let nodes = object.tree.nodes().len();
             let unknown = carriers.iter().find(|&&node| node as usize >= nodes);

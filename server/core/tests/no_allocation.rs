@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
+use sulcus_core::tissue::printed::{PrintedGingiva, PrintedSkeleton};
 use sulcus_core::tissue::skeleton::{
     Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw,
 };
@@ -93,15 +94,49 @@ fn blended(mut plate: Object) -> Object {
     plate
 }
 
+/// A plate on springs and one beside a tooth, both as printed.
+fn printed() -> Vec<Object> {
+    let (mut tongue, mut gingiva) = (bumpy_plate(), bumpy_plate());
+    let nodes: Vec<(u32, Vec3)> = tongue
+        .tree
+        .shape_at(2)
+        .map(|(id, node)| (id, node.centre))
+        .collect();
+    let mut springs = Vec::new();
+    for (at, (i, a)) in nodes.iter().enumerate() {
+        let near = nodes[at + 1..]
+            .iter()
+            .filter(|(_, b)| math::norm(&(a - b)) < 3e-3);
+        springs.extend(near.map(|(j, _)| [*i, *j]));
+    }
+    let held = nodes.iter().filter(|(_, centre)| centre.x < -3e-3);
+    let mut model = PrintedSkeleton::new(2, springs, held.map(|(id, _)| *id).collect());
+    model.penalty_n_per_m = 1.0;
+    tongue.tissue = TissueModel::PrintedSkeleton(model);
+    let inward = gingiva.tree.shape_at(7).map(|_| -Vec3::z()).collect();
+    gingiva.tissue = TissueModel::PrintedGingiva(PrintedGingiva::new(7, 2, inward, Vec3::z()));
+    vec![tongue, gingiva, bumpy_plate()]
+}
+
 #[test]
 fn five_thousand_ticks_in_contact_allocate_nothing() {
+    allocates_nothing(vec![bumpy_plate(), blended(bumpy_plate())]);
+}
+
+#[test]
+fn nor_do_they_with_tissue_as_printed() {
+    allocates_nothing(printed());
+}
+
+fn allocates_nothing(objects: Vec<Object>) {
     let scene = Scene {
         name: "plate".into(),
         source_hash: String::new(),
         params: Params::default(),
         tools: vec![rod(0.0), rod(0.002)],
-        objects: vec![bumpy_plate(), blended(bumpy_plate())],
+        objects,
     };
+    scene.validate().expect("a scene that may run");
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut touched = 0;
     let before = COUNT.with(Cell::get);

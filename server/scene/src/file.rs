@@ -10,6 +10,7 @@ use sulcus_core::Params;
 
 use crate::load::Unit;
 use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
+use crate::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
 use crate::skeleton::SkeletonOptions;
 
 /// A scene file as written.
@@ -63,6 +64,10 @@ pub enum TissueEntry {
     Skeleton,
     /// As a gingiva does; wants `kind = "gingiva"`.
     Gingiva,
+    /// As [`TissueEntry::Skeleton`], exactly by the paper: for comparison.
+    PrintedSkeleton,
+    /// As [`TissueEntry::Gingiva`], exactly by the paper: for comparison.
+    PrintedGingiva,
 }
 
 /// `[object.gingiva]`: what differs from the defaults of [`sulcus_core::tissue::gingiva::GingivaParams`], in clinical units.
@@ -177,6 +182,10 @@ pub struct ObjectEntry {
     pub tooth: Option<String>,
     /// Pocket of a gingiva, where it differs from the default.
     pub pocket: Option<Pocket>,
+    /// Parameters of `tissue = "printed_skeleton"` that differ from the defaults.
+    pub printed_skeleton: Option<PrintedSkeletonEntry>,
+    /// Parameters of `tissue = "printed_gingiva"` that differ from the defaults.
+    pub printed_gingiva: Option<PrintedGingivaEntry>,
     /// Parameters of a gingiva that differ from the defaults.
     pub gingiva: Option<GingivaEntry>,
 }

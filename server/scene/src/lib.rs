@@ -29,6 +29,7 @@ mod parallel;
 pub mod parametric;
 mod parts;
 mod polish;
+pub mod printed;
 mod random;
 mod relocate;
 pub mod repair;

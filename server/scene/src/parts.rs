@@ -18,6 +18,7 @@ use crate::gingiva::{Surrounding, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::parametric::{Collar, Mirror, Probe};
+use crate::printed::{printed_gingiva, printed_skeleton};
 use crate::skeleton::skeleton;
 use crate::solid::read_solid;
 
@@ -122,7 +123,7 @@ impl Compiler<'_> {
         let wanted = TreeOptions {
             levels: entry.levels,
             blended: entry.tissue == TissueEntry::Rigid,
-            volumetric: entry.tissue == TissueEntry::Skeleton,
+            volumetric: entry.tissue.is_skeleton(),
             ..TreeOptions::default()
         };
         let place = Vec3::from(entry.translate_mm) * 1e-3;
@@ -130,20 +131,27 @@ impl Compiler<'_> {
         let (tree, level) = self.tree(&part, &mesh, entry.level, wanted)?;
         let tissue = match entry.tissue {
             // (A gingiva was made above.)
-            TissueEntry::Rigid | TissueEntry::Gingiva => TissueModel::Rigid,
-            TissueEntry::Skeleton => {
+            TissueEntry::Rigid | TissueEntry::Gingiva | TissueEntry::PrintedGingiva => {
+                TissueModel::Rigid
+            }
+            TissueEntry::Skeleton | TissueEntry::PrintedSkeleton => {
                 let options = entry.skeleton.clone().unwrap_or_default();
                 let made = skeleton(&tree, &mesh, &options).map_err(|source| {
                     let part = part.clone();
                     BuildError::Skeleton { part, source }
                 })?;
-                TissueModel::Skeleton(Box::new(made))
+                if entry.tissue == TissueEntry::PrintedSkeleton {
+                    TissueModel::PrintedSkeleton(printed_skeleton(&made, &tree, entry))
+                } else {
+                    TissueModel::Skeleton(Box::new(made))
+                }
             }
         };
         let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
-        let colour = match entry.tissue {
-            TissueEntry::Rigid | TissueEntry::Gingiva => TOOTH_COLOUR,
-            TissueEntry::Skeleton => TONGUE_COLOUR,
+        let colour = if entry.tissue.is_skeleton() {
+            TONGUE_COLOUR
+        } else {
+            TOOTH_COLOUR
         };
         let mesh = mesh.placed(1.0, place);
         let carriers = carriers(&tree, &mesh.vertices);
@@ -165,8 +173,9 @@ impl Compiler<'_> {
         // The file was checked to name a molar.
         let tooth = all
             .iter()
-            .find(|tooth| Some(&tooth.name) == entry.tooth.as_ref());
+            .position(|tooth| Some(&tooth.name) == entry.tooth.as_ref());
         let (molar, place) = tooth.map_or_else(Default::default, |tooth| {
+            let tooth = &all[tooth];
             let molar = tooth.molar.clone().unwrap_or_default();
             (molar, Vec3::from(tooth.translate_mm) * 1e-3)
         });
@@ -199,13 +208,19 @@ impl Compiler<'_> {
         gingiva.tooth.origin += place;
         let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
         let mesh = mesh.placed(1.0, place);
+        let tissue = if entry.tissue == TissueEntry::PrintedGingiva {
+            let made = printed_gingiva(&gingiva, &tree, tooth.unwrap_or(0), entry);
+            TissueModel::PrintedGingiva(made)
+        } else {
+            TissueModel::Gingiva(Box::new(gingiva))
+        };
         Ok(Object {
             name: entry.name.clone(),
             fdi: entry.fdi,
             carriers: carriers(&tree, &mesh.vertices),
             tree,
             level,
-            tissue: TissueModel::Gingiva(Box::new(gingiva)),
+            tissue,
             mesh: mesh.to_display(GINGIVA_COLOUR),
         })
     }

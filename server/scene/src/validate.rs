@@ -260,14 +260,32 @@ fn object(entry: &ObjectEntry) -> Checked {
             "nothing without kind = \"tongue\"",
         );
     }
-    if entry.skeleton.is_some() && entry.tissue != TissueEntry::Skeleton {
+    if entry.skeleton.is_some() && !entry.tissue.is_skeleton() {
         return wrong(
             field("skeleton"),
             "given",
-            "nothing without tissue = \"skeleton\"",
+            "nothing without tissue = \"skeleton\" or \"printed_skeleton\"",
         );
     }
-    if entry.tissue == TissueEntry::Skeleton && entry.levels < 2 {
+    for (key, given, wanted, expected) in [
+        (
+            "printed_skeleton",
+            entry.printed_skeleton.is_some(),
+            TissueEntry::PrintedSkeleton,
+            "nothing without tissue = \"printed_skeleton\"",
+        ),
+        (
+            "printed_gingiva",
+            entry.printed_gingiva.is_some(),
+            TissueEntry::PrintedGingiva,
+            "nothing without tissue = \"printed_gingiva\"",
+        ),
+    ] {
+        if given && entry.tissue != wanted {
+            return wrong(field(key), "given", expected);
+        }
+    }
+    if entry.tissue.is_skeleton() && entry.levels < 2 {
         return wrong(
             field("levels"),
             entry.levels,
@@ -394,16 +412,16 @@ fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions) -> Checke
 fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
     let is_gingiva = entry.kind == Some(ObjectKind::Gingiva);
-    let yields = entry.tissue == TissueEntry::Gingiva;
+    let yields = entry.tissue.is_gingiva();
     if is_gingiva != yields {
         return wrong(
             field("tissue"),
             if yields {
-                "\"gingiva\""
+                "a gingiva's"
             } else {
-                "not \"gingiva\""
+                "not a gingiva's"
             },
-            "\"gingiva\" together with kind = \"gingiva\", or neither",
+            "\"gingiva\" or \"printed_gingiva\" together with kind = \"gingiva\", or neither",
         );
     }
     let given = [

@@ -5,7 +5,7 @@ use super::{ContactList, ContactsFull, Distance};
 use crate::tree::Node;
 
 /// The deepest stack: a pop pushes at most eight pairs, seven remain per level of either tree.
-pub(super) const STACK: usize = 7 * 2 * (crate::tree::MAX_LEVEL as usize + 1) + 8;
+pub(crate) const STACK: usize = 7 * 2 * (crate::tree::MAX_LEVEL as usize + 1) + 8;
 
 /// Appends every pair of contact spheres with a gap under `d` to `out`; `levers` as the predictor has them. Counts the pairs of nodes
 /// that it tests in `tested`.
@@ -79,7 +79,7 @@ pub(super) fn traverse(
 
 /// What culling must allow for: a shape node only itself, an inner node all below it.
 #[inline]
-pub(super) fn reach_of(node: &Node, is_shape: bool) -> f64 {
+pub(crate) fn reach_of(node: &Node, is_shape: bool) -> f64 {
     if is_shape {
         node.contact_radius
     } else {

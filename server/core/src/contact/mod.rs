@@ -18,6 +18,7 @@ pub(crate) mod soft;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use dual::{STACK, reach_of};
 pub use predictor::{PosedTool, Predictor, Work};
 
 use crate::math::{Mat3, Pose, Vec3};

@@ -14,6 +14,7 @@
 //! pair: `n_i' C_ij n_j`.
 
 pub mod gingiva;
+pub mod printed;
 pub mod skeleton;
 
 use std::fmt::Debug;
@@ -25,6 +26,7 @@ use crate::math::{Pose, Vec3, Wrench};
 use crate::output::PocketReading;
 use crate::scene::Tool;
 use crate::tree::SphereTree;
+use printed::{PrintedGingiva, PrintedSkeleton, ReadyGingiva, ReadySkeleton};
 
 /// One contact row as the tissue sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +143,10 @@ pub enum TissueModel {
     Skeleton(Box<skeleton::Skeleton>),
     /// The collar around a tooth, with its pocket.
     Gingiva(Box<gingiva::Gingiva>),
+    /// A tongue exactly by the paper, for comparison.
+    PrintedSkeleton(PrintedSkeleton),
+    /// A gingiva exactly by the paper, for comparison.
+    PrintedGingiva(PrintedGingiva),
     /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
     #[cfg(test)]
     Winkler(tests::Winkler),
@@ -162,11 +168,16 @@ impl TissueModel {
     /// The model made ready for an object with the tree `rest` touched at `level`; none for what is rigid.
     /// The model must have passed [`TissueModel::validate`].
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
-        let _ = level;
         match self {
             TissueModel::Rigid => None,
             TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
+            TissueModel::PrintedSkeleton(model) => {
+                Some(Box::new(ReadySkeleton::new(model, rest, level)))
+            }
+            TissueModel::PrintedGingiva(model) => {
+                Some(Box::new(ReadyGingiva::new(model, rest, level)))
+            }
             #[cfg(test)]
             TissueModel::Winkler(model) => Some(Box::new(tests::Ready::new(model, rest))),
         }
@@ -178,6 +189,8 @@ impl TissueModel {
             TissueModel::Rigid => 0,
             TissueModel::Skeleton(model) => model.state_len(),
             TissueModel::Gingiva(model) => model.state_len(rest),
+            TissueModel::PrintedSkeleton(model) => model.state_len(rest),
+            TissueModel::PrintedGingiva(model) => model.state_len(rest),
             #[cfg(test)]
             TissueModel::Winkler(_) => 3 * rest.nodes().len(),
         }
@@ -189,9 +202,13 @@ impl TissueModel {
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         match self {
+            TissueModel::Rigid => Ok(()),
             TissueModel::Skeleton(model) => model.validate(rest),
             TissueModel::Gingiva(model) => model.validate(rest),
-            _ => Ok(()),
+            TissueModel::PrintedSkeleton(model) => model.validate(rest),
+            TissueModel::PrintedGingiva(model) => model.validate(rest),
+            #[cfg(test)]
+            TissueModel::Winkler(_) => Ok(()),
         }
     }
 

@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use super::TissueError;
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, norm};
+use crate::params::within;
 use crate::tree::SphereTree;
 
 pub use params::GingivaParams;
@@ -141,7 +142,7 @@ impl Gingiva {
             buccal.dot(axis),
         ];
         // Written so that a NaN fails.
-        if !skew.iter().all(|x| x.abs() <= 1e-9) || !(norm(origin) <= 10.0) {
+        if !skew.iter().all(|x| x.abs() <= 1e-9) || !within(norm(origin), 0.0, 10.0) {
             return bad(
                 "tooth",
                 format!("{:?}", self.tooth),

@@ -4,6 +4,7 @@ use super::{Gingiva, GingivaParams, MEMORY};
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, fmax};
 use crate::output::{ForceZone, PocketReading};
+use crate::params::within;
 use crate::tissue::{Hands, SiteLoad};
 
 /// What is remembered of one tool: floor force (N), zone (0 to 3), whether the zone was entered in this tick.
@@ -69,8 +70,8 @@ pub fn tip_below_margin(
     let hand = hands.tools.get(slot)?.as_ref()?;
     let point = hand.graphic.transform(&hand.tool.tip);
     let from = point - centre;
-    // Written so that a NaN is nowhere.
-    if !(from.dot(&from) <= radius * radius) {
+    // A NaN is nowhere.
+    if !within(from.dot(&from), 0.0, radius * radius) {
         return None;
     }
     let (around, height) = model.tooth.cylindrical(&point);

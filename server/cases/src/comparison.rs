@@ -1,0 +1,250 @@
+//! The method as printed beside the coupled one, on the same cases, by the same measures.
+
+use std::fmt;
+
+use sulcus_core::math::norm;
+use sulcus_core::output::status;
+use sulcus_core::tissue::printed::{PenaltyMeter, PrintedGingiva, PrintedSkeleton};
+use sulcus_core::tissue::{Hand, Hands, TissueModel};
+use sulcus_core::{MAX_TOOLS, Scene, State, TickOutput, Vec3};
+use sulcus_operator::HandParams;
+
+use crate::measure::Measures;
+use crate::run::run_on;
+use crate::table::{Case, Driver};
+
+/// How the tissue of a case is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The default: compliance inside the optimisation.
+    Coupled,
+    /// As printed, in a tick that limits the tool's motion as it does for every tissue.
+    Printed,
+    /// As printed, the tool free to go all its way in one tick, as the paper has it.
+    PrintedUnlimited,
+}
+
+impl Method {
+    /// All.
+    pub const ALL: [Method; 3] = [Method::Coupled, Method::Printed, Method::PrintedUnlimited];
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Method::Coupled => "coupled",
+            Method::Printed => "as printed",
+            Method::PrintedUnlimited => "as printed, unlimited",
+        })
+    }
+}
+
+/// The scene with every tissue as printed: the same trees, springs and directions from the tooth.
+pub fn as_printed(scene: &mut Scene) {
+    let tooth_of = |fdi: u8| {
+        let rigid = |k: &usize| scene.objects[*k].tissue.is_rigid();
+        let all = || (0..scene.objects.len()).filter(rigid);
+        let same = all().find(|&k| fdi != 0 && scene.objects[k].fdi == fdi);
+        same.or_else(|| all().next()).unwrap_or(0) as u16
+    };
+    let teeth: Vec<u16> = scene.objects.iter().map(|o| tooth_of(o.fdi)).collect();
+    for (object, tooth) in scene.objects.iter_mut().zip(teeth) {
+        let printed = match &object.tissue {
+            TissueModel::Skeleton(coupled) => {
+                TissueModel::PrintedSkeleton(PrintedSkeleton::of(&coupled.coarse, &object.tree))
+            }
+            TissueModel::Gingiva(coupled) => {
+                TissueModel::PrintedGingiva(PrintedGingiva::of(coupled, &object.tree, tooth))
+            }
+            _ => continue,
+        };
+        object.tissue = printed;
+    }
+}
+
+/// Lets the tool go up to 64 mm in a tick, looking a millimetre ahead.
+fn unlimited(scene: &mut Scene) {
+    scene.params.predict_min = 1e-3;
+    scene.params.predict_max = 1e-3;
+    scene.params.trust = 0.99;
+    scene.params.max_substeps = 64;
+}
+
+/// One case by one method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compared {
+    /// Name of the case.
+    pub case: &'static str,
+    /// Method.
+    pub method: Method,
+    /// The measures.
+    pub measures: Measures,
+    /// Mean force on the tissue over the mean force on the device, while that is over 0.05 N; none for a
+    /// printed gingiva, which has no force, only displacements.
+    pub load_ratio: Option<f64>,
+    /// Most pairs of spheres that load a printed skeleton.
+    pub pairs: u32,
+    /// Tool-ticks in which the graphic tip, once with the hand, is more than 2 mm above the haptic one.
+    pub ejected: u64,
+    /// Ticks in which a tissue that diverged was put back to rest.
+    pub faults: u64,
+}
+
+/// What is summed up during a run.
+#[derive(Default)]
+struct Sums {
+    meters: Option<Vec<Option<PenaltyMeter>>>,
+    tissue: f64,
+    device: f64,
+    unknown: bool,
+    arrived: [bool; MAX_TOOLS],
+    pairs: u32,
+    ejected: u64,
+    faults: u64,
+}
+
+impl Sums {
+    fn tick(&mut self, scene: &Scene, before: &State, output: &TickOutput, after: &State) {
+        let meters = self.meters.get_or_insert_with(|| {
+            let meter = |object: &sulcus_core::Object| match &object.tissue {
+                TissueModel::PrintedSkeleton(model) => Some(PenaltyMeter::new(model, object)),
+                _ => None,
+            };
+            scene.objects.iter().map(meter).collect()
+        });
+        let objects = scene.objects.len();
+        let present =
+            |t: usize| t < scene.tools.len() && output.tools[t].status & status::ABSENT == 0;
+        let hands = Hands {
+            tools: std::array::from_fn(|t| {
+                present(t).then(|| Hand {
+                    tool: &scene.tools[t],
+                    haptic: output.tools[t].haptic,
+                    graphic: before.tools[t].graphic,
+                    loads: &before.loads[t * objects..(t + 1) * objects],
+                })
+            }),
+            detail: 0,
+        };
+        let (mut on_tissue, mut begin) = (Vec3::zeros(), 0);
+        for (k, object) in scene.objects.iter().enumerate() {
+            let state = &before.tissue[begin..];
+            begin += object.tissue.state_len(&object.tree);
+            match (&mut meters[k], &object.tissue) {
+                (Some(meter), _) => {
+                    let (force, pairs) = meter.load(state, &hands);
+                    on_tissue += force;
+                    self.pairs = self.pairs.max(pairs);
+                }
+                (None, TissueModel::PrintedGingiva(_)) => self.unknown = true,
+                (None, _) => {
+                    for t in 0..scene.tools.len() {
+                        on_tissue += after.loads[t * objects + k].force;
+                    }
+                }
+            }
+        }
+        let device = (0..MAX_TOOLS).fold(Vec3::zeros(), |sum, t| {
+            sum + output.tools[t].raw_wrench.force
+        });
+        if norm(&device) > 0.05 {
+            self.tissue += norm(&on_tissue);
+            self.device += norm(&device);
+        }
+        for (t, tool) in scene.tools.iter().enumerate().filter(|(t, _)| present(*t)) {
+            let out = &output.tools[t];
+            let above = out.graphic.transform(&tool.tip) - out.haptic.transform(&tool.tip);
+            self.arrived[t] |= norm(&above) < 2e-3;
+            self.ejected += u64::from(self.arrived[t] && above.z > 2e-3);
+            self.faults += u64::from(out.status & status::FAULT != 0);
+        }
+    }
+}
+
+/// The case with a hand and its device, which feel the wrench, where the table moves the tool itself.
+pub fn by_hand(case: &Case) -> Case {
+    let driver = match case.driver {
+        Driver::Kinematic(script) => Driver::Closed(script, HandParams::default),
+        closed => closed,
+    };
+    Case { driver, ..*case }
+}
+
+/// Runs `case` by `method`.
+pub fn compare(case: &Case, method: Method) -> Compared {
+    compare_changed(case, method, |_| {})
+}
+
+/// The same, the scene changed by `change` after it became the method's.
+pub fn compare_changed(case: &Case, method: Method, change: impl FnOnce(&mut Scene)) -> Compared {
+    let mut sums = Sums::default();
+    let report = run_on(
+        case,
+        |scene| {
+            if method != Method::Coupled {
+                as_printed(scene);
+            }
+            if method == Method::PrintedUnlimited {
+                unlimited(scene);
+            }
+            change(scene);
+            scene.validate().expect("a scene that may run");
+        },
+        |scene, before, output, after| sums.tick(scene, before, output, after),
+    );
+    Compared {
+        case: case.name,
+        method,
+        measures: report.measures,
+        load_ratio: (!sums.unknown && sums.device > 0.0).then(|| sums.tissue / sums.device),
+        pairs: sums.pairs,
+        ejected: sums.ejected,
+        faults: sums.faults,
+    }
+}
+
+impl Compared {
+    /// Names of the columns of its line.
+    pub fn heading() -> String {
+        format!(
+            "{:16} {:22} {:>9} {:>12} {:>10} {:>9} {:>11} {:>10} {:>8} {:>7} {:>10} {:>7}",
+            "case",
+            "method",
+            "buzz N",
+            "penetr. um",
+            "(exh.) um",
+            "jump mm",
+            "torque Nmm",
+            "step N",
+            "F_t/F_d",
+            "pairs",
+            "exhausted",
+            "ejected",
+        )
+    }
+}
+
+impl fmt::Display for Compared {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let m = &self.measures;
+        let ratio = self
+            .load_ratio
+            .map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
+        write!(
+            f,
+            "{:16} {:22} {:9.4} {:12.3} {:10.1} {:9.3} {:11.3} {:10.3} {:>8} {:7} {:10} {:7}",
+            self.case,
+            self.method,
+            m.buzz,
+            m.residual * 1e6,
+            m.exhausted_residual * 1e6,
+            m.jump * 1e3,
+            m.torque_step * 1e3,
+            m.force_step,
+            ratio,
+            self.pairs,
+            m.exhausted,
+            self.ejected,
+        )
+    }
+}

@@ -1,0 +1,315 @@
+//! The gingiva as printed: section 5.
+
+use serde::{Deserialize, Serialize};
+
+use super::followers::Followers;
+use super::load::for_each_press;
+use super::ranged;
+use crate::MAX_TOOLS;
+use crate::math::{Vec3, fmax, norm};
+use crate::params::within;
+use crate::tissue::gingiva::Gingiva;
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
+use crate::tree::SphereTree;
+
+/// Fringe spheres displaced by Hooke's law, their neighbours by an attenuation. **As printed**, for comparison.
+///
+/// The displacement depends on last tick's graphic tool, which it moves: `ds(t+1) = (K_p/k_d)(h - ds(t))` for a
+/// press `h`, an oscillation that does not decay when `K_p/k_d` is 1 or more; and Eq. 15 jumps between nearly
+/// nothing and `2R` where the load changes its sign. Both are the paper's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PrintedGingiva {
+    /// Level of the tree whose spheres are displaced. The paper's: 3.
+    pub level: u8,
+    /// Index of the object that is the tooth of this pocket: loads on both are a hybrid contact.
+    pub tooth: u16,
+    /// `n_inward` (Eq. 13) of each sphere of that level, in the tree's order: unit vector from the nearest sphere
+    /// of the tooth, or zero for spheres below the pocket's bottom, which never move (section 5.2).
+    pub inward: Vec<Vec3>,
+    /// Direction out of the pocket along the tooth, a unit vector.
+    pub axis: Vec3,
+    /// `k_d`, N/m. Default 1000, range 1 to 1e6.
+    pub stiffness_n_per_m: f64,
+    /// `K_p`, N/m. Default 500, range 0 to 1e6. As a share of `k_d` it is the gain of the lag.
+    pub penalty_n_per_m: f64,
+    /// `a` of Eq. 14, per millimetre. Default 0.3, range 0.01 to 0.99. Larger: wider dents.
+    pub attenuation_per_mm: f64,
+    /// Distance beyond which a neighbour stays, metres. Default 4e-3 (under a hundredth of the displacement), range
+    /// 0 to 2e-2.
+    pub neighbourhood_m: f64,
+    /// `2R` of Eq. 15, metres: the diameter of the tool's tip. Default 5e-4, range 0 to 5e-3.
+    pub tip_diameter_m: f64,
+    /// `d` of contact prediction, metres. Default 5e-4, range 0 to 5e-3.
+    pub contact_distance_m: f64,
+}
+
+impl PrintedGingiva {
+    /// A gingiva with the default numbers.
+    pub fn new(level: u8, tooth: u16, inward: Vec<Vec3>, axis: Vec3) -> Self {
+        Self {
+            level,
+            tooth,
+            inward,
+            axis,
+            stiffness_n_per_m: 1000.0,
+            penalty_n_per_m: 500.0,
+            attenuation_per_mm: 0.3,
+            neighbourhood_m: 4e-3,
+            tip_diameter_m: 5e-4,
+            contact_distance_m: 5e-4,
+        }
+    }
+
+    /// A coupled gingiva as printed: the same directions from the tooth; spheres at the pocket's floor and below stay. `tooth` is the
+    /// index of its tooth in the scene, `rest` its tree; `k_d` is the wall's stiffness, `K_p` half of it, the rest the defaults.
+    pub fn of(coupled: &Gingiva, rest: &SphereTree, tooth: u16) -> Self {
+        let inward = rest.shape_at(coupled.level).map(|(id, _)| {
+            let place = coupled.places.get(id as usize);
+            let wall = place.filter(|place| place.height > 0.0 && !place.floor);
+            wall.map_or_else(Vec3::zeros, |place| place.away)
+        });
+        let stiffness = coupled.params.wall_stiffness;
+        Self {
+            stiffness_n_per_m: stiffness,
+            penalty_n_per_m: 0.5 * stiffness,
+            ..Self::new(coupled.level, tooth, inward.collect(), coupled.tooth.axis)
+        }
+    }
+
+    /// Numbers of state: displacement of each sphere, and whether each tool was in hybrid contact.
+    pub(crate) fn state_len(&self, rest: &SphereTree) -> usize {
+        3 * rest.shape_at(self.level).count() + MAX_TOOLS
+    }
+
+    pub(crate) fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
+        ranged("stiffness_n_per_m", self.stiffness_n_per_m, 1.0, 1e6, "N/m")?;
+        ranged("penalty_n_per_m", self.penalty_n_per_m, 0.0, 1e6, "N/m")?;
+        ranged(
+            "attenuation_per_mm",
+            self.attenuation_per_mm,
+            0.01,
+            0.99,
+            "per mm",
+        )?;
+        ranged("neighbourhood_m", self.neighbourhood_m, 0.0, 2e-2, "m")?;
+        ranged("tip_diameter_m", self.tip_diameter_m, 0.0, 5e-3, "m")?;
+        ranged(
+            "contact_distance_m",
+            self.contact_distance_m,
+            0.0,
+            5e-3,
+            "m",
+        )?;
+        ranged("axis", norm(&self.axis), 1.0 - 1e-9, 1.0 + 1e-9, "long")?;
+        let spheres = rest.shape_at(self.level).count();
+        if self.inward.len() != spheres {
+            return Err(TissueError {
+                field: "inward",
+                found: format!("{} directions", self.inward.len()),
+                expected: format!(
+                    "one for each of the {spheres} spheres of level {}",
+                    self.level
+                ),
+            });
+        }
+        let bad = |n: &Vec3| !(*n == Vec3::zeros() || within(norm(n), 1.0 - 1e-9, 1.0 + 1e-9));
+        match self.inward.iter().position(bad) {
+            None => Ok(()),
+            Some(at) => Err(TissueError {
+                field: "inward",
+                found: format!("{:?} for sphere {at}", self.inward[at]),
+                expected: "a unit vector, or zero for a sphere that stays".into(),
+            }),
+        }
+    }
+}
+
+/// A neighbour within the attenuation's reach.
+#[derive(Clone, Copy, Debug)]
+struct Neighbour {
+    place: u32,
+    /// `a^d`.
+    share: f64,
+}
+
+/// A printed gingiva made ready. A configuration is the displacements of all spheres of the level.
+#[derive(Debug)]
+pub(crate) struct ReadyGingiva {
+    model: PrintedGingiva,
+    followers: Followers,
+    /// Level in contact.
+    level: u8,
+    /// Neighbours of all spheres, one after the other, each its own first neighbour; of those that stay, none.
+    neighbours: Vec<Neighbour>,
+    /// Where each sphere's neighbours end.
+    ends: Vec<u32>,
+    /// Height of the gingival margin along the axis, metres: the highest that can be displaced.
+    margin: f64,
+    /// Displacement of each fringe sphere along its direction, metres.
+    fringe: Vec<f64>,
+}
+
+impl ReadyGingiva {
+    /// For an object touched at `level`; `model` has passed its validation.
+    pub fn new(model: &PrintedGingiva, rest: &SphereTree, level: u8) -> Self {
+        let followers = Followers::new(rest, model.level);
+        let node = |place: usize| &rest.nodes()[followers.movers[place] as usize];
+        let n = followers.movers.len();
+        let moves = |place: &usize| {
+            model
+                .inward
+                .get(*place)
+                .is_some_and(|n| *n != Vec3::zeros())
+        };
+        let (mut neighbours, mut ends) = (Vec::new(), Vec::with_capacity(n));
+        for i in 0..n {
+            for j in (0..n).filter(|j| moves(&i) && moves(j)) {
+                let distance = norm(&(node(i).centre - node(j).centre));
+                if distance <= model.neighbourhood_m {
+                    let share = libm::pow(model.attenuation_per_mm, distance * 1e3);
+                    let place = j as u32;
+                    neighbours.push(Neighbour { place, share });
+                }
+            }
+            ends.push(neighbours.len() as u32);
+        }
+        let margin = (0..n).filter(moves).fold(f64::NEG_INFINITY, |most, at| {
+            fmax(
+                most,
+                model.axis.dot(&node(at).centre) + node(at).contact_radius,
+            )
+        });
+        Self {
+            fringe: vec![0.0; n],
+            model: model.clone(),
+            followers,
+            level,
+            neighbours,
+            ends,
+            margin,
+        }
+    }
+
+    /// Eq. 11 to 13, 15, 16: displacements of the fringe spheres. Whether there are any.
+    fn press(&mut self, u: &[f64], hybrid: &[f64], hands: &Hands<'_>) -> bool {
+        let Self {
+            model,
+            followers,
+            level,
+            margin,
+            fringe,
+            ..
+        } = self;
+        fringe.fill(0.0);
+        let (nodes, place) = followers.posed(u);
+        for (hand, hybrid) in hands.tools.iter().zip(hybrid) {
+            let Some(hand) = hand else { continue };
+            let withdrawn = model.axis.dot(&hand.haptic.transform(&hand.tool.tip)) > *margin;
+            // What a sphere does that is not pressed away from the tooth.
+            let otherwise = match (*hybrid != 0.0, withdrawn) {
+                // Eq. 11: back to the undeformed place.
+                (false, _) => 0.0,
+                // Eq. 15, type 1: the tool stays in the pocket, so the gingiva leaves it room.
+                (true, false) => model.tip_diameter_m,
+                // Eq. 16, type 3: released.
+                (true, true) => 0.0,
+            };
+            for_each_press(
+                hand,
+                model.contact_distance_m,
+                (nodes, *level),
+                |node, _, dp| {
+                    let Some(at) = place[node as usize] else {
+                        return;
+                    };
+                    let at = at as usize;
+                    if model.inward[at] == Vec3::zeros() {
+                        return;
+                    }
+                    let along = model.penalty_n_per_m * dp.dot(&model.inward[at]);
+                    let pressed = if *hybrid != 0.0 && withdrawn {
+                        0.0
+                    } else if along > 0.0 {
+                        along / model.stiffness_n_per_m
+                    } else {
+                        otherwise
+                    };
+                    fringe[at] = fmax(fringe[at], pressed);
+                },
+            );
+        }
+        fringe.iter().any(|ds| *ds > 0.0)
+    }
+
+    /// Eq. 14: the neighbours follow, each the fringe sphere that displaces it most.
+    fn spread(&self, shape: &mut [f64]) {
+        let mut first = 0;
+        for (at, &end) in self.ends.iter().enumerate() {
+            let neighbours = &self.neighbours[first..end as usize];
+            first = end as usize;
+            if self.fringe[at] <= 0.0 {
+                continue;
+            }
+            for neighbour in neighbours {
+                let ds = self.model.inward[at] * (neighbour.share * self.fringe[at]);
+                let there = &mut shape[3 * neighbour.place as usize..][..3];
+                let now = there[0] * there[0] + there[1] * there[1] + there[2] * there[2];
+                if ds.dot(&ds) > now {
+                    there.copy_from_slice(ds.as_slice());
+                }
+            }
+        }
+    }
+}
+
+impl Tissue for ReadyGingiva {
+    fn shape_len(&self) -> usize {
+        3 * self.followers.movers.len()
+    }
+
+    fn free_step(
+        &mut self,
+        state: &[f64],
+        hands: &Hands<'_>,
+        shape: &mut [f64],
+        free: &mut [f64],
+    ) -> bool {
+        let (u, hybrid) = state.split_at(shape.len());
+        let pressed = self.press(u, hybrid, hands);
+        shape.fill(0.0);
+        if pressed {
+            self.spread(shape);
+        }
+        // Deformation comes before the optimisation and does not depend on it.
+        free.copy_from_slice(shape);
+        !pressed && state.iter().all(|x| *x == 0.0)
+    }
+
+    fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]) {
+        self.followers.centres(shape, ids, out);
+    }
+
+    fn add_gram(&mut self, _: &[Site], _: &mut Gram<'_>) {}
+
+    fn apply(&mut self, _: &[Site], _: &[f64], free: &[f64], shape: &mut [f64]) {
+        shape.copy_from_slice(free);
+    }
+
+    fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
+        self.followers.motion(from, to)
+    }
+
+    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], hands: &Hands<'_>, state: &mut [f64]) {
+        let (u, hybrid) = state.split_at_mut(shape.len());
+        u.copy_from_slice(shape);
+        for (t, hybrid) in hybrid.iter_mut().enumerate() {
+            let on_tooth = |hand: &crate::tissue::Hand<'_>| {
+                let load = hand.loads.get(usize::from(self.model.tooth));
+                load.is_some_and(|load| norm(&load.force) > 0.0)
+            };
+            let both = loads.iter().any(|load| usize::from(load.tool) == t)
+                && hands.tools[t].as_ref().is_some_and(on_tooth);
+            *hybrid = f64::from(u8::from(both));
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The external force of section 4.2: Eq. 2, 3 and the rule for a haptic tool out of contact.
+
+use super::pairs::for_each_pair;
+use crate::math::Vec3;
+use crate::tissue::Hand;
+use crate::tree::Node;
+
+/// Calls `press(tissue node, tool node, dp)` for every pair that contact prediction finds between the graphic tool of the
+/// last tick, grown by `d`, and the tissue as the last tick left it, with `dp = C_h - C_g` (Eq. 3), metres,
+/// world axes. Zero where the haptic tool is out of contact with that shape. Returns the number of pairs.
+pub(super) fn for_each_press(
+    hand: &Hand<'_>,
+    d: f64,
+    tissue: (&[Node], u8),
+    mut press: impl FnMut(u32, u32, Vec3),
+) -> u32 {
+    let mut pairs = 0;
+    let mut in_contact = None;
+    for_each_pair((hand.tool, &hand.graphic, d), tissue, |node, tool_node| {
+        pairs += 1;
+        // Asked only where there is something to press.
+        let pressing = *in_contact.get_or_insert_with(|| {
+            !for_each_pair((hand.tool, &hand.haptic, 0.0), tissue, |_, _| false)
+        });
+        let dp = if pressing {
+            let centre = &hand.tool.tree.nodes()[tool_node as usize].centre;
+            hand.haptic.transform(centre) - hand.graphic.transform(centre)
+        } else {
+            Vec3::zeros()
+        };
+        press(node, tool_node, dp);
+        true
+    });
+    pairs
+}

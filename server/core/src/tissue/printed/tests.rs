@@ -1,0 +1,717 @@
+//! The printed models against the paper's equations, by hand.
+
+use super::pairs::for_each_pair;
+use super::skeleton::Graph;
+use super::stability::{Spectrum, largest_time_step};
+use super::*;
+use crate::math::{Pose, Quat, Vec3, Wrench, exp_rotation, norm};
+use crate::output::status;
+use crate::tick::tests::rod_tool;
+use crate::tissue::{Hand, Hands, SiteLoad, Tissue, TissueModel};
+use crate::tree::{Sphere, SphereTree};
+use crate::*;
+
+const TIP: f64 = 0.09;
+
+fn rod() -> Tool {
+    rod_tool(Vec3::new(0.0, 0.0, -0.086))
+}
+
+/// Device pose that puts the rod's lowest sphere at `tip`.
+fn over(tip: Vec3) -> Pose {
+    Pose::new(tip + Vec3::new(0.0, 0.0, TIP), Quat::identity())
+}
+
+/// A block of spheres, 1 mm apart, three layers from z = 0 downwards.
+fn block() -> SphereTree {
+    let spheres: Vec<Sphere> = (0..3)
+        .flat_map(|k| (0..8).flat_map(move |i| (0..8).map(move |j| (i, j, k))))
+        .map(|(i, j, k)| Sphere {
+            centre: Vec3::new(
+                f64::from(i) * 1e-3 - 3.5e-3,
+                f64::from(j) * 1e-3 - 3.5e-3,
+                -1e-3 * f64::from(k),
+            ),
+            radius: 8e-4,
+        })
+        .collect();
+    SphereTree::over_leaves(&spheres).expect("valid")
+}
+
+/// Its level-2 spheres, each joined to all within 4 mm, the lowest ones held.
+fn skeleton(tree: &SphereTree) -> PrintedSkeleton {
+    let nodes: Vec<(u32, Vec3)> = tree.shape_at(2).map(|(id, n)| (id, n.centre)).collect();
+    let mut springs = Vec::new();
+    for (at, (i, a)) in nodes.iter().enumerate() {
+        for (j, b) in &nodes[at + 1..] {
+            if norm(&(a - b)) < 4e-3 {
+                springs.push([*i, *j]);
+            }
+        }
+    }
+    let low = nodes.iter().filter(|(_, c)| c.x < -2.4e-3 || c.z < -1.4e-3);
+    let fixed = low.map(|(id, _)| *id).collect();
+    PrintedSkeleton::new(2, springs, fixed)
+}
+
+fn scene(tree: SphereTree, tissue: TissueModel) -> Scene {
+    Scene {
+        name: "printed".into(),
+        source_hash: String::new(),
+        params: Params::default(),
+        tools: vec![rod()],
+        objects: vec![Object {
+            name: "block".into(),
+            fdi: 0,
+            tree,
+            level: 7,
+            tissue,
+            mesh: DisplayMesh::default(),
+            carriers: Vec::new(),
+        }],
+    }
+}
+
+fn input(pose: &Pose) -> TickInput {
+    let mut input = TickInput::IDLE;
+    input.tools[0] = ToolInput {
+        pose: RawPose::from(pose),
+        present: true,
+        ..ToolInput::ABSENT
+    };
+    input
+}
+
+fn hands<'a>(tool: &'a Tool, haptic: Pose, graphic: Pose, loads: &'a [Wrench]) -> Hands<'a> {
+    Hands {
+        tools: [
+            Some(Hand {
+                tool,
+                haptic,
+                graphic,
+                loads,
+            }),
+            None,
+        ],
+        detail: 0,
+    }
+}
+
+#[test]
+fn the_pairs_are_those_of_every_sphere_against_every_sphere() {
+    let (tool, tree) = (rod(), block());
+    for k in 0..200 {
+        let s = f64::from(k);
+        let tilt = exp_rotation(&Vec3::new(libm::sin(s), libm::cos(1.7 * s), 0.3));
+        let tip = Vec3::new(
+            3e-3 * libm::sin(0.3 * s),
+            3e-3 * libm::cos(s),
+            1.5e-3 * libm::sin(2.0 * s),
+        );
+        let pose = Pose::new(tip + tilt * Vec3::new(0.0, 0.0, TIP), tilt);
+        let (level, d) = ((k % 4) as u8, 2e-4 * f64::from(k % 3));
+        let mut found = Vec::new();
+        let all = for_each_pair((&tool, &pose, d), (tree.nodes(), level), |o, t| {
+            found.push((o, t));
+            true
+        });
+        let mut expected = Vec::new();
+        for (o, node) in tree.shape_at(level) {
+            for (t, sphere) in tool.tree.shape_at(tool.level) {
+                let reach = node.contact_radius + sphere.contact_radius + d;
+                if norm(&(pose.transform(&sphere.centre) - node.centre)) < reach {
+                    expected.push((o, t));
+                }
+            }
+        }
+        found.sort_unstable();
+        assert!(all && found == expected, "pose {k}");
+        let mut first = 0;
+        let stopped = !for_each_pair((&tool, &pose, d), (tree.nodes(), level), |_, _| {
+            first += 1;
+            false
+        });
+        assert_eq!(
+            (stopped, first),
+            (!expected.is_empty(), usize::from(!expected.is_empty()))
+        );
+    }
+}
+
+/// Whether a free vibration grows: its size over the last tenth of the run against the tenth before the half.
+fn grows(graph: &Graph, numbers: (f64, f64, f64, f64)) -> bool {
+    let n = 3 * graph.fixed.len();
+    let mut now: Vec<f64> = (0..2 * n)
+        .map(|k| {
+            if k < n {
+                1e-3 * libm::sin(1.0 + 7.0 * k as f64)
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let (mut next, force) = (vec![0.0; 2 * n], vec![0.0; n]);
+    let (mut early, mut late) = (0.0, 0.0);
+    for step in 0..8_000 {
+        graph.euler(numbers, &force, &now, &mut next);
+        std::mem::swap(&mut now, &mut next);
+        let size = now.iter().fold(0.0, |most, x| math::fmax(most, x.abs()));
+        if size > 1e6 {
+            return true;
+        }
+        match step {
+            3_000..4_000 => early = math::fmax(early, size),
+            7_000.. => late = math::fmax(late, size),
+            _ => {}
+        }
+    }
+    late > early
+}
+
+/// Where `unstable` begins between `low` (stable) and `high`, to a thousandth.
+fn onset(mut low: f64, mut high: f64, unstable: impl Fn(f64) -> bool) -> f64 {
+    assert!(!unstable(low) && unstable(high), "{low} to {high}");
+    while high > low * 1.001 {
+        let middle = 0.5 * (low + high);
+        if unstable(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn one_spring_becomes_unstable_where_eq_9_says() {
+    // One sphere on one spring; k is k_s + k_p.
+    let graph = Graph {
+        springs: vec![[0, 1]],
+        fixed: vec![true, false],
+    };
+    // Under, at and over critical damping.
+    for (k, b, m) in [
+        (205.0, 2.0, 0.02),
+        (505.0, 0.5, 0.02),
+        (205.0, 2.0 * (205.0_f64 * 0.02).sqrt(), 0.02),
+        (205.0, 30.0, 0.02),
+        (505.0, 600.0, 0.3),
+    ] {
+        let limit = largest_time_step(k, b, m);
+        let measured = onset(0.5 * limit, 2.0 * limit, |dt| grows(&graph, (k, b, m, dt)));
+        assert!(
+            (measured / limit - 1.0).abs() < 0.01,
+            "k {k}, b {b}, m {m}: measured {measured}, predicted {limit}"
+        );
+    }
+}
+
+#[test]
+fn a_skeleton_becomes_unstable_where_its_eigenvalues_say() {
+    let tree = block();
+    let model = skeleton(&tree);
+    let graph = model.graph(&tree).expect("its own nodes");
+    let unit = Spectrum::of_unit_springs(graph.fixed.len(), &graph.springs, &graph.fixed);
+    assert!(unit.least > 0.0 && unit.most > 3.0 * unit.least, "{unit:?}");
+    let (b, m, dt) = (12.0, 0.02, TICK_S);
+    // By stiffness, by the largest eigenvalue.
+    let limit = b / dt / unit.most;
+    let measured = onset(0.5 * limit, 2.0 * limit, |k| grows(&graph, (k, b, m, dt)));
+    assert!(
+        (measured / limit - 1.0).abs() < 0.01,
+        "stiffness {measured}, {limit}"
+    );
+    // By damping and by mass, by the smallest eigenvalue.
+    let k = 0.5 * limit;
+    let limit = 2.0 * m / dt + 0.5 * dt * k * unit.least;
+    let measured = onset(0.5 * limit, 2.0 * limit, |b| grows(&graph, (k, b, m, dt)));
+    assert!(
+        (measured / limit - 1.0).abs() < 0.01,
+        "damping {measured}, {limit}"
+    );
+    let limit = unit.scaled(k, 0.0).smallest_mass(b, dt);
+    let measured = onset(0.5 / limit, 2.0 / limit, |inverse| {
+        grows(&graph, (k, b, 1.0 / inverse, dt))
+    });
+    assert!(
+        (measured * limit - 1.0).abs() < 0.01,
+        "mass {}, {limit}",
+        1.0 / measured
+    );
+    // By the step.
+    for (k, b) in [(k, 6.0), (k, 30.0)] {
+        let limit = unit.scaled(k, 0.0).largest_time_step(b, m);
+        let measured = onset(0.5 * limit, 2.0 * limit, |dt| grows(&graph, (k, b, m, dt)));
+        assert!(
+            (measured / limit - 1.0).abs() < 0.01,
+            "step {measured}, {limit}"
+        );
+    }
+}
+
+/// The number that follows some words.
+fn number_after(text: &str, words: &str) -> f64 {
+    let rest = text.split(words).nth(1).expect("the words");
+    let number: String = rest.chars().take_while(|c| !c.is_whitespace()).collect();
+    number.parse().expect("a number")
+}
+
+#[test]
+fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
+    let tree = block();
+    let mut model = skeleton(&tree);
+    model.validate(&tree).expect("the defaults are stable");
+    let spectrum = model.spectrum(&tree).expect("its own nodes");
+    let unit = (spectrum.most - model.penalty_n_per_m) / model.spring_n_per_m;
+    let stiffest = (model.damping_n_s_per_m / TICK_S - model.penalty_n_per_m) / unit;
+    for (share, stands) in [(0.9, true), (0.99, true), (1.01, false), (1000.0, false)] {
+        model.spring_n_per_m = stiffest * share;
+        let found = model.validate(&tree);
+        assert_eq!(found.is_ok(), stands, "{share}: {found:?}");
+    }
+    // The paper's own numbers: 0.5 N/mm, 0.6 N s/mm, 20 g.
+    (model.spring_n_per_m, model.damping_n_s_per_m) = (500.0, 600.0);
+    let refused = model
+        .validate(&tree)
+        .expect_err("section 8.1 at 20 g")
+        .to_string();
+    assert!(
+        refused.contains("spring at most") && refused.contains("time step of at most"),
+        "{refused}"
+    );
+    // No spring stands at that damping, so another is named; both a little less than it says, it stands, both more, and it
+    // does not.
+    let (stiffest, damping) = (
+        number_after(&refused, "spring at most "),
+        number_after(&refused, "(with a damping of "),
+    );
+    for (share, stands) in [(0.999, true), (1.01, false)] {
+        let mut other = model.clone();
+        other.spring_n_per_m = stiffest * share;
+        other.damping_n_s_per_m = damping * 0.5 * (1.0 + share);
+        assert_eq!(other.validate(&tree).is_ok(), stands, "{share}: {refused}");
+    }
+    let step = number_after(&refused, "time step of at most ");
+    let spectrum = model.spectrum(&tree).expect("its own nodes");
+    assert!((step / spectrum.largest_time_step(600.0, 0.02) - 1.0).abs() < 1e-3);
+    // Just over and just under what it asks for: 0.3 kg less what the springs' slowest mode gives.
+    let least = model.spectrum(&tree).expect("its own nodes").least;
+    let mass = 0.5 * TICK_S * 600.0 - 0.25 * TICK_S * TICK_S * least;
+    assert!(
+        mass > 0.29 && refused.contains(&format!("mass at least {mass:.4e} kg")),
+        "{refused}"
+    );
+    for (share, stands) in [(0.999, false), (1.001, true)] {
+        model.mass_kg = mass * share;
+        assert_eq!(model.validate(&tree).is_ok(), stands, "{share}");
+    }
+}
+
+#[test]
+fn loose_or_unknown_spheres_are_refused() {
+    let tree = block();
+    let mut model = skeleton(&tree);
+    model.fixed.clear();
+    assert_eq!(
+        model.validate(&tree).expect_err("nothing held").field,
+        "springs"
+    );
+    let mut model = skeleton(&tree);
+    model.springs.push([0, 1]);
+    assert_eq!(
+        model.validate(&tree).expect_err("the root").field,
+        "springs"
+    );
+    let mut model = skeleton(&tree);
+    model.fixed.push(99_999);
+    assert_eq!(
+        model.validate(&tree).expect_err("no such node").field,
+        "fixed"
+    );
+    let mut model = skeleton(&tree);
+    model.mass_kg = f64::NAN;
+    assert_eq!(model.validate(&tree).expect_err("no mass").field, "mass_kg");
+}
+
+/// Where the load is and how the step goes: Eq. 1 to 5 by hand for the first two ticks.
+#[test]
+fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
+    let tree = block();
+    let model = skeleton(&tree);
+    let mut ready = ReadySkeleton::new(&model, &tree, 7);
+    let (tool, loads) = (rod(), [Wrench::ZERO]);
+    let free_node = tree
+        .shape_at(2)
+        .find(|(id, n)| !model.fixed.contains(id) && n.centre.z > -6e-4)
+        .expect("one");
+    let at = free_node.1.centre;
+    let (graphic, haptic) = (
+        over(Vec3::new(at.x, at.y, 9e-4)),
+        over(Vec3::new(at.x + 1e-4, at.y, -4e-4)),
+    );
+    let dp = Vec3::new(1e-4, 0.0, -1.3e-3);
+    // Pairs by brute force, per ancestor.
+    let ids: Vec<u32> = tree.shape_at(2).map(|(id, _)| id).collect();
+    let mut pairs = vec![0.0; ids.len()];
+    for (o, node) in tree.shape_at(7) {
+        let mut above = o;
+        while !ids.contains(&above) {
+            above = (0..above)
+                .find(|&k| {
+                    let parent = &tree.nodes()[k as usize];
+                    parent.children > 0
+                        && (parent.first_child..parent.first_child + u32::from(parent.children))
+                            .contains(&above)
+                })
+                .expect("a parent");
+        }
+        for (_, sphere) in tool.tree.shape_at(tool.level) {
+            let gap = norm(&(graphic.transform(&sphere.centre) - node.centre))
+                - node.contact_radius
+                - sphere.contact_radius;
+            if gap < model.contact_distance_m {
+                pairs[ids.binary_search(&above).expect("a mover")] += 1.0;
+            }
+        }
+    }
+    assert!(pairs.iter().filter(|n| **n > 0.0).count() >= 2, "{pairs:?}");
+    let n = 3 * ids.len();
+    let mut state = vec![0.0; 2 * n];
+    let (mut shape, mut free) = (vec![0.0; 2 * n + 1], vec![0.0; 2 * n + 1]);
+    let now = hands(&tool, haptic, graphic, &loads);
+    assert!(!ready.free_step(&state, &now, &mut shape, &mut free));
+    assert_eq!(shape, free);
+    let held = |at: usize| model.fixed.contains(&ids[at]);
+    for (at, count) in pairs.iter().enumerate() {
+        for axis in 0..3 {
+            let force = model.penalty_n_per_m * count * dp[axis];
+            let v = if held(at) {
+                0.0
+            } else {
+                TICK_S / model.mass_kg * force
+            };
+            assert!((shape[n + 3 * at + axis] - v).abs() < 1e-15 + 1e-9 * v.abs());
+            assert_eq!(shape[3 * at + axis], 0.0, "the place follows a step later");
+        }
+    }
+    // What is above keeps its centre, what is below shifts with its ancestor.
+    ready.commit(&shape, &[], &now, &mut state);
+    ready.free_step(&state, &now, &mut shape, &mut free);
+    let all: Vec<u32> = (0..tree.nodes().len() as u32).collect();
+    let mut centres = vec![Vec3::zeros(); all.len()];
+    ready.centres(&shape, &all, &mut centres);
+    let mut moved = 0;
+    for (id, node) in tree.nodes().iter().enumerate() {
+        let shift = centres[id] - node.centre;
+        if node.level < 2 && node.children > 0 {
+            assert_eq!(shift, Vec3::zeros());
+        }
+        if node.level >= 2 {
+            for child in node.first_child..node.first_child + u32::from(node.children) {
+                let below = centres[child as usize] - tree.nodes()[child as usize].centre;
+                assert!(norm(&(below - shift)) < 1e-15);
+                moved += usize::from(norm(&shift) > 0.0);
+            }
+        }
+    }
+    assert!(moved > 4, "{moved}");
+    // The haptic tool out of contact: nothing presses, though the graphic tool is near.
+    let away = hands(&tool, over(Vec3::new(at.x, at.y, 2e-3)), graphic, &loads);
+    assert!(ready.free_step(&vec![0.0; 2 * n], &away, &mut shape, &mut free));
+    assert!(shape.iter().all(|x| *x == 0.0));
+}
+
+/// Presses the rod into the block and draws it out again.
+fn press(k: u32) -> Pose {
+    let t = f64::from(k) * 1e-3;
+    let deep = math::fclamp(libm::sin(2.5 * t), -0.2, 1.0);
+    over(Vec3::new(1.5e-3, 2e-4, 1.2e-3 - 3e-3 * deep))
+}
+
+#[test]
+fn a_stable_skeleton_gives_way_and_comes_back_to_exact_rest() {
+    let tree = block();
+    let mut model = skeleton(&tree);
+    // Many pairs at a sphere: well within the limit.
+    (model.spring_n_per_m, model.penalty_n_per_m) = (80.0, 2.0);
+    let scene = scene(tree, TissueModel::PrintedSkeleton(model));
+    scene.validate().expect("stable");
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let (mut deepest, mut faults) = (0.0, 0);
+    for k in 0..1200 {
+        let out = tick(&scene, &mut state, &mut ws, &input(&press(k)), &mut NoProbe);
+        deepest = state
+            .tissue
+            .iter()
+            .fold(deepest, |most, x| math::fmax(most, x.abs()));
+        faults += u32::from(out.tools[0].status & status::FAULT != 0);
+        // Nothing that a workspace keeps shows.
+        if k % 97 == 0 {
+            let bytes = state.to_bytes();
+            let (mut other, mut fresh) = (
+                State::from_bytes(&scene, &bytes).expect("its own"),
+                Workspace::new(&scene),
+            );
+            let next = input(&press(k + 1));
+            let (mut same, mut kept) = (state.clone(), ws);
+            let a = tick(&scene, &mut same, &mut kept, &next, &mut NoProbe);
+            let b = tick(&scene, &mut other, &mut fresh, &next, &mut NoProbe);
+            assert_eq!((a, same), (b, other), "tick {k}");
+            ws = Workspace::new(&scene);
+        }
+    }
+    assert!(deepest > 1e-4, "{deepest}");
+    assert_eq!(faults, 0);
+    for k in 0..20_000 {
+        tick(
+            &scene,
+            &mut state,
+            &mut ws,
+            &input(&over(Vec3::new(0.0, 0.0, 0.02))),
+            &mut NoProbe,
+        );
+        if state.tissue.iter().all(|x| *x == 0.0) {
+            return assert!(k > 10, "{k}");
+        }
+    }
+    panic!("not at rest after 20 s");
+}
+
+#[test]
+fn what_diverges_goes_back_to_rest_and_is_said() {
+    let tree = block();
+    let mut model = skeleton(&tree);
+    model.spring_n_per_m = 1e5;
+    let scene = scene(tree, TissueModel::PrintedSkeleton(model));
+    assert!(scene.validate().is_err());
+    // Whoever runs it in spite of the guard.
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let mut faults = 0;
+    for k in 0..2000 {
+        let out = tick(&scene, &mut state, &mut ws, &input(&press(k)), &mut NoProbe);
+        assert!(state.tissue.iter().all(|x| x.is_finite()));
+        assert!(out.tools[0].wrench.force.iter().all(|x| x.is_finite()));
+        faults += u32::from(out.tools[0].status & status::FAULT != 0);
+    }
+    assert!(faults > 0);
+}
+
+/// A wall of spheres in the plane y = 0.9 mm, its lowest rows under the pocket's bottom; the tooth is a wall at
+/// y = -0.9 mm. Gap between them 0.2 mm wide about y = 0... for a rod of 0.5 mm.
+fn wall(y: f64) -> SphereTree {
+    let spheres: Vec<Sphere> = (0..12)
+        .flat_map(|i| (0..12).map(move |k| (i, k)))
+        .map(|(i, k)| Sphere {
+            centre: Vec3::new(
+                f64::from(i) * 4e-4 - 2.2e-3,
+                y,
+                f64::from(k) * 4e-4 - 4.4e-3,
+            ),
+            radius: 8e-4,
+        })
+        .collect();
+    SphereTree::over_leaves(&spheres).expect("valid")
+}
+
+const FLOOR: f64 = -3.5e-3;
+
+fn gingiva(tree: &SphereTree) -> PrintedGingiva {
+    let inward = tree
+        .shape_at(7)
+        .map(|(_, n)| {
+            if n.centre.z > FLOOR {
+                Vec3::y()
+            } else {
+                Vec3::zeros()
+            }
+        })
+        .collect();
+    PrintedGingiva::new(7, 1, inward, Vec3::z())
+}
+
+/// Runs one free step of a gingiva; returns displacements by tree node.
+fn displaced(
+    model: &PrintedGingiva,
+    tree: &SphereTree,
+    hybrid: bool,
+    (haptic, graphic): (Pose, Pose),
+) -> Vec<(Vec3, Vec3)> {
+    let mut ready = ReadyGingiva::new(model, tree, 7);
+    let (tool, loads) = (rod(), [Wrench::ZERO; 2]);
+    let mut state = vec![0.0; ready.shape_len() + MAX_TOOLS];
+    state[ready.shape_len()] = f64::from(u8::from(hybrid));
+    let mut shape = vec![0.0; ready.shape_len()];
+    let mut free = shape.clone();
+    ready.free_step(
+        &state,
+        &hands(&tool, haptic, graphic, &loads),
+        &mut shape,
+        &mut free,
+    );
+    let ids: Vec<u32> = tree.shape_at(7).map(|(id, _)| id).collect();
+    let mut centres = vec![Vec3::zeros(); ids.len()];
+    ready.centres(&shape, &ids, &mut centres);
+    ids.iter()
+        .zip(centres)
+        .map(|(id, centre)| {
+            let rest = tree.nodes()[*id as usize].centre;
+            (rest, centre - rest)
+        })
+        .collect()
+}
+
+/// Whether a sphere is a fringe sphere: near the graphic rod grown by d.
+fn is_fringe(model: &PrintedGingiva, centre: &Vec3, graphic: &Pose) -> bool {
+    let tool = rod();
+    centre.z > FLOOR
+        && tool.tree.shape_at(tool.level).any(|(_, sphere)| {
+            norm(&(graphic.transform(&sphere.centre) - centre))
+                < sphere.contact_radius + 8e-4 + model.contact_distance_m
+        })
+}
+
+#[test]
+fn fringe_spheres_follow_hooke_and_neighbours_the_attenuation() {
+    let tree = wall(0.9e-3);
+    let model = gingiva(&tree);
+    model.validate(&tree).expect("fits");
+    let graphic = over(Vec3::new(0.0, -0.2e-3, -1.5e-3));
+    let haptic = over(Vec3::new(0.05e-3, 0.3e-3, -1.6e-3));
+    let moved = displaced(&model, &tree, false, (haptic, graphic));
+    // Eq. 11, 12: the part of K_p dp along n, over k_d.
+    let ds0 = model.penalty_n_per_m * 0.5e-3 / model.stiffness_n_per_m;
+    let fringe: Vec<Vec3> = moved
+        .iter()
+        .filter(|(rest, _)| is_fringe(&model, rest, &graphic))
+        .map(|(rest, _)| *rest)
+        .collect();
+    assert!(fringe.len() > 3 && fringe.len() < 60, "{}", fringe.len());
+    for (rest, u) in &moved {
+        let nearest = fringe.iter().fold(f64::INFINITY, |least, f| {
+            math::fmin(least, norm(&(f - rest)))
+        });
+        let expected = if rest.z <= FLOOR || nearest > model.neighbourhood_m {
+            0.0
+        } else {
+            libm::pow(model.attenuation_per_mm, nearest * 1e3) * ds0
+        };
+        assert!(
+            norm(&(u - Vec3::y() * expected)) < 1e-12,
+            "{rest:?}: {u:?}, {expected}"
+        );
+    }
+    // Away from the gingiva: nothing.
+    let back = over(Vec3::new(0.0, -0.4e-3, -1.5e-3));
+    let none = displaced(&model, &tree, false, (back, graphic));
+    assert!(none.iter().all(|(_, u)| *u == Vec3::zeros()));
+}
+
+#[test]
+fn the_three_interaction_types_of_a_hybrid_contact() {
+    let tree = wall(0.9e-3);
+    let model = gingiva(&tree);
+    let graphic = over(Vec3::new(0.0, 0.0, -1.5e-3));
+    let most = |hybrid, haptic| {
+        displaced(&model, &tree, hybrid, (over(haptic), graphic))
+            .iter()
+            .fold(0.0, |most, (_, u)| math::fmax(most, norm(u)))
+    };
+    // Type 1: pressed towards the tooth, the gingiva keeps room for the tip.
+    let towards_tooth = Vec3::new(0.0, -0.3e-3, -1.5e-3);
+    assert!((most(true, towards_tooth) - model.tip_diameter_m).abs() < 1e-12);
+    assert_eq!(most(false, towards_tooth), 0.0);
+    // Type 2: pressed away from it, as without.
+    let away = Vec3::new(0.0, 0.4e-3, -1.5e-3);
+    let hooke = model.penalty_n_per_m / model.stiffness_n_per_m * 0.4e-3;
+    assert!((most(true, away) - hooke).abs() < 1e-9);
+    assert!((most(false, away) - hooke).abs() < 1e-9);
+    // Type 3: the tip is out of the pocket.
+    assert_eq!(most(true, Vec3::new(0.0, -0.3e-3, 2e-3)), 0.0);
+    assert_eq!(most(true, Vec3::new(0.0, 0.4e-3, 2e-3)), 0.0);
+}
+
+#[test]
+fn the_memory_is_last_ticks_load_on_both() {
+    let tree = wall(0.9e-3);
+    let model = gingiva(&tree);
+    let mut ready = ReadyGingiva::new(&model, &tree, 7);
+    let tool = rod();
+    let load = Wrench {
+        force: Vec3::new(0.0, -0.1, 0.0),
+        torque: Vec3::zeros(),
+    };
+    let site = SiteLoad {
+        sphere: 80,
+        tool: 0,
+        force: Vec3::y(),
+    };
+    let n = ready.shape_len();
+    let (shape, pose) = (vec![0.0; n], over(Vec3::zeros()));
+    for (loads, sites, hybrid) in [
+        ([load, load], vec![site], [1.0, 0.0]),
+        ([load, Wrench::ZERO], vec![site], [0.0, 0.0]),
+        ([Wrench::ZERO, load], vec![], [0.0, 0.0]),
+        ([load, load], vec![SiteLoad { tool: 1, ..site }], [0.0, 0.0]),
+    ] {
+        let mut state = vec![0.5; n + MAX_TOOLS];
+        ready.commit(
+            &shape,
+            &sites,
+            &hands(&tool, pose, pose, &loads),
+            &mut state,
+        );
+        assert_eq!(state[n..], hybrid);
+    }
+}
+
+#[test]
+fn bad_numbers_of_a_gingiva_are_refused_by_name() {
+    let tree = wall(0.9e-3);
+    let good = gingiva(&tree);
+    let refused = |change: fn(&mut PrintedGingiva)| {
+        let mut model = good.clone();
+        change(&mut model);
+        model.validate(&tree).expect_err("broken").field
+    };
+    assert_eq!(refused(|m| m.stiffness_n_per_m = 0.0), "stiffness_n_per_m");
+    assert_eq!(
+        refused(|m| m.attenuation_per_mm = 1.0),
+        "attenuation_per_mm"
+    );
+    assert_eq!(
+        refused(|m| m.inward.iter_mut().for_each(|n| *n *= 2.0)),
+        "inward"
+    );
+    assert_eq!(refused(|m| m.inward[3].x = f64::NAN), "inward");
+    assert_eq!(refused(|m| m.inward.truncate(7)), "inward");
+    assert_eq!(refused(|m| m.axis = Vec3::zeros()), "axis");
+}
+
+/// With the tissue standing still, the answer is that of the same shape, rigid: the optimisation runs against the deformed
+/// thing (section 7).
+#[test]
+fn against_a_tissue_that_never_moves_the_tick_is_the_rigid_one() {
+    let tree = block();
+    let mut model = skeleton(&tree);
+    model.penalty_n_per_m = 0.0;
+    let printed = scene(tree.clone(), TissueModel::PrintedSkeleton(model));
+    let rigid = scene(tree, TissueModel::Rigid);
+    let (mut a, mut b) = (State::new(&printed), State::new(&rigid));
+    let (mut wa, mut wb) = (Workspace::new(&printed), Workspace::new(&rigid));
+    let mut contact = 0;
+    for k in 0..800 {
+        let now = input(&press(k));
+        let x = tick(&printed, &mut a, &mut wa, &now, &mut NoProbe).tools[0];
+        let y = tick(&rigid, &mut b, &mut wb, &now, &mut NoProbe).tools[0];
+        assert!(
+            norm(&(x.graphic.position - y.graphic.position)) < 1e-9,
+            "tick {k}"
+        );
+        assert!(
+            norm(&(x.raw_wrench.force - y.raw_wrench.force)) < 1e-5,
+            "tick {k}"
+        );
+        contact += u32::from(y.active > 0);
+    }
+    assert!(contact > 300, "{contact}");
+}
