@@ -7,6 +7,7 @@ use sulcus_cases::{Chart, Measures, Observer};
 use sulcus_sessions::{Recording, ReplayOptions, ReplayReport, Signature, replay_observed};
 
 use super::summary::{PocketSummary, SiteSummary, TissueSummary};
+use super::zones::{entered, zone_line};
 use crate::progress::Steps;
 
 /// What the replay found.
@@ -15,6 +16,8 @@ pub struct Checked {
     pub report: ReplayReport,
     /// The measures of the session, by full queries of all pairs.
     pub measures: Measures,
+    /// A line for each time that a hand became too heavy in a pocket.
+    pub zones: Vec<String>,
     /// What a probe read.
     pub chart: Chart,
     /// Whether anything in the scene yields.
@@ -54,7 +57,7 @@ impl Checked {
     /// How tissue fared; none where nothing yields.
     pub fn tissue(&self) -> Option<TissueSummary> {
         let m = &self.measures;
-        self.yields.then(|| TissueSummary {
+        self.yields.then_some(TissueSummary {
             indentation_mm: m.indentation * 1e3,
             unrest_um: m.unrest * 1e6,
             max_raw_force_n: m.max_raw_force,
@@ -73,6 +76,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let recording = Recording::open(path)?;
     let scene = recording.scene()?;
     let (mut observer, mut chart) = (Observer::new(&scene), Chart::default());
+    let mut zones = Vec::new();
     let rows = recording.len().max(1) as f64;
     let bar = steps.bar("replaying");
     let report = replay_observed(
@@ -82,6 +86,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         &mut |scene, input, output, ws| {
             observer.observe(scene, input, output, ws);
             chart.observe(scene, output);
+            zones.extend(entered(output).map(|(_, reading)| zone_line(output.tick, &reading)));
         },
     )?;
     bar.done();
@@ -89,6 +94,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     Ok(Checked {
         report,
         measures: observer.measures(),
+        zones,
         chart,
         yields: scene.objects.iter().any(|o| !o.tissue.is_rigid()),
         bytes,

@@ -79,9 +79,29 @@ pub fn stiff(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Multiplies all stiffness of a tissue.
+/// Multiplies all stiffness of a tissue, as far as its ranges go.
 fn stiffen(tissue: &mut TissueModel, by: f64) {
-    let _ = (tissue, by);
+    match tissue {
+        TissueModel::Gingiva(gingiva) => {
+            let p = &mut gingiva.params;
+            for stiffness in [
+                &mut p.wall_stiffness,
+                &mut p.shear_stiffness,
+                &mut p.floor_stiffness,
+            ] {
+                *stiffness = (*stiffness * by).min(1e6);
+            }
+        }
+        TissueModel::Skeleton(skeleton) => {
+            let levels = [Some(&mut skeleton.coarse), skeleton.fine.as_mut()];
+            for level in levels.into_iter().flatten() {
+                for spring in &mut level.springs {
+                    spring.stiffness = spring.stiffness.map(|k| k * by);
+                }
+            }
+        }
+        _ => {}
+    }
 }
 
 /// A rigid bar of 1 mm radius along x through `centre`.

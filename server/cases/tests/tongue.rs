@@ -1,14 +1,18 @@
-//! A mouth mirror on the parametric tongue: what must hold while it presses, slides, lets go.
+//! A mouth mirror on the parametric tongue: what must hold while it presses, lets go, and while the level of
+//! detail changes under it.
 
-use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use sulcus_core::math::{exp_rotation, norm};
+use sulcus_core::output::status;
+use sulcus_core::tissue::TissueModel;
 use sulcus_core::{
     NoProbe, Pose, Quat, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick,
 };
 use sulcus_operator::present;
-use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
+use sulcus_operator::script::smoothstep;
+use sulcus_scene::built_in::{BuiltIn, compile_built_in};
+use sulcus_scene::{BuildOptions, skeleton};
 
 /// Height of the tongue's back over its underside where the mirror presses, metres.
 const BACK: f64 = 0.0305;
@@ -16,12 +20,8 @@ const BACK: f64 = 0.0305;
 fn tongue() -> &'static Scene {
     static SCENE: OnceLock<Scene> = OnceLock::new();
     SCENE.get_or_init(|| {
-        let options = BuildOptions {
-            cache: default_cache_dir(),
-            ..BuildOptions::default()
-        };
-        let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../scenes/tongue.toml");
-        let compiled = compile_file(&file, &options, &|_, _| {}).expect("the tongue");
+        let compiled = compile_built_in(BuiltIn::Tongue, &BuildOptions::cached(), &|_, _| {})
+            .expect("the tongue");
         assert!(compiled.warnings.is_empty(), "{:?}", compiled.warnings);
         compiled.scene
     })
@@ -51,81 +51,243 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// One tick with the underside of the disc's middle at `place`.
-    fn at(&mut self, place: Vec3) -> TickOutput {
-        let tool = &self.scene.tools[0];
-        let turned = flat();
-        let pose = Pose::new(
-            place + Vec3::new(0.0, 0.0, 1e-3) - turned * tool.working_point,
-            turned,
-        );
+    /// One tick with the underside of the disc's middle at `place`; without one the hand holds nothing.
+    fn tick(&mut self, place: Option<Vec3>) -> TickOutput {
         let mut input = TickInput::IDLE;
         input.detail = self.detail;
-        input.tools[0] = present(&pose);
-        tick(
+        if let Some(place) = place {
+            let (tool, turned) = (&self.scene.tools[0], flat());
+            let at = place + Vec3::new(0.0, 0.0, 1e-3) - turned * tool.working_point;
+            input.tools[0] = present(&Pose::new(at, turned));
+        }
+        let out = tick(
             self.scene,
             &mut self.state,
             &mut self.ws,
             &input,
             &mut NoProbe,
-        )
+        );
+        let said = out.tools[0].status;
+        assert_eq!(
+            said & (status::FAULT | status::SOLVER_FAILED),
+            0,
+            "{said:x}"
+        );
+        out
     }
 
-    /// Underside of the graphic disc's middle.
-    fn graphic(&self) -> Vec3 {
+    /// Comes down on the back of the tongue to `deep` metres in a second, and stays for another.
+    fn press(&mut self, deep: f64) -> TickOutput {
+        for k in 0..2000 {
+            self.tick(Some(over(
+                0.005 - (0.005 + deep) * smoothstep(f64::from(k) * 1e-3),
+            )));
+        }
+        self.tick(Some(over(-deep)))
+    }
+
+    /// How deep the disc is as seen, metres.
+    fn depth(&self) -> f64 {
         let tool = &self.scene.tools[0];
-        self.state.tools[0].graphic.transform(&tool.working_point) - Vec3::new(0.0, 0.0, 1e-3)
+        BACK + 1e-3 - self.state.tools[0].graphic.transform(&tool.working_point).z
+    }
+
+    /// Farthest that any sphere of the tongue is from its rest, metres.
+    fn displaced(&self) -> f64 {
+        let nodes = self.scene.objects[0].tree.nodes();
+        let ids: Vec<u32> = (0..nodes.len() as u32).collect();
+        let mut centres = vec![Vec3::zeros(); nodes.len()];
+        assert!(self.ws.centres_of(0, &ids, &mut centres));
+        let moved = centres
+            .iter()
+            .zip(nodes)
+            .map(|(c, n)| norm(&(c - n.centre)));
+        moved.fold(0.0, f64::max)
+    }
+}
+
+fn over(height: f64) -> Vec3 {
+    Vec3::new(0.005, 0.0, BACK + height)
+}
+
+#[test]
+fn gives_way_ten_millimetres_to_one_or_two_newtons() {
+    let mut run = Run::new(tongue());
+    let mut before = (0.0, 0.0);
+    // Slowly down until the disc is 10 mm in.
+    for k in 0..20_000 {
+        let out = run.tick(Some(over(0.002 - 2e-6 * f64::from(k))));
+        let now = (run.depth(), out.tools[0].raw_wrench.force.z);
+        if now.0 >= 0.01 {
+            println!(
+                "10 mm at {:.3} N, stiffness there {:.3} N/mm",
+                now.1,
+                (now.1 - before.1) / (now.0 - before.0) * 1e-3
+            );
+            assert!((1.0..2.0).contains(&now.1), "{now:?}");
+            return;
+        }
+        if k % 100 == 0 {
+            before = now;
+        }
+    }
+    panic!("never that deep");
+}
+
+#[test]
+fn both_levels_of_detail_feel_alike() {
+    let TissueModel::Skeleton(model) = &tongue().objects[0].tissue else {
+        panic!("a skeleton");
+    };
+    let fine = model.fine.as_ref().expect("a fine level");
+    let tree = &tongue().objects[0].tree;
+    let (a, b) = (
+        skeleton::pressed(&model.coarse, tree),
+        skeleton::pressed(fine, tree),
+    );
+    println!(
+        "a rigid disc 6 mm in: {a:.4} and {b:.4} N; {} and {} nodes, {} and {} free",
+        model.coarse.nodes.len(),
+        fine.nodes.len(),
+        model.coarse.free(),
+        fine.free()
+    );
+    assert!((a / b - 1.0).abs() < 1e-6, "calibrated: {a} {b}");
+    // Felt through the tick: at the depth that the levels are matched at, and on both sides of it.
+    let mut ratios = Vec::new();
+    for deep in [0.0035, 0.0073, 0.013] {
+        let felt = [0, 1].map(|detail| {
+            let mut run = Run::new(tongue());
+            run.detail = detail;
+            let out = run.press(deep);
+            (out.tools[0].raw_wrench.force.z, run.depth())
+        });
+        let stiffness = felt.map(|(force, depth)| force / depth);
+        println!("hand {:.1} mm in: {felt:?}, {stiffness:?} N/m", deep * 1e3);
+        ratios.push(stiffness[1] / stiffness[0]);
+    }
+    println!("fine over coarse: {ratios:?}");
+    assert!((0.95..1.05).contains(&ratios[1]), "{ratios:?}");
+}
+
+#[test]
+fn a_change_of_level_under_load_steps_the_force_by_less_than_two_hundredths() {
+    let mut run = Run::new(tongue());
+    run.press(0.0062);
+    assert!((0.0045..0.0055).contains(&run.depth()), "{}", run.depth());
+    let mut last = run.tick(Some(over(-0.0062))).tools[0].raw_wrench.force;
+    let held = last;
+    let (mut step, mut away) = (0.0_f64, 0.0_f64);
+    for k in 0..4000 {
+        // To the fine level and back, back before it is there, and to and fro.
+        run.detail = u8::from(
+            (200..900).contains(&k)
+                || (1600..1700).contains(&k)
+                || (2200..3000).contains(&k) && k % 37 < 20,
+        );
+        let force = run.tick(Some(over(-0.0062))).tools[0].raw_wrench.force;
+        step = step.max(norm(&(force - last)));
+        away = away.max(norm(&(force - held)));
+        last = force;
+    }
+    println!(
+        "largest step {step:.5} N, the other level {away:.4} N away of {:.4} N",
+        norm(&held)
+    );
+    assert!(away > 1e-3, "the levels differ: {away}");
+    assert!(step < 0.02, "{step}");
+    assert!(norm(&(last - held)) < 1e-6, "back where it was");
+}
+
+#[test]
+fn pressing_and_letting_go_gives_back_less_than_was_put_in_and_ends_at_rest() {
+    for detail in [0, 1] {
+        let mut run = Run::new(tongue());
+        run.detail = detail;
+        let (mut put_in, mut given_back) = (0.0, 0.0);
+        let mut last: Option<(Vec3, Vec3)> = None;
+        let mut net_most = f64::NEG_INFINITY;
+        for k in 0..2500 {
+            let t = f64::from(k) * 1e-3;
+            let down = smoothstep(t) - smoothstep((t - 1.3) / 0.3);
+            let place = over(0.003 - 0.016 * down);
+            let force = run.tick(Some(place)).tools[0].raw_wrench.force;
+            if let Some((before, at)) = last {
+                // The force of a tick acts until the next.
+                let work = 0.5 * (before + force).dot(&(place - at));
+                if work < 0.0 {
+                    put_in -= work
+                } else {
+                    given_back += work
+                }
+                net_most = f64::max(net_most, given_back - put_in);
+            }
+            last = Some((force, place));
+        }
+        println!(
+            "detail {detail}: put in {:.3} mJ, given back {:.3} mJ",
+            put_in * 1e3,
+            given_back * 1e3
+        );
+        assert!(
+            put_in > 3e-3 && given_back < put_in,
+            "{put_in} {given_back}"
+        );
+        assert!(net_most < 0.01 * put_in, "{net_most}");
+        for _ in 0..2500 {
+            run.tick(None);
+        }
+        assert!(run.displaced() < 1e-6, "{} m from rest", run.displaced());
+        assert!(
+            run.state.tissue[..100].iter().all(|x| *x == 0.0),
+            "still in the end"
+        );
     }
 }
 
 #[test]
-fn explore() {
-    let scene = tongue();
-    if let sulcus_core::tissue::TissueModel::Skeleton(model) = &scene.objects[0].tissue {
-        for level in [Some(&model.coarse), model.fine.as_ref()]
-            .into_iter()
-            .flatten()
-        {
-            println!(
-                "nodes {} free {} springs {} mass {:.3} g damping {:.4} pressed {:.2} mm/N, k0 {:?}",
-                level.nodes.len(),
-                level.free(),
-                level.springs.len(),
-                level.params.mass * 1e3,
-                level.params.damping,
-                sulcus_scene::skeleton::pressed(level, &scene.objects[0].tree) * 1e3,
-                level.springs[0].stiffness,
-            );
-        }
+fn let_go_from_depth_nothing_swings_beyond_where_it_was_held() {
+    let mut run = Run::new(tongue());
+    run.press(0.013);
+    let (held, mut last, mut rose) = (run.displaced(), f64::INFINITY, 0.0_f64);
+    for k in 0..3000 {
+        run.tick(None);
+        let now = run.displaced();
+        assert!(now <= held * (1.0 + 1e-9), "{now} after {held}, tick {k}");
+        rose = rose.max(now - last);
+        last = now;
     }
     println!(
-        "tree nodes {} shape {}",
-        scene.objects[0].tree.nodes().len(),
-        scene.objects[0].tree.shape_at(3).count()
+        "held at {:.3} mm; largest rise of the farthest sphere {:.4} mm",
+        held * 1e3,
+        rose * 1e3
     );
-    for detail in [0, 1] {
-        let mut run = Run::new(scene);
-        run.detail = detail;
-        let mut last = None;
-        for k in 0..4000 {
-            let down = 0.02 * (k as f64 / 2000.0).min(1.0);
-            let out = run.at(Vec3::new(0.005, 0.0, BACK + 0.002 - down));
-            if k % 200 == 0 {
-                let t = &out.tools[0];
-                println!(
-                    "{k} graphic z {:.3} mm force {:.3?} rows {} active {} sub {} conv {} status {:x} min gap {:.2e}",
-                    (BACK - run.graphic().z) * 1e3,
-                    t.raw_wrench.force,
-                    t.rows,
-                    t.active,
-                    t.substeps,
-                    t.converged,
-                    t.status,
-                    t.min_gap
-                );
-            }
-            last = Some(out);
-        }
-        let _ = (last, norm(&Vec3::zeros()));
-    }
+    assert!(last < 1e-6, "{last}");
+}
+
+#[test]
+fn a_run_from_its_middle_is_the_same_run() {
+    let place = |k: u32| {
+        let t = f64::from(k) * 1e-3;
+        let slide = Vec3::new(0.004 * libm::sin(3.0 * t), 0.003 * libm::sin(2.0 * t), 0.0);
+        over(0.003 - 0.012 * smoothstep(2.0 * t)) + slide
+    };
+    let detail = |k: u32| u8::from(k % 500 > 280);
+    let play = |run: &mut Run, from: u32, to: u32| {
+        let step = |k: u32| {
+            run.detail = detail(k);
+            run.tick(Some(place(k)).filter(|_| k % 700 < 640)).hash
+        };
+        (from..to).map(step).collect::<Vec<_>>()
+    };
+    let scene = tongue();
+    let mut whole = Run::new(scene);
+    let first = play(&mut whole, 0, 731);
+    let bytes = whole.state.to_bytes();
+    let second = play(&mut whole, 731, 1300);
+    let mut again = Run::new(scene);
+    assert_eq!(play(&mut again, 0, 731), first);
+    let mut resumed = Run::new(scene);
+    resumed.state = State::from_bytes(scene, &bytes).expect("a state");
+    assert_eq!(play(&mut resumed, 731, 1300), second);
 }

@@ -6,6 +6,9 @@ use std::cell::Cell;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
 use sulcus_core::tissue::printed::{PrintedGingiva, PrintedSkeleton};
+use sulcus_core::tissue::skeleton::{
+    Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw,
+};
 use sulcus_core::*;
 
 struct Counting;
@@ -231,5 +234,107 @@ fn two_tools_in_gingiva_beside_a_tooth_allocate_nothing() {
     let after = COUNT.with(Cell::get);
     assert!(touched > 500, "in contact in {touched} ticks");
     assert!(read > 100, "read a depth in {read} ticks");
+    assert_eq!(after - before, 0, "calls of the allocator");
+}
+
+/// A skeleton on every `every`-th sphere of the plate, everything within 3 mm joined, its rim fixed.
+fn skeleton_of(tree: &SphereTree, every: usize) -> SkeletonLevel {
+    let leaves: Vec<u32> = tree.shape_at(7).map(|(k, _)| k).collect();
+    let nodes: Vec<u32> = leaves.iter().copied().step_by(every).collect();
+    let centre = |k: u32| tree.nodes()[k as usize].centre;
+    let mut springs = Vec::new();
+    for a in 0..nodes.len() {
+        for b in 0..a {
+            if math::norm(&(centre(nodes[a]) - centre(nodes[b]))) < 3e-3 {
+                springs.push(Spring {
+                    a: a as u16,
+                    b: b as u16,
+                    stiffness: [40.0, 30.0, 20.0],
+                });
+            }
+        }
+    }
+    let skin = |node: &Node| {
+        let mut near: Vec<usize> = (0..nodes.len()).collect();
+        let away = |k: &usize| math::norm(&(centre(nodes[*k]) - node.centre));
+        near.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        Skin {
+            nodes: std::array::from_fn(|k| near[k] as u16),
+            weights: [0.4, 0.3, 0.2, 0.1],
+        }
+    };
+    SkeletonLevel {
+        fixed: nodes
+            .iter()
+            .map(|&k| math::norm(&centre(k)) > 4.5e-3)
+            .collect(),
+        springs,
+        params: SkeletonParams {
+            mass: 1e-4,
+            damping: 0.05,
+            law: StretchLaw {
+                limit: 2.0,
+                half: 0.5,
+            },
+        },
+        skin: tree.nodes().iter().map(skin).collect(),
+        nodes,
+    }
+}
+
+#[test]
+fn ticks_on_a_skeleton_allocate_nothing_at_any_level_of_detail() {
+    let mut soft = bumpy_plate();
+    soft.tissue = TissueModel::Skeleton(Box::new(Skeleton {
+        coarse: skeleton_of(&soft.tree, 23),
+        fine: Some(skeleton_of(&soft.tree, 11)),
+    }));
+    let scene = Scene {
+        name: "soft plate".into(),
+        source_hash: String::new(),
+        params: Params::default(),
+        tools: vec![rod(0.0), rod(0.002)],
+        objects: vec![soft],
+    };
+    scene.validate().expect("valid");
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let mut touched = [0; 3];
+    let before = COUNT.with(Cell::get);
+    for k in 0..4000 {
+        let mut input = TickInput::IDLE;
+        input.detail = u8::from(k % 900 > 500);
+        for (t, slot) in input.tools.iter_mut().enumerate() {
+            let phase = f64::from(k) * 2e-3 + 2.0 * t as f64;
+            let tip = Vec3::new(
+                1e-3 * libm::sin(2.0 * phase) + 1.5e-3 * (t as f64 - 0.5),
+                1e-3 * libm::cos(phase),
+                -1.5e-3 * libm::sin(phase),
+            );
+            *slot = ToolInput {
+                pose: RawPose::from(&Pose::new(
+                    tip + Vec3::new(0.0, 0.0, 0.09025),
+                    Quat::identity(),
+                )),
+                present: k % 1000 > 20,
+                ..ToolInput::ABSENT
+            };
+        }
+        let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+        if out.tools[0].active > 0 {
+            let share = state.tissue[state.tissue.len() - 1];
+            touched[if share == 0.0 {
+                0
+            } else if share < 1.0 {
+                1
+            } else {
+                2
+            }] += 1;
+        }
+    }
+    let after = COUNT.with(Cell::get);
+    assert!(
+        touched.iter().all(|&ticks| ticks > 200),
+        "in contact with the coarse, both, the fine level: {touched:?} ticks"
+    );
     assert_eq!(after - before, 0, "calls of the allocator");
 }

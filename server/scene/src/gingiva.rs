@@ -37,7 +37,12 @@ pub fn model(
 ) -> Gingiva {
     let floor = floor_nodes(tree, around);
     let nodes = tree.nodes();
-    let places = parallel::map(nodes.len(), |k| place(&nodes[k].centre, floor[k], around));
+    let places = parallel::map(nodes.len(), |k| {
+        let mut place = place(&nodes[k].centre, floor[k], around);
+        // What lies under the floor bears the tip too, when the floor is pressed aside.
+        place.floor |= place.height < 0.0 && around.tooth.signed(&nodes[k].centre) < around.width;
+        place
+    });
     Gingiva {
         params,
         tooth: around.frame,

@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use super::TissueError;
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, norm};
+use crate::params::within;
 use crate::tree::SphereTree;
 
 pub use params::GingivaParams;
@@ -61,7 +62,7 @@ pub struct Place {
     pub away: Vec3,
     /// Height of the centre over the floor of the pocket at its angle, along the tooth's axis, metres; negative below.
     pub height: f64,
-    /// Whether it is the floor of the pocket that this sphere stands for.
+    /// Whether this sphere stands for the floor of the pocket, or for what lies under it.
     pub floor: bool,
 }
 
@@ -141,7 +142,7 @@ impl Gingiva {
             buccal.dot(axis),
         ];
         // Written so that a NaN fails.
-        if !skew.iter().all(|x| x.abs() <= 1e-9) || !(norm(origin) <= 10.0) {
+        if !skew.iter().all(|x| x.abs() <= 1e-9) || !within(norm(origin), 0.0, 10.0) {
             return bad(
                 "tooth",
                 format!("{:?}", self.tooth),

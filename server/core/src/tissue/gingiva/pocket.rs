@@ -2,8 +2,9 @@
 
 use super::{Gingiva, GingivaParams, MEMORY};
 use crate::MAX_TOOLS;
-use crate::math::{Vec3, fmax, norm};
+use crate::math::{Vec3, fmax};
 use crate::output::{ForceZone, PocketReading};
+use crate::params::within;
 use crate::tissue::{Hands, SiteLoad};
 
 /// What is remembered of one tool: floor force (N), zone (0 to 3), whether the zone was entered in this tick.
@@ -50,44 +51,48 @@ pub fn remember(
     }
 }
 
-/// What the tool in `slot` reads; none above the margin or outside the gingiva. `walls` are the places above the floor:
-/// present centre and direction away from the tooth.
-pub fn read(
+/// The very tip of a tool that is lower than the margin.
+pub struct Tip {
+    /// Where it is, world axes, metres.
+    pub point: Vec3,
+    around: f64,
+    depth: f64,
+}
+
+/// The tip of the tool in `slot` at the graphic pose; none above the margin or outside the ball that holds the gingiva
+/// at rest (centre and radius, metres).
+pub fn tip_below_margin(
     model: &Gingiva,
     slot: usize,
     hands: &Hands<'_>,
-    memory: &[f64],
-    (root, bound): (&Vec3, f64),
-    walls: impl Iterator<Item = (Vec3, Vec3)>,
-) -> Option<PocketReading> {
+    (centre, radius): (&Vec3, f64),
+) -> Option<Tip> {
     let hand = hands.tools.get(slot)?.as_ref()?;
-    let tip = hand.graphic.transform(&hand.tool.tip);
-    // The tip is within what encloses the gingiva, or not in its pocket.
-    if !(norm(&(tip - root)) <= bound) {
+    let point = hand.graphic.transform(&hand.tool.tip);
+    let from = point - centre;
+    // A NaN is nowhere.
+    if !within(from.dot(&from), 0.0, radius * radius) {
         return None;
     }
-    let (around, height) = model.tooth.cylindrical(&tip);
+    let (around, height) = model.tooth.cylindrical(&point);
     let depth = model.margin_at(around) - height;
-    if !(depth > 0.0) {
-        return None;
-    }
-    // On the tooth's side of the wall that is nearest, wherever that was pushed.
-    let mut nearest = (f64::INFINITY, false);
-    for (centre, away) in walls {
-        let from = tip - centre;
-        let squared = from.dot(&from);
-        if squared < nearest.0 {
-            nearest = (squared, from.dot(&away) < 0.0);
-        }
-    }
-    let memory = &memory[slot * PER_TOOL..(slot + 1) * PER_TOOL];
-    nearest.1.then_some(PocketReading {
-        // The tick knows which object this is.
-        object: 0,
+    (depth > 0.0).then_some(Tip {
+        point,
         around,
         depth,
+    })
+}
+
+/// What the tool in `slot` reads, whose tip is in the pocket.
+pub fn reading(tip: &Tip, slot: usize, memory: &[f64]) -> PocketReading {
+    let memory = &memory[slot * PER_TOOL..(slot + 1) * PER_TOOL];
+    PocketReading {
+        // The tick knows which object this is.
+        object: 0,
+        around: tip.around,
+        depth: tip.depth,
         floor_force: memory[0],
         zone: zone_of(memory[1]),
         entered_zone: memory[2] == 1.0,
-    })
+    }
 }

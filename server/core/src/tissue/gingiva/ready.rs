@@ -28,8 +28,8 @@ pub struct Ready {
     bound: f64,
     /// Yielding sphere that each node goes with.
     slots: Vec<u32>,
-    /// Yielding spheres above the floor: what has a tooth's side and an outer side.
-    walls: Vec<u32>,
+    /// Yielding spheres above the floor, which have a tooth's side and an outer side, with their rest centres, metres.
+    walls: Vec<(u32, Vec3)>,
     /// Node of each yielding sphere.
     nodes: Vec<u32>,
     /// Root of each yielding sphere's compliance over one tick, (m/N)^1/2.
@@ -93,8 +93,10 @@ impl Ready {
         Self {
             rest: rest.nodes().iter().map(|node| node.centre).collect(),
             bound: rest.nodes()[0].bound_radius,
-            walls: (0..nodes.len() as u32)
-                .filter(|slot| wall(nodes[*slot as usize]))
+            walls: (0..)
+                .zip(&nodes)
+                .filter(|(_, node)| wall(**node))
+                .map(|(slot, node)| (slot, rest.nodes()[*node as usize].centre))
                 .collect(),
             falloff: Falloff::new(centres, params.reach),
             sums: std::array::from_fn(|_| vec![0.0; nodes.len()]),
@@ -105,12 +107,6 @@ impl Ready {
             roots,
             kept,
         }
-    }
-
-    fn displaced(&self, shape: &[f64], slot: u32) -> Vec3 {
-        let at = 3 * slot as usize;
-        self.rest[self.nodes[slot as usize] as usize]
-            + Vec3::new(shape[at], shape[at + 1], shape[at + 2])
     }
 }
 
@@ -242,11 +238,20 @@ impl Tissue for Ready {
 
     fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
         let (memory, shape) = state.split_at(MEMORY);
-        let walls = self.walls.iter().map(|&wall| {
-            let away = self.model.places[self.nodes[wall as usize] as usize].away;
-            (self.displaced(shape, wall), away)
-        });
         let root = (&self.rest[0], self.bound);
-        pocket::read(&self.model, slot, hands, memory, root, walls)
+        let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;
+        // On the tooth's side of the wall that is nearest, wherever that was pushed.
+        let (mut nearest, mut squared, mut from_wall) = (None, f64::INFINITY, Vec3::zeros());
+        for (wall, rest) in &self.walls {
+            let at = 3 * *wall as usize;
+            let moved = Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
+            let from = tip.point - (rest + moved);
+            let distance = from.dot(&from);
+            if distance < squared {
+                (nearest, squared, from_wall) = (Some(*wall), distance, from);
+            }
+        }
+        let place = &self.model.places[self.nodes[nearest? as usize] as usize];
+        (from_wall.dot(&place.away) < 0.0).then(|| pocket::reading(&tip, slot, memory))
     }
 }

@@ -182,8 +182,8 @@ impl Lattice {
                 let (d, factor) = bond.stretched(&self.padded, &self.law);
                 let excess = steepest - factor;
                 let (a, b) = (bond.a as usize, bond.b as usize);
-                for k in 0..4 {
-                    let force = excess * bond.stiffness[k] * d[k];
+                for (k, (stiffness, d)) in bond.stiffness.iter().zip(&d).enumerate() {
+                    let force = excess * stiffness * d;
                     self.forces[a][k] += force;
                     self.forces[b][k] -= force;
                 }
@@ -255,8 +255,9 @@ impl Lattice {
                         a.y * compliance[1],
                         a.z * compliance[2],
                     );
-                    for j in other as usize..last as usize {
-                        let entry = moved.dot(&sites[j].normal);
+                    let others = sites.iter().enumerate();
+                    for (j, site) in others.take(last as usize).skip(other as usize) {
+                        let entry = moved.dot(&site.normal);
                         if p == q {
                             // The whole block, row by row.
                             gram.add(i, j, entry);
@@ -435,6 +436,14 @@ pub(super) fn farthest(from: &[Axes], to: &[Axes]) -> f64 {
             squared += (b[k] - a[k]) * (b[k] - a[k]);
         }
         fmax(most, squared)
+    });
+    most.sqrt()
+}
+
+/// Largest displacement of a node, metres.
+pub(super) fn longest(u: &[Axes]) -> f64 {
+    let most = u.iter().fold(0.0, |most, a| {
+        fmax(most, a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
     });
     most.sqrt()
 }

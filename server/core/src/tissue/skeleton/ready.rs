@@ -7,7 +7,7 @@ use crate::tree::SphereTree;
 
 use super::data::Skeleton;
 use super::factor::Axes;
-use super::lattice::{Lattice, farthest};
+use super::lattice::{Lattice, farthest, longest};
 
 /// Most that the share of the fine level changes in a tick: a whole change takes 0.2 s.
 const SHIFT: f64 = 1.0 / 200.0;
@@ -18,7 +18,7 @@ const REST_M_PER_S: f64 = 1e-6;
 
 /// A [`Skeleton`] made ready. Its state is `u` and `v` of the coarse level's free nodes (three numbers a node),
 /// then of the fine one's, then the share of the fine one; a level out of force is all zeros. A configuration
-/// is `u` of both levels, four numbers a node.
+/// is `u` of both levels, four numbers a node, and the share: it alone says where every sphere is.
 ///
 /// While the share `s` is between 0 and 1 both levels bear the whole load and a sphere is where
 /// `(1-s)` and `s` of them say: its compliance is the same mixture, and for a constant share the whole is
@@ -30,7 +30,7 @@ pub(in crate::tissue) struct Ready {
     fine: Option<Lattice>,
     /// Share of the fine level in this tick.
     share: f64,
-    /// Configuration at the start of this tick, and velocities.
+    /// Displacements of both levels at the start of this tick, and velocities.
     start: Vec<f64>,
     velocity: Vec<f64>,
 }
@@ -78,12 +78,20 @@ impl Ready {
         (self.coarse.shape_len(), 6 * self.coarse.free())
     }
 
-    /// Levels in force.
-    fn in_force(&self) -> (bool, Option<&Lattice>) {
-        (
-            self.share < 1.0,
-            self.fine.as_ref().filter(|_| self.share > 0.0),
-        )
+    fn write_share(&self, shape: &mut [f64]) {
+        if self.fine.is_some()
+            && let Some(share) = shape.last_mut()
+        {
+            *share = self.share;
+        }
+    }
+
+    /// The share of the fine level in a configuration, and that level while it has one.
+    fn share_in(&self, shape: &[f64]) -> (f64, Option<&Lattice>) {
+        match (&self.fine, shape.last()) {
+            (Some(fine), Some(&share)) => (share, Some(fine).filter(|_| share > 0.0)),
+            _ => (0.0, None),
+        }
     }
 }
 
@@ -109,7 +117,7 @@ fn map(from: &Lattice, u: &[f64], v: &[f64], to: &Lattice, to_u: &mut [f64], to_
 
 impl Tissue for Ready {
     fn shape_len(&self) -> usize {
-        self.start.len()
+        self.start.len() + usize::from(self.fine.is_some())
     }
 
     fn free_step(
@@ -142,6 +150,8 @@ impl Tissue for Ready {
             self.start.fill(0.0);
             shape.fill(0.0);
             free.fill(0.0);
+            self.write_share(shape);
+            self.write_share(free);
             return self.share == last;
         }
         if last < 1.0 {
@@ -174,25 +184,25 @@ impl Tissue for Ready {
                 free_fine.fill(0.0);
             }
         }
-        shape.copy_from_slice(&self.start);
+        shape[..self.start.len()].copy_from_slice(&self.start);
+        self.write_share(shape);
+        self.write_share(free);
         false
     }
 
     fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]) {
         let (u, fine_u) = shape.split_at(self.cuts().0);
         let (u, fine_u) = (nodes(u), nodes(fine_u));
-        match self.in_force() {
-            (true, None) => self.coarse.centres(u, &self.rest, ids, out),
-            (false, Some(fine)) => fine.centres(fine_u, &self.rest, ids, out),
-            (_, fine) => {
-                let Some(fine) = fine else { return };
-                let (s, t) = (self.share, 1.0 - self.share);
+        match self.share_in(shape) {
+            (_, None) => self.coarse.centres(u, &self.rest, ids, out),
+            (1.0, Some(fine)) => fine.centres(fine_u, &self.rest, ids, out),
+            (s, Some(fine)) => {
                 for (id, centre) in ids.iter().zip(out) {
                     let (a, b) = (
                         self.coarse.displacement(u, *id),
                         fine.displacement(fine_u, *id),
                     );
-                    let moved: [f64; 3] = std::array::from_fn(|k| t * a[k] + s * b[k]);
+                    let moved: [f64; 3] = std::array::from_fn(|k| (1.0 - s) * a[k] + s * b[k]);
                     *centre = self.rest[*id as usize] + Vec3::from(moved);
                 }
             }
@@ -223,13 +233,18 @@ impl Tissue for Ready {
         let cut = self.cuts().0;
         // Spheres move by means of their carriers' motion, so none moves farther than the farthest of those.
         let way = |from: &[f64], to: &[f64]| farthest(nodes(from), nodes(to));
-        let (coarse, fine) = self.in_force();
+        let ((s, _), (t, _)) = (self.share_in(from), self.share_in(to));
         let mut most = 0.0;
-        if coarse {
-            most += (1.0 - self.share) * way(&from[..cut], &to[..cut]);
+        if t < 1.0 {
+            most += (1.0 - t) * way(&from[..cut], &to[..cut]);
         }
-        if fine.is_some() {
-            most += self.share * way(&from[cut..], &to[cut..]);
+        if t > 0.0 {
+            most += t * way(&from[cut..], &to[cut..]);
+        }
+        if s != t {
+            // What the change of the share alone moves.
+            let far = |u: &[f64]| longest(nodes(u));
+            most += (t - s).abs() * (far(&from[..cut]) + far(&from[cut..]));
         }
         most
     }
@@ -241,7 +256,10 @@ impl Tissue for Ready {
         }
         // What is out of force is zero in a configuration, and so at rest.
         let under = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() < bound);
-        if loads.is_empty() && under(shape, REST_M) && under(&self.velocity, REST_M_PER_S) {
+        if loads.is_empty()
+            && under(&shape[..self.start.len()], REST_M)
+            && under(&self.velocity, REST_M_PER_S)
+        {
             state.fill(0.0);
         } else {
             let (of_coarse, of_fine) = state.split_at_mut(state_cut);
