@@ -2,7 +2,7 @@
 //! along it, and takes its neighbourhood with it.
 //!
 //! Compliance between places i and j (rest centres x): `C_ij = exp(-|x_i - x_j| / l) D_i^1/2 D_j^1/2`, `D = (1/k_d) mm' +
-//! (1/k_t)(1 - mm')`, `m` the direction away from the tooth; positive semi-definite by construction ([`kernel`]). It is
+//! (1/k_t)(1 - mm')`, `m` the direction away from the tooth; positive semi-definite by construction (`kernel`). It is
 //! the local displacement of Wang et al. 2014 (doi:10.1109/TOH.2014.2304734, Eq. 11 to 16) as a matrix: neighbours (Eq. 14), the
 //! types of hybrid contact (Eq. 15) and release (Eq. 16) follow from solving all contacts at once. A place's compliance
 //! does not depend on how many spheres stand for the surface, so the wall is as stiff at level 3 as at level 4.
