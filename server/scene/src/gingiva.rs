@@ -39,8 +39,8 @@ pub fn model(
     let nodes = tree.nodes();
     let places = parallel::map(nodes.len(), |k| {
         let mut place = place(&nodes[k].centre, floor[k], around);
-        // What lies under the floor bears the tip too, when the floor is pressed aside.
-        place.floor |= place.height < 0.0 && around.tooth.signed(&nodes[k].centre) < around.width;
+        // What lies under the floor bears the tip too, when the floor is pressed far down or aside.
+        place.floor |= place.height < 0.0;
         place
     });
     Gingiva {

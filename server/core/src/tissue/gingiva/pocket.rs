@@ -5,7 +5,7 @@ use crate::MAX_TOOLS;
 use crate::math::{Vec3, fmax};
 use crate::output::{ForceZone, PocketReading};
 use crate::params::within;
-use crate::tissue::{Hands, SiteLoad};
+use crate::tissue::Hands;
 
 /// What is remembered of one tool: floor force (N), zone (0 to 3), whether the zone was entered in this tick.
 const PER_TOOL: usize = MEMORY / MAX_TOOLS;
@@ -30,21 +30,12 @@ fn zone_of(number: f64) -> ForceZone {
         .unwrap_or_default()
 }
 
-/// Writes what is remembered of each tool after a tick with these loads. `floor` tells the floor's nodes.
-pub fn remember(
-    model: &Gingiva,
-    loads: &[SiteLoad],
-    floor: impl Fn(u32) -> bool,
-    memory: &mut [f64],
-) {
-    for (t, memory) in memory.chunks_exact_mut(PER_TOOL).enumerate() {
-        let ours = loads
-            .iter()
-            .filter(|load| usize::from(load.tool) == t && floor(load.sphere));
-        let pressed = ours.fold(0.0, |sum, load| sum - load.force.dot(&model.tooth.axis));
-        let force = fmax(0.0, pressed);
+/// Writes what is remembered of each tool after a tick in which it `pressed` on the floor (newtons).
+pub fn remember(params: &GingivaParams, pressed: &[f64; MAX_TOOLS], memory: &mut [f64]) {
+    for (memory, pressed) in memory.chunks_exact_mut(PER_TOOL).zip(pressed) {
+        let force = fmax(0.0, *pressed);
         let before = zone_of(memory[1]);
-        let after = zone_after(&model.params, before, force);
+        let after = zone_after(params, before, force);
         memory[0] = force;
         memory[1] = f64::from(after as u8);
         memory[2] = f64::from(u8::from(after > before));

@@ -4,7 +4,8 @@
 //! configuration is the displacements alone, metres, x y z sphere by sphere.
 
 use super::kernel::{Falloff, Root};
-use super::{Gingiva, MEMORY, pocket};
+use super::pocket::{self, Tip};
+use super::{Gingiva, MEMORY};
 use crate::TICK_S;
 use crate::math::{Vec3, fclamp, fmax};
 use crate::output::PocketReading;
@@ -107,6 +108,25 @@ impl Ready {
             roots,
             kept,
         }
+    }
+
+    /// The tip of the tool in `slot`, if it is below the margin and on the tooth's side of the wall that is nearest to
+    /// it, wherever that was pushed.
+    fn tip_in_pocket(&self, slot: usize, hands: &Hands<'_>, shape: &[f64]) -> Option<Tip> {
+        let root = (&self.rest[0], self.bound);
+        let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;
+        let (mut nearest, mut squared, mut from_wall) = (None, f64::INFINITY, Vec3::zeros());
+        for (wall, rest) in &self.walls {
+            let at = 3 * *wall as usize;
+            let moved = Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
+            let from = tip.point - (rest + moved);
+            let distance = from.dot(&from);
+            if distance < squared {
+                (nearest, squared, from_wall) = (Some(*wall), distance, from);
+            }
+        }
+        let place = &self.model.places[self.nodes[nearest? as usize] as usize];
+        (from_wall.dot(&place.away) < 0.0).then_some(tip)
     }
 }
 
@@ -229,29 +249,28 @@ impl Tissue for Ready {
         squared.sqrt()
     }
 
-    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], _: &Hands<'_>, state: &mut [f64]) {
+    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], hands: &Hands<'_>, state: &mut [f64]) {
         let (memory, moved) = state.split_at_mut(MEMORY);
         moved.copy_from_slice(shape);
-        let floor = |sphere: u32| self.model.places[sphere as usize].floor;
-        pocket::remember(&self.model, loads, floor, memory);
+        let pressed = std::array::from_fn(|slot| {
+            let floor = |load: &&SiteLoad| {
+                usize::from(load.tool) == slot && self.model.places[load.sphere as usize].floor
+            };
+            let mut ours = loads.iter().filter(floor).peekable();
+            // What presses on the outside far down is not in the pocket.
+            if ours.peek().is_none() || self.tip_in_pocket(slot, hands, shape).is_none() {
+                return 0.0;
+            }
+            ours.fold(0.0, |sum, load| {
+                sum - load.force.dot(&self.model.tooth.axis)
+            })
+        });
+        pocket::remember(&self.model.params, &pressed, memory);
     }
 
     fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
         let (memory, shape) = state.split_at(MEMORY);
-        let root = (&self.rest[0], self.bound);
-        let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;
-        // On the tooth's side of the wall that is nearest, wherever that was pushed.
-        let (mut nearest, mut squared, mut from_wall) = (None, f64::INFINITY, Vec3::zeros());
-        for (wall, rest) in &self.walls {
-            let at = 3 * *wall as usize;
-            let moved = Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
-            let from = tip.point - (rest + moved);
-            let distance = from.dot(&from);
-            if distance < squared {
-                (nearest, squared, from_wall) = (Some(*wall), distance, from);
-            }
-        }
-        let place = &self.model.places[self.nodes[nearest? as usize] as usize];
-        (from_wall.dot(&place.away) < 0.0).then(|| pocket::reading(&tip, slot, memory))
+        let tip = self.tip_in_pocket(slot, hands, shape)?;
+        Some(pocket::reading(&tip, slot, memory))
     }
 }
