@@ -63,7 +63,8 @@ fn coupled_stays_stable_where_explicit_euler_does_not() {
         assert!(numbers.predicted_limit() < TICK_S);
         for speed in SPEEDS {
             let printed = numbers.press(Method::Printed, speed, DEPTH);
-            assert!(!(printed.largest_force < 100.0), "{printed:?}");
+            let force = printed.largest_force;
+            assert!(force.is_nan() || force >= 100.0, "{printed:?}");
             for method in [Method::Implicit, Method::Coupled] {
                 let press = numbers.press(method, speed, DEPTH);
                 assert!(

@@ -163,8 +163,8 @@ fn go_in(run: &mut Run, way: &Way, end: f64) {
     }
 }
 
-/// A hand that presses along the tooth's axis and yields across it, as one does that feels for the floor and not against
-/// the tooth.
+/// A hand that presses along the tooth's axis and yields to and from the tooth, as one does that feels for the floor and not
+/// against the tooth; round the tooth it holds, or it would slide down to where the floor is deeper.
 #[derive(Clone, Copy, Default)]
 struct Feeler {
     /// How far it has pressed, metres.
@@ -181,7 +181,7 @@ impl Feeler {
         let out = run.tick(&pose);
         let force = out.tools[0].raw_wrench.force;
         // A coupling of 500 N/m follows in 200 ticks.
-        self.aside += Vec3::new(force.x, force.y, 0.0) * 1e-5;
+        self.aside += way.outward * (way.outward.dot(&force) * 1e-5);
         out
     }
 
@@ -345,7 +345,13 @@ fn a_hand_in_closed_loop_goes_in_bobs_and_leaves_without_a_kick() {
 }
 
 /// Stiffness of the wall at a site, N/m: force over the way of the tip when a probe that cannot turn is pushed against it, and
-/// no tooth is in its way. From 0.3 to 0.9 mm deep: no first touch, no edge.
+/// no tooth is in its way. From 0.3 to 0.9 mm deep: no first touch, no edge. Mean over three places 4 degrees apart: at one
+/// place alone it tells as much of the bumps of a level as of its stiffness.
+fn mean_wall_stiffness(scene: &Scene, (degrees, depth): (f64, f64), level: u8) -> f64 {
+    let places = [-4.0, 0.0, 4.0].map(|off| wall_stiffness(scene, (degrees + off, depth), level));
+    places.iter().sum::<f64>() / 3.0
+}
+
 fn wall_stiffness(with_tooth: &Scene, (degrees, depth): (f64, f64), level: u8) -> f64 {
     let way = way(with_tooth, degrees, depth);
     let mut scene = with_tooth.clone();
@@ -381,15 +387,16 @@ fn wall_stiffness(with_tooth: &Scene, (degrees, depth): (f64, f64), level: u8) -
 #[test]
 fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
     let scene = scene_with(&[("levels = 3", "levels = 4")]);
-    let pairs = SITES.map(|site| [3, 4].map(|level| wall_stiffness(&scene, site, level)));
+    let pairs = SITES.map(|site| [3, 4].map(|level| mean_wall_stiffness(&scene, site, level)));
     for ((degrees, _), [three, four]) in SITES.iter().zip(&pairs) {
         println!(
             "{degrees}: wall {three:.0} N/m at level 3, {four:.0} N/m at level 4: {:+.1} %",
             100.0 * (three / four - 1.0)
         );
     }
-    let mean = |k: usize| pairs.iter().map(|pair| pair[k]).sum::<f64>() / 6.0;
-    println!("mean {:.0} and {:.0} N/m", mean(0), mean(1));
+    let [three, four] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).sum::<f64>() / 6.0);
+    println!("mean {three:.0} and {four:.0} N/m");
+    assert!((three / four - 1.0).abs() <= 0.02, "{three} {four}");
     for [three, four] in pairs {
         assert!((three / four - 1.0).abs() <= 0.05, "{three} {four}");
     }
@@ -480,15 +487,7 @@ fn normals_never_flip_two_millimetres_deep_in_soft_gingiva() {
             last = now;
             // The wall pushes back; it does not let the tool through and push it on from behind.
             let push = run.state.loads[1].force.dot(&way.outward);
-
-            if k % 200 == 0 {
-                println!(
-                    "{degrees} k {k} push {push:.3} pocket {:?} tip {:?} force {:?}",
-                    out.tools[0].pocket.map(|p| p.depth * 1e3),
-                    (out.tools[0].graphic.transform(&tool.tip) - way.floor).dot(&way.outward) * 1e3,
-                    out.tools[0].raw_wrench.force
-                );
-            }
+            assert!(k < 10 || gone > 2e-3 || push > 0.0, "tick {k}: {push} N");
             gone = (out.tools[0].graphic.transform(&tool.working_point) - start).dot(&way.outward);
         }
         println!(

@@ -180,6 +180,8 @@ fn soft(mut plate: Object) -> Object {
     let axis = Vec3::z();
     let place = |node: &Node| Place {
         away: Vec3::x(),
+        on_surface: node.centre,
+        spread: 2e-4,
         height: node.centre.x,
         floor: node.centre.x < 0.0,
     };

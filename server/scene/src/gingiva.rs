@@ -1,7 +1,7 @@
 //! From a gingiva's tree and its tooth to what the tissue model needs of each sphere.
 
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
-use sulcus_core::{SphereTree, Vec3};
+use sulcus_core::{Sphere, SphereTree, Vec3};
 
 use crate::distance::MeshDistance;
 use crate::mesh::TriMesh;
@@ -37,12 +37,19 @@ pub fn model(
 ) -> Gingiva {
     let floor = floor_nodes(tree, around);
     let nodes = tree.nodes();
-    let places = parallel::map(nodes.len(), |k| {
-        let mut place = place(&nodes[k].centre, floor[k], around);
+    let mut places = parallel::map(nodes.len(), |k| {
+        let mut place = place(&nodes[k].sphere(), floor[k], around);
         // What lies under the floor bears the tip too, when the floor is pressed far down or aside.
         place.floor |= place.height < 0.0;
         place
     });
+    for level in 0..=tree.depth() {
+        let ids: Vec<usize> = tree.shape_at(level).map(|(id, _)| id as usize).collect();
+        let lengths = parallel::map(ids.len(), |k| spread(&places, &ids, ids[k]));
+        for (id, length) in ids.iter().zip(lengths) {
+            places[*id].spread = length;
+        }
+    }
     Gingiva {
         params,
         tooth: around.frame,
@@ -52,25 +59,55 @@ pub fn model(
     }
 }
 
-fn place(centre: &Vec3, floor: bool, around: &Surrounding<'_>) -> Place {
+fn place(sphere: &Sphere, floor: bool, around: &Surrounding<'_>) -> Place {
+    let (centre, frame) = (&sphere.centre, &around.frame);
+    let (_, away) = tooth_beside(centre, around);
+    let (angle, height) = frame.cylindrical(centre);
+    let over = height - (around.floor)(angle);
+    // The middle of the pocket beside the sphere, or over it where it lies under the floor.
+    let beside = centre + frame.axis * (-over).max(0.0);
+    let (surface, out) = tooth_beside(&beside, around);
+    let to_pocket = surface + out * (0.5 * around.width) - centre;
+    let share = (sphere.radius / to_pocket.norm()).min(1.0);
+    Place {
+        away,
+        on_surface: centre + to_pocket * share,
+        // See `spread`.
+        spread: 0.0,
+        height: over,
+        floor,
+    }
+}
+
+/// The tooth's nearest surface point, and the unit vector away from the tooth, across its axis.
+fn tooth_beside(point: &Vec3, around: &Surrounding<'_>) -> (Vec3, Vec3) {
     let frame = &around.frame;
-    let nearest = around.tooth.nearest(centre);
+    let nearest = around.tooth.nearest(point);
     let across = |v: Vec3| v - frame.axis * v.dot(&frame.axis);
     // Inside the tooth the nearest point of its surface lies outwards.
-    let from_surface = across(centre - nearest.point) * nearest.signed.signum();
-    let from_axis = across(centre - frame.origin);
+    let from_surface = across(point - nearest.point) * nearest.signed.signum();
+    let from_axis = across(point - frame.origin);
     let away = [from_surface, from_axis, frame.mesial]
         .into_iter()
         .find(|v| v.norm() > 1e-6)
         .unwrap_or(frame.mesial)
         .normalize();
-    let (angle, height) = frame.cylindrical(centre);
-    Place {
-        // Once more, so that rounding leaves nothing along the axis.
-        away: across(away).normalize(),
-        height: height - (around.floor)(angle),
-        floor,
+    // Once more, so that rounding leaves nothing along the axis.
+    (nearest.point, across(away).normalize())
+}
+
+/// Length of wall that the node `id` stands for: to its nearest neighbour among `ids`, the nodes of its level. The floor
+/// is pressed by the tip alone, whose size its compliance knows.
+fn spread(places: &[Place], ids: &[usize], id: usize) -> f64 {
+    let place = &places[id];
+    if place.floor {
+        return 0.0;
     }
+    let others = ids.iter().filter(|&&other| other != id);
+    let nearest = others.fold(f64::INFINITY, |nearest, &other| {
+        nearest.min((places[other].on_surface - place.on_surface).norm())
+    });
+    if nearest.is_finite() { nearest } else { 0.0 }
 }
 
 /// Which nodes stand for the floor of the pocket: at each level those nearest to the vertices of the mesh that are

@@ -206,6 +206,9 @@ impl Compiler<'_> {
         };
         let mut gingiva = model(&tree, level, params, &surrounding);
         gingiva.tooth.origin += place;
+        for of_node in &mut gingiva.places {
+            of_node.on_surface += place;
+        }
         let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
         let mesh = mesh.placed(1.0, place);
         let tissue = if entry.tissue == TissueEntry::PrintedGingiva {

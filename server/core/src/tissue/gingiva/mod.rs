@@ -1,11 +1,12 @@
 //! The gingiva around one tooth: a collar whose every place gives way on its own, away from the tooth more easily than
 //! along it, and takes its neighbourhood with it.
 //!
-//! Compliance between places i and j (rest centres x): `C_ij = exp(-|x_i - x_j| / l) D_i^1/2 D_j^1/2`, `D = (1/k_d) mm' +
+//! Compliance between places i and j (points x of the surface): `C_ij = exp(-|x_i - x_j| / l) D_i^1/2 D_j^1/2`, `D = (1/k_d) mm' +
 //! (1/k_t)(1 - mm')`, `m` the direction away from the tooth; positive semi-definite by construction (`kernel`). It is
 //! the local displacement of Wang et al. 2014 (doi:10.1109/TOH.2014.2304734, Eq. 11 to 16) as a matrix: neighbours (Eq. 14), the
 //! types of hybrid contact (Eq. 15) and release (Eq. 16) follow from solving all contacts at once. A place's compliance
-//! does not depend on how many spheres stand for the surface, so the wall is as stiff at level 3 as at level 4.
+//! does not depend on how many spheres stand for the surface, and a load on a sphere is spread along the tooth's axis over
+//! the length that it stands for (`exp` is the mean over both lengths), so the wall is as stiff at level 3 as at level 4.
 //!
 //! In time it is a Kelvin-Voigt solid, `f = K (u + tau du/dt)` with `K = C^-1`: a step of implicit Euler is `u = tau / (tau +
 //! dt) u_last + dt / (tau + dt) C f`.
@@ -60,6 +61,11 @@ impl ToothFrame {
 pub struct Place {
     /// Unit vector away from the tooth, across its axis.
     pub away: Vec3,
+    /// Point of the pocket's surface that this sphere stands for, world axes, metres: compliance falls with the distance
+    /// between these points, not with that of centres, which lie deeper the coarser the level is.
+    pub on_surface: Vec3,
+    /// Length along the tooth's axis over which a load on this sphere is spread, metres; 0 for a load at a point.
+    pub spread: f64,
     /// Height of the centre over the floor of the pocket at its angle, along the tooth's axis, metres; negative below.
     pub height: f64,
     /// Whether this sphere stands for the floor of the pocket, or for what lies under it.
@@ -153,13 +159,16 @@ impl Gingiva {
             let (away, axis) = (&place.away, &self.tooth.axis);
             !((norm(away) - 1.0).abs() <= 1e-9
                 && away.dot(axis).abs() <= 1e-9
-                && small(&place.height))
+                && small(&place.height)
+                && place.on_surface.iter().all(|x| within(*x, -10.0, 10.0))
+                && within(place.spread, 0.0, 0.1))
         });
         if let Some(k) = wrong {
             return bad(
                 "place",
                 format!("{:?} at {k}", self.places[k]),
-                "a unit vector across the tooth's axis and a height within 1 m".into(),
+                "a unit vector across the tooth's axis, a height within 1 m, a point within 10 m and a spread of 0 to 0.1 m"
+                    .into(),
             );
         }
         Ok(())

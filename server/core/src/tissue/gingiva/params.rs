@@ -144,10 +144,12 @@ impl GingivaParams {
         self.reading_force / self.floor_stiffness
     }
 
-    /// Compliance of one place of the floor, m/N. A load spread evenly over a disc moves it by the mean of `exp(-distance / l)`
-    /// over all pairs of its points, which is nearly that at their mean distance, 128 / (45 pi) radii.
+    /// Compliance of one place of the floor, m/N. The floor is a line round the tooth, which the tip covers from wall to
+    /// wall: a load spread evenly over a disc moves it by the mean of `exp(-distance / l)` over all pairs of its points,
+    /// with their distance along that line, which is nearly that at the mean distance, 256 / (45 pi^2) radii.
     pub fn floor_compliance(&self) -> f64 {
-        let distance = 128.0 / (45.0 * std::f64::consts::PI) * 0.5 * self.reading_tip;
+        let distance =
+            256.0 / (45.0 * std::f64::consts::PI * std::f64::consts::PI) * 0.5 * self.reading_tip;
         libm::exp(distance / self.reach) / (self.firmness() * self.floor_stiffness)
     }
 

@@ -3,7 +3,7 @@
 //! State: what is remembered of each tool ([`super::pocket`]), then the displacement of each yielding sphere. A
 //! configuration is the displacements alone, metres, x y z sphere by sphere.
 
-use super::kernel::{Falloff, Root};
+use super::kernel::{Falloff, Root, Stretch};
 use super::pocket::{self, Tip};
 use super::{Gingiva, MEMORY};
 use crate::TICK_S;
@@ -83,10 +83,10 @@ impl Ready {
             ])
         });
         let roots: Vec<Root> = roots.collect();
-        let centres = nodes
-            .iter()
-            .map(|&node| rest.nodes()[node as usize].centre)
-            .collect();
+        let stretches = nodes.iter().map(|&node| {
+            let place = &model.places[node as usize];
+            Stretch::new(place.on_surface, &model.tooth.axis, place.spread)
+        });
         let wall = |node: u32| {
             let place = &model.places[node as usize];
             place.height > 0.0 && !place.floor
@@ -99,7 +99,7 @@ impl Ready {
                 .filter(|(_, node)| wall(**node))
                 .map(|(slot, node)| (slot, rest.nodes()[*node as usize].centre))
                 .collect(),
-            falloff: Falloff::new(centres, params.reach),
+            falloff: Falloff::new(stretches.collect(), params.reach),
             sums: std::array::from_fn(|_| vec![0.0; nodes.len()]),
             turned: Vec::with_capacity(MOST_ROWS),
             model: model.clone(),
@@ -183,7 +183,7 @@ impl Tissue for Ready {
         }));
         for (i, (a, from)) in self.turned.iter().enumerate() {
             let falloff = self.falloff.from(*from as usize);
-            gram.add(i, i, a.dot(a));
+            gram.add(i, i, falloff(*from as usize) * a.dot(a));
             for (j, (b, to)) in self.turned[..i].iter().enumerate() {
                 let compliance = falloff(*to as usize) * a.dot(b);
                 gram.add(i, j, compliance);
