@@ -106,9 +106,9 @@ fn stiffen(tissue: &mut TissueModel, by: f64) {
 
 /// A rigid bar of 1 mm radius along x through `centre`.
 pub fn bar(centre: Vec3) -> Object {
-    let spheres: Vec<Sphere> = (-24..=24)
+    let spheres: Vec<Sphere> = (-120..=120)
         .map(|k| Sphere {
-            centre: centre + Vec3::new(f64::from(k) * 5e-4, 0.0, 0.0),
+            centre: centre + Vec3::new(f64::from(k) * 1e-4, 0.0, 0.0),
             radius: 1e-3,
         })
         .collect();
