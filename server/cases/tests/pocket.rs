@@ -415,7 +415,7 @@ fn let_go_it_gives_no_energy_and_comes_back() {
     let mut last: Option<(Pose, Wrench)> = None;
     // Pressed down and outwards, and back the same way.
     for k in 0..=4000 {
-        let share = f64::from(2000 - (2000 - k as i32).abs()) / 2000.0;
+        let share = f64::from(2000 - (2000 - k).abs()) / 2000.0;
         let mut pose = way.pose(&tool, -1.2e-3 * share, 0.0, 0.0);
         pose.position += way.outward * (1e-3 * share);
         let out = run.tick(&pose);

@@ -58,7 +58,7 @@ impl Yielding {
                 still: true,
                 nodes: nodes.to_vec(),
                 fitted: false,
-                near: std::array::from_fn(|_| SoftNeighbours::new(len)),
+                near: std::array::from_fn(|_| SoftNeighbours::new(len, nodes)),
                 ids: (0..nodes.len() as u32).collect(),
                 centres: vec![Vec3::zeros(); nodes.len()],
             })
@@ -109,7 +109,7 @@ impl Yielding {
             if !self.near[slot].covers(predictor, tool.level, (self.model.as_ref(), shape), d) {
                 self.refit();
                 let nodes = if self.still { at_rest } else { &self.nodes };
-                let listed = (index, nodes, object.level);
+                let listed = (nodes, object.level);
                 let shape = (!self.still).then_some(self.shape.as_slice());
                 self.near[slot].list(predictor, tool, listed, shape, d);
             }

@@ -94,6 +94,11 @@ impl Search {
         &self.keys[..self.found]
     }
 
+    /// Where and how far a sphere of the tool that was found is felt for.
+    pub fn felt(&self, sphere: u32) -> Felt {
+        self.felt[sphere as usize]
+    }
+
     /// Finds the pairs of a family and a sphere of the tool that are closer than `slack` (of the lever of what is
     /// felt for); `None` when there are more than `most`, else how many spheres were tested.
     pub fn run(

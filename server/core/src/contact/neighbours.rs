@@ -111,7 +111,7 @@ impl Neighbours {
         (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
         self.levels = Some((tool.level, level));
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
-        let slack = |lever| slack(self.reach, self.turn, lever);
+        let slack = slack(self.reach, self.turn);
         let (usable, tested) = search.run(tool, posed, (packs, level), levers, slack, self.most);
         self.usable = usable;
         self.pairs.clear();
@@ -190,6 +190,6 @@ impl Neighbours {
 
 /// How much farther than its radius a tool's sphere must be felt for.
 #[inline]
-fn slack(reach: f64, turn: f64, lever: f64) -> f64 {
-    fmax(0.0, reach) + turn * lever + ROUNDING
+pub(super) fn slack(reach: f64, turn: f64) -> impl Fn(f64) -> f64 {
+    move |lever| fmax(0.0, reach) + turn * lever + ROUNDING
 }

@@ -1,4 +1,4 @@
-//! A rigid object's tree laid out for the cache: siblings side by side, one array per coordinate.
+//! An object's tree laid out for the cache: siblings side by side, one array per coordinate.
 
 use wide::f32x8;
 
@@ -73,7 +73,17 @@ pub(super) struct Packs {
 }
 
 impl Packs {
+    /// Of a tree that stays as it is: with tight bounds, which take long to find.
     pub fn new(nodes: &[Node]) -> Self {
+        Self::about(nodes, &tight_bounds(nodes))
+    }
+
+    /// Of a tree whose spheres move: see [`Packs::fit`].
+    pub fn moving(nodes: &[Node]) -> Self {
+        Self::about(nodes, &own_bounds_of(nodes).collect::<Vec<_>>())
+    }
+
+    fn about(nodes: &[Node], bounds: &[Sphere]) -> Self {
         let inner = nodes.iter().filter(|node| node.children > 0).count();
         let mut packs = Self {
             families: Vec::with_capacity(inner + 1),
@@ -82,7 +92,6 @@ impl Packs {
             loose: Vec::with_capacity(inner + 1),
             origin: nodes[0].centre,
         };
-        let bounds = tight_bounds(nodes);
         packs.add(&nodes[..1], &bounds[..1], 0, 1);
         let mut next = 2;
         for node in nodes.iter().filter(|node| node.children > 0) {
@@ -93,6 +102,26 @@ impl Packs {
             next += siblings.iter().filter(|child| child.children > 0).count() as u32;
         }
         packs
+    }
+
+    /// Brings families made by [`Packs::moving`] to where the nodes of their tree are now.
+    pub fn fit(&mut self, nodes: &[Node]) {
+        self.origin = nodes[0].centre;
+        let Self {
+            families,
+            bounds,
+            shapes,
+            loose,
+            origin,
+        } = self;
+        for (k, family) in families.iter().enumerate() {
+            let first = family.first as usize;
+            let siblings = &nodes[first..first + family.members.count_ones() as usize];
+            let parents = siblings.iter().filter(|node| node.children > 0);
+            bounds[k] = Balls::new(own_bounds_of(parents), origin);
+            shapes[k] = Balls::new(siblings.iter().map(Node::sphere), origin);
+            loose[k] = looseness(siblings.iter().zip(own_bounds_of(siblings)));
+        }
     }
 
     fn add(&mut self, siblings: &[Node], bounds: &[Sphere], first: u32, first_pack: u32) {
@@ -110,10 +139,8 @@ impl Packs {
             inner: ((1u16 << parents.count_ones()) - 1) as u8,
             level: siblings[0].level,
         });
-        let loose =
-            |most, (node, bound): (&Node, &Sphere)| fmax(most, bound.radius - node.contact_radius);
         self.loose
-            .push(siblings.iter().zip(bounds).fold(0.0, loose));
+            .push(looseness(siblings.iter().zip(bounds.iter().copied())));
         let inner = siblings.iter().zip(bounds);
         let inner = inner.filter(|(node, _)| node.children > 0);
         self.bounds
@@ -123,19 +150,28 @@ impl Packs {
     }
 }
 
+/// By how much the loosest of the bounds exceeds its node's shape, metres.
+fn looseness<'a>(bounded: impl Iterator<Item = (&'a Node, Sphere)>) -> f64 {
+    bounded.fold(0.0, |most, (node, bound)| {
+        fmax(most, bound.radius - node.contact_radius)
+    })
+}
+
+/// The balls about the nodes' own centres.
+fn own_bounds_of<'a>(nodes: impl IntoIterator<Item = &'a Node>) -> impl Iterator<Item = Sphere> {
+    nodes.into_iter().map(|node| Sphere {
+        centre: node.centre,
+        radius: node.bound_radius,
+    })
+}
+
 /// Rounds of the approach to the smallest enclosing ball.
 const ROUNDS: u32 = 24;
 
 /// For each node a ball about all contact spheres below it, smaller than the one about its own centre: that
 /// one sticks out on every side by what one descendant needs on one.
 fn tight_bounds(nodes: &[Node]) -> Vec<Sphere> {
-    let mut bounds: Vec<Sphere> = nodes
-        .iter()
-        .map(|node| Sphere {
-            centre: node.centre,
-            radius: node.bound_radius,
-        })
-        .collect();
+    let mut bounds: Vec<Sphere> = own_bounds_of(nodes).collect();
     for (index, node) in nodes.iter().enumerate().rev() {
         if node.children == 0 {
             continue;

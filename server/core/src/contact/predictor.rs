@@ -50,7 +50,7 @@ pub struct Predictor {
     neighbours: Vec<Option<Neighbours>>,
     /// Per tool and node.
     pub(super) levers: [Vec<Lever>; MAX_TOOLS],
-    search: Search,
+    pub(super) search: Search,
     /// Place in a list's spheres of each node of a tool.
     places: Vec<u32>,
     pub(super) work: Work,

@@ -4,15 +4,14 @@
 //! As `neighbours` has them for what is rigid, but down to the single spheres, whose centres are asked of the
 //! tissue's model in every pass: only those in the list, and no tree is brought to the shape meanwhile.
 
-use super::dual::traverse;
+use super::neighbours::{CAPACITY, slack};
+use super::packs::Packs;
 use super::predictor::{Posed, PosedTool, Predictor};
-use super::{ContactList, ContactsFull, Distance, Overflow};
+use super::{ContactList, ContactsFull, Distance};
 use crate::math::{Mat3, Vec3, norm};
 use crate::tissue::Tissue;
 use crate::tree::Node;
 
-/// Most pairs in a list.
-const CAPACITY: usize = 4096;
 /// Motion of tool and tissue together that a list allows for, metres.
 const TRANSLATION: f64 = 2e-4;
 /// Turn of the tool that a list allows for: largest Frobenius norm of a difference of rotation matrices.
@@ -27,7 +26,10 @@ pub(crate) struct SoftNeighbours {
     spheres: Vec<u32>,
     /// Where they are, as of the present query.
     centres: Vec<Vec3>,
-    found: ContactList,
+    /// Families of the object, brought to its shape for each list.
+    packs: Packs,
+    /// Scratch: which lanes of a family come within reach of each sphere.
+    masks: Vec<u8>,
     rotation: Mat3,
     working_point: Vec3,
     /// Shape of the tissue when the list was made, and whether that was its rest.
@@ -44,12 +46,14 @@ pub(crate) struct SoftNeighbours {
 }
 
 impl SoftNeighbours {
-    pub fn new(shape_len: usize) -> Self {
+    /// For a tissue of so many numbers of shape, on the nodes of its object.
+    pub fn new(shape_len: usize, nodes: &[Node]) -> Self {
         Self {
             pairs: Vec::with_capacity(CAPACITY),
             spheres: Vec::with_capacity(CAPACITY),
             centres: vec![Vec3::zeros(); CAPACITY],
-            found: ContactList::with_capacity(CAPACITY),
+            packs: Packs::moving(nodes),
+            masks: Vec::with_capacity(CAPACITY),
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
             shape: vec![0.0; shape_len],
@@ -92,13 +96,12 @@ impl SoftNeighbours {
         }
     }
 
-    /// Makes the list for this pose and shape; `object` is its index, its nodes brought to the shape, its
-    /// level.
+    /// Makes the list for this pose and shape, the object's nodes brought to the shape, at its level.
     pub fn list(
         &mut self,
         predictor: &mut Predictor,
         tool: &PosedTool<'_>,
-        object: (u16, &[Node], u8),
+        (nodes, level): (&[Node], u8),
         shape: Option<&[f64]>,
         d: Distance,
     ) {
@@ -111,26 +114,56 @@ impl SoftNeighbours {
             None => self.shape.fill(0.0),
         }
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
-        let within = Distance {
-            base: self.reach,
-            turn: self.turn,
-        };
+        self.packs.fit(nodes);
+        let Predictor {
+            posed,
+            search,
+            levers,
+            work,
+            ..
+        } = predictor;
+        work.lists += 1;
+        let slack = slack(self.reach, self.turn);
+        let levers = &levers[usize::from(tool.slot)];
+        let packs = (&self.packs, level);
+        let (usable, tested) = search.run(tool, posed, packs, levers, slack, CAPACITY);
+        work.tested += tested;
+        self.usable = usable;
         self.pairs.clear();
         self.spheres.clear();
-        self.found.begin(CAPACITY, Overflow::Stop);
-        self.usable = predictor
-            .traversed(tool, object, within, &mut self.found)
-            .is_ok();
-        if !self.usable {
-            return;
-        }
-        self.found.sort();
-        for contact in self.found.as_slice() {
-            if self.spheres.last() != Some(&contact.object_sphere) {
-                self.spheres.push(contact.object_sphere);
+        let mut rest = search.keys();
+        while let Some(first) = rest.first() {
+            let p = first >> 32;
+            let run = rest.iter().take_while(|key| *key >> 32 == p).count();
+            let (now, later) = rest.split_at(run);
+            rest = later;
+            let (family, balls) = (
+                &self.packs.families[p as usize],
+                &self.packs.shapes[p as usize],
+            );
+            let shapes = family.shapes_at(level);
+            self.masks.clear();
+            self.masks.extend(now.iter().map(|key| {
+                // As near as the search found some sphere of the family: which ones?
+                shapes & balls.within(search.felt(*key as u32))
+            }));
+            let mut any = self.masks.iter().fold(0, |any, mask| any | mask);
+            // Sphere by sphere of the object, so that the pairs come sorted.
+            while any != 0 {
+                let lane = any.trailing_zeros();
+                any &= any - 1;
+                let place = self.spheres.len() as u32;
+                self.spheres.push(family.first + lane);
+                for (mask, key) in self.masks.iter().zip(now) {
+                    if mask & 1 << lane != 0 {
+                        if self.pairs.len() == CAPACITY {
+                            self.usable = false;
+                            return;
+                        }
+                        self.pairs.push((place, *key as u32));
+                    }
+                }
             }
-            self.pairs
-                .push((self.spheres.len() as u32 - 1, contact.tool_sphere));
         }
     }
 
@@ -158,21 +191,5 @@ impl SoftNeighbours {
             }
         }
         Ok(())
-    }
-}
-
-impl Predictor {
-    /// Traverses both trees from their roots, whatever is kept.
-    fn traversed(
-        &mut self,
-        tool: &PosedTool<'_>,
-        object: (u16, &[Node], u8),
-        d: Distance,
-        out: &mut ContactList,
-    ) -> Result<(), ContactsFull> {
-        self.work.lists += 1;
-        let counted = (&mut self.stack, &mut self.work.tested);
-        let within = (d, self.levers[usize::from(tool.slot)].as_slice());
-        traverse(tool, &mut self.posed, object, within, counted, out)
     }
 }

@@ -50,8 +50,13 @@ fn what_is_kept_of_a_tissue_never_shows() {
         touched += u32::from(a.tools[0].active > 0);
     }
     assert!(touched > 1000, "{touched} ticks in contact");
-    let (kept, plain) = (kept.1.work().tested, plain.1.work().tested);
-    assert!(2 * kept < plain, "{kept} and {plain} pairs tested");
+    // Lists were made and served more than one tick, at speeds that outrun many of them.
+    let lists = kept.1.work().lists;
+    assert!(
+        lists > 0 && lists < u64::from(touched),
+        "{lists} lists, {touched} ticks in contact"
+    );
+    assert_eq!(plain.1.work().lists, 0);
 }
 
 #[test]
