@@ -228,6 +228,17 @@ impl Groups {
         }
     }
 
+    /// Place of the group with the smallest core gap at the pose of the pass.
+    pub fn nearest(&self) -> Option<usize> {
+        (0..self.all.len()).reduce(|best, k| {
+            if self.all[k].smallest < self.all[best].smallest {
+                k
+            } else {
+                best
+            }
+        })
+    }
+
     /// Indices of the contacts of a group, ascending.
     pub fn contacts(&self, group: &Group) -> &[u32] {
         &self.order[group.first as usize..(group.first + group.count) as usize]
@@ -237,7 +248,10 @@ impl Groups {
 impl Group {
     /// Whether no blended gap can be under `limit` after a motion of at most `moved` (metres).
     pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
-        self.smallest - moved - blend * libm::log(f64::from(self.count)) >= limit
+        let spare = self.smallest - moved - limit;
+        // The logarithm of the count lies between nothing and that of the next power of two: seldom to be asked for.
+        let most = std::f64::consts::LN_2 * f64::from(u32::BITS - self.count.leading_zeros());
+        spare >= 0.0 && (spare >= blend * most || spare >= blend * libm::log(f64::from(self.count)))
     }
 }
 

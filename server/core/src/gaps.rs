@@ -38,7 +38,12 @@ pub(crate) fn true_gaps(
         }
     }
     let blender = &mut ws.blender;
-    for group in &groups.all {
+    // The nearest group first: what it leaves is soon clear of it.
+    let nearest = groups.nearest();
+    let others = groups.all.iter().enumerate();
+    let others = others.filter(|(k, _)| Some(*k) != nearest);
+    let first = nearest.map(|k| &groups.all[k]);
+    for group in first.into_iter().chain(others.map(|(_, group)| group)) {
         let (t, k) = (usize::from(group.tool), usize::from(group.object));
         let (object, blend) = (&scene.objects[k], scene.blend_of(k));
         let lever = lever(group, groups, contacts);

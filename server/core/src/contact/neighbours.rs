@@ -23,7 +23,7 @@ const TRANSLATION: f64 = 5e-5;
 const TURN: f64 = 8.5e-3;
 /// Most tool spheres that one family is tested against before its contacts are written; where more
 /// are near, the contacts need sorting.
-const RUN: usize = 32;
+const RUN: usize = 192;
 /// Added to every reach: far above rounding at the 10 m that a scene may span, far below anything else.
 const ROUNDING: f64 = 1e-9;
 
