@@ -264,6 +264,10 @@ pub(crate) struct Blender {
     left_out: Vec<(u32, f64)>,
     /// Share of each pair in the row in question.
     shares: Vec<f64>,
+    /// Natural logarithm of each number of pairs; of none, 0.
+    logs: Vec<f64>,
+    /// A blend length and its [`reach`].
+    reach: (f64, f64),
 }
 
 impl Blender {
@@ -273,6 +277,10 @@ impl Blender {
             pairs: Vec::with_capacity(contacts),
             left_out: Vec::with_capacity(contacts * MAX_SEEDS),
             shares: Vec::with_capacity(contacts),
+            logs: (0..=contacts)
+                .map(|n| libm::log(fmax(1.0, n as f64)))
+                .collect(),
+            reach: (f64::NAN, 0.0),
         }
     }
 
@@ -295,7 +303,10 @@ impl Blender {
         })?;
         self.pairs.swap(0, nearest);
         let smallest = self.pairs[0].gap;
-        let farthest = fmax(smallest + reach(blend) * blend, kept);
+        if self.reach.0 != blend {
+            self.reach = (blend, reach(blend));
+        }
+        let farthest = fmax(smallest + self.reach.1 * blend, kept);
         self.pairs.retain(|pair| pair.gap <= farthest);
         for pair in &mut self.pairs {
             // Never nothing: a seed on another wall, however far above the nearest, has its own row.
@@ -364,7 +375,7 @@ impl Blender {
         row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
     ) {
         // Within the limit the tool may come in this pass to any wall, not only to the nearest.
-        let kept = limit + blend * libm::log(fmax(1.0, self.pairs.len() as f64));
+        let kept = limit + blend * self.logs[self.pairs.len()];
         let Some(smallest) = self.weigh(blend, kept) else {
             return;
         };
@@ -385,7 +396,7 @@ impl Blender {
         // By gap, then by contact: which rows imply which depends on nothing else.
         self.pairs
             .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
-        let most = blend * libm::log(n as f64);
+        let most = blend * self.logs[n];
         self.left_out.clear();
         let mut begins = [0; MAX_SEEDS + 1];
         let mut seeds = 0;
