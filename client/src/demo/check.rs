@@ -96,7 +96,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         measures: observer.measures(),
         zones,
         chart,
-        yields: scene.objects.iter().any(|o| !o.tissue.is_rigid()),
+        yields: scene.yields(),
         bytes,
     })
 }

@@ -52,6 +52,59 @@ fn force(output: &TickOutput, t: usize) -> Vec3 {
     output.tools[t].raw_wrench.force
 }
 
+/// Ticks with what is kept from tick to tick and without, which must not differ; returns how many were in contact.
+fn kept_as_plain(scene: &Scene, ticks: u64, mut input: impl FnMut(u64) -> TickInput) -> u32 {
+    let mut kept = (State::new(scene), Workspace::new(scene));
+    let mut plain = (State::new(scene), Workspace::plain(scene));
+    let mut touched = 0;
+    for k in 0..ticks {
+        let input = input(k);
+        let a = tick(scene, &mut kept.0, &mut kept.1, &input, &mut NoProbe);
+        let b = tick(scene, &mut plain.0, &mut plain.1, &input, &mut NoProbe);
+        assert_eq!(a, b, "tick {k}");
+        touched += u32::from(a.tools[0].active > 0);
+    }
+    assert!(kept.1.work().lists > 0 && plain.1.work().lists == 0);
+    touched
+}
+
+#[test]
+fn what_is_kept_of_tongue_and_gingiva_never_shows() {
+    let mut input = TickInput::IDLE;
+    let scene = tongue(2.0);
+    let at = mirror(&scene, 0.0);
+    let touched = kept_as_plain(&scene, 2500, |k| {
+        // Down, to and fro at up to 40 mm/s, levels of detail in turn, out and asleep, and down again.
+        let t = k as f64 * sulcus_core::TICK_S;
+        let deep = if (1.6..1.9).contains(&t) {
+            -8e-3
+        } else {
+            press(t)
+        };
+        input.tools[0] = present(&at.pose(deep, 0.0, 4e-3 * libm::sin(10.0 * t)));
+        TickInput {
+            detail: u8::from(k / 300 % 2 == 1),
+            ..input
+        }
+    });
+    assert!(touched > 1000, "{touched}");
+    let scene = pocket("0.4");
+    let path = PocketPath::new(&scene, None, 1e-4).expect("a pocket");
+    let touched = kept_as_plain(&scene, 2500, |k| {
+        let t = k as f64 * sulcus_core::TICK_S;
+        let depth = if (1.5..1.8).contains(&t) {
+            -6e-3
+        } else {
+            -4e-3 + 6e-3 * (t / 0.7).min(1.0)
+        };
+        let bearing = path.bearing(90.0 + 15.0 * libm::sin(6.0 * t));
+        input.tools[0] =
+            present(&path.pose(bearing, depth, 0.1 * libm::sin(9.0 * t), Vec3::zeros()));
+        input
+    });
+    assert!(touched > 1000, "{touched}");
+}
+
 #[test]
 fn two_mirrors_at_one_place_share_the_tongue_equally() {
     let (one, two) = (tongue(0.5), twice(tongue(0.5)));

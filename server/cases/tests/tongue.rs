@@ -168,6 +168,11 @@ fn both_levels_of_detail_feel_alike() {
     }
     println!("fine over coarse: {ratios:?}");
     assert!((0.95..1.05).contains(&ratios[1]), "{ratios:?}");
+    // Away from the depth at which they are matched they drift apart.
+    assert!(
+        ratios.iter().all(|r| (0.75..1.25).contains(r)),
+        "{ratios:?}"
+    );
 }
 
 #[test]
@@ -234,13 +239,15 @@ fn pressing_and_letting_go_gives_back_less_than_was_put_in_and_ends_at_rest() {
             "{put_in} {given_back}"
         );
         assert!(net_most < 0.01 * put_in, "{net_most}");
-        for _ in 0..2500 {
+        // The fine level hums on longer, by nanometres.
+        for _ in 0..2500 + 4500 * u32::from(detail) {
             run.tick(None);
         }
         assert!(run.displaced() < 1e-6, "{} m from rest", run.displaced());
+        let (_, all_but_the_share) = run.state.tissue.split_last().expect("a skeleton");
         assert!(
-            run.state.tissue[..100].iter().all(|x| *x == 0.0),
-            "still in the end"
+            all_but_the_share.iter().all(|x| *x == 0.0),
+            "detail {detail}: not still in the end"
         );
     }
 }

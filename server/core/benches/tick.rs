@@ -14,7 +14,7 @@ use sulcus_core::{
 };
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator};
-use sulcus_scene::compile::DEFAULT_SCENE;
+use sulcus_scene::BuiltIn;
 use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
 
 fn cpu_ns() -> u64 {
@@ -91,7 +91,11 @@ fn main() {
         ..BuildOptions::default()
     };
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("crown-five-levels.toml");
-    std::fs::write(&path, DEFAULT_SCENE.replace("levels = 4", "levels = 5")).expect("a file");
+    std::fs::write(
+        &path,
+        BuiltIn::Crown.text().replace("levels = 4", "levels = 5"),
+    )
+    .expect("a file");
     let scene = compile_file(&path, &options, &|_, _| {})
         .expect("the built-in scene, one level deeper")
         .scene;

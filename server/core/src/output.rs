@@ -69,7 +69,7 @@ pub struct PocketReading {
     pub depth: f64,
     /// Force on the floor along the tooth's axis, newtons.
     pub floor_force: f64,
-    /// Zone that the force is in; it is left only when the force is under 80 % of the zone's threshold.
+    /// Zone that the force is in; it is left only when the force is under a share of the zone's threshold (`rearm`).
     pub zone: ForceZone,
     /// Whether the zone was entered in this tick, from a lighter one: an event.
     pub entered_zone: bool,

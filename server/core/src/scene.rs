@@ -346,6 +346,17 @@ impl Scene {
                     source: error,
                 });
             }
+            if let TissueModel::Gingiva(model) = &object.tissue
+                && model.level != object.level
+            {
+                // Spheres of another level would not yield.
+                return field(
+                    &format!("object `{}`", object.name),
+                    "level of the gingiva",
+                    model.level.to_string(),
+                    "the level in contact",
+                );
+            }
             if let TissueModel::PrintedGingiva(model) = &object.tissue
                 && usize::from(model.tooth) >= self.objects.len()
             {

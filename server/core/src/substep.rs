@@ -1,5 +1,6 @@
-//! One tool, or both tools on one tissue, brought to where they can go: predict, optimise, move,
-//! look again, until the step is small and every true gap is closed to rounding.
+//! One tool, or both where anything in the scene yields, brought to where they can go: predict, optimise, move, look
+//! again, until the step is small and every true gap is closed to rounding. (Both together also while they touch nothing in
+//! common: tissue goes to one target, the answer to all loads.)
 //!
 //! The trust region holds the motion of the graphic tool plus that of the tissue under the
 //! prediction distance, so nothing is passed through between two passes at any speed: the
@@ -123,6 +124,7 @@ pub(crate) fn advance<P: StageProbe>(
         else {
             // An unusable answer is never applied: pose and load stay as they are.
             status_bits |= status::SOLVER_FAILED;
+            ws.passes[first].applied = None;
             break;
         };
         let tissue_motion = yield_target(ws, first);
@@ -140,6 +142,7 @@ pub(crate) fn advance<P: StageProbe>(
             }
         }
         apply(scene, state, ws, group, &step, share);
+        ws.passes[first].applied = Some(share);
         // What turns about the working point moves a little farther than its lever says.
         let gone = Distance {
             base: 1.01 * share * moved,

@@ -66,6 +66,8 @@ pub(crate) struct Pass {
     pub first: Vec<u32>,
     /// Whether the matrix of tissue compliance belongs to this pass.
     pub tissue: bool,
+    /// Share of its answer that was applied; none where the solver had no usable one.
+    pub applied: Option<f64>,
 }
 
 impl Pass {
@@ -81,10 +83,12 @@ impl Pass {
             bearing: Vec::with_capacity(rows),
             first: Vec::with_capacity(rows),
             tissue: false,
+            applied: Some(1.0),
         }
     }
 
     pub fn clear(&mut self) {
+        self.applied = Some(1.0);
         self.contacts.begin(0, Overflow::Stop);
         self.lines.clear();
         self.groups.clear();
@@ -409,21 +413,26 @@ fn commit(
     for yielding in &mut ws.yielding {
         let k = yielding.object;
         ws.tick_loads.clear();
+        let answered = ws.passes.iter().all(|pass| pass.applied.is_some());
         for pass in &ws.passes {
+            let applied = pass.applied.unwrap_or(0.0);
             let ours = pass
                 .loaded()
                 .filter(|(contact, load)| usize::from(contact.object) == k && *load > 0.0);
             ws.tick_loads.extend(ours.map(|(contact, load)| SiteLoad {
                 sphere: contact.object_sphere,
                 tool: contact.tool,
-                force: contact.normal * -load,
+                force: contact.normal * (-load * applied),
             }));
         }
         let tissue = &mut all[yielding.state.clone()];
         if !yielding.still {
-            yielding
-                .model
-                .commit(&yielding.shape, &ws.tick_loads, &hands, tissue);
+            yielding.model.commit(
+                &yielding.shape,
+                answered.then_some(ws.tick_loads.as_slice()),
+                &hands,
+                tissue,
+            );
         }
         if !tissue.iter().all(|x| x.is_finite()) {
             tissue.fill(0.0);

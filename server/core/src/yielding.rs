@@ -104,6 +104,7 @@ impl Yielding {
         let (object, index) = (&scene.objects[self.object], self.object as u16);
         let at_rest = object.tree.nodes();
         let slot = usize::from(tool.slot);
+        predictor.work.queries += 1;
         if !predictor.is_plain() {
             let shape = (!self.still).then_some(self.shape.as_slice());
             if !self.near[slot].covers(predictor, tool.level, (self.model.as_ref(), shape), d) {
@@ -117,7 +118,10 @@ impl Yielding {
             if self.near[slot].usable() {
                 return self.near[slot].query(predictor, tool, (index, at_rest), now, d, out);
             }
+            predictor.work.unlisted += 1;
         }
+        // The traversal counts itself.
+        predictor.work.queries -= 1;
         self.refit();
         let nodes = if self.still { at_rest } else { &self.nodes };
         predictor.predict(tool, (index, nodes, object.level), d, out)

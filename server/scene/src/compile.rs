@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use sulcus_core::{Scene, SceneError};
 
 use crate::build::TreeBuildError;
+use crate::built_in::{BuiltIn, compile_built_in};
 use crate::cache;
 use crate::check::MeshError;
 use crate::file::{self, FileError, SceneFile};
@@ -13,11 +14,6 @@ use crate::load::LoadError;
 use crate::parts::Compiler;
 use crate::skeleton::SkeletonError;
 use crate::solid::SolidError;
-
-/// Text of the scene that is used when none is named.
-pub const DEFAULT_SCENE: &str = include_str!("../../scenes/crown.toml");
-/// Text of the scene of one molar with its gingiva and a pocket.
-pub const POCKET_SCENE: &str = include_str!("../../scenes/pocket.toml");
 
 /// How to build, apart from what the scene file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -129,7 +125,7 @@ pub fn compile_default(
     options: &BuildOptions,
     progress: &dyn Fn(&str, f64),
 ) -> Result<Compiled, BuildError> {
-    compile_text(DEFAULT_SCENE, Path::new("crown.toml"), options, progress)
+    compile_built_in(BuiltIn::Crown, options, progress)
 }
 
 /// Compiles the text of a scene file; `path` is what errors call it, and where its meshes are looked for.
@@ -143,14 +139,6 @@ pub fn compile_text(
     progress: &dyn Fn(&str, f64),
 ) -> Result<Compiled, BuildError> {
     compile(&file::parse(text, path)?, text, path, options, progress)
-}
-
-/// The default scene, from the cache at its usual place where possible.
-///
-/// # Errors
-/// Only if the program was built from a broken source.
-pub fn default_scene() -> Result<Scene, BuildError> {
-    Ok(compile_default(&BuildOptions::cached(), &|_, _| ())?.scene)
 }
 
 fn compile(

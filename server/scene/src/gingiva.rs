@@ -167,7 +167,7 @@ fn margin(mesh: &TriMesh, frame: &ToothFrame) -> Vec<f64> {
                 }
             }
         }
-        // A collar has a crest all round; what has none there has its floor as its margin.
+        // A collar has a crest all round; where there is none, the height of the tooth's origin stands in.
         if highest.is_finite() { highest } else { 0.0 }
     })
 }

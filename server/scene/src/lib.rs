@@ -46,6 +46,6 @@ pub mod zone;
 pub use built_in::{BuiltIn, compile_built_in};
 pub use cache::default_cache_dir;
 pub use compile::{
-    BuildError, BuildOptions, Compiled, compile_default, compile_file, compile_text, default_scene,
+    BuildError, BuildOptions, Compiled, compile_default, compile_file, compile_text,
 };
 pub use solid::{Solid, SolidError, read_solid};

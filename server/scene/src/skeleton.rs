@@ -137,7 +137,13 @@ pub fn skeleton(
     let mut fine = level(tree, &distance, options, FINE)?;
     // The same organ: as much damping in all, and as far under a mirror.
     fine.params.damping *= coarse.free() as f64 / fine.free() as f64;
-    let factor = pressed(&coarse, tree) / pressed(&fine, tree);
+    let (soft, stiff) = (pressed(&coarse, tree), pressed(&fine, tree));
+    // What has nothing under the discs cannot be matched and keeps its own.
+    let factor = if soft > 0.0 && stiff > 0.0 {
+        soft / stiff
+    } else {
+        1.0
+    };
     for spring in &mut fine.springs {
         spring.stiffness = spring.stiffness.map(|k| k * factor);
     }

@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Gingiva;
 use sulcus_core::{Object, Scene, Vec3};
+use sulcus_scene::BuiltIn;
 use sulcus_scene::check::check;
-use sulcus_scene::compile::POCKET_SCENE;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::file::{FileError, parse};
 use sulcus_scene::parametric::gingiva::SITES_DEG;
@@ -116,7 +116,7 @@ fn depths_are_those_of_the_sites_and_run_smoothly_between() {
 fn the_model_knows_margin_floor_and_the_way_out() {
     let object = &scene().objects[1];
     let model = gingiva(object);
-    let written = parse(POCKET_SCENE, Path::new("pocket.toml")).expect("good");
+    let written = parse(BuiltIn::Pocket.text(), Path::new("pocket.toml")).expect("good");
     let pocket = written.objects[1].pocket.clone().expect("given");
     let collar = Collar::new(&pocket, tooth(), model.params.sink());
     for k in 0..360 {
@@ -189,7 +189,7 @@ fn message(text: &str) -> String {
 
 #[test]
 fn a_gingiva_that_cannot_stand_is_refused_in_one_sentence() {
-    let with = |from: &str, to: &str| message(&POCKET_SCENE.replace(from, to));
+    let with = |from: &str, to: &str| message(&BuiltIn::Pocket.text().replace(from, to));
     assert_eq!(
         with("tooth = \"tooth 36\"", "tooth = \"tooth 37\""),
         "my.toml: `tooth` of object `gingiva 36` is \"tooth 37\", expected the name of an object of kind \"molar\""

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use sulcus_scene::file::{FileError, parse};
 
-const GOOD: &str = sulcus_scene::compile::DEFAULT_SCENE;
+fn good() -> &'static str {
+    sulcus_scene::BuiltIn::Crown.text()
+}
 
 fn message(text: &str) -> String {
     let error: FileError = parse(text, Path::new("my.toml")).expect_err("refused");
@@ -18,7 +20,7 @@ fn message(text: &str) -> String {
 
 #[test]
 fn the_shipped_scene_is_understood() {
-    let scene = parse(GOOD, Path::new("crown.toml")).expect("good");
+    let scene = parse(good(), Path::new("crown.toml")).expect("good");
     assert_eq!(
         (scene.name.as_str(), scene.tools.len(), scene.objects[0].fdi),
         ("crown", 1, 36)
@@ -27,7 +29,7 @@ fn the_shipped_scene_is_understood() {
 
 #[test]
 fn an_unknown_key_is_named_with_the_known_ones() {
-    let text = GOOD.replace("translate_mm", "translat_mm");
+    let text = good().replace("translate_mm", "translat_mm");
     let said = message(&text);
     assert!(
         said.contains("unknown field `translat_mm`") && said.contains("`translate_mm`"),
@@ -39,18 +41,19 @@ fn an_unknown_key_is_named_with_the_known_ones() {
 
 #[test]
 fn a_wrong_type_shows_the_line_and_what_was_expected() {
-    let said = message(&GOOD.replace("stiffness_n_per_mm = 0.5", "stiffness_n_per_mm = \"soft\""));
+    let said =
+        message(&good().replace("stiffness_n_per_mm = 0.5", "stiffness_n_per_mm = \"soft\""));
     assert!(
         said.contains("stiffness_n_per_mm = \"soft\"") && said.contains("expected"),
         "{said}"
     );
     assert!(message("name = \"x").contains("line 1"));
-    assert!(message(&GOOD.replace("kind = \"molar\"", "kind = \"mollar\"")).contains("`molar`"));
+    assert!(message(&good().replace("kind = \"molar\"", "kind = \"mollar\"")).contains("`molar`"));
 }
 
 #[test]
 fn a_value_out_of_range_is_named_with_its_range() {
-    let with = |from: &str, to: &str| message(&GOOD.replace(from, to));
+    let with = |from: &str, to: &str| message(&good().replace(from, to));
     assert_eq!(
         with("stiffness_n_per_mm = 0.5", "stiffness_n_per_mm = -2.0"),
         "my.toml: `stiffness_n_per_mm` of tool `probe` is -2, expected 0.001 to 100 N/mm"
@@ -76,7 +79,7 @@ fn a_value_out_of_range_is_named_with_its_range() {
 
 #[test]
 fn a_mirror_is_understood_and_its_dimensions_are_checked() {
-    let mirror = GOOD.replace(
+    let mirror = good().replace(
         "kind = \"periodontal_probe\"",
         "kind = \"mouth_mirror\"\nmirror = { disc_diameter_mm = 24.0 }",
     );

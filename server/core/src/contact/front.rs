@@ -100,7 +100,7 @@ impl Search {
     }
 
     /// Finds the pairs of a family and a sphere of the tool that are closer than `slack` (of the lever of what is
-    /// felt for); `None` when there are more than `most`, else how many spheres were tested.
+    /// felt for). Whether there are no more than `most`, and how many spheres were tested.
     pub fn run(
         &mut self,
         tool: &PosedTool<'_>,

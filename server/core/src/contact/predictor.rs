@@ -34,7 +34,7 @@ pub struct Work {
     pub tested: u64,
     /// Lists of neighbours made anew.
     pub lists: u64,
-    /// Queries of rigid objects that no list could answer.
+    /// Queries that no list could answer.
     pub unlisted: u64,
 }
 
@@ -53,7 +53,7 @@ pub struct Predictor {
     pub(super) search: Search,
     /// Place in a list's spheres of each node of a tool.
     places: Vec<u32>,
-    pub(super) work: Work,
+    pub(crate) work: Work,
     plain: bool,
 }
 

@@ -150,6 +150,10 @@ impl SoftNeighbours {
             let mut any = self.masks.iter().fold(0, |any, mask| any | mask);
             // Sphere by sphere of the object, so that the pairs come sorted.
             while any != 0 {
+                if self.pairs.len() == CAPACITY {
+                    self.usable = false;
+                    return;
+                }
                 let lane = any.trailing_zeros();
                 any &= any - 1;
                 let place = self.spheres.len() as u32;
@@ -179,6 +183,7 @@ impl SoftNeighbours {
     ) -> Result<(), ContactsFull> {
         let centres = &mut self.centres[..self.spheres.len()];
         model.centres(shape, &self.spheres, centres);
+        predictor.work.tested += self.pairs.len() as u64;
         let (posed, levers) = predictor.posed_for(tool.slot);
         for &(place, t) in &self.pairs {
             let o = self.spheres[place as usize];

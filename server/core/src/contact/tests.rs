@@ -304,7 +304,7 @@ fn a_full_list_says_so_at_the_same_query_and_keeps_the_same_contacts() {
 
 #[test]
 fn a_list_without_room_is_answered_by_the_traversal() {
-    // Nine hundred spheres about the same place against a rod of 120: more pairs than a list holds.
+    // 2,700 spheres about the same place against a rod of 120: more pairs than a list holds.
     let mut scene = scene(2);
     let heap: Vec<Sphere> = (0..2700)
         .map(|k| Sphere {

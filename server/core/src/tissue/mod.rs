@@ -124,8 +124,15 @@ pub trait Tissue: Debug + Send {
     /// Largest motion of any sphere between two configurations, metres: what the trust region
     /// must allow for.
     fn motion(&self, from: &[f64], to: &[f64]) -> f64;
-    /// Takes the configuration that the tick ended with, and the loads that led there, into the state.
-    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], hands: &Hands<'_>, state: &mut [f64]);
+    /// Takes the configuration that the tick ended with, and the loads that led there, into the state. No loads where the
+    /// solver had no usable answer: what is remembered of loads stays as it was.
+    fn commit(
+        &mut self,
+        shape: &[f64],
+        loads: Option<&[SiteLoad]>,
+        hands: &Hands<'_>,
+        state: &mut [f64],
+    );
     /// What the tool in `slot` reads here at the end of a tick, if this is a pocket and the tool is in it.
     /// (A pocket that is at rest and untouched is not committed, but read.)
     fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
@@ -314,7 +321,13 @@ pub(crate) mod tests {
                     )
                 })
         }
-        fn commit(&mut self, shape: &[f64], _: &[SiteLoad], _: &Hands<'_>, state: &mut [f64]) {
+        fn commit(
+            &mut self,
+            shape: &[f64],
+            _: Option<&[SiteLoad]>,
+            _: &Hands<'_>,
+            state: &mut [f64],
+        ) {
             state.copy_from_slice(shape);
         }
     }

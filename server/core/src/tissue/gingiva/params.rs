@@ -120,6 +120,17 @@ impl GingivaParams {
             ("damage", self.damage, self.trauma, 10.0, "trauma to 10 N"),
             ("rearm", self.rearm, 0.1, 1.0, "0.1 to 1"),
         ];
+        // The floor's compliance is that of a tip that is small against the reach: see `floor_compliance`.
+        if self.reach < 0.5 * self.reading_tip {
+            return Err(TissueError {
+                field: "reach",
+                found: format!(
+                    "{} m with a reading_tip of {} m",
+                    self.reach, self.reading_tip
+                ),
+                expected: "at least half of reading_tip".into(),
+            });
+        }
         match checks
             .iter()
             .find(|(_, found, low, high, _)| !within(*found, *low, *high))

@@ -249,9 +249,16 @@ impl Tissue for Ready {
         squared.sqrt()
     }
 
-    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], hands: &Hands<'_>, state: &mut [f64]) {
+    fn commit(
+        &mut self,
+        shape: &[f64],
+        loads: Option<&[SiteLoad]>,
+        hands: &Hands<'_>,
+        state: &mut [f64],
+    ) {
         let (memory, moved) = state.split_at_mut(MEMORY);
         moved.copy_from_slice(shape);
+        let Some(loads) = loads else { return };
         let pressed = std::array::from_fn(|slot| {
             let floor = |load: &&SiteLoad| {
                 usize::from(load.tool) == slot && self.model.places[load.sphere as usize].floor

@@ -234,7 +234,7 @@ fn in_time_it_is_a_kelvin_voigt_solid() {
         ready.free_step(&state, &NOBODY, &mut shape, &mut free);
         let lambda = if k <= 60 { load } else { 0.0 };
         ready.apply(&sites, &[lambda], &free.clone(), &mut shape);
-        ready.commit(&shape, &[], &NOBODY, &mut state);
+        ready.commit(&shape, Some(&[]), &NOBODY, &mut state);
         let t = f64::from(k) * TICK_S;
         let way = Vec3::new(shape[0], shape[1], shape[2]).dot(&away);
         let end = load / params.wall_stiffness;
@@ -417,7 +417,7 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
         detail: 0,
     };
     let shape = vec![0.0; ready.shape_len()];
-    ready.commit(&shape, &loads, &inside, &mut state);
+    ready.commit(&shape, Some(&loads), &inside, &mut state);
     assert!((state[0] - 0.3).abs() < 1e-15 && state[1..3] == [1.0, 1.0]);
     assert!((state[3] - 0.6).abs() < 1e-15 && state[4..6] == [2.0, 1.0]);
     let reading = ready.reading(1, &inside, &state).expect("in the pocket");
@@ -428,7 +428,7 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
     );
     // An event lasts one tick; a pull is no press.
     let pull = [loads[0], loads[1], load(floor, 1, 0.6)];
-    ready.commit(&shape, &pull, &inside, &mut state);
+    ready.commit(&shape, Some(&pull), &inside, &mut state);
     assert_eq!((state[1], state[2]), (1.0, 0.0));
     assert_eq!(state[3..6], [0.0, 0.0, 0.0]);
     // Outside the wall the same loads are no pocket's; with the wall pushed out past the tip they are.
@@ -436,18 +436,18 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
         tools: [Some(hand(2.2e-3)), None],
         detail: 0,
     };
-    ready.commit(&shape, &loads, &outside, &mut state);
+    ready.commit(&shape, Some(&loads), &outside, &mut state);
     assert_eq!(state[..3], [0.0; 3]);
     assert_eq!(ready.reading(0, &outside, &state), None);
     let mut pushed = shape.clone();
     pushed.fill(0.5e-3);
-    ready.commit(&pushed, &loads, &outside, &mut state);
+    ready.commit(&pushed, Some(&loads), &outside, &mut state);
     assert!((state[0] - 0.3).abs() < 1e-15);
     // Not at rest while anything is remembered.
-    ready.commit(&shape, &loads, &inside, &mut state);
+    ready.commit(&shape, Some(&loads), &inside, &mut state);
     let (mut shape, mut free) = (shape.clone(), shape.clone());
     assert!(!ready.free_step(&state, &NOBODY, &mut shape, &mut free));
-    ready.commit(&shape, &[], &NOBODY, &mut state);
+    ready.commit(&shape, Some(&[]), &NOBODY, &mut state);
     assert!(ready.free_step(&state, &NOBODY, &mut shape, &mut free));
 }
 

@@ -299,9 +299,16 @@ impl Tissue for ReadyGingiva {
         self.followers.motion(from, to)
     }
 
-    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], hands: &Hands<'_>, state: &mut [f64]) {
+    fn commit(
+        &mut self,
+        shape: &[f64],
+        loads: Option<&[SiteLoad]>,
+        hands: &Hands<'_>,
+        state: &mut [f64],
+    ) {
         let (u, hybrid) = state.split_at_mut(shape.len());
         u.copy_from_slice(shape);
+        let Some(loads) = loads else { return };
         for (t, hybrid) in hybrid.iter_mut().enumerate() {
             let on_tooth = |hand: &crate::tissue::Hand<'_>| {
                 let load = hand.loads.get(usize::from(self.model.tooth));

@@ -451,7 +451,7 @@ impl Tissue for ReadySkeleton {
         self.followers.motion(&from[..n], &to[..n])
     }
 
-    fn commit(&mut self, shape: &[f64], _: &[SiteLoad], _: &Hands<'_>, state: &mut [f64]) {
+    fn commit(&mut self, shape: &[f64], _: Option<&[SiteLoad]>, _: &Hands<'_>, state: &mut [f64]) {
         let n = state.len();
         if shape[n] == 0.0 {
             state.copy_from_slice(&shape[..n]);

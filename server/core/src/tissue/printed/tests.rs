@@ -406,7 +406,7 @@ fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
         }
     }
     // What is above keeps its centre, what is below shifts with its ancestor.
-    ready.commit(&shape, &[], &now, &mut state);
+    ready.commit(&shape, Some(&[]), &now, &mut state);
     ready.free_step(&state, &now, &mut shape, &mut free);
     let all: Vec<u32> = (0..tree.nodes().len() as u32).collect();
     let mut centres = vec![Vec3::zeros(); all.len()];
@@ -453,7 +453,7 @@ fn a_named_carrier_bears_and_leads() {
     let now = hands(&tool, haptic, graphic, &loads);
     for _ in 0..2 {
         ready.free_step(&state, &now, &mut shape, &mut free_shape);
-        ready.commit(&shape, &[], &now, &mut state);
+        ready.commit(&shape, Some(&[]), &now, &mut state);
     }
     let leaves: Vec<u32> = tree
         .shape_at(7)
@@ -717,7 +717,7 @@ fn the_memory_is_last_ticks_load_on_both() {
         let mut state = vec![0.5; n + MAX_TOOLS];
         ready.commit(
             &shape,
-            &sites,
+            Some(&sites),
             &hands(&tool, pose, pose, &loads),
             &mut state,
         );

@@ -249,14 +249,20 @@ impl Tissue for Ready {
         most
     }
 
-    fn commit(&mut self, shape: &[f64], loads: &[SiteLoad], _: &Hands<'_>, state: &mut [f64]) {
+    fn commit(
+        &mut self,
+        shape: &[f64],
+        loads: Option<&[SiteLoad]>,
+        _: &Hands<'_>,
+        state: &mut [f64],
+    ) {
         let (cut, state_cut) = self.cuts();
         for ((v, now), before) in self.velocity.iter_mut().zip(shape).zip(&self.start) {
             *v = (now - before) / TICK_S;
         }
         // What is out of force is zero in a configuration, and so at rest.
         let under = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() < bound);
-        if loads.is_empty()
+        if loads.is_some_and(<[SiteLoad]>::is_empty)
             && under(&shape[..self.start.len()], REST_M)
             && under(&self.velocity, REST_M_PER_S)
         {

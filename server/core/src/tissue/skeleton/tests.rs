@@ -196,8 +196,12 @@ impl Bench {
                 force: site.normal * -*load,
             })
             .collect();
-        self.ready
-            .commit(&self.target, &loads, &nobody(self.detail), &mut self.state);
+        self.ready.commit(
+            &self.target,
+            Some(&loads),
+            &nobody(self.detail),
+            &mut self.state,
+        );
     }
 
     /// Centres of all nodes of the tree in the configuration that the last tick ended with.
@@ -239,8 +243,9 @@ fn dense_solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         b.swap(j, pivot);
         for i in j + 1..n {
             let l = a[i][j] / a[j][j];
-            for k in j..n {
-                a[i][k] -= l * a[j][k];
+            let (above, below) = a.split_at_mut(i);
+            for (x, y) in below[0][j..].iter_mut().zip(&above[j][j..]) {
+                *x -= l * y;
             }
             b[i] -= l * b[j];
         }
