@@ -1,0 +1,56 @@
+//! What can be wrong with a mesh, a material or a file.
+
+use std::path::PathBuf;
+
+/// Why something cannot be computed or read.
+#[derive(Debug, thiserror::Error)]
+pub enum FemError {
+    /// A number is out of range.
+    #[error("{field} is {found}, expected {expected}")]
+    Field {
+        /// What it is.
+        field: &'static str,
+        /// What it was.
+        found: String,
+        /// What it may be.
+        expected: String,
+    },
+    /// A file cannot be opened.
+    #[error("{path}: {source}")]
+    Open {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A row of a file is not what it should be.
+    #[error("{path}, line {line}: {found}, expected {expected}")]
+    Row {
+        /// Which file.
+        path: PathBuf,
+        /// Line, counted from 1.
+        line: u64,
+        /// What stands there.
+        found: String,
+        /// What should.
+        expected: String,
+    },
+    /// The stiffness matrix cannot be factored.
+    #[error("the stiffness matrix cannot be factored: {0}")]
+    Factor(String),
+}
+
+impl FemError {
+    /// A field that is wrong.
+    pub(crate) fn field(
+        field: &'static str,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Field {
+            field,
+            found: found.into(),
+            expected: expected.into(),
+        }
+    }
+}
