@@ -363,6 +363,37 @@ fn wall_stiffness(with_tooth: &Scene, (degrees, depth): (f64, f64), level: u8) -
 
 #[test]
 fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
+    let mut scene = scene_with(&[("levels = 3", "levels = 4")]);
+    let mut stiffness = [0.0; 2];
+    for (degrees, depth) in [SITES[0], SITES[3], SITES[4]] {
+        for (level, found) in [3, 4].into_iter().zip(&mut stiffness) {
+            scene.objects[1].level = level;
+            model(&mut scene).level = level;
+            let way = way(&scene, degrees, depth);
+            let mut run = Run::new(&scene);
+            let tool = run.scene.tools[0].clone();
+            go_in(&mut run, &way, 6e-4);
+            // Away from the tooth, slowly; force on the gingiva over the way of the working point.
+            let mut seen = Vec::new();
+            for k in 0..2400 {
+                let mut pose = way.pose(&tool, 6e-4, 0.0, 0.0);
+                pose.position += way.outward * (1e-6 * f64::from(k));
+                let out = run.tick(&pose);
+                let at = out.tools[0].graphic.transform(&tool.working_point);
+                let force = run.state.loads[1].force.dot(&way.outward);
+                seen.push((at.dot(&way.outward), force));
+            }
+            let (from, to) = (seen[1200], seen[2399]);
+            *found = (to.1 - from.1) / (to.0 - from.0);
+        }
+        let [three, four] = stiffness;
+        println!("{degrees}: wall {three:.0} N/m at level 3, {four:.0} N/m at level 4");
+        assert!((three / four - 1.0).abs() <= 0.05, "{three} {four}");
+    }
+}
+
+#[test]
+fn the_wall_alone_is_as_stiff_at_level_4_as_at_level_3() {
     let scene = scene_with(&[("levels = 3", "levels = 4")]);
     let pairs = SITES.map(|site| [3, 4].map(|level| mean_wall_stiffness(&scene, site, level)));
     for ((degrees, _), [three, four]) in SITES.iter().zip(&pairs) {
@@ -374,9 +405,13 @@ fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
     let [three, four] = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).sum::<f64>() / 6.0);
     println!("mean {three:.0} and {four:.0} N/m");
     assert!((three / four - 1.0).abs() <= 0.02, "{three} {four}");
-    // Site by site the bumps and the ends of the contact of a level still tell.
-    for [three, four] in pairs {
-        assert!((three / four - 1.0).abs() <= 0.1, "{three} {four}");
+    for ((degrees, depth), [three, four]) in SITES.iter().zip(&pairs) {
+        // Where the pocket is shallow the ends of the contact still tell.
+        let bound = if *depth > 2e-3 { 0.05 } else { 0.1 };
+        assert!(
+            (three / four - 1.0).abs() <= bound,
+            "{degrees}: {three} {four}"
+        );
     }
 }
 
@@ -443,7 +478,7 @@ fn normals_never_flip_two_millimetres_deep_in_soft_gingiva() {
         go_in(&mut run, &way, 8e-4);
         let mut last: Vec<(u32, u32, Vec3)> = Vec::new();
         let start = run.state.tools[0].graphic.transform(&tool.working_point);
-        // Least cosine between a normal and itself a tick before: in the first 2 mm, and on the way out past the wall.
+        // Least cosine between a normal and itself a tick before: up to 2 mm deep, and on the way out past the wall.
         let (mut least, mut least_after, mut pairs, mut gone) = (1.0_f64, 1.0_f64, 0, 0.0);
         for k in 0..4000 {
             let mut pose = way.pose(&tool, 8e-4, 0.0, 0.0);
@@ -457,19 +492,23 @@ fn normals_never_flip_two_millimetres_deep_in_soft_gingiva() {
                 .map(|(contact, _)| (contact.object_sphere, contact.tool_sphere, contact.normal))
                 .collect();
             for (object, tool, normal) in &now {
+                // No wall is pulled: what bears load pushes the tool inwards, upwards or along, not outwards. From about
+                // 1.5 mm on the tip parts single spheres of a wall so soft, and lies beyond them.
+                let outward = normal.dot(&way.outward);
+                assert!(gone > 1.4e-3 || outward < 0.5, "tick {k}: {normal:?}");
                 let same = last.iter().find(|(o, t, _)| o == object && t == tool);
                 if let Some((_, _, before)) = same {
-                    let least = if gone <= 2e-3 {
-                        &mut least
+                    let cosine = normal.dot(before);
+                    if gone <= 2e-3 {
+                        least = least.min(cosine);
                     } else {
-                        &mut least_after
-                    };
-                    *least = least.min(normal.dot(before));
+                        least_after = least_after.min(cosine);
+                    }
                     pairs += 1;
                 }
             }
             last = now;
-            // The wall pushes back; it does not let the tool through and push it on from behind.
+            // All in all the wall pushes back; it does not let the tool through and push it on from behind.
             let push = run.state.loads[1].force.dot(&way.outward);
             assert!(k < 10 || gone > 2e-3 || push > 0.0, "tick {k}: {push} N");
             gone = (out.tools[0].graphic.transform(&tool.working_point) - start).dot(&way.outward);
@@ -479,7 +518,7 @@ fn normals_never_flip_two_millimetres_deep_in_soft_gingiva() {
             gone * 1e3
         );
         assert!(gone > 2e-3 && pairs > 1000, "{gone:e} m, {pairs} pairs");
-        assert!(least > 0.9 && least_after > 0.5, "{least} {least_after}");
+        assert!(least > 0.9 && least_after > 0.85, "{least} {least_after}");
     }
 }
 

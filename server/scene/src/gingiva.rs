@@ -10,6 +10,8 @@ use crate::parallel;
 
 /// Angles at which the margin is kept.
 const ANGLES: usize = 128;
+/// A sphere that stands for the floor has its centre lower than this over it, metres; higher, it is the foot of a wall.
+const FLOOR_TOP: f64 = 3e-4;
 /// Vertices of the floor lie up to this far from the floor's height, metres.
 const FLOOR_BAND: f64 = 1.5e-4;
 
@@ -39,6 +41,7 @@ pub fn model(
     let nodes = tree.nodes();
     let mut places = parallel::map(nodes.len(), |k| {
         let mut place = place(&nodes[k].sphere(), floor[k], around);
+        place.floor &= place.height < FLOOR_TOP;
         // What lies under the floor bears the tip too, when the floor is pressed far down or aside.
         place.floor |= place.height < 0.0;
         place
