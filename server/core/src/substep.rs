@@ -113,7 +113,7 @@ pub(crate) fn advance<P: StageProbe>(
                 break;
             }
             // The same way out as a full list of contacts: look less far.
-            d = d.halved(longest);
+            d = d.shorter(longest);
         }
         probe.begin(Stage::Optimise);
         let target = optimise(scene, state, ws, group, wanted);
@@ -251,7 +251,7 @@ fn collide(
                     if blended && share > 0.0 && most <= 2.0 * scene.params.predict_min {
                         share = if share > 0.1 { 0.5 * share } else { 0.0 };
                     } else {
-                        d = d.halved(longest);
+                        d = d.shorter(longest);
                     }
                     continue 'again;
                 }

@@ -380,8 +380,7 @@ pub(super) const CASES: &[Case] = &[
 /// each tick, and the force then comes at once.
 const TELEPORT: Bounds = Bounds {
     energy: f64::INFINITY,
-    // A tool on its way: 20 mm at 0.9 mm a tick, there and back, of 4000 ticks or more.
-    exhausted_share: 0.0125,
+    exhausted_share: 0.01,
     jump: 5e-3,
     force_step: 10.0,
     torque_step: f64::INFINITY,
