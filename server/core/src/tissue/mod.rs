@@ -22,7 +22,7 @@ use std::fmt::Debug;
 use serde::{Deserialize, Serialize};
 
 use crate::MAX_TOOLS;
-use crate::math::{Pose, Vec3, Wrench};
+use crate::math::{Pose, Vec3, Wrench, fmax};
 use crate::output::PocketReading;
 use crate::scene::Tool;
 use crate::tree::SphereTree;
@@ -226,6 +226,16 @@ impl TissueModel {
     }
 }
 
+/// Largest difference of two lists of displacements (x, y, z of each node in turn), metres.
+pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
+    let pairs = from.chunks_exact(3).zip(to.chunks_exact(3));
+    let squared = pairs.fold(0.0, |most, (a, b)| {
+        let (x, y, z) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+        fmax(most, x * x + y * y + z * z)
+    });
+    squared.sqrt()
+}
+
 /// Brings a yielding object's nodes to configuration `shape`: centres from the model, bounds from
 /// the children up (the paper's Eq. 17, always from the rest radii, so that bounds shrink again).
 /// `ids` lists all nodes in order; `centres` has room for all.
@@ -312,14 +322,7 @@ pub(crate) mod tests {
             }
         }
         fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
-            from.chunks_exact(3)
-                .zip(to.chunks_exact(3))
-                .fold(0.0, |most, (a, b)| {
-                    crate::math::fmax(
-                        most,
-                        crate::math::norm(&Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2])),
-                    )
-                })
+            super::largest_difference(from, to)
         }
         fn commit(
             &mut self,

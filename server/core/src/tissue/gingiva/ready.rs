@@ -9,7 +9,7 @@ use super::{Gingiva, MEMORY};
 use crate::TICK_S;
 use crate::math::{Vec3, fclamp, fmax};
 use crate::output::PocketReading;
-use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue};
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, largest_difference};
 use crate::tree::SphereTree;
 
 /// A node that does not yield.
@@ -239,14 +239,7 @@ impl Tissue for Ready {
     }
 
     fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
-        let squared = from
-            .chunks_exact(3)
-            .zip(to.chunks_exact(3))
-            .fold(0.0, |most, (a, b)| {
-                let (x, y, z) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-                fmax(most, x * x + y * y + z * z)
-            });
-        squared.sqrt()
+        largest_difference(from, to)
     }
 
     fn commit(

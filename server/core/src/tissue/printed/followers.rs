@@ -87,16 +87,4 @@ impl Followers {
         refit_bounds(&mut self.nodes);
         (&self.nodes, &self.place)
     }
-
-    /// Largest difference of two displacements, metres.
-    pub fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
-        let squared = from
-            .chunks_exact(3)
-            .zip(to.chunks_exact(3))
-            .fold(0.0, |most, (a, b)| {
-                let way = Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-                crate::math::fmax(most, way.dot(&way))
-            });
-        squared.sqrt()
-    }
 }

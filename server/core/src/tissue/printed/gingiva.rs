@@ -9,7 +9,7 @@ use crate::MAX_TOOLS;
 use crate::math::{Vec3, fmax, norm};
 use crate::params::within;
 use crate::tissue::gingiva::Gingiva;
-use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError, largest_difference};
 use crate::tree::SphereTree;
 
 /// Fringe spheres displaced by Hooke's law, their neighbours by an attenuation. **As printed**, for comparison.
@@ -296,7 +296,7 @@ impl Tissue for ReadyGingiva {
     }
 
     fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
-        self.followers.motion(from, to)
+        largest_difference(from, to)
     }
 
     fn commit(

@@ -10,7 +10,7 @@ use crate::TICK_S;
 use crate::math::{Vec3, fmax};
 use crate::scene::Object;
 use crate::tissue::skeleton::{CARRIERS, SkeletonLevel, Skin};
-use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError};
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError, largest_difference};
 use crate::tree::SphereTree;
 
 /// Spheres of one level joined by springs, moved by explicit Euler under penalty loads. **As printed**, for
@@ -448,7 +448,7 @@ impl Tissue for ReadySkeleton {
 
     fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
         let n = 3 * self.followers.movers.len();
-        self.followers.motion(&from[..n], &to[..n])
+        largest_difference(&from[..n], &to[..n])
     }
 
     fn commit(&mut self, shape: &[f64], _: Option<&[SiteLoad]>, _: &Hands<'_>, state: &mut [f64]) {

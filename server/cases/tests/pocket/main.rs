@@ -1,0 +1,8 @@
+//! A probe in the pocket of one molar, through the whole tick: depths, forces, turning, release.
+
+mod calm;
+mod limits;
+mod reading;
+mod release;
+mod run;
+mod wall;
