@@ -30,7 +30,7 @@ use std::ops::Range;
 
 use crate::MAX_TOOLS;
 use crate::contact::Contact;
-use crate::math::{Mat3, Vec3, fclamp, fmax, fmin};
+use crate::math::{Mat3, Vec3, exp_of_loss, fclamp, fmax, fmin};
 
 /// A sphere that would move the surface by less than this is left out, metres.
 const UNFELT: f64 = 2e-8;
@@ -45,8 +45,6 @@ const IMPLIED: f64 = 1e-3;
 /// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
 /// one stands alone, hardly inset, and the other deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
-/// Least weight of a pair against the nearest.
-const LEAST_WEIGHT: f64 = 1e-280;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
 pub const MAX_SEEDS: usize = 8;
 
@@ -310,7 +308,7 @@ impl Blender {
         self.pairs.retain(|pair| pair.gap <= farthest);
         for pair in &mut self.pairs {
             // Never nothing: a seed on another wall, however far above the nearest, has its own row.
-            pair.weight = fmax(libm::exp((smallest - pair.gap) / blend), LEAST_WEIGHT);
+            pair.weight = exp_of_loss((smallest - pair.gap) / blend);
         }
         Some(smallest)
     }
@@ -488,6 +486,10 @@ pub(crate) fn hollowness(
 fn positive_part(mut m: Mat3) -> Mat3 {
     let mut axes = Mat3::identity();
     for _ in 0..JACOBI_SWEEPS {
+        let beside = m[(0, 1)].abs() + m[(0, 2)].abs() + m[(1, 2)].abs();
+        if beside <= NO_ANGLE * (m[(0, 0)].abs() + m[(1, 1)].abs() + m[(2, 2)].abs()) {
+            break;
+        }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             if m[(p, q)] == 0.0 {
                 continue;
@@ -514,6 +516,8 @@ fn positive_part(mut m: Mat3) -> Mat3 {
 
 /// Sweeps of Jacobi's rotations: they converge quadratically, five end a 3x3 matrix.
 const JACOBI_SWEEPS: usize = 5;
+/// Share of the diagonal that may stand beside it at the end.
+const NO_ANGLE: f64 = 1e-13;
 
 #[cfg(test)]
 mod tests;

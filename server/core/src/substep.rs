@@ -25,7 +25,7 @@ use crate::{MAX_TOOLS, Scene};
 
 /// How much farther each pass of a tick looks at least than the one before, and how far at most for that
 /// reason alone, metres: farther than its own motion a pass only lists more rows.
-const WIDENING: f64 = 4.0;
+const WIDENING: f64 = 6.0;
 const WIDEST: f64 = 5e-5;
 /// What the group asks for, per tool slot.
 #[derive(Clone, Copy, Debug)]

@@ -13,7 +13,7 @@ use crate::tissue::Tissue;
 use crate::tree::Node;
 
 /// Motion of tool and tissue together that a list allows for, metres.
-const TRANSLATION: f64 = 2e-4;
+const TRANSLATION: f64 = 2.3e-4;
 /// Turn of the tool that a list allows for: largest Frobenius norm of a difference of rotation matrices.
 const TURN: f64 = 8.5e-3;
 
