@@ -10,9 +10,11 @@ mod element;
 mod error;
 pub mod files;
 mod mesh;
+mod neo_hookean;
 mod stiffness;
 mod support;
 
 pub use error::FemError;
 pub use mesh::TetMesh;
+pub use neo_hookean::neo_hookean_forces;
 pub use stiffness::{Elastic, Factored, internal_forces};
