@@ -6,6 +6,7 @@
 //! A quadratic tetrahedron with four points of integration does not lock in bending, nor at a Poisson's ratio of 0.49
 //! as a linear one does (Hughes, The Finite Element Method, 2000, section 4.4).
 
+mod condense;
 mod element;
 mod error;
 pub mod files;
@@ -13,8 +14,11 @@ mod mesh;
 mod neo_hookean;
 mod stiffness;
 mod support;
+mod surface;
 
+pub use condense::{CondenseOptions, Condensed, condense};
 pub use error::FemError;
 pub use mesh::TetMesh;
 pub use neo_hookean::neo_hookean_forces;
 pub use stiffness::{Elastic, Factored, internal_forces};
+pub use surface::{Face, boundary};

@@ -16,6 +16,7 @@
 pub mod gingiva;
 pub mod printed;
 pub mod skeleton;
+pub mod surface;
 
 use std::fmt::Debug;
 
@@ -148,6 +149,8 @@ pub enum TissueModel {
     Rigid,
     /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
     Skeleton(Box<skeleton::Skeleton>),
+    /// An organ that deforms as a whole, by finite elements condensed to its surface.
+    Surface(Box<surface::SurfaceCompliance>),
     /// The collar around a tooth, with its pocket.
     Gingiva(Box<gingiva::Gingiva>),
     /// A tongue exactly by the paper, for comparison.
@@ -178,6 +181,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => None,
             TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
+            TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest))),
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             TissueModel::PrintedSkeleton(model) => {
                 Some(Box::new(ReadySkeleton::new(model, rest, level)))
@@ -195,6 +199,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => 0,
             TissueModel::Skeleton(model) => model.state_len(),
+            TissueModel::Surface(model) => model.state_len(),
             TissueModel::Gingiva(model) => model.state_len(rest),
             TissueModel::PrintedSkeleton(model) => model.state_len(rest),
             TissueModel::PrintedGingiva(model) => model.state_len(rest),
@@ -211,6 +216,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => Ok(()),
             TissueModel::Skeleton(model) => model.validate(rest),
+            TissueModel::Surface(model) => model.validate(rest),
             TissueModel::Gingiva(model) => model.validate(rest),
             TissueModel::PrintedSkeleton(model) => model.validate(rest),
             TissueModel::PrintedGingiva(model) => model.validate(rest),

@@ -1,0 +1,168 @@
+//! Where the masters are, who follows them, and the functions on the surface that go with them.
+
+use std::collections::BTreeMap;
+
+use faer::Mat;
+use sulcus_core::Vec3;
+use sulcus_core::tissue::surface::{SURFACE_CARRIERS, SurfaceSkin};
+
+use crate::surface::{Face, boundary};
+use crate::{FemError, TetMesh};
+
+/// Masters: those that move, then those that are held, which only make what is near them stay.
+#[derive(Clone, Debug)]
+pub(super) struct Masters {
+    places: Vec<Vec3>,
+    moving: usize,
+}
+
+impl Masters {
+    /// Chooses vertices of the surface, each as far as possible from those before it, until `most` of them move or none is left.
+    pub fn choose(mesh: &TetMesh, most: usize) -> Result<Self, FemError> {
+        let mut vertices: Vec<u32> = boundary(mesh)
+            .iter()
+            .flat_map(|face| face.corners)
+            .collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let at = |k: usize| mesh.nodes[vertices[k] as usize];
+        let held = |k: usize| mesh.held[vertices[k] as usize] == [true; 3];
+        let mut away = vec![f64::INFINITY; vertices.len()];
+        let (mut moving, mut still) = (Vec::new(), Vec::new());
+        loop {
+            let next =
+                (0..vertices.len()).fold(0, |best, k| if away[k] > away[best] { k } else { best });
+            if away[next] == 0.0 || (!held(next) && moving.len() == most) {
+                break;
+            }
+            if held(next) {
+                still.push(at(next));
+            } else {
+                moving.push(at(next));
+            }
+            for (k, away) in away.iter_mut().enumerate() {
+                *away = away.min((at(k) - at(next)).norm());
+            }
+        }
+        if moving.len() + still.len() <= SURFACE_CARRIERS || moving.is_empty() {
+            let found = format!("{} that move of {}", moving.len(), vertices.len());
+            return Err(FemError::field(
+                "vertices of the surface",
+                found,
+                "more than 8, some that move",
+            ));
+        }
+        let count = moving.len();
+        moving.append(&mut still);
+        Ok(Self {
+            places: moving,
+            moving: count,
+        })
+    }
+
+    /// Those that move, metres.
+    pub fn moving(&self) -> &[Vec3] {
+        &self.places[..self.moving]
+    }
+
+    /// The nearest ones, weighted by `(1 - d/r)^2` with `r` the distance of the next: a weight has gone to zero, slope and all,
+    /// where another takes its place, so what follows is smooth. The part of held ones is left out.
+    pub fn skin(&self, place: &Vec3) -> SurfaceSkin {
+        let mut near: Vec<(f64, usize)> = self
+            .places
+            .iter()
+            .enumerate()
+            .map(|(k, p)| ((p - place).norm(), k))
+            .collect();
+        near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let reach = near[SURFACE_CARRIERS].0.max(f64::MIN_POSITIVE);
+        let weight = |d: f64| {
+            let rest = (1.0 - d / reach).max(0.0);
+            rest * rest
+        };
+        let sum: f64 = near[..SURFACE_CARRIERS]
+            .iter()
+            .map(|(d, _)| weight(*d))
+            .sum();
+        let mut skin = SurfaceSkin::default();
+        for (slot, &(d, k)) in near[..SURFACE_CARRIERS].iter().enumerate() {
+            // (All nine at one distance: held is as good as any.)
+            if k < self.moving && sum > 0.0 {
+                skin.masters[slot] = k as u16;
+                skin.weights[slot] = weight(d) / sum;
+            }
+        }
+        skin
+    }
+}
+
+/// The functions of the moving masters on the surface: linear on each triangle, by the weights of its corners.
+pub(super) struct Functions {
+    nodes: usize,
+    /// For each master the consistent forces of its function as a traction of 1 Pa, by node; m2.
+    forces: Vec<Vec<(u32, f64)>>,
+    /// Integrals of their products over the surface, m2.
+    pub mass: Mat<f64>,
+}
+
+impl Functions {
+    pub fn new(mesh: &TetMesh, masters: &Masters) -> Self {
+        let count = masters.moving().len();
+        let mut forces = vec![BTreeMap::<u32, f64>::new(); count];
+        let mut mass = Mat::<f64>::zeros(count, count);
+        for Face { corners, middles } in boundary(mesh) {
+            let places = corners.map(|k| mesh.nodes[k as usize]);
+            let skins = places.map(|p| masters.skin(&p));
+            let carried = |corner: usize| {
+                let SurfaceSkin { masters, weights } = skins[corner];
+                masters.into_iter().zip(weights).filter(|(_, w)| *w > 0.0)
+            };
+            let area = 0.5
+                * (places[1] - places[0])
+                    .cross(&(places[2] - places[0]))
+                    .norm();
+            for k in 0..3 {
+                for (a, w) in carried(k) {
+                    let forces = &mut forces[usize::from(a)];
+                    for l in 0..3 {
+                        // Products of a corner's linear function with the quadratic ones, integrated exactly.
+                        let of_corner = if k == l { 1.0 / 30.0 } else { -1.0 / 60.0 };
+                        *forces.entry(corners[l]).or_default() += w * area * of_corner;
+                        let ends = k == l || k == (l + 1) % 3;
+                        let of_middle = if ends { 2.0 / 15.0 } else { 1.0 / 15.0 };
+                        *forces.entry(middles[l]).or_default() += w * area * of_middle;
+                        let both = if k == l { 1.0 / 6.0 } else { 1.0 / 12.0 };
+                        for (b, v) in carried(l) {
+                            mass[(usize::from(a), usize::from(b))] += w * v * area * both;
+                        }
+                    }
+                }
+            }
+        }
+        Self {
+            nodes: mesh.nodes.len(),
+            forces: forces
+                .into_iter()
+                .map(|f| f.into_iter().collect())
+                .collect(),
+            mass,
+        }
+    }
+
+    /// Forces of a master's function as a traction of 1 Pa along an axis, N, node by node.
+    pub fn traction(&self, master: usize, axis: usize) -> Vec<Vec3> {
+        let mut load = vec![Vec3::zeros(); self.nodes];
+        for &(node, force) in &self.forces[master] {
+            load[node as usize][axis] = force;
+        }
+        load
+    }
+
+    /// Integral of a displacement times a master's function over the surface, m3.
+    pub fn read(&self, master: usize, moved: &[Vec3]) -> Vec3 {
+        let terms = self.forces[master].iter();
+        terms.fold(Vec3::zeros(), |sum, &(node, w)| {
+            sum + moved[node as usize] * w
+        })
+    }
+}
