@@ -35,6 +35,9 @@ pub enum FemError {
         /// What should.
         expected: String,
     },
+    /// Bytes are not those of a condensed organ.
+    #[error("a condensed organ's bytes: {0}")]
+    Bytes(String),
     /// The stiffness matrix cannot be factored.
     #[error("the stiffness matrix cannot be factored: {0}")]
     Factor(String),

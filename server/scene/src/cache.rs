@@ -8,6 +8,8 @@ use sulcus_core::{Blending, Node, SphereTree, Vec3};
 use crate::build::{BUILDER_VERSION, TreeOptions};
 use crate::mesh::TriMesh;
 
+/// What the files of trees are called.
+const TREE: &str = "tree";
 const MAGIC: &[u8; 8] = b"SULCTRE\x02";
 /// Bytes of a node: centre, contact radius, inset, first child, children, level.
 const RECORD: usize = 5 * 8 + 4 + 2;
@@ -42,18 +44,46 @@ pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions, weights: &str) -> blake
     hasher.finalize()
 }
 
-fn path(dir: &Path, key: &blake3::Hash) -> PathBuf {
-    dir.join(format!("tree-{}.bin", &key.to_hex()[..32]))
+fn path(dir: &Path, what: &str, key: &blake3::Hash) -> PathBuf {
+    dir.join(format!("{what}-{}.bin", &key.to_hex()[..32]))
+}
+
+/// What was kept under a key, if it is there and undamaged.
+pub(crate) fn load_bytes(dir: &Path, what: &str, key: &blake3::Hash) -> Option<Vec<u8>> {
+    let bytes = std::fs::read(path(dir, what, key)).ok()?;
+    let body = bytes.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
+    let (sum, content) = body.split_at_checked(32)?;
+    (blake3::hash(content).as_bytes() == sum).then(|| content.to_vec())
+}
+
+/// Keeps bytes under a key. Readers see the old file or the whole new one.
+pub(crate) fn store_bytes(
+    dir: &Path,
+    what: &str,
+    key: &blake3::Hash,
+    content: &[u8],
+) -> std::io::Result<()> {
+    let mut bytes = Vec::with_capacity(content.len() + 72);
+    bytes.extend(MAGIC);
+    bytes.extend(key.as_bytes());
+    bytes.extend(blake3::hash(content).as_bytes());
+    bytes.extend(content);
+    std::fs::create_dir_all(dir)?;
+    let target = path(dir, what, key);
+    // Unique per writer, so that two builds at once do not write into one another.
+    static WRITES: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+    let write = WRITES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let partial = target.with_extension(format!("{}-{write}.partial", std::process::id()));
+    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, &target));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&partial);
+    }
+    written
 }
 
 /// The tree, if it is there and undamaged.
 pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
-    let bytes = std::fs::read(path(dir, key)).ok()?;
-    let body = bytes.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
-    let (sum, content) = body.split_at_checked(32)?;
-    if blake3::hash(content).as_bytes() != sum {
-        return None;
-    }
+    let content = load_bytes(dir, TREE, key)?;
     let (lengths, nodes) = content.split_at_checked(LENGTHS)?;
     if nodes.len() % RECORD != 0 {
         return None;
@@ -75,7 +105,7 @@ pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
     tree.with_blending(Blending { lengths, insets }).ok()
 }
 
-/// Keeps a tree. Readers see the old file or the whole new one.
+/// Keeps a tree.
 pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::io::Result<()> {
     let blending = tree.blending();
     let mut nodes = Vec::with_capacity(LENGTHS + tree.nodes().len() * RECORD);
@@ -96,22 +126,7 @@ pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::i
         nodes.extend(node.first_child.to_le_bytes());
         nodes.extend([node.children, node.level]);
     }
-    let mut bytes = Vec::with_capacity(nodes.len() + 72);
-    bytes.extend(MAGIC);
-    bytes.extend(key.as_bytes());
-    bytes.extend(blake3::hash(&nodes).as_bytes());
-    bytes.extend(nodes);
-    std::fs::create_dir_all(dir)?;
-    let target = path(dir, key);
-    // Unique per writer, so that two builds at once do not write into one another.
-    static WRITES: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
-    let write = WRITES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-    let partial = target.with_extension(format!("{}-{write}.partial", std::process::id()));
-    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, &target));
-    if written.is_err() {
-        let _ = std::fs::remove_file(&partial);
-    }
-    written
+    store_bytes(dir, TREE, key, &nodes)
 }
 
 /// A node with its inset.

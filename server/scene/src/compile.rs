@@ -11,6 +11,7 @@ use crate::cache;
 use crate::check::MeshError;
 use crate::file::{self, FileError, SceneFile};
 use crate::load::LoadError;
+use crate::organ::OrganError;
 use crate::parts::Compiler;
 use crate::skeleton::SkeletonError;
 use crate::solid::SolidError;
@@ -72,6 +73,14 @@ pub enum BuildError {
         part: String,
         /// Why.
         source: SkeletonError,
+    },
+    /// Finite elements cannot be made or condensed.
+    #[error("{part}: {source}")]
+    Organ {
+        /// The object.
+        part: String,
+        /// Why.
+        source: OrganError,
     },
     /// The parts do not make a scene.
     #[error("{}: {source}", file.display())]

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
+use crate::organ::SurfaceOptions;
 use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
 use crate::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
 use crate::skeleton::SkeletonOptions;
@@ -64,6 +65,8 @@ pub enum TissueEntry {
     Skeleton,
     /// As a gingiva does; wants `kind = "gingiva"`.
     Gingiva,
+    /// As a whole, by finite elements condensed to its surface: a tongue.
+    SurfaceCompliance,
     /// As [`TissueEntry::Skeleton`], exactly by the paper: for comparison.
     PrintedSkeleton,
     /// As [`TissueEntry::Gingiva`], exactly by the paper: for comparison.
@@ -178,6 +181,8 @@ pub struct ObjectEntry {
     pub tissue: TissueEntry,
     /// Parameters of `tissue = "skeleton"` that differ from the defaults.
     pub skeleton: Option<SkeletonOptions>,
+    /// Parameters of `tissue = "surface_compliance"` that differ from the defaults.
+    pub surface: Option<SurfaceOptions>,
     /// Name of the molar that a gingiva surrounds.
     pub tooth: Option<String>,
     /// Pocket of a gingiva, where it differs from the default.

@@ -25,6 +25,7 @@ pub mod load;
 pub mod medial;
 pub mod mesh;
 mod nearest_sphere;
+pub mod organ;
 mod parallel;
 pub mod parametric;
 mod parts;

@@ -17,6 +17,7 @@ use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::gingiva::{Surrounding, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
+use crate::organ::organ;
 use crate::parametric::{Collar, Mirror, Probe};
 use crate::printed::{printed_gingiva, printed_skeleton};
 use crate::skeleton::skeleton;
@@ -123,7 +124,7 @@ impl Compiler<'_> {
         let wanted = TreeOptions {
             levels: entry.levels,
             blended: entry.tissue == TissueEntry::Rigid,
-            volumetric: entry.tissue.is_skeleton(),
+            volumetric: entry.tissue.is_organ(),
             ..TreeOptions::default()
         };
         let place = Vec3::from(entry.translate_mm) * 1e-3;
@@ -133,6 +134,20 @@ impl Compiler<'_> {
             // (A gingiva was made above.)
             TissueEntry::Rigid | TissueEntry::Gingiva | TissueEntry::PrintedGingiva => {
                 TissueModel::Rigid
+            }
+            TissueEntry::SurfaceCompliance => {
+                let options = entry.surface.clone().unwrap_or_default();
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                let (done, parts) = (self.done as f64, self.parts as f64);
+                let step = |stage: &str, _: f64| {
+                    (self.progress)(&format!("{part}: {stage}"), done / parts);
+                };
+                let kept = self.options.cache.as_deref();
+                let made = organ(&tree, &mesh, &options, folder, kept, &step).map_err(|source| {
+                    let part = part.clone();
+                    BuildError::Organ { part, source }
+                })?;
+                TissueModel::Surface(Box::new(made))
             }
             TissueEntry::Skeleton | TissueEntry::PrintedSkeleton => {
                 let options = entry.skeleton.clone().unwrap_or_default();
@@ -148,7 +163,7 @@ impl Compiler<'_> {
             }
         };
         let tree = moved(&tree, &place).map_err(|source| BuildError::Tree { part, source })?;
-        let colour = if entry.tissue.is_skeleton() {
+        let colour = if entry.tissue.is_organ() {
             TONGUE_COLOUR
         } else {
             TOOTH_COLOUR

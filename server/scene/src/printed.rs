@@ -50,6 +50,11 @@ impl TissueEntry {
         matches!(self, Self::Skeleton | Self::PrintedSkeleton)
     }
 
+    /// Whether it deforms as a whole, by whatever method.
+    pub fn is_organ(self) -> bool {
+        self.is_skeleton() || self == Self::SurfaceCompliance
+    }
+
     /// Whether it is a gingiva, by either method.
     pub fn is_gingiva(self) -> bool {
         matches!(self, Self::Gingiva | Self::PrintedGingiva)

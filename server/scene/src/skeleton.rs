@@ -51,6 +51,7 @@ pub struct SkeletonOptions {
 
 impl Default for SkeletonOptions {
     fn default() -> Self {
+        let holds = Holds::default();
         Self {
             stiffness_n_per_mm: [0.0065, 0.0055, 0.0055],
             root_factor: 2.0,
@@ -59,9 +60,9 @@ impl Default for SkeletonOptions {
             stretch_half: 0.8,
             damping_n_s_per_m: 0.3,
             density_g_per_cm3: 1.04,
-            fixed_root: 0.12,
-            fixed_bottom: 0.25,
-            free_tip: 0.3,
+            fixed_root: holds.root,
+            fixed_bottom: holds.bottom,
+            free_tip: holds.free_tip,
             fine: true,
         }
     }
@@ -95,21 +96,61 @@ pub enum SkeletonError {
     },
 }
 
+/// What of an organ is held, as shares of its box.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Holds {
+    /// Of the length, from the hindmost end: the root.
+    pub root: f64,
+    /// Of the height, from below: the bottom layer.
+    pub bottom: f64,
+    /// Of the length, from the foremost end, where the bottom is free all the same: the tip.
+    pub free_tip: f64,
+}
+
+impl Default for Holds {
+    fn default() -> Self {
+        Self {
+            root: 0.12,
+            bottom: 0.25,
+            free_tip: 0.3,
+        }
+    }
+}
+
+impl Holds {
+    /// Whether a place is held.
+    pub fn is_fixed(&self, share: &Vec3) -> bool {
+        share.x < self.root || (share.z < self.bottom && share.x < 1.0 - self.free_tip)
+    }
+}
+
 /// Where a point lies in the box of the organ, 0 to 1 along each axis.
-struct Frame {
+pub(crate) struct Frame {
     low: Vec3,
     size: Vec3,
 }
 
 impl Frame {
-    fn share(&self, p: &Vec3) -> Vec3 {
+    /// The box between two corners.
+    pub fn new(low: Vec3, high: Vec3) -> Self {
+        Self {
+            low,
+            size: high - low,
+        }
+    }
+
+    pub fn share(&self, p: &Vec3) -> Vec3 {
         (p - self.low).component_div(&self.size)
     }
 }
 
 impl SkeletonOptions {
-    fn is_fixed(&self, share: &Vec3) -> bool {
-        share.x < self.fixed_root || (share.z < self.fixed_bottom && share.x < 1.0 - self.free_tip)
+    fn holds(&self) -> Holds {
+        Holds {
+            root: self.fixed_root,
+            bottom: self.fixed_bottom,
+            free_tip: self.free_tip,
+        }
     }
 
     fn region(&self, share: &Vec3) -> f64 {
@@ -169,13 +210,10 @@ fn level(
         .collect();
     let places: Vec<Vec3> = nodes.iter().map(|&k| all[k as usize].centre).collect();
     let (low, high) = distance.mesh().bounds();
-    let frame = Frame {
-        low,
-        size: high - low,
-    };
+    let frame = Frame::new(low, high);
     let fixed: Vec<bool> = places
         .iter()
-        .map(|p| options.is_fixed(&frame.share(p)))
+        .map(|p| options.holds().is_fixed(&frame.share(p)))
         .collect();
     let held = fixed.iter().filter(|fixed| **fixed).count();
     if held == 0 || held == nodes.len() {

@@ -3,6 +3,7 @@
 use sulcus_core::MAX_TOOLS;
 
 use crate::file::{ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
+use crate::organ::SurfaceOptions;
 use crate::parametric::{Mirror, Pocket, Tongue};
 use crate::skeleton::SkeletonOptions;
 
@@ -285,12 +286,22 @@ fn object(entry: &ObjectEntry) -> Checked {
             return wrong(field(key), "given", expected);
         }
     }
-    if entry.tissue.is_skeleton() && entry.levels < 2 {
+    if entry.surface.is_some() && entry.tissue != TissueEntry::SurfaceCompliance {
+        return wrong(
+            field("surface"),
+            "given",
+            "nothing without tissue = \"surface_compliance\"",
+        );
+    }
+    if entry.tissue.is_organ() && entry.levels < 2 {
         return wrong(
             field("levels"),
             entry.levels,
-            "2 to 5, because a skeleton is made of the spheres of level 2",
+            "2 to 5, because an organ is made of the spheres of level 2",
         );
+    }
+    if let Some(options) = &entry.surface {
+        surface(&field, options)?;
     }
     if let Some(tongue) = &entry.tongue {
         tongue_dimensions(&field, tongue)?;
@@ -363,6 +374,28 @@ fn tongue_dimensions(field: &dyn Fn(&str) -> String, tongue: &Tongue) -> Checked
     range("height_mm", tongue.height_mm, 15.0, 50.0, "15 to 50 mm")?;
     range("groove_mm", tongue.groove_mm, 0.0, 2.0, "0 to 2 mm")?;
     range("grid_mm", tongue.grid_mm, 0.5, 2.0, "0.5 to 2 mm")
+}
+
+fn surface(field: &dyn Fn(&str) -> String, options: &SurfaceOptions) -> Checked {
+    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
+        let field = |key: &str| field(&format!("surface.{key}"));
+        number(&field, key, x, low, high, expected)
+    };
+    let (masters, cells) = (options.masters as f64, options.cells as f64);
+    range("element_mm", options.element_mm, 0.5, 50.0, "0.5 to 50 mm")?;
+    range("masters", masters, 9.0, 256.0, "9 to 256")?;
+    range("cells", cells, 0.0, 64.0, "0 to 64")?;
+    range("young_kpa", options.young_kpa, 0.1, 1e5, "0.1 to 100000 kPa")?;
+    range("poisson", options.poisson, 0.0, 0.499, "0 to 0.499")?;
+    range("relaxation_ms", options.relaxation_ms, 2.0, 1000.0, "2 to 1000 ms")?;
+    for (key, share) in [
+        ("fixed_root", options.fixed_root),
+        ("fixed_bottom", options.fixed_bottom),
+        ("free_tip", options.free_tip),
+    ] {
+        range(key, share, 0.0, 1.0, "0 to 1")?;
+    }
+    Ok(())
 }
 
 fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions) -> Checked {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use faer::Mat;
+use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::tissue::surface::{SURFACE_CARRIERS, SurfaceSkin};
 
@@ -10,7 +11,7 @@ use crate::surface::{Face, boundary};
 use crate::{FemError, TetMesh};
 
 /// Masters: those that move, then those that are held, which only make what is near them stay.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Masters {
     places: Vec<Vec3>,
     moving: usize,
@@ -58,6 +59,13 @@ impl Masters {
             places: moving,
             moving: count,
         })
+    }
+
+    /// Whether enough of them are there to follow.
+    pub fn are_sound(&self) -> bool {
+        self.places.len() > SURFACE_CARRIERS
+            && (1..=self.places.len()).contains(&self.moving)
+            && self.places.iter().all(|p| p.iter().all(|x| x.is_finite()))
     }
 
     /// Those that move, metres.

@@ -12,6 +12,7 @@ mod masters;
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
+use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::tissue::surface::{
     Cells, MAX_CELLS, MAX_MASTERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
@@ -22,6 +23,8 @@ use crate::{Elastic, Factored, FemError, TetMesh};
 use cells::divide;
 use masters::{Functions, Masters};
 
+/// Most bytes of a condensed organ.
+const MOST_BYTES: usize = 1 << 24;
 /// Right-hand sides that are solved at once.
 const BATCH: usize = 48;
 
@@ -44,7 +47,7 @@ impl Default for CondenseOptions {
 }
 
 /// A condensed organ.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Condensed {
     masters: Masters,
     poisson: f64,
@@ -53,6 +56,29 @@ pub struct Condensed {
 }
 
 impl Condensed {
+    /// As bytes.
+    ///
+    /// # Errors
+    /// Only when it is too large to encode.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, FemError> {
+        bincode::serde::encode_to_vec(self, bincode::config::standard())
+            .map_err(|error| FemError::Bytes(error.to_string()))
+    }
+
+    /// Back from bytes. (Masters that no surface has are the business of [`SurfaceCompliance::validate`].)
+    ///
+    /// # Errors
+    /// When they are not those of a condensed organ.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FemError> {
+        let config = bincode::config::standard().with_limit::<MOST_BYTES>();
+        let (organ, used): (Self, usize) = bincode::serde::decode_from_slice(bytes, config)
+            .map_err(|error| FemError::Bytes(error.to_string()))?;
+        if used != bytes.len() || !organ.masters.are_sound() {
+            return Err(FemError::Bytes("not what was written".into()));
+        }
+        Ok(organ)
+    }
+
     /// Who carries a place on the surface (metres, the mesh's frame).
     pub fn skin(&self, place: &Vec3) -> SurfaceSkin {
         self.masters.skin(place)

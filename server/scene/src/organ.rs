@@ -1,0 +1,272 @@
+//! From a closed surface to an organ by finite elements: tetrahedra, what of them is held, condensation (kept in the
+//! cache), and who carries the spheres of its tree.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sulcus_core::tissue::surface::{
+    SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
+};
+use sulcus_core::{SphereTree, Vec3};
+use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, boundary, condense};
+
+use crate::cache;
+use crate::carry::{carried, carriers};
+use crate::distance::MeshDistance;
+use crate::mesh::TriMesh;
+use crate::skeleton::{Frame, Holds};
+
+/// How an organ is made of finite elements: `[object.surface]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SurfaceOptions {
+    /// Folder of tables with a mesh of quadratic tetrahedra and what of it is held, in the frame of the object's surface,
+    /// relative to the scene file. Without it the elements are made from the surface.
+    pub elements: Option<PathBuf>,
+    /// Edge of the lattice from which elements are made, mm.
+    pub element_mm: f64,
+    /// Masters that move, at most.
+    pub masters: usize,
+    /// Cells of the large-displacement term; 0 leaves it out.
+    pub cells: usize,
+    /// Young's modulus, kPa.
+    pub young_kpa: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Time constant with which it follows a load, ms.
+    pub relaxation_ms: f64,
+    /// Share of the length, from the hindmost end, that is held: the root. (Tables say themselves what is held.)
+    pub fixed_root: f64,
+    /// Share of the height, from below, that is held: the bottom layer.
+    pub fixed_bottom: f64,
+    /// Share of the length, from the foremost end, whose bottom is free all the same: the tip.
+    pub free_tip: f64,
+}
+
+impl Default for SurfaceOptions {
+    fn default() -> Self {
+        let (params, fine) = (SurfaceParams::default(), CondenseOptions::default());
+        let holds = Holds::default();
+        Self {
+            elements: None,
+            element_mm: 5.0,
+            masters: fine.masters,
+            cells: fine.cells,
+            young_kpa: params.young * 1e-3,
+            poisson: params.poisson,
+            relaxation_ms: params.relaxation * 1e3,
+            fixed_root: holds.root,
+            fixed_bottom: holds.bottom,
+            free_tip: holds.free_tip,
+        }
+    }
+}
+
+impl SurfaceOptions {
+    /// Parameters of the model in the tick.
+    pub fn params(&self) -> SurfaceParams {
+        SurfaceParams {
+            young: self.young_kpa * 1e3,
+            poisson: self.poisson,
+            relaxation: self.relaxation_ms * 1e-3,
+            large: 1.0,
+        }
+    }
+}
+
+/// Why there is no organ.
+#[derive(Debug, thiserror::Error)]
+pub enum OrganError {
+    /// The finite elements.
+    #[error(transparent)]
+    Elements(#[from] FemError),
+    /// They are of something else.
+    #[error(
+        "a corner of the finite elements' surface is {found_mm:.1} mm away from the object's surface, expected at most {most_mm:.1} mm: another frame or unit?"
+    )]
+    Elsewhere {
+        /// How far, mm.
+        found_mm: f64,
+        /// How far it may be, mm.
+        most_mm: f64,
+    },
+}
+
+/// How far corners of the elements' surface may be from the object's, as a share of the object's diagonal: elements are
+/// coarser than what is seen.
+const FITS: f64 = 0.05;
+/// Raised when the same input condenses to something else.
+const VERSION: u32 = 1;
+
+/// The organ with this surface, whose spheres are `tree`.
+///
+/// # Errors
+/// When there are no sound elements that fit the surface.
+pub fn organ(
+    tree: &SphereTree,
+    surface: &TriMesh,
+    options: &SurfaceOptions,
+    folder: &Path,
+    kept: Option<&Path>,
+    progress: &dyn Fn(&str, f64),
+) -> Result<SurfaceCompliance, OrganError> {
+    let distance = MeshDistance::new(surface.clone());
+    let elements = elements(&distance, options, folder, progress)?;
+    fits(&elements, &distance)?;
+    let fine = CondenseOptions {
+        masters: options.masters,
+        cells: options.cells,
+    };
+    let condensed = condensed(&elements, options.poisson, &fine, kept, progress)?;
+    let skin = skin(tree, &distance, &condensed);
+    Ok(condensed.model(skin, options.params()))
+}
+
+/// The tetrahedra, and what of them is held.
+fn elements(
+    surface: &MeshDistance,
+    options: &SurfaceOptions,
+    folder: &Path,
+    progress: &dyn Fn(&str, f64),
+) -> Result<TetMesh, OrganError> {
+    let Some(tables) = &options.elements else {
+        let size = options.element_mm * 1e-3;
+        let mut mesh = tetrahedra(surface, size, progress)?;
+        let (low, high) = surface.mesh().bounds();
+        let frame = Frame::new(low, high);
+        let holds = Holds {
+            root: options.fixed_root,
+            bottom: options.fixed_bottom,
+            free_tip: options.free_tip,
+        };
+        for (held, node) in mesh.held.iter_mut().zip(&mesh.nodes) {
+            *held = [holds.is_fixed(&frame.share(node)); 3];
+        }
+        return Ok(mesh);
+    };
+    Ok(sulcus_fem::files::read_mesh(&folder.join(tables))?)
+}
+
+fn fits(elements: &TetMesh, surface: &MeshDistance) -> Result<(), OrganError> {
+    let (low, high) = surface.mesh().bounds();
+    let most = FITS * (high - low).norm();
+    let far = boundary(elements)
+        .iter()
+        .flat_map(|face| face.corners)
+        .map(|node| surface.signed(&elements.nodes[node as usize]).abs())
+        .fold(0.0, f64::max);
+    if far > most {
+        return Err(OrganError::Elsewhere {
+            found_mm: far * 1e3,
+            most_mm: most * 1e3,
+        });
+    }
+    Ok(())
+}
+
+/// Condenses, or takes from the cache what was condensed from the same elements.
+///
+/// # Errors
+/// When the elements cannot be solved.
+pub fn condensed(
+    elements: &TetMesh,
+    poisson: f64,
+    options: &CondenseOptions,
+    kept: Option<&Path>,
+    progress: &dyn Fn(&str, f64),
+) -> Result<Condensed, FemError> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(b"organ");
+    hasher.update(&VERSION.to_le_bytes());
+    hasher.update(&poisson.to_bits().to_le_bytes());
+    for count in [options.masters, options.cells, elements.nodes.len()] {
+        hasher.update(&(count as u64).to_le_bytes());
+    }
+    for (node, held) in elements.nodes.iter().zip(&elements.held) {
+        for x in node.iter() {
+            hasher.update(&x.to_bits().to_le_bytes());
+        }
+        hasher.update(&held.map(u8::from));
+    }
+    for node in elements.tets.as_flattened() {
+        hasher.update(&node.to_le_bytes());
+    }
+    let key = hasher.finalize();
+    let before = kept
+        .and_then(|dir| cache::load_bytes(dir, "organ", &key))
+        .and_then(|bytes| Condensed::from_bytes(&bytes).ok());
+    if let Some(condensed) = before {
+        return Ok(condensed);
+    }
+    let condensed = condense(elements, poisson, options, progress)?;
+    if let Some(dir) = kept
+        && let Ok(bytes) = condensed.to_bytes()
+    {
+        // What cannot be kept is condensed again next time; trees, which go to the same folder, say so.
+        let _ = cache::store_bytes(dir, "organ", &key, &bytes);
+    }
+    Ok(condensed)
+}
+
+/// Who carries each node of a tree: the mean over the vertices of the surface that the spheres under it make; where it
+/// makes none, the place on the surface nearest to it.
+pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec<SurfaceSkin> {
+    let (nodes, vertices) = (tree.nodes(), &surface.mesh().vertices);
+    let (first, of) = carried(&carriers(tree, vertices), nodes.len());
+    let mut sums: Vec<Vec<f64>> = (0..nodes.len())
+        .map(|k| {
+            let mut sum = vec![0.0; organ.masters().len() + 1];
+            for &vertex in &of[first[k] as usize..first[k + 1] as usize] {
+                add(&mut sum, &organ.skin(&vertices[vertex as usize]), 1.0);
+            }
+            sum
+        })
+        .collect();
+    // Children stand behind their parents.
+    for k in (0..nodes.len()).rev() {
+        let node = &nodes[k];
+        let children = node.first_child as usize..;
+        for child in children.take(usize::from(node.children)) {
+            let (above, below) = sums.split_at_mut(child);
+            for (sum, more) in above[k].iter_mut().zip(&below[0]) {
+                *sum += more;
+            }
+        }
+    }
+    sums.iter()
+        .zip(nodes)
+        .map(|(sum, node)| match largest(sum) {
+            Some(skin) => skin,
+            None => organ.skin(&surface.nearest(&node.centre).point),
+        })
+        .collect()
+}
+
+/// Adds a skin's weights master by master; the last number is the sum of all, that of what is held included.
+fn add(sum: &mut [f64], skin: &SurfaceSkin, by: f64) {
+    for (master, weight) in skin.masters.iter().zip(skin.weights) {
+        sum[usize::from(*master)] += by * weight;
+    }
+    if let Some(all) = sum.last_mut() {
+        *all += by;
+    }
+}
+
+/// The largest weights, with the sum of all that move; nothing where there are no vertices.
+fn largest(sum: &[f64]) -> Option<SurfaceSkin> {
+    let (all, moving) = sum.split_last()?;
+    if *all == 0.0 {
+        return None;
+    }
+    let mut order: Vec<usize> = (0..moving.len()).filter(|k| moving[*k] > 0.0).collect();
+    order.sort_by(|a, b| moving[*b].total_cmp(&moving[*a]).then(a.cmp(b)));
+    order.truncate(SURFACE_CARRIERS);
+    let kept: f64 = order.iter().map(|k| moving[*k]).sum();
+    let share = moving.iter().sum::<f64>() / all;
+    let mut skin = SurfaceSkin::default();
+    for (slot, k) in order.into_iter().enumerate() {
+        skin.masters[slot] = k as u16;
+        skin.weights[slot] = moving[k] / kept * share;
+    }
+    Some(skin)
+}
