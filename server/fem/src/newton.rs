@@ -244,3 +244,55 @@ fn tangent(mesh: &TetMesh, solid: &NeoHookean, tet: &[u32; 10], moved: &[Vec3]) 
     }
     Some(blocks)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tangent_is_the_slope_of_the_forces() {
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [9.0, 1.0, 0.0],
+            [1.0, 8.0, 1.0],
+            [0.5, 1.0, 7.0],
+        ];
+        let corners = corners.map(|x| Vec3::from(x) * 1e-3).to_vec();
+        let mesh = TetMesh::from_corners(corners, &[[0, 1, 2, 3]]);
+        let material = Elastic {
+            young: 1e5,
+            poisson: 0.49,
+        };
+        // Some displacements, up to a tenth of the element.
+        let moved: Vec<Vec3> = (0..10)
+            .map(|k| {
+                let t = f64::from(k);
+                Vec3::from([0.3, 0.7, 0.4].map(|by| libm::sin(3.0 + by * t * t))) * 6e-4
+            })
+            .collect();
+        let solid = NeoHookean::of(&material);
+        let blocks = tangent(&mesh, &solid, &mesh.tets[0], &moved).expect("upright");
+        let scale = blocks.iter().flatten().map(Mat3::norm).fold(0.0, f64::max);
+        let h = 1e-8;
+        for b in 0..10 {
+            for k in 0..3 {
+                let [less, more] = [-h, h].map(|h| {
+                    let mut moved = moved.clone();
+                    moved[mesh.tets[0][b] as usize][k] += h;
+                    neo_hookean_forces(&mesh, &material, &moved).expect("upright")
+                });
+                for a in 0..10 {
+                    let node = mesh.tets[0][a] as usize;
+                    let slope = (more[node] - less[node]) / (2.0 * h);
+                    let column = blocks[a][b].column(k).into_owned();
+                    assert!(
+                        (column - slope).norm() < 1e-7 * scale,
+                        "{a} {b} {k}: {column} {slope}"
+                    );
+                    let mirrored = blocks[b][a].row(k).transpose();
+                    assert!((column - mirrored).norm() < 1e-12 * scale);
+                }
+            }
+        }
+    }
+}
