@@ -15,6 +15,7 @@ mod neo_hookean;
 mod newton;
 mod stiffness;
 mod support;
+mod surface;
 
 pub use error::FemError;
 pub use mesh::TetMesh;

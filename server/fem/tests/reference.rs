@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use common::{TONGUE, reference};
 use proptest::prelude::*;
 use sulcus_fem::Factored;
-use sulcus_fem::files::{read_displacements, read_forces, read_mesh};
+use sulcus_fem::files::{ForceColumns, read_displacements, read_forces, read_mesh};
 
 #[test]
 fn linear_cases_are_those_of_the_reference_at_every_vertex() {
@@ -21,7 +21,12 @@ fn linear_cases_are_those_of_the_reference_at_every_vertex() {
         ("top_distributed", "6"),
     ];
     let loads = cases.map(|(name, newtons)| {
-        let unit = read_forces(&folder.join(format!("{name}_forces_unit.csv")), n).expect("forces");
+        let unit = read_forces(
+            &folder.join(format!("{name}_forces_unit.csv")),
+            n,
+            ForceColumns::Quadratic,
+        )
+        .expect("forces");
         let by: f64 = newtons.parse().expect("a number");
         unit.iter().map(|f| f * by).collect::<Vec<_>>()
     });
