@@ -41,6 +41,16 @@ pub enum FemError {
     /// The stiffness matrix cannot be factored.
     #[error("the stiffness matrix cannot be factored: {0}")]
     Factor(String),
+    /// Newton's method finds no equilibrium.
+    #[error("no equilibrium is found at {aim} of the load: {why}; the last found is at {reached}")]
+    Newton {
+        /// Share of the load up to which there is one, 0 to 1.
+        reached: f64,
+        /// Share at which none is found, with the shortest step.
+        aim: f64,
+        /// What stopped it there.
+        why: &'static str,
+    },
 }
 
 impl FemError {

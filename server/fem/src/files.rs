@@ -1,6 +1,7 @@
 //! A folder of a mesh and its load cases, as comma-separated tables in millimetres and newtons: `nodes.csv` (id, x, y, z, kind),
-//! `tets10.csv` (id and ten nodes), `fixed_all_nodes.csv` (id), forces (id, x, y, z, then three numbers per kind of load) and
-//! displacements (id, x, y, z, ux, uy, uz). Ids count from 0 in the order of the rows of `nodes.csv`.
+//! `tets10.csv` (id and ten nodes), `fixed_all_nodes.csv` (id), `fixed_surface_vertices.csv` (id, region), forces (id, x, y, z,
+//! then three numbers for each of two ways to put the same load on nodes: [`ForceColumns`]) and displacements (id, x, y, z, ux,
+//! uy, uz). Ids count from 0 in the order of the rows of `nodes.csv`.
 
 use std::path::Path;
 
@@ -41,11 +42,29 @@ struct IdRow {
 }
 
 #[derive(Deserialize)]
-struct ForceRow {
+struct QuadraticRow {
     id: u32,
     fx_quad: f64,
     fy_quad: f64,
     fz_quad: f64,
+}
+
+#[derive(Deserialize)]
+struct VertexRow {
+    id: u32,
+    fx_vert: f64,
+    fy_vert: f64,
+    fz_vert: f64,
+}
+
+/// Which forces of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForceColumns {
+    /// `fx_quad`, `fy_quad`, `fz_quad`: consistent with the quadratic elements, on corners and midside nodes. What the finite
+    /// elements take.
+    Quadratic,
+    /// `fx_vert`, `fy_vert`, `fz_vert`: the same load on the corners alone. What a model of vertices or spheres takes.
+    Vertices,
 }
 
 #[derive(Deserialize)]
@@ -140,17 +159,40 @@ pub fn read_mesh(folder: &Path) -> Result<TetMesh, FemError> {
     Ok(mesh)
 }
 
-/// Reads consistent nodal forces (N) for a mesh of so many `nodes`; nodes that are not named bear nothing.
+/// Reads nodal forces (N) for a mesh of so many `nodes`; nodes that are not named bear nothing.
 ///
 /// # Errors
 /// Names the file and line.
-pub fn read_forces(path: &Path, nodes: usize) -> Result<Vec<Vec3>, FemError> {
+pub fn read_forces(
+    path: &Path,
+    nodes: usize,
+    columns: ForceColumns,
+) -> Result<Vec<Vec3>, FemError> {
+    let named: Vec<(u64, u32, [f64; 3])> = match columns {
+        ForceColumns::Quadratic => rows::<QuadraticRow>(path)?
+            .into_iter()
+            .map(|(line, r)| (line, r.id, [r.fx_quad, r.fy_quad, r.fz_quad]))
+            .collect(),
+        ForceColumns::Vertices => rows::<VertexRow>(path)?
+            .into_iter()
+            .map(|(line, r)| (line, r.id, [r.fx_vert, r.fy_vert, r.fz_vert]))
+            .collect(),
+    };
     let mut forces = vec![Vec3::zeros(); nodes];
-    for (line, row) in rows::<ForceRow>(path)? {
-        forces[known(path, line, row.id, nodes)?] =
-            Vec3::new(row.fx_quad, row.fy_quad, row.fz_quad);
+    for (line, id, force) in named {
+        forces[known(path, line, id, nodes)?] = Vec3::from(force);
     }
     Ok(forces)
+}
+
+/// Reads the nodes that a list of held vertices names, below `nodes`, in its order.
+///
+/// # Errors
+/// Names the file and line.
+pub fn read_fixed_vertices(path: &Path, nodes: usize) -> Result<Vec<usize>, FemError> {
+    let rows = rows::<IdRow>(path)?.into_iter();
+    rows.map(|(line, row)| known(path, line, row.id, nodes))
+        .collect()
 }
 
 /// Reads displacements: node and metres, row by row.

@@ -6,12 +6,14 @@
 //! A quadratic tetrahedron with four points of integration does not lock in bending, nor at a Poisson's ratio of 0.49
 //! as a linear one does (Hughes, The Finite Element Method, 2000, section 4.4).
 
+mod assembly;
 mod condense;
 mod element;
 mod error;
 pub mod files;
 mod mesh;
 mod neo_hookean;
+mod newton;
 mod stiffness;
 mod support;
 mod surface;
@@ -20,5 +22,5 @@ pub use condense::{CondenseOptions, Condensed, condense};
 pub use error::FemError;
 pub use mesh::TetMesh;
 pub use neo_hookean::neo_hookean_forces;
+pub use newton::{NewtonOptions, NewtonProgress, solve_neo_hookean};
 pub use stiffness::{Elastic, Factored, internal_forces};
-pub use surface::{Face, boundary};

@@ -81,3 +81,106 @@ pub(crate) fn gradient(tet: &[u32; 10], slopes: &[Vec3; 10], moved: &[Vec3]) -> 
         sum + moved[*node as usize] * slope.transpose()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ELASTIC: Elastic = Elastic {
+        young: 1e5,
+        poisson: 0.49,
+    };
+
+    /// Gradients far from rest, the volume changed too.
+    fn gradients() -> [Mat3; 4] {
+        [
+            Mat3::identity(),
+            Mat3::new(1.3, 0.2, -0.1, 0.05, 0.8, 0.3, -0.2, 0.1, 1.05),
+            Mat3::new(0.2, -1.1, 0.0, 0.9, 0.1, 0.4, 0.1, -0.3, 1.2),
+            Mat3::new(0.5, 0.0, 0.3, 0.0, 2.0, -0.4, 0.1, 0.2, 0.9),
+        ]
+    }
+
+    /// A change that is no rotation, nor symmetric.
+    const CHANGE: Mat3 = Mat3::new(0.3, -0.7, 0.2, 0.5, 0.4, -0.1, 0.6, -0.2, 0.8);
+
+    /// Energy density, J/m3, written out as the head of the file says it.
+    fn energy(solid: &NeoHookean, f: &Mat3) -> f64 {
+        let j = f.determinant();
+        let shear = f.norm_squared() / libm::cbrt(j * j) - 3.0;
+        0.5 * solid.mu * shear + 0.5 * solid.bulk * (j - 1.0) * (j - 1.0)
+    }
+
+    #[test]
+    fn stress_is_the_slope_of_the_energy_and_its_change_the_slope_of_the_stress() {
+        let solid = NeoHookean::of(&ELASTIC);
+        let h = 1e-5;
+        for f in gradients() {
+            let [less, more] = [-h, h].map(|h| f + CHANGE * h);
+            let stress = solid.stress(&f).expect("upright");
+            let slope = (energy(&solid, &more) - energy(&solid, &less)) / (2.0 * h);
+            let scale = solid.bulk;
+            assert!((stress.dot(&CHANGE) - slope).abs() < 1e-7 * scale, "{f}");
+            let change = solid.stress_change(&f, &CHANGE).expect("upright");
+            let [less, more] = [less, more].map(|f| solid.stress(&f).expect("upright"));
+            let slope = (more - less) / (2.0 * h);
+            assert!((change - slope).norm() < 1e-7 * scale, "{change} {slope}");
+            assert!(change.norm() > 1e-2 * scale, "something to compare");
+        }
+    }
+
+    #[test]
+    fn the_change_is_symmetric_as_an_energy_demands() {
+        let solid = NeoHookean::of(&ELASTIC);
+        let other = Mat3::new(-0.2, 0.9, 0.4, 0.1, -0.6, 0.3, 0.7, 0.5, 0.2);
+        for f in gradients() {
+            let change = |by: &Mat3| solid.stress_change(&f, by).expect("upright");
+            let (there, back) = (change(&CHANGE).dot(&other), change(&other).dot(&CHANGE));
+            assert!((there - back).abs() < 1e-12 * solid.bulk, "{there} {back}");
+        }
+    }
+
+    #[test]
+    fn at_small_strain_it_is_hookes_law_and_twice_as_near_at_half_the_strain() {
+        let solid = NeoHookean::of(&ELASTIC);
+        let strain = (CHANGE + CHANGE.transpose()) * 0.5;
+        let lambda = solid.bulk - 2.0 / 3.0 * solid.mu;
+        let linear = strain * (2.0 * solid.mu) + Mat3::identity() * (lambda * strain.trace());
+        let off = [1e-4, 5e-5].map(|t| {
+            let stress = solid.stress(&(Mat3::identity() + CHANGE * t));
+            (stress.expect("upright") / t - linear).norm() / linear.norm()
+        });
+        assert!(off[0] < 1e-3, "{off:?}");
+        assert!((off[0] / off[1] - 2.0).abs() < 0.01, "{off:?}");
+        // Exactly so in the limit.
+        let change = solid.stress_change(&Mat3::identity(), &CHANGE);
+        assert!((change.expect("upright") - linear).norm() < 1e-12 * linear.norm());
+    }
+
+    #[test]
+    fn a_rotation_costs_nothing_and_turns_the_stress_with_it() {
+        let solid = NeoHookean::of(&ELASTIC);
+        // A quarter about z after 3-4-5 about x.
+        let turn = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+            * Mat3::new(1.0, 0.0, 0.0, 0.0, 0.6, -0.8, 0.0, 0.8, 0.6);
+        assert!(solid.stress(&turn).expect("upright").norm() < 1e-9);
+        for f in gradients() {
+            let stress = solid.stress(&f).expect("upright");
+            let turned = solid.stress(&(turn * f)).expect("upright");
+            assert!((turned - turn * stress).norm() < 1e-12 * solid.bulk);
+        }
+    }
+
+    #[test]
+    fn nothing_is_said_of_matter_inside_out() {
+        let solid = NeoHookean::of(&ELASTIC);
+        for f in [
+            Mat3::identity() * -1.0,
+            Mat3::zeros(),
+            Mat3::identity() * f64::NAN,
+        ] {
+            assert!(solid.stress(&f).is_none());
+            assert!(solid.stress_change(&f, &CHANGE).is_none());
+        }
+    }
+}

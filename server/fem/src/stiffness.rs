@@ -1,14 +1,15 @@
 //! The stiffness of a mesh, and its displacements under loads.
 
+use std::array::from_fn;
+
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
+use crate::assembly::Assembly;
 use crate::element::gradients;
-use crate::{FemError, TetMesh, support};
+use crate::{FemError, TetMesh};
 
 /// An isotropic, linearly elastic material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,9 +88,7 @@ pub fn internal_forces(mesh: &TetMesh, material: &Elastic, moved: &[Vec3]) -> Ve
 /// A mesh of a material, factored: solves for displacements.
 #[derive(Debug)]
 pub struct Factored {
-    /// Unknown of each node along x, y, z.
-    unknowns: Vec<[Option<usize>; 3]>,
-    count: usize,
+    assembly: Assembly,
     cholesky: Llt<usize, f64>,
 }
 
@@ -99,56 +98,16 @@ impl Factored {
     /// # Errors
     /// When mesh or material are wrong, or the mesh is not held.
     pub fn new(mesh: &TetMesh, material: &Elastic) -> Result<Self, FemError> {
-        mesh.validate()?;
         material.validate()?;
-        support::check(mesh)?;
-        let mut count = 0;
-        let unknowns: Vec<[Option<usize>; 3]> = mesh
-            .held
-            .iter()
-            .map(|held| {
-                held.map(|held| {
-                    count += usize::from(!held);
-                    (!held).then(|| count - 1)
-                })
-            })
-            .collect();
+        let assembly = Assembly::new(mesh)?;
         let lame = material.lame();
-        let mut entries = Vec::with_capacity(mesh.tets.len() * 465);
-        for tet in &mesh.tets {
-            let Some(all) = gradients(&mesh.corners(tet)) else {
-                continue;
-            };
-            for a in 0..10 {
-                for b in 0..10 {
-                    let (rows, columns) = (unknowns[tet[a] as usize], unknowns[tet[b] as usize]);
-                    let block = block(&all, lame, a, b);
-                    for (i, row) in rows.iter().enumerate() {
-                        for (j, column) in columns.iter().enumerate() {
-                            // The lower triangle is all that the factorisation reads.
-                            if let (Some(row), Some(column)) = (row, column)
-                                && row >= column
-                            {
-                                entries.push(Triplet::new(*row, *column, block[(i, j)]));
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        let failed = |why: String| FemError::Factor(why);
-        let matrix = SparseColMat::try_new_from_triplets(count, count, &entries)
-            .map_err(|error| failed(format!("{error:?}")))?;
-        drop(entries);
-        let cholesky = matrix
-            .as_ref()
-            .sp_cholesky(Side::Lower)
-            .map_err(|error| failed(format!("{error:?}")))?;
-        Ok(Self {
-            unknowns,
-            count,
-            cholesky,
-        })
+        let stiffness = |tet: &[u32; 10]| {
+            let all = gradients(&mesh.corners(tet)).unwrap_or([([Vec3::zeros(); 10], 0.0); 4]);
+            from_fn(|a| from_fn(|b| block(&all, lame, a, b)))
+        };
+        let cholesky = assembly.factor(mesh, stiffness)?;
+        let cholesky = cholesky.ok_or_else(|| FemError::Factor("not positive definite".into()))?;
+        Ok(Self { assembly, cholesky })
     }
 
     /// Displacements (metres, node by node) under each of the `loads` (newtons, node by node; what acts on a held node
@@ -157,38 +116,24 @@ impl Factored {
     /// # Errors
     /// When a load has not a finite force for each node.
     pub fn solve(&self, loads: &[Vec<Vec3>]) -> Result<Vec<Vec<Vec3>>, FemError> {
-        let nodes = self.unknowns.len();
         for load in loads {
-            if load.len() != nodes {
-                let found = load.len().to_string();
-                return Err(FemError::field(
-                    "forces of a load",
-                    found,
-                    format!("{nodes}"),
-                ));
-            }
-            if let Some(k) = load.iter().position(|f| !f.iter().all(|x| x.is_finite())) {
-                let found = format!("{:?} on node {k}", load[k]);
-                return Err(FemError::field("force", found, "finite"));
-            }
+            check_load(load, self.assembly.nodes())?;
         }
-        let mut right = Mat::<f64>::zeros(self.count, loads.len());
-        for (c, load) in loads.iter().enumerate() {
-            for (unknowns, force) in self.unknowns.iter().zip(load) {
-                for (unknown, f) in unknowns.iter().zip(force.iter()) {
-                    if let Some(row) = unknown {
-                        right[(*row, c)] = *f;
-                    }
-                }
-            }
-        }
-        let answer = self.cholesky.solve(&right);
-        let moved = |c: usize| {
-            let of = |unknowns: &[Option<usize>; 3]| {
-                Vec3::from(unknowns.map(|unknown| unknown.map_or(0.0, |row| answer[(row, c)])))
-            };
-            self.unknowns.iter().map(of).collect()
-        };
+        let answer = self.cholesky.solve(&self.assembly.gather(loads));
+        let moved = |c| self.assembly.scatter(answer.as_ref(), c);
         Ok((0..loads.len()).map(moved).collect())
     }
+}
+
+/// Checks that a load has a finite force for each node.
+pub(crate) fn check_load(load: &[Vec3], nodes: usize) -> Result<(), FemError> {
+    if load.len() != nodes {
+        let (found, expected) = (load.len().to_string(), nodes.to_string());
+        return Err(FemError::field("forces of a load", found, expected));
+    }
+    let wrong = load.iter().position(|f| !f.iter().all(|x| x.is_finite()));
+    wrong.map_or(Ok(()), |k| {
+        let found = format!("{:?} on node {k}", load[k]);
+        Err(FemError::field("force", found, "finite"))
+    })
 }

@@ -1,12 +1,12 @@
 //! A condensed organ in the tick against the finite elements that it comes from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use sulcus_core::tissue::surface::SurfaceParams;
 use sulcus_core::tissue::{Hands, Site, SiteLoad, Tissue, TissueModel};
 use sulcus_core::{MAX_TOOLS, Sphere, SphereTree, Vec3};
-use sulcus_fem::files::{read_displacements, read_mesh};
-use sulcus_fem::{CondenseOptions, boundary, condense};
+use sulcus_fem::files::{ForceColumns, read_displacements, read_forces, read_mesh};
+use sulcus_fem::{CondenseOptions, condense};
 
 const YOUNG: f64 = 1e5;
 
@@ -73,28 +73,16 @@ fn folder() -> Option<PathBuf> {
     None
 }
 
-/// Forces on vertices for a load of 1 N.
-fn vertex_forces(path: &Path, vertices: usize) -> Vec<Vec3> {
-    let text = std::fs::read_to_string(path).expect("forces");
-    let mut forces = vec![Vec3::zeros(); vertices];
-    for line in text.lines().skip(1) {
-        let row: Vec<f64> = line
-            .split(',')
-            .map(|x| x.parse().expect("a number"))
-            .collect();
-        if (row[0] as usize) < vertices {
-            forces[row[0] as usize] = Vec3::new(row[7], row[8], row[9]);
-        }
-    }
-    forces
-}
-
 #[test]
 fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_be() {
     let Some(folder) = folder() else { return };
     let mesh = read_mesh(&folder).expect("a mesh");
-    let faces = boundary(&mesh);
-    let vertices = 1 + faces.iter().flat_map(|f| f.corners).max().expect("faces") as usize;
+    let vertices = mesh
+        .boundary_triangles()
+        .concat()
+        .into_iter()
+        .max()
+        .map_or(0, |k| k as usize + 1);
     let say = |_: &str, _: f64| ();
     let condensed = condense(&mesh, 0.49, &CondenseOptions::default(), &say).expect("held");
     let spheres: Vec<Sphere> = mesh.nodes[..vertices]
@@ -145,10 +133,11 @@ fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_
         ("top_distributed", ["2.5", "6", "10"]),
     ];
     for (name, newtons) in cases {
-        let unit = vertex_forces(&folder.join(format!("{name}_forces_unit.csv")), vertices);
+        let file = folder.join(format!("{name}_forces_unit.csv"));
+        let unit = read_forces(&file, mesh.nodes.len(), ForceColumns::Vertices).expect("forces");
         for newtons in newtons {
             let by: f64 = newtons.parse().expect("a number");
-            let forces: Vec<Vec3> = unit.iter().map(|f| f * by).collect();
+            let forces: Vec<Vec3> = unit[..vertices].iter().map(|f| f * by).collect();
             for (kind, organ) in [("lin", &mut linear), ("nl", &mut large)] {
                 let found = organ.settle(&forces);
                 let file = folder.join(format!("{name}_{kind}_{newtons}N.csv"));

@@ -1,66 +1,11 @@
 //! Against answers that are known without finite elements.
 
+mod common;
+
+use common::{SOFT, block, nodes, pull};
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 use sulcus_fem::{Elastic, Factored, FemError, TetMesh, internal_forces};
-
-/// A block of `cells` boxes, each of six tetrahedra, of `size` metres, one corner at the origin.
-fn block(cells: [usize; 3], size: Vec3) -> TetMesh {
-    let [nx, ny, nz] = cells;
-    let id = |i: usize, j: usize, k: usize| (i + (nx + 1) * (j + (ny + 1) * k)) as u32;
-    let mut corners = Vec::new();
-    for k in 0..=nz {
-        for j in 0..=ny {
-            for i in 0..=nx {
-                let part = [(i, nx), (j, ny), (k, nz)].map(|(i, n)| i as f64 / n as f64);
-                corners.push(size.component_mul(&Vec3::from(part)));
-            }
-        }
-    }
-    let mut tets = Vec::new();
-    for k in 0..nz {
-        for j in 0..ny {
-            for i in 0..nx {
-                let c = |bits: usize| id(i + (bits & 1), j + (bits >> 1 & 1), k + (bits >> 2));
-                // Round the diagonal from 0 to 7.
-                let ring = [1, 3, 2, 6, 4, 5];
-                for s in 0..6 {
-                    tets.push([c(0), c(ring[s]), c(ring[(s + 1) % 6]), c(7)]);
-                }
-            }
-        }
-    }
-    TetMesh::from_corners(corners, &tets)
-}
-
-/// Nodes for which `on` holds.
-fn nodes(mesh: &TetMesh, on: impl Fn(&Vec3) -> bool) -> Vec<usize> {
-    (0..mesh.nodes.len())
-        .filter(|&k| on(&mesh.nodes[k]))
-        .collect()
-}
-
-/// A uniform traction (Pa) on the face of the block at `x = end`, as consistent forces: a third of a triangle's share on each
-/// of its edges' middles, nothing on its corners.
-fn pull(mesh: &TetMesh, end: f64, traction: Vec3) -> Vec<Vec3> {
-    let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];
-    let on = |node: u32| (mesh.nodes[node as usize].x - end).abs() < 1e-12;
-    for tet in &mesh.tets {
-        let face: Vec<u32> = tet[..4].iter().copied().filter(|&n| on(n)).collect();
-        let [a, b, c] = face[..] else { continue };
-        let [a, b, c] = [a, b, c].map(|n| mesh.nodes[n as usize]);
-        let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        for &node in tet[4..].iter().filter(|&&n| on(n)) {
-            forces[node as usize] += traction * (area / 3.0);
-        }
-    }
-    forces
-}
-
-const SOFT: Elastic = Elastic {
-    young: 1e5,
-    poisson: 0.49,
-};
 
 #[test]
 fn a_uniform_strain_is_exact_on_a_crooked_mesh() {

@@ -1,59 +1,53 @@
 //! Against the reference solutions of a tongue in the data folder beside the project (checked there against CalculiX).
 
+mod common;
+
 use std::path::PathBuf;
 
+use common::{TONGUE, reference};
 use proptest::prelude::*;
-use sulcus_fem::files::{read_displacements, read_forces, read_mesh};
-use sulcus_fem::{Elastic, Factored};
-
-/// The folder, or nothing where it is absent: said, not hidden.
-fn folder() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fem");
-    if folder.join("nodes.csv").is_file() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no reference at {}", folder.display());
-    None
-}
+use sulcus_fem::Factored;
+use sulcus_fem::files::{ForceColumns, read_displacements, read_forces, read_mesh};
 
 #[test]
 fn linear_cases_are_those_of_the_reference_at_every_vertex() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = reference() else { return };
     let mesh = read_mesh(&folder).expect("a mesh");
     let n = mesh.nodes.len();
-    let tongue = Elastic {
-        young: 1e5,
-        poisson: 0.49,
-    };
-    let factored = Factored::new(&mesh, &tongue).expect("held");
+    let factored = Factored::new(&mesh, &TONGUE).expect("held");
     let cases = [
         ("tip_vertical", "1.5"),
         ("lateral", "2.5"),
         ("top_distributed", "6"),
     ];
     let loads = cases.map(|(name, newtons)| {
-        let unit = read_forces(&folder.join(format!("{name}_forces_unit.csv")), n).expect("forces");
+        let unit = read_forces(
+            &folder.join(format!("{name}_forces_unit.csv")),
+            n,
+            ForceColumns::Quadratic,
+        )
+        .expect("forces");
         let by: f64 = newtons.parse().expect("a number");
         unit.iter().map(|f| f * by).collect::<Vec<_>>()
     });
     let answers = factored.solve(&loads).expect("finite");
     for ((name, newtons), moved) in cases.iter().zip(&answers) {
         let file = folder.join(format!("{name}_lin_{newtons}N.csv"));
-        let reference = read_displacements(&file, n).expect("displacements");
-        let most = reference.iter().map(|(_, u)| u.norm()).fold(0.0, f64::max);
-        let off = reference
+        let known = read_displacements(&file, n).expect("displacements");
+        let most = known.iter().map(|(_, u)| u.norm()).fold(0.0, f64::max);
+        let off = known
             .iter()
             .map(|(k, u)| (moved[*k] - u).norm())
             .fold(0.0, f64::max);
         println!(
             "{name}, {newtons} N: {} vertices, largest {:.3} mm, off by at most {:.5} mm, {:.4} %",
-            reference.len(),
+            known.len(),
             most * 1e3,
             off * 1e3,
             100.0 * off / most
         );
         assert!(off <= 5e-3 * most, "{name}: {off:e} of {most:e} m");
-        assert!(reference.len() > 2000);
+        assert!(known.len() > 2000);
     }
 }
 
@@ -111,7 +105,7 @@ proptest! {
             std::fs::write(folder.join(name), bytes).expect("a file");
         }
         if let Ok(mesh) = read_mesh(&folder) {
-            let _ = Factored::new(&mesh, &Elastic { young: 1e5, poisson: 0.49 });
+            let _ = Factored::new(&mesh, &TONGUE);
         }
     }
 }

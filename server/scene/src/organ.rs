@@ -7,14 +7,15 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::surface::{
     SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
 };
-use sulcus_core::{SphereTree, Vec3};
-use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, boundary, condense};
+use sulcus_core::SphereTree;
+use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, condense};
 
 use crate::cache;
 use crate::carry::{carried, carriers};
 use crate::distance::MeshDistance;
 use crate::mesh::TriMesh;
 use crate::skeleton::{Frame, Holds};
+use crate::tetrahedra::{TetraError, tetrahedra};
 
 /// How an organ is made of finite elements: `[object.surface]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,7 +78,10 @@ impl SurfaceOptions {
 /// Why there is no organ.
 #[derive(Debug, thiserror::Error)]
 pub enum OrganError {
-    /// The finite elements.
+    /// The surface cannot be filled with finite elements.
+    #[error(transparent)]
+    Tetrahedra(#[from] TetraError),
+    /// The finite elements cannot be read or solved.
     #[error(transparent)]
     Elements(#[from] FemError),
     /// They are of something else.
@@ -131,7 +135,9 @@ fn elements(
 ) -> Result<TetMesh, OrganError> {
     let Some(tables) = &options.elements else {
         let size = options.element_mm * 1e-3;
-        let mut mesh = tetrahedra(surface, size, progress)?;
+        let mut mesh = tetrahedra(surface, size, &|share| {
+            progress("filling it with elements", share)
+        })?;
         let (low, high) = surface.mesh().bounds();
         let frame = Frame::new(low, high);
         let holds = Holds {
@@ -150,9 +156,9 @@ fn elements(
 fn fits(elements: &TetMesh, surface: &MeshDistance) -> Result<(), OrganError> {
     let (low, high) = surface.mesh().bounds();
     let most = FITS * (high - low).norm();
-    let far = boundary(elements)
-        .iter()
-        .flat_map(|face| face.corners)
+    let corners = elements.boundary_triangles().concat();
+    let far = corners
+        .into_iter()
         .map(|node| surface.signed(&elements.nodes[node as usize]).abs())
         .fold(0.0, f64::max);
     if far > most {

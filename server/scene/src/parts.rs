@@ -143,10 +143,11 @@ impl Compiler<'_> {
                     (self.progress)(&format!("{part}: {stage}"), done / parts);
                 };
                 let kept = self.options.cache.as_deref();
-                let made = organ(&tree, &mesh, &options, folder, kept, &step).map_err(|source| {
-                    let part = part.clone();
-                    BuildError::Organ { part, source }
-                })?;
+                let made =
+                    organ(&tree, &mesh, &options, folder, kept, &step).map_err(|source| {
+                        let part = part.clone();
+                        BuildError::Organ { part, source }
+                    })?;
                 TissueModel::Surface(Box::new(made))
             }
             TissueEntry::Skeleton | TissueEntry::PrintedSkeleton => {

@@ -385,9 +385,21 @@ fn surface(field: &dyn Fn(&str) -> String, options: &SurfaceOptions) -> Checked 
     range("element_mm", options.element_mm, 0.5, 50.0, "0.5 to 50 mm")?;
     range("masters", masters, 9.0, 256.0, "9 to 256")?;
     range("cells", cells, 0.0, 64.0, "0 to 64")?;
-    range("young_kpa", options.young_kpa, 0.1, 1e5, "0.1 to 100000 kPa")?;
+    range(
+        "young_kpa",
+        options.young_kpa,
+        0.1,
+        1e5,
+        "0.1 to 100000 kPa",
+    )?;
     range("poisson", options.poisson, 0.0, 0.499, "0 to 0.499")?;
-    range("relaxation_ms", options.relaxation_ms, 2.0, 1000.0, "2 to 1000 ms")?;
+    range(
+        "relaxation_ms",
+        options.relaxation_ms,
+        2.0,
+        1000.0,
+        "2 to 1000 ms",
+    )?;
     for (key, share) in [
         ("fixed_root", options.fixed_root),
         ("fixed_bottom", options.fixed_bottom),

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::tissue::surface::{SURFACE_CARRIERS, SurfaceSkin};
 
-use crate::surface::{Face, boundary};
 use crate::{FemError, TetMesh};
 
 /// Masters: those that move, then those that are held, which only make what is near them stay.
@@ -20,10 +19,7 @@ pub(super) struct Masters {
 impl Masters {
     /// Chooses vertices of the surface, each as far as possible from those before it, until `most` of them move or none is left.
     pub fn choose(mesh: &TetMesh, most: usize) -> Result<Self, FemError> {
-        let mut vertices: Vec<u32> = boundary(mesh)
-            .iter()
-            .flat_map(|face| face.corners)
-            .collect();
+        let mut vertices = mesh.boundary_triangles().concat();
         vertices.sort_unstable();
         vertices.dedup();
         let at = |k: usize| mesh.nodes[vertices[k] as usize];
@@ -118,7 +114,8 @@ impl Functions {
         let count = masters.moving().len();
         let mut forces = vec![BTreeMap::<u32, f64>::new(); count];
         let mut mass = Mat::<f64>::zeros(count, count);
-        for Face { corners, middles } in boundary(mesh) {
+        for [a, b, c, middles @ ..] in mesh.boundary_faces() {
+            let corners = [a, b, c];
             let places = corners.map(|k| mesh.nodes[k as usize]);
             let skins = places.map(|p| masters.skin(&p));
             let carried = |corner: usize| {

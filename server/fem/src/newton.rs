@@ -1,0 +1,298 @@
+//! Equilibrium of the neo-Hookean solid under dead loads: forces that keep their place in the matter and their direction in
+//! space (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 9). Newton's method with
+//! the exact tangent; the load comes on in steps, each halved until its equilibrium is found.
+//!
+//! The tangent is factored as positive definite, so that what is found is a stable equilibrium: a slender part that buckles
+//! is refused there, not carried past it.
+
+use std::array::from_fn;
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::Llt;
+use sulcus_core::Vec3;
+use sulcus_core::math::Mat3;
+
+use crate::assembly::{Assembly, Blocks};
+use crate::element::gradients;
+use crate::neo_hookean::{NeoHookean, gradient};
+use crate::stiffness::check_load;
+use crate::{Elastic, FemError, TetMesh, neo_hookean_forces};
+
+/// How equilibrium is sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Steps in which the load comes on while all goes well; 1 to 1000, 4 by default. More are slower and reach
+    /// further before a step must be halved.
+    pub steps: u32,
+    /// How often a step may be halved; 0 to 20, 8 by default.
+    pub halvings: u32,
+    /// Corrections within a step after which it counts as not converging; 1 to 100, 10 by default.
+    pub corrections: u32,
+    /// Tangents factored in all, which bounds the work; 1 to 10,000, 300 by default.
+    pub tangents: u32,
+    /// Equilibrium is where the forces that are left are below this share of the load on the nodes that may move (root of
+    /// the sum of squares of both); 1e-12 to 0.01, 1e-8 by default. Convergence is quadratic, so that less costs little.
+    pub tolerance: f64,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            steps: 4,
+            halvings: 8,
+            corrections: 10,
+            tangents: 300,
+            tolerance: 1e-8,
+        }
+    }
+}
+
+impl NewtonOptions {
+    /// Checks them.
+    ///
+    /// # Errors
+    /// Names the field, what it is and what it may be.
+    pub fn validate(&self) -> Result<(), FemError> {
+        let whole = [
+            ("steps", self.steps, 1, 1000),
+            ("halvings", self.halvings, 0, 20),
+            ("corrections", self.corrections, 1, 100),
+            ("tangents", self.tangents, 1, 10_000),
+        ];
+        for (field, found, least, most) in whole {
+            if !(least..=most).contains(&found) {
+                let expected = format!("{least} to {most}");
+                return Err(FemError::field(field, found.to_string(), expected));
+            }
+        }
+        if (1e-12..=0.01).contains(&self.tolerance) {
+            return Ok(());
+        }
+        let found = self.tolerance.to_string();
+        Err(FemError::field("tolerance", found, "1e-12 to 0.01"))
+    }
+}
+
+/// Where a solver stands, told after each correction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonProgress {
+    /// Share of the load that the step under way aims at, 0 to 1.
+    pub load: f64,
+    /// Corrections made in it.
+    pub correction: u32,
+    /// Forces that are left, as a share of the whole load (see [`NewtonOptions::tolerance`]).
+    pub left: f64,
+    /// Tangents factored so far.
+    pub tangents: u32,
+}
+
+/// Displacements (metres, node by node) at which the mesh, neo-Hookean and at small strain `material`, is in equilibrium with
+/// the dead `load` (newtons, node by node; what acts on a held node goes into its support).
+///
+/// # Errors
+/// When mesh, material, load or options are wrong, the mesh is not held, or no equilibrium is found: then
+/// [`FemError::Newton`] says up to which share of the load there was one.
+pub fn solve_neo_hookean(
+    mesh: &TetMesh,
+    material: &Elastic,
+    load: &[Vec3],
+    options: &NewtonOptions,
+    progress: &mut dyn FnMut(&NewtonProgress),
+) -> Result<Vec<Vec3>, FemError> {
+    material.validate()?;
+    options.validate()?;
+    check_load(load, mesh.nodes.len())?;
+    let assembly = Assembly::new(mesh)?;
+    let mut solver = Solver {
+        mesh,
+        material,
+        options,
+        load,
+        whole: size(mesh, load),
+        assembly,
+        tangents: 0,
+    };
+    solver.run(progress)
+}
+
+/// Root of the sum of squares of the forces where nodes may move, N.
+fn size(mesh: &TetMesh, forces: &[Vec3]) -> f64 {
+    let free = |(force, held): (&Vec3, &[bool; 3])| -> f64 {
+        let parts = force.iter().zip(held);
+        parts.map(|(f, held)| if *held { 0.0 } else { f * f }).sum()
+    };
+    forces.iter().zip(&mesh.held).map(free).sum::<f64>().sqrt()
+}
+
+struct Solver<'a> {
+    mesh: &'a TetMesh,
+    material: &'a Elastic,
+    options: &'a NewtonOptions,
+    load: &'a [Vec3],
+    /// Size of the load, N.
+    whole: f64,
+    assembly: Assembly,
+    tangents: u32,
+}
+
+impl Solver<'_> {
+    fn run(&mut self, progress: &mut dyn FnMut(&NewtonProgress)) -> Result<Vec<Vec3>, FemError> {
+        let mut moved = vec![Vec3::zeros(); self.mesh.nodes.len()];
+        if self.whole == 0.0 {
+            return Ok(moved);
+        }
+        // The load is counted in the smallest steps that there may be, exactly.
+        let longest = 1_u64 << self.options.halvings;
+        let all = u64::from(self.options.steps) * longest;
+        let (mut reached, mut step) = (0, longest);
+        let share = |part: u64| part as f64 / all as f64;
+        while reached < all {
+            let aim = (reached + step).min(all);
+            match self.step(&moved, share(aim), progress)? {
+                Ok(found) => {
+                    (moved, reached) = (found, aim);
+                    step = (2 * step).min(longest);
+                }
+                Err(why) => {
+                    if step == 1 || self.tangents >= self.options.tangents {
+                        let (reached, aim) = (share(reached), share(aim));
+                        return Err(FemError::Newton { reached, aim, why });
+                    }
+                    step /= 2;
+                }
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Equilibrium at a share `aim` of the load, sought from `moved`; or why there is none.
+    fn step(
+        &mut self,
+        moved: &[Vec3],
+        aim: f64,
+        progress: &mut dyn FnMut(&NewtonProgress),
+    ) -> Result<Result<Vec<Vec3>, &'static str>, FemError> {
+        let mut moved = moved.to_vec();
+        for correction in 0..=self.options.corrections {
+            let Some(inner) = neo_hookean_forces(self.mesh, self.material, &moved) else {
+                return Ok(Err("an element is turned inside out"));
+            };
+            let forces = self.load.iter().zip(&inner);
+            let rest: Vec<Vec3> = forces.map(|(load, inner)| load * aim - inner).collect();
+            let left = size(self.mesh, &rest) / self.whole;
+            if correction > 0 {
+                progress(&NewtonProgress {
+                    load: aim,
+                    correction,
+                    left,
+                    tangents: self.tangents,
+                });
+            }
+            if left <= self.options.tolerance * aim {
+                return Ok(Ok(moved));
+            }
+            if correction == self.options.corrections {
+                break;
+            }
+            if self.tangents >= self.options.tangents {
+                return Ok(Err("no more tangents may be factored"));
+            }
+            let Some(tangent) = self.tangent(&moved)? else {
+                return Ok(Err("the tangent is not positive definite"));
+            };
+            let change = tangent.solve(&self.assembly.gather(std::slice::from_ref(&rest)));
+            let change = self.assembly.scatter(change.as_ref(), 0);
+            moved.iter_mut().zip(&change).for_each(|(u, du)| *u += du);
+        }
+        Ok(Err("the corrections do not converge"))
+    }
+
+    fn tangent(&mut self, moved: &[Vec3]) -> Result<Option<Llt<usize, f64>>, FemError> {
+        self.tangents += 1;
+        let solid = NeoHookean::of(self.material);
+        let mesh = self.mesh;
+        self.assembly.factor(mesh, |tet| {
+            // Forces were finite here, so that it is the right way round.
+            tangent(mesh, &solid, tet, moved).unwrap_or([[Mat3::zeros(); 10]; 10])
+        })
+    }
+}
+
+/// Change of a tetrahedron's forces with the displacements of its nodes, N/m; none where it is inside out.
+fn tangent(mesh: &TetMesh, solid: &NeoHookean, tet: &[u32; 10], moved: &[Vec3]) -> Option<Blocks> {
+    let mut blocks = [[Mat3::zeros(); 10]; 10];
+    for (slopes, volume) in &gradients(&mesh.corners(tet))? {
+        let f = gradient(tet, slopes, moved);
+        // Change of the stress with each entry of the gradient.
+        let mut by = [[Mat3::zeros(); 3]; 3];
+        for (k, by) in by.iter_mut().enumerate() {
+            for (l, by) in by.iter_mut().enumerate() {
+                let mut df = Mat3::zeros();
+                df[(k, l)] = 1.0;
+                *by = solid.stress_change(&f, &df)? * *volume;
+            }
+        }
+        for b in 0..10 {
+            // Node b moved along each axis.
+            let by: [Mat3; 3] =
+                from_fn(|k| (0..3).fold(Mat3::zeros(), |sum, l| sum + by[k][l] * slopes[b][l]));
+            for a in 0..10 {
+                let columns = by.map(|by| by * slopes[a]);
+                blocks[a][b] += Mat3::from_columns(&columns);
+            }
+        }
+    }
+    Some(blocks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tangent_is_the_slope_of_the_forces() {
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [9.0, 1.0, 0.0],
+            [1.0, 8.0, 1.0],
+            [0.5, 1.0, 7.0],
+        ];
+        let corners = corners.map(|x| Vec3::from(x) * 1e-3).to_vec();
+        let mesh = TetMesh::from_corners(corners, &[[0, 1, 2, 3]]);
+        let material = Elastic {
+            young: 1e5,
+            poisson: 0.49,
+        };
+        // Some displacements, up to a tenth of the element.
+        let moved: Vec<Vec3> = (0..10)
+            .map(|k| {
+                let t = f64::from(k);
+                Vec3::from([0.3, 0.7, 0.4].map(|by| libm::sin(3.0 + by * t * t))) * 6e-4
+            })
+            .collect();
+        let solid = NeoHookean::of(&material);
+        let blocks = tangent(&mesh, &solid, &mesh.tets[0], &moved).expect("upright");
+        let scale = blocks.iter().flatten().map(Mat3::norm).fold(0.0, f64::max);
+        let h = 1e-8;
+        for b in 0..10 {
+            for k in 0..3 {
+                let [less, more] = [-h, h].map(|h| {
+                    let mut moved = moved.clone();
+                    moved[mesh.tets[0][b] as usize][k] += h;
+                    neo_hookean_forces(&mesh, &material, &moved).expect("upright")
+                });
+                for a in 0..10 {
+                    let node = mesh.tets[0][a] as usize;
+                    let slope = (more[node] - less[node]) / (2.0 * h);
+                    let column = blocks[a][b].column(k).into_owned();
+                    assert!(
+                        (column - slope).norm() < 1e-7 * scale,
+                        "{a} {b} {k}: {column} {slope}"
+                    );
+                    let mirrored = blocks[b][a].row(k).transpose();
+                    assert!((column - mirrored).norm() < 1e-12 * scale);
+                }
+            }
+        }
+    }
+}
