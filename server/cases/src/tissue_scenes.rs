@@ -52,6 +52,13 @@ pub fn tongue(coupling: f64) -> Scene {
     scene
 }
 
+/// The tongue by finite elements, its mirror coupled with `coupling` N/mm.
+pub fn organ(coupling: f64) -> Scene {
+    let mut scene = changed(BuiltIn::Organ, &[]);
+    scene.tools[0].stiffness_n_per_m = coupling * 1e3;
+    scene
+}
+
 /// The molar with a pocket of `width` mm, 4 mm deep all round.
 pub fn pocket(width: &str) -> Scene {
     changed(
@@ -99,6 +106,9 @@ fn stiffen(tissue: &mut TissueModel, by: f64) {
                     spring.stiffness = spring.stiffness.map(|k| k * by);
                 }
             }
+        }
+        TissueModel::Surface(organ) => {
+            organ.params.young = (organ.params.young * by).min(1e8);
         }
         _ => {}
     }

@@ -1,5 +1,5 @@
 //! Time of a tick with a mouth mirror on the parametric tongue, level 3: thread CPU time of ticks in contact, in
-//! percentiles, and by stage over all ticks, with the coarse skeleton, the fine one, and both in force at once.
+//! percentiles, and by stage over all ticks, with the coarse skeleton, the fine one, both in force at once, and by finite elements.
 //!
 //! `cargo bench -p sulcus-core --bench tongue`
 
@@ -68,37 +68,41 @@ fn main() {
         cache: default_cache_dir(),
         ..BuildOptions::default()
     };
-    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/tongue.toml");
-    let scene = compile_file(&file, &options, &|_, _| {})
-        .expect("the tongue")
-        .scene;
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    let compiled = |name: &str| {
+        compile_file(&folder.join(name), &options, &|_, _| {})
+            .expect("the tongue")
+            .scene
+    };
+    let (springs, elements) = (compiled("tongue.toml"), compiled("organ.toml"));
     println!("mirror on tongue, 6 s, level 3; thread CPU time of ticks in contact, us");
     println!(
         "{:16} {:>7} {:>7} {:>7} {:>8}   substeps  rows  active  force N",
         "", "p50", "p99", "p99.9", "max"
     );
     type Detail = fn(usize) -> u8;
-    let details: [(&str, Detail); 3] = [
-        ("coarse", |_| 0),
-        ("fine", |_| 1),
-        ("always between", |k| (k / 150 % 2) as u8),
+    let details: [(&str, &Scene, Detail); 4] = [
+        ("coarse", &springs, |_| 0),
+        ("fine", &springs, |_| 1),
+        ("always between", &springs, |k| (k / 150 % 2) as u8),
+        ("elements", &elements, |_| 0),
     ];
-    for (name, detail) in details {
+    for (name, scene, detail) in details {
         for down in [0.01, 0.016] {
             let inputs: Vec<TickInput> = (0..6_000)
                 .map(|k| TickInput {
                     detail: detail(k),
-                    ..input(&scene, k as f64 * 1e-3, down)
+                    ..input(scene, k as f64 * 1e-3, down)
                 })
                 .collect();
             let n = inputs.len() as f64;
-            let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+            let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
             let (mut substeps, mut rows, mut active, mut force) = (0u64, 0u64, 0u64, 0.0);
             let mut times: Vec<u64> = inputs
                 .iter()
                 .filter_map(|input| {
                     let before = cpu_ns();
-                    let out = tick(&scene, &mut state, &mut ws, input, &mut NoProbe);
+                    let out = tick(scene, &mut state, &mut ws, input, &mut NoProbe);
                     let time = cpu_ns() - before;
                     substeps += u64::from(out.tools[0].substeps);
                     rows += u64::from(out.tools[0].rows);
@@ -120,10 +124,10 @@ fn main() {
                 active as f64 / n,
                 force / n
             );
-            let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+            let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
             let mut stages = Stages::default();
             for input in &inputs {
-                tick(&scene, &mut state, &mut ws, input, &mut stages);
+                tick(scene, &mut state, &mut ws, input, &mut stages);
             }
             let mean = |stage: Stage| {
                 format!(

@@ -13,11 +13,18 @@ pub enum BuiltIn {
     Pocket,
     /// A tongue and a mouth mirror.
     Tongue,
+    /// The same tongue by finite elements.
+    Organ,
 }
 
 impl BuiltIn {
     /// All of them.
-    pub const ALL: [BuiltIn; 3] = [BuiltIn::Crown, BuiltIn::Pocket, BuiltIn::Tongue];
+    pub const ALL: [BuiltIn; 4] = [
+        BuiltIn::Crown,
+        BuiltIn::Pocket,
+        BuiltIn::Tongue,
+        BuiltIn::Organ,
+    ];
 
     /// Its scene file.
     pub fn text(self) -> &'static str {
@@ -25,6 +32,7 @@ impl BuiltIn {
             BuiltIn::Crown => include_str!("../../scenes/crown.toml"),
             BuiltIn::Pocket => include_str!("../../scenes/pocket.toml"),
             BuiltIn::Tongue => include_str!("../../scenes/tongue.toml"),
+            BuiltIn::Organ => include_str!("../../scenes/organ.toml"),
         }
     }
 
@@ -34,6 +42,7 @@ impl BuiltIn {
             BuiltIn::Crown => "crown.toml",
             BuiltIn::Pocket => "pocket.toml",
             BuiltIn::Tongue => "tongue.toml",
+            BuiltIn::Organ => "organ.toml",
         })
     }
 }

@@ -7,7 +7,7 @@ use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
 
 use super::{Bounds, Case, Driver, no_margin, undisturbed};
-use crate::tissue_scenes::{bar, pocket, stiff, tongue, twice};
+use crate::tissue_scenes::{bar, organ, pocket, stiff, tongue, twice};
 
 /// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, degrees.
 const BUCCAL: f64 = 90.0;
