@@ -35,6 +35,16 @@ pub enum FemError {
         /// What should.
         expected: String,
     },
+    /// A file as a whole is not what it should be.
+    #[error("{path}: {found}, expected {expected}")]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// What it has.
+        found: String,
+        /// What it should have.
+        expected: String,
+    },
     /// The stiffness matrix cannot be factored.
     #[error("the stiffness matrix cannot be factored: {0}")]
     Factor(String),

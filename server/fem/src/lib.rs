@@ -11,6 +11,7 @@ mod element;
 mod error;
 pub mod files;
 mod mesh;
+pub mod msh;
 mod neo_hookean;
 mod newton;
 mod stiffness;
