@@ -3,6 +3,9 @@
 //! Tetrahedra of 4 nodes get a node in the middle of each edge; those of 10 nodes keep theirs. Gmsh numbers the middle of
 //! edge 23 before that of 13, this crate after it.
 
+mod format_22;
+mod format_41;
+mod hold;
 mod lines;
 mod sections;
 
@@ -11,11 +14,8 @@ use std::path::Path;
 
 use sections::{Element, Sections};
 
-use crate::element::{EDGES, is_upright};
+use crate::element::is_upright;
 use crate::{FemError, TetMesh};
-
-/// Name of the physical group that is held.
-const FIXED: &str = "fixed";
 
 /// Kinds of element by the file's number.
 const TET4: u32 = 4;
@@ -208,65 +208,6 @@ impl Reader<'_> {
             of.iter()
                 .any(|tag| groups.contains(&(element.entity.0, *tag)))
         })
-    }
-
-    /// Holds what the groups for it name; `new` are the mesh's numbers of the file's nodes.
-    fn hold(
-        &self,
-        mesh: &mut TetMesh,
-        index: &BTreeMap<u64, usize>,
-        new: &[u32],
-    ) -> Result<(), FemError> {
-        let groups = self.groups(FIXED, 0);
-        if groups.is_empty() {
-            return Ok(());
-        }
-        let mut middles = BTreeMap::new();
-        for tet in &mesh.tets {
-            for ([i, j], middle) in EDGES.iter().zip(&tet[4..]) {
-                let (a, b) = (tet[*i], tet[*j]);
-                middles.insert((a.min(b), a.max(b)), *middle);
-            }
-        }
-        for element in &self.file.elements {
-            if !self.is_in(element, &groups) {
-                continue;
-            }
-            let corners = match element.kind {
-                15 => 1,
-                1 | 8 => 2,
-                2 | 9 => 3,
-                TET4 | TET10 => 4,
-                other => {
-                    let found = format!("element of kind {other} in group \"{FIXED}\"");
-                    let expected = "points, lines, triangles or tetrahedra";
-                    return Err(self.wrong(element.line, &found, expected));
-                }
-            };
-            let ids = self.ids(element, index)?;
-            let mut hold = |node: u32| {
-                // Not in the mesh where it belongs to another volume.
-                if let Some(held) = mesh.held.get_mut(node as usize) {
-                    *held = [true; 3];
-                }
-            };
-            ids.iter().for_each(|&id| hold(new[id]));
-            let corners = &ids[..corners];
-            for a in corners {
-                for b in corners {
-                    let (a, b) = (new[*a], new[*b]);
-                    middles
-                        .get(&(a, b))
-                        .into_iter()
-                        .for_each(|middle| hold(*middle));
-                }
-            }
-        }
-        if mesh.held.iter().any(|held| held[0]) {
-            return Ok(());
-        }
-        let found = format!("no node of the volume in group \"{FIXED}\"");
-        Err(self.whole(&found, "at least 1, or no such group"))
     }
 
     fn wrong(&self, line: u64, found: &str, expected: &str) -> FemError {

@@ -71,7 +71,7 @@ fn a_thick_bracket_gives_way_more_and_ever_less_so() {
         "{orders:?}"
     );
     assert!(off.windows(2).all(|off| off[1] < 0.6 * off[0]), "{off:?}");
-    assert!(off[2] < 1.5, "{off:?}");
+    assert!(off[2] < 4.0 && off[3] < 1.5, "{off:?}");
 }
 
 /// Points and weights of Gauss between 0 and 1, exact to degree 7.
@@ -190,7 +190,7 @@ fn error(cells: usize) -> f64 {
 fn a_smooth_displacement_is_met_to_third_order() {
     let errors = [3, 6, 12].map(error);
     let orders: Vec<f64> = errors.windows(2).map(|e| libm::log2(e[0] / e[1])).collect();
-    println!("smooth displacement in a cube: {errors:.2e?} off, orders {orders:.2?}");
+    println!("smooth displacement in a cube: {errors:.6?} off, orders {orders:.2?}");
     // Third order in the limit (Hughes 2000, section 4.1); a Poisson's ratio of 0.49 delays it.
     assert!(orders.iter().all(|order| *order > 2.4), "{orders:?}");
     assert!(errors[2] < 5e-3, "{errors:?}");

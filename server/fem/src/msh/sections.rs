@@ -1,4 +1,4 @@
-//! The sections of a file, as they stand there. A count in the file decides how many lines are asked for, never how much
+//! The sections of a file, as they stand there; those that differ between the formats are in files of their own. A count in the file decides how many lines are asked for, never how much
 //! memory is reserved: what a file can make this hold is bounded by its length.
 
 use std::collections::BTreeMap;
@@ -135,138 +135,6 @@ impl Sections {
         }
         lines.end("$EndPhysicalNames")
     }
-
-    /// Points, curves, surfaces and volumes of format 4.1, of which the physical groups are kept.
-    fn entities(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
-        let line = lines.take("numbers of points, curves, surfaces, volumes")?;
-        let mut numbers = line.numbers();
-        let mut counts = [0_u64; 4];
-        for count in &mut counts {
-            *count = numbers.next("numbers of points, curves, surfaces, volumes")?;
-        }
-        for (dimension, count) in (0..).zip(counts) {
-            let expected = match dimension {
-                0 => "tag, x, y, z, number of groups, groups",
-                _ => "tag, box, number of groups, groups",
-            };
-            for _ in 0..count {
-                let line = lines.take(expected)?;
-                let mut numbers = line.numbers();
-                let tag: i64 = numbers.next(expected)?;
-                let extent: Vec<f64> = numbers.all(if dimension == 0 { 3 } else { 6 }, expected)?;
-                drop(extent);
-                let groups: usize = numbers.next(expected)?;
-                // The sign tells which way round.
-                let groups =
-                    (0..groups).map(|_| Ok(numbers.next::<i64>(expected)?.saturating_abs()));
-                let groups: Result<Vec<i64>, FemError> = groups.collect();
-                self.groups.insert((dimension, tag), groups?);
-            }
-        }
-        lines.end("$EndEntities")
-    }
-
-    fn nodes_22(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
-        for _ in 0..count(lines, "number of nodes")? {
-            let expected = "tag, x, y, z";
-            let line = lines.take(expected)?;
-            let mut numbers = line.numbers();
-            let tag = numbers.next(expected)?;
-            self.nodes
-                .push((tag, line.number, place(&line, numbers.all(3, expected)?)?));
-        }
-        lines.end("$EndNodes")
-    }
-
-    fn nodes_41(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
-        let (head, blocks, all) = blocks(lines)?;
-        let mut tags = Vec::new();
-        for _ in 0..blocks {
-            let expected = "dimension, entity, 0 or 1, number of nodes";
-            let line = lines.take(expected)?;
-            let mut numbers = line.numbers();
-            let _entity: Vec<i64> = numbers.all(3, expected)?;
-            let count: u64 = numbers.next(expected)?;
-            tags.clear();
-            for _ in 0..count {
-                tags.push(
-                    lines
-                        .take("tag of a node")?
-                        .numbers()
-                        .next("tag of a node")?,
-                );
-            }
-            for &tag in &tags {
-                // What follows are coordinates on the entity.
-                let expected = "x, y, z";
-                let line = lines.take(expected)?;
-                let at = line.numbers().all(3, expected)?;
-                self.nodes.push((tag, line.number, place(&line, at)?));
-            }
-        }
-        in_all(&head, self.nodes.len(), all)?;
-        lines.end("$EndNodes")
-    }
-
-    fn elements_22(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
-        for _ in 0..count(lines, "number of elements")? {
-            let expected = "tag, kind, number of tags, tags, nodes";
-            let line = lines.take(expected)?;
-            let mut numbers = line.numbers();
-            let _tag: u64 = numbers.next(expected)?;
-            let kind = numbers.next(expected)?;
-            let (dimension, nodes) = known(&line, kind)?;
-            let tags: usize = numbers.next(expected)?;
-            // The first tag is the physical group; 0 is none.
-            let group = if tags > 0 { numbers.next(expected)? } else { 0 };
-            for _ in 1..tags {
-                let _: i64 = numbers.next(expected)?;
-            }
-            let entity = (dimension, i64::saturating_abs(group));
-            if entity.1 != 0 {
-                self.groups.entry(entity).or_insert_with(|| vec![entity.1]);
-            }
-            self.elements.push(Element {
-                line: line.number,
-                kind,
-                entity,
-                nodes: numbers.all(nodes, expected)?,
-            });
-        }
-        lines.end("$EndElements")
-    }
-
-    fn elements_41(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
-        let (head, blocks, all) = blocks(lines)?;
-        for _ in 0..blocks {
-            let expected = "dimension, entity, kind, number of elements";
-            let line = lines.take(expected)?;
-            let mut numbers = line.numbers();
-            let dimension = dimension(&line, numbers.next(expected)?)?;
-            let entity = (dimension, numbers.next(expected)?);
-            let kind = numbers.next(expected)?;
-            let (of_kind, nodes) = known(&line, kind)?;
-            if of_kind != dimension {
-                let found = format!("kind {kind} in dimension {dimension}");
-                return Err(line.wrong(&found, &format!("dimension {of_kind}")));
-            }
-            let count: u64 = numbers.next(expected)?;
-            for _ in 0..count {
-                let expected = "tag, nodes";
-                let line = lines.take(expected)?;
-                let mut numbers = line.numbers();
-                let _tag: u64 = numbers.next(expected)?;
-                self.elements.push(Element {
-                    line: line.number,
-                    kind,
-                    entity,
-                    nodes: numbers.all(nodes, expected)?,
-                });
-            }
-        }
-        in_all(&head, self.elements.len(), all)?;
-        lines.end("$EndElements")
-    }
 }
 
 /// Which format a file is in.
@@ -287,41 +155,23 @@ fn format(line: &Line<'_>) -> Result<Version, FemError> {
 }
 
 /// A line with a count.
-fn count(lines: &mut Lines<'_>, expected: &str) -> Result<u64, FemError> {
+pub(super) fn count(lines: &mut Lines<'_>, expected: &str) -> Result<u64, FemError> {
     lines.take(expected)?.numbers().next(expected)
 }
 
-/// The head of a section in blocks: its line, number of blocks and of what is in them all.
-fn blocks<'a>(lines: &mut Lines<'a>) -> Result<(Line<'a>, u64, u64), FemError> {
-    let expected = "number of blocks, number in all, least and greatest tag";
-    let line = lines.take(expected)?;
-    let mut numbers = line.numbers();
-    let counts = (numbers.next(expected)?, numbers.next(expected)?);
-    let _range: Vec<u64> = numbers.all(2, expected)?;
-    Ok((line, counts.0, counts.1))
-}
-
-/// Checks that blocks hold what their head says.
-fn in_all(head: &Line<'_>, found: usize, expected: u64) -> Result<(), FemError> {
-    if found as u64 == expected {
-        return Ok(());
-    }
-    Err(head.wrong(&format!("{found} in its blocks"), &expected.to_string()))
-}
-
-fn dimension(line: &Line<'_>, dimension: u8) -> Result<u8, FemError> {
+pub(super) fn dimension(line: &Line<'_>, dimension: u8) -> Result<u8, FemError> {
     if dimension <= 3 {
         return Ok(dimension);
     }
     Err(line.wrong(&format!("dimension {dimension}"), "0 to 3"))
 }
 
-fn known(line: &Line<'_>, kind: u32) -> Result<(u8, usize), FemError> {
+pub(super) fn known(line: &Line<'_>, kind: u32) -> Result<(u8, usize), FemError> {
     let expected = "a kind of element up to second order";
     shape(kind).ok_or_else(|| line.wrong(&format!("element of kind {kind}"), expected))
 }
 
-fn place(line: &Line<'_>, at: Vec<f64>) -> Result<Vec3, FemError> {
+pub(super) fn place(line: &Line<'_>, at: Vec<f64>) -> Result<Vec3, FemError> {
     let at = Vec3::new(at[0], at[1], at[2]);
     if at.iter().all(|x| x.is_finite()) {
         return Ok(at);
