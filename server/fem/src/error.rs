@@ -38,6 +38,16 @@ pub enum FemError {
     /// Bytes are not those of a condensed organ.
     #[error("a condensed organ's bytes: {0}")]
     Bytes(String),
+    /// A file as a whole is not what it should be.
+    #[error("{path}: {found}, expected {expected}")]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// What it has.
+        found: String,
+        /// What it should have.
+        expected: String,
+    },
     /// The stiffness matrix cannot be factored.
     #[error("the stiffness matrix cannot be factored: {0}")]
     Factor(String),
