@@ -4,16 +4,22 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// `(0..count).map(work)`, on all cores, in order.
 pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    map_on(
-        std::thread::available_parallelism()
-            .map_or(1, |n| n.get())
-            .min(8),
-        count,
-        work,
-    )
+    map_on(threads(), count, work)
 }
 
-fn map_on<T: Send>(threads: usize, count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+/// How many threads share the work.
+pub(crate) fn threads() -> usize {
+    std::thread::available_parallelism()
+        .map_or(1, |n| n.get())
+        .min(8)
+}
+
+/// [`map`] on so many threads.
+pub(crate) fn map_on<T: Send>(
+    threads: usize,
+    count: usize,
+    work: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
     let chunk = (count / (threads * 8)).max(1);
     if threads == 1 || count < 2 {
         return (0..count).map(work).collect();
