@@ -174,7 +174,7 @@ mod tests {
             "no partial file is left"
         );
 
-        let file = path(dir.path(), &name);
+        let file = path(dir.path(), TREE, &name);
         let good = std::fs::read(&file).expect("bytes");
         for at in (0..good.len()).step_by(97) {
             let mut bad = good.clone();
@@ -193,7 +193,7 @@ mod tests {
             },
             "",
         );
-        std::fs::write(path(dir.path(), &other), &good).expect("written");
+        std::fs::write(path(dir.path(), TREE, &other), &good).expect("written");
         assert_eq!(load(dir.path(), &other), None);
     }
 }

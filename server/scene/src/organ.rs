@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sulcus_core::SphereTree;
 use sulcus_core::tissue::surface::{
     SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
 };
-use sulcus_core::SphereTree;
 use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, condense};
 
 use crate::cache;

@@ -181,7 +181,7 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => None,
             TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
-            TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest))),
+            TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest, level))),
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             TissueModel::PrintedSkeleton(model) => {
                 Some(Box::new(ReadySkeleton::new(model, rest, level)))

@@ -52,7 +52,7 @@ impl Lattice {
         let wanted = (high - low).map(|length| (length / size).ceil() + 2.0);
         let nodes = 2.0 * wanted.map(|n| n + 1.0).product();
         // Written so that a NaN is too many.
-        if !(nodes <= MOST_NODES) {
+        if nodes.is_nan() || nodes > MOST_NODES {
             let found = format!("{} mm, which makes {nodes:.2e} nodes", size * 1e3);
             let expected = format!("a length that makes at most {MOST_NODES:.0e} nodes");
             return Err(TetraError::field("size", found, expected));

@@ -12,10 +12,14 @@ const AT_REST: f64 = 1e-8;
 /// Size of a displacement gradient at which the large-displacement term no longer grows: there a series that ends with the second
 /// order has long lost its meaning.
 const LARGEST: f64 = 0.7;
-/// Masters that carry no touched sphere.
-const NOWHERE: u16 = u16::MAX;
+
+/// Not a node that can be touched.
+const NONE: u32 = u32::MAX;
 
 /// A [`SurfaceCompliance`] made ready. A configuration is the displacement of the masters, x, y, z in turn.
+///
+/// Its tables are in single precision, and so is what is computed from them in a tick before it is added to a displacement: twice
+/// as many numbers at once, and off by a ten-millionth of what a tick changes, far under the contact compliance.
 #[derive(Debug)]
 pub(in crate::tissue) struct Ready {
     rest: Vec<Vec3>,
@@ -25,37 +29,62 @@ pub(in crate::tissue) struct Ready {
     len: usize,
     /// Share of a displacement that is left after a tick without load.
     kept: f64,
-    /// `S dt / (tau + dt)`, m/N, row by row.
-    compliance: Vec<f64>,
-    /// `R_e' / V_e dt / (tau + dt)`, 1/N: nine rows for each cell.
-    gradients: Vec<f64>,
-    /// `R_e` times Young's modulus and share of the term, metres: nine rows for each cell.
-    response: Vec<f64>,
+    /// How all masters move for a load on each sphere that can be touched, `W_i S dt / (tau + dt)`, m/N: three rows for each of
+    /// them, and where they stand for each node of the tree.
+    compliance: Vec<f32>,
+    slots: Vec<u32>,
+    /// `R_e' / V_e dt / (tau + dt)`, 1/N: for each number of a force on the masters its part in all gradients.
+    gradients: Vec<f32>,
+    /// `R_e` times the share of the term, metres: nine rows for each cell.
+    response: Vec<f32>,
     /// The large-displacement term in this tick, metres.
-    term: Vec<f64>,
-    /// Masters that carry a touched sphere, and for each master its place among them.
-    touched: Vec<u16>,
-    places: Vec<u16>,
-    /// How each touched master moves along x, y, z for a unit load along one row.
-    moved: Vec<Vec3>,
-    /// Force on each touched master.
+    term: Vec<f32>,
+    /// Force on each master, and which of them bear any.
     forces: Vec<Vec3>,
+    loaded: Vec<bool>,
+    /// Change of a configuration or of the gradients.
+    change: Vec<f32>,
+}
+
+/// Adds three rows of a table, each times its factor.
+#[inline]
+fn add_rows(sum: &mut [f32], table: &[f32], by: [f32; 3]) {
+    let n = sum.len();
+    let (x, rest) = table.split_at(n);
+    let (y, z) = rest.split_at(n);
+    for (((sum, x), y), z) in sum.iter_mut().zip(x).zip(y).zip(z) {
+        *sum += x * by[0] + y * by[1] + z * by[2];
+    }
 }
 
 impl Ready {
     /// `model` must have passed its check against `rest`.
-    pub fn new(model: &SurfaceCompliance, rest: &SphereTree) -> Self {
+    pub fn new(model: &SurfaceCompliance, rest: &SphereTree, level: u8) -> Self {
         let (params, masters) = (&model.params, usize::from(model.masters));
         let n = 3 * masters;
         let new = TICK_S / (params.relaxation + TICK_S);
-        let compliance = (0..n * n)
-            .map(|k| model.entry(k / n, k % n) * (new / params.young))
-            .collect();
+        let mut slots = vec![NONE; rest.nodes().len()];
+        let mut compliance = Vec::new();
+        for (slot, (node, _)) in rest.shape_at(level).enumerate() {
+            slots[node as usize] = slot as u32;
+            let skin = &model.skin[node as usize];
+            for axis in 0..3 {
+                compliance.extend((0..n).map(|number| {
+                    let carriers = skin.masters.iter().zip(skin.weights);
+                    let sum = carriers.fold(0.0, |sum, (&master, weight)| {
+                        sum + weight * model.entry(3 * usize::from(master) + axis, number)
+                    });
+                    (sum * (new / params.young)) as f32
+                }));
+            }
+        }
         let cells = model.cells.volumes.len();
         let response = |k: usize| f64::from(model.cells.response[k]);
-        let gradients = (0..9 * n * cells)
-            .map(|k| response(k) * (new / params.young / model.cells.volumes[k / (9 * n)]))
-            .collect();
+        let gradients = (0..n * 9 * cells).map(|k| {
+            let (number, gradient) = (k / (9 * cells), k % (9 * cells));
+            let by = new / params.young / model.cells.volumes[gradient / 9];
+            (response(gradient * n + number) * by) as f32
+        });
         Self {
             rest: rest.nodes().iter().map(|node| node.centre).collect(),
             skin: model.skin.clone(),
@@ -63,42 +92,48 @@ impl Ready {
             len: n,
             kept: params.relaxation / (params.relaxation + TICK_S),
             compliance,
-            gradients,
+            slots,
+            gradients: gradients.collect(),
             // Stress over Young's modulus, times Young's modulus, over Young's modulus.
             response: (0..9 * n * cells)
-                .map(|k| response(k) * params.large)
+                .map(|k| (response(k) * params.large) as f32)
                 .collect(),
             term: vec![0.0; n],
-            touched: Vec::with_capacity(masters),
-            places: vec![NOWHERE; masters],
-            moved: vec![Vec3::zeros(); masters],
             forces: vec![Vec3::zeros(); masters],
+            loaded: vec![false; masters],
+            change: vec![0.0; n.max(9 * cells)],
         }
     }
 
     /// The large-displacement term at gradients of the cells.
     fn write_term(&mut self, gradients: &[f64]) {
         self.term.fill(0.0);
-        for (g, rows) in gradients
-            .as_chunks::<9>()
-            .0
-            .iter()
-            .zip(self.response.chunks_exact(9 * self.len))
-        {
+        let cells = self.response.chunks_exact(9 * self.len);
+        for (g, rows) in gradients.as_chunks::<9>().0.iter().zip(cells) {
             let size = g.iter().fold(0.0, |sum, x| sum + x * x);
             if size == 0.0 {
                 continue;
             }
-            let g = Mat3::from_row_slice(g);
             // Quadratic while it is small, and bounded.
             let beyond = size / (LARGEST * LARGEST);
-            let stress = quadratic_stress(&g, self.poisson) / (1.0 + beyond * beyond);
-            for (k, row) in rows.chunks_exact(self.len).enumerate() {
-                let by = stress[(k / 3, k % 3)];
-                for (term, response) in self.term.iter_mut().zip(row) {
-                    *term -= by * response;
-                }
+            let stress = quadratic_stress(&Mat3::from_row_slice(g), self.poisson);
+            let stress = stress / -(1.0 + beyond * beyond);
+            for (k, rows) in rows.chunks_exact(3 * self.len).enumerate() {
+                let by = [0, 1, 2].map(|column| stress[(k, column)] as f32);
+                add_rows(&mut self.term, rows, by);
             }
+        }
+    }
+
+    /// Adds how all masters move for a load of `by` newtons along a row.
+    fn add_column(&self, site: &Site, by: f64, sum: &mut [f32]) {
+        let slot = self.slots[site.sphere as usize];
+        // (No other node than those of the level is ever touched.)
+        if slot != NONE {
+            let first = 3 * slot as usize * self.len;
+            let rows = &self.compliance[first..first + 3 * self.len];
+            let n = &site.normal;
+            add_rows(sum, rows, [n.x, n.y, n.z].map(|x| (x * by) as f32));
         }
     }
 
@@ -113,39 +148,6 @@ impl Ready {
             sum += Vec3::new(u[0], u[1], u[2]) * skin.weights[c];
         }
         sum
-    }
-
-    /// Lists the masters that carry the `spheres`.
-    fn touch(&mut self, spheres: impl Iterator<Item = u32>) {
-        self.touched.clear();
-        for sphere in spheres {
-            let skin = &self.skin[sphere as usize];
-            for (&master, weight) in skin.masters.iter().zip(skin.weights) {
-                let place = &mut self.places[usize::from(master)];
-                if *place == NOWHERE && weight > 0.0 {
-                    *place = self.touched.len() as u16;
-                    self.touched.push(master);
-                }
-            }
-        }
-        self.forces[..self.touched.len()].fill(Vec3::zeros());
-    }
-
-    fn forget(&mut self) {
-        for &master in &self.touched {
-            self.places[usize::from(master)] = NOWHERE;
-        }
-    }
-
-    /// Adds a force on a sphere to those on the touched masters.
-    fn add_force(&mut self, sphere: u32, force: &Vec3) {
-        let skin = &self.skin[sphere as usize];
-        for (&master, weight) in skin.masters.iter().zip(skin.weights) {
-            if weight > 0.0 {
-                let place = usize::from(self.places[usize::from(master)]);
-                self.forces[place] += force * weight;
-            }
-        }
     }
 }
 
@@ -177,7 +179,7 @@ impl Tissue for Ready {
         self.write_term(gradients);
         let mut most = 0.0;
         for ((free, linear), term) in free.iter_mut().zip(linear).zip(&self.term) {
-            *free = self.kept * linear + term;
+            *free = self.kept * linear + f64::from(*term);
             most = fmax(most, free.abs());
         }
         // No number of ticks would bring it all the way back.
@@ -195,65 +197,39 @@ impl Tissue for Ready {
     }
 
     fn add_gram(&mut self, sites: &[Site], gram: &mut Gram<'_>) {
-        self.touch(sites.iter().map(|site| site.sphere));
-        for (i, a) in sites.iter().enumerate() {
-            // How the touched masters move for a unit load along this row.
-            let count = self.touched.len();
-            self.moved[..count].fill(Vec3::zeros());
-            let skin = &self.skin[a.sphere as usize];
-            for (&master, weight) in skin.masters.iter().zip(skin.weights) {
-                if weight == 0.0 {
-                    continue;
-                }
-                let load = a.normal * weight;
-                let first = 3 * usize::from(master) * self.len;
-                let (x, rest) = self.compliance[first..first + 3 * self.len].split_at(self.len);
-                let (y, z) = rest.split_at(self.len);
-                for (moved, &other) in self.moved.iter_mut().zip(&self.touched) {
-                    let at = 3 * usize::from(other);
-                    let (x, y, z) = (&x[at..at + 3], &y[at..at + 3], &z[at..at + 3]);
-                    *moved += Vec3::new(
-                        x[0] * load.x + y[0] * load.y + z[0] * load.z,
-                        x[1] * load.x + y[1] * load.y + z[1] * load.z,
-                        x[2] * load.x + y[2] * load.y + z[2] * load.z,
-                    );
-                }
-            }
-            for (j, b) in sites[..=i].iter().enumerate() {
-                let skin = &self.skin[b.sphere as usize];
+        let mut column = std::mem::take(&mut self.change);
+        for (i, row) in sites.iter().enumerate() {
+            let column = &mut column[..self.len];
+            column.fill(0.0);
+            self.add_column(row, 1.0, column);
+            for (j, site) in sites[..=i].iter().enumerate() {
+                let skin = &self.skin[site.sphere as usize];
                 let mut moved = Vec3::zeros();
                 for (&master, weight) in skin.masters.iter().zip(skin.weights) {
-                    if weight > 0.0 {
-                        moved += self.moved[usize::from(self.places[usize::from(master)])] * weight;
-                    }
+                    let u = &column[3 * usize::from(master)..][..3];
+                    moved += Vec3::new(f64::from(u[0]), f64::from(u[1]), f64::from(u[2])) * weight;
                 }
-                let entry = moved.dot(&b.normal);
+                let entry = moved.dot(&site.normal);
                 gram.add(i, j, entry);
                 if i != j {
                     gram.add(j, i, entry);
                 }
             }
         }
-        self.forget();
+        self.change = column;
     }
 
     fn apply(&mut self, sites: &[Site], lambda: &[f64], free: &[f64], shape: &mut [f64]) {
-        shape.copy_from_slice(free);
-        let loaded = || sites.iter().zip(lambda).filter(|(_, load)| **load != 0.0);
-        self.touch(loaded().map(|(site, _)| site.sphere));
-        for (site, load) in loaded() {
-            self.add_force(site.sphere, &(site.normal * -load));
+        let mut moved = std::mem::take(&mut self.change);
+        let change = &mut moved[..self.len];
+        change.fill(0.0);
+        for (site, load) in sites.iter().zip(lambda).filter(|(_, load)| **load != 0.0) {
+            self.add_column(site, -load, change);
         }
-        for (force, &master) in self.forces.iter().zip(&self.touched) {
-            let first = 3 * usize::from(master) * self.len;
-            let rows = &self.compliance[first..first + 3 * self.len];
-            let (x, rest) = rows.split_at(self.len);
-            let (y, z) = rest.split_at(self.len);
-            for (((moved, x), y), z) in shape.iter_mut().zip(x).zip(y).zip(z) {
-                *moved += x * force.x + y * force.y + z * force.z;
-            }
+        for ((shape, free), change) in shape.iter_mut().zip(free).zip(change) {
+            *shape = free + f64::from(*change);
         }
-        self.forget();
+        self.change = moved;
     }
 
     fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
@@ -272,7 +248,7 @@ impl Tissue for Ready {
         let (linear, gradients) = rest.split_at_mut(self.len);
         whole.copy_from_slice(shape);
         for ((linear, now), term) in linear.iter_mut().zip(shape).zip(&self.term) {
-            *linear = now - term;
+            *linear = now - f64::from(*term);
         }
         let Some(loads) = loads else { return };
         gradients.iter_mut().for_each(|g| *g *= self.kept);
@@ -282,20 +258,37 @@ impl Tissue for Ready {
             }
             return;
         }
-        self.touch(loads.iter().map(|load| load.sphere));
+        let Self {
+            skin,
+            forces,
+            loaded,
+            change,
+            ..
+        } = self;
         for load in loads {
-            self.add_force(load.sphere, &load.force);
-        }
-        for (g, row) in gradients
-            .iter_mut()
-            .zip(self.gradients.chunks_exact(self.len))
-        {
-            for (force, &master) in self.forces.iter().zip(&self.touched) {
-                let at = 3 * usize::from(master);
-                let row = &row[at..at + 3];
-                *g += row[0] * force.x + row[1] * force.y + row[2] * force.z;
+            let skin = &skin[load.sphere as usize];
+            for (&master, weight) in skin.masters.iter().zip(skin.weights) {
+                let force = &mut forces[usize::from(master)];
+                if weight > 0.0 {
+                    loaded[usize::from(master)] = true;
+                    *force += load.force * weight;
+                }
             }
         }
-        self.forget();
+        let change = &mut change[..gradients.len()];
+        change.fill(0.0);
+        for (master, loaded) in loaded.iter_mut().enumerate() {
+            if !std::mem::take(loaded) {
+                continue;
+            }
+            let first = 3 * master * change.len();
+            let force = std::mem::take(&mut forces[master]);
+            let by = [force.x, force.y, force.z].map(|x| x as f32);
+            let rows = &self.gradients[first..first + 3 * change.len()];
+            add_rows(change, rows, by);
+        }
+        for (g, change) in gradients.iter_mut().zip(change) {
+            *g += f64::from(*change);
+        }
     }
 }
