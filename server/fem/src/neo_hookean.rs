@@ -58,7 +58,7 @@ fn to_minus_two_thirds(j: f64) -> f64 {
 }
 
 /// Forces (N) with which the mesh resists the displacements `moved` (metres), node by node; none where these turn an element
-/// inside out.
+/// inside out at a point of integration.
 pub fn neo_hookean_forces(mesh: &TetMesh, material: &Elastic, moved: &[Vec3]) -> Option<Vec<Vec3>> {
     let solid = NeoHookean::of(material);
     let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];

@@ -3,7 +3,8 @@
 //! the exact tangent; the load comes on in steps, each halved until its equilibrium is found.
 //!
 //! The tangent is factored as positive definite, so that what is found is a stable equilibrium: a slender part that buckles
-//! is refused there, not carried past it.
+//! is refused there, not carried past it. Whether an element is inside out is asked at its points of integration, not at its
+//! corners.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;

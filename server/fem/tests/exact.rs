@@ -136,6 +136,16 @@ fn what_cannot_be_solved_is_said() {
         Ok(_) => panic!("factored"),
     };
     assert!(said(&mesh, &SOFT).contains("0 of 6 rigid motions"));
+    // Held everywhere it stays where it is.
+    let mut whole = mesh.clone();
+    whole.held.fill([true; 3]);
+    let load = vec![Vec3::x(); whole.nodes.len()];
+    let still = Factored::new(&whole, &SOFT).expect("held").solve(&[load]);
+    assert!(
+        still.expect("finite")[0]
+            .iter()
+            .all(|u| *u == Vec3::zeros())
+    );
     // A door on its hinge: five are held.
     let mut door = mesh.clone();
     for (held, x) in door.held.iter_mut().zip(&mesh.nodes) {

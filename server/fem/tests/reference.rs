@@ -84,7 +84,7 @@ fn a_broken_table_is_refused_with_its_line() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// A good little folder with one of its tables damaged: an error or a mesh, never a panic, and what is read can be
     /// checked and factored or refused.

@@ -6,6 +6,7 @@
 use std::path::PathBuf;
 
 use sulcus_core::Vec3;
+use sulcus_fem::msh::{Unit, read_msh};
 use sulcus_fem::{Elastic, TetMesh};
 
 /// The folder of reference solutions, or nothing where it is absent: said, not hidden.
@@ -81,3 +82,29 @@ pub const SOFT: Elastic = Elastic {
     young: 1e5,
     poisson: 0.49,
 };
+
+/// A file that Gmsh wrote.
+pub fn data(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(name)
+}
+
+/// Writes a text as a file of Gmsh and reads it as a mesh, in metres.
+pub fn try_text(
+    name: &str,
+    text: impl AsRef<[u8]>,
+    volume: Option<&str>,
+) -> Result<TetMesh, String> {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).expect("a file");
+    read_msh(&path, Unit::Metre, volume).map_err(|error| error.to_string())
+}
+
+/// One tetrahedron of four nodes with tags far apart, one node that it has not, a triangle that is held, line ends of another
+/// system, a section that nobody knows.
+pub const ONE: &str =
+    "$MeshFormat\r\n2.2 0 8\r\n$EndMeshFormat\r\n$Comments\nanything $Nodes\n$EndComments
+$PhysicalNames\n2\n2 5 \"fixed\"\n3 6 \"one\"\n$EndPhysicalNames
+$Nodes\n5\n7 0 0 0\n4000000000000 1 0 0\n3 9 9 9\n12 0 1e0 0\n5 0.0 0 1\n$EndNodes
+$Elements\n2\n1 2 2 5 1 7 12 4000000000000\n9 4 2 6 1 7 4000000000000 12 5\n$EndElements\n";
