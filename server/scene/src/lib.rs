@@ -38,6 +38,7 @@ mod samples;
 pub mod shapes;
 pub mod skeleton;
 pub mod solid;
+pub mod springs;
 mod tighten;
 mod validate;
 mod volume;
