@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
-use crate::commands::{scene, serve, tree};
+use crate::commands::{scene, serve, tissue, tree};
 
 /// Simulates a mouth at 1 kHz for the station that connects, and compiles what is simulated.
 #[derive(Parser)]
@@ -26,6 +26,7 @@ enum Command {
     Serve(Box<serve::ServeArgs>),
     Scene(scene::SceneArgs),
     Tree(tree::TreeArgs),
+    Tissue(tissue::TissueArgs),
 }
 
 /// An error and its causes as one sentence; a cause with which the outer error already ends is left
@@ -67,6 +68,7 @@ where
         Command::Serve(args) => serve::run(&args),
         Command::Scene(args) => scene::run(&args),
         Command::Tree(args) => tree::run(&args),
+        Command::Tissue(args) => tissue::run(&args),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

@@ -31,6 +31,7 @@ mod realtime;
 mod recording;
 mod running;
 mod simulation;
+mod tissue;
 mod transport;
 
 pub use config::{Exercise, ServerConfig};

@@ -252,6 +252,7 @@ fn skeleton_of(tree: &SphereTree, every: usize) -> SkeletonLevel {
                     a: a as u16,
                     b: b as u16,
                     stiffness: [40.0, 30.0, 20.0],
+                    coupling: [0.0; 3],
                 });
             }
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use sulcus_core::tree::MAX_LEVEL;
 use sulcus_core::{Blending, Node, SphereTree, Vec3};
 
-use crate::build::{BUILDER_VERSION, TreeOptions};
+use crate::build::{BUILDER_VERSION, TreeBuildError, TreeOptions, build_tree};
 use crate::mesh::TriMesh;
 
 /// What the files of trees are called.
@@ -42,6 +42,28 @@ pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions, weights: &str) -> blake
     mesh.hash_into(&mut hasher);
     hasher.update(weights.as_bytes());
     hasher.finalize()
+}
+
+/// The tree that `options` make from `mesh`: taken from `dir` if it is kept there, else built and kept. That it cannot be kept
+/// is no error: it is then built again next time.
+///
+/// # Errors
+/// If it cannot be built.
+pub fn kept_or_built(
+    mesh: &TriMesh,
+    options: &TreeOptions,
+    dir: Option<&Path>,
+    progress: &dyn Fn(&str, f64),
+) -> Result<SphereTree, TreeBuildError> {
+    let key = key(mesh, options, "");
+    if let Some(tree) = dir.and_then(|dir| load(dir, &key)) {
+        return Ok(tree);
+    }
+    let tree = build_tree(mesh, options, progress)?;
+    if let Some(dir) = dir {
+        let _ = store(dir, &key, &tree);
+    }
+    Ok(tree)
 }
 
 fn path(dir: &Path, what: &str, key: &blake3::Hash) -> PathBuf {
@@ -150,7 +172,6 @@ fn node(record: &[u8]) -> Option<(Node, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::build_tree;
     use crate::shapes::icosphere;
 
     #[test]

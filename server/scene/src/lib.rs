@@ -39,6 +39,7 @@ mod samples;
 pub mod shapes;
 pub mod skeleton;
 pub mod solid;
+pub mod springs;
 pub mod tetrahedra;
 mod tighten;
 mod validate;

@@ -170,12 +170,28 @@ pub fn skeleton(
     mesh: &TriMesh,
     options: &SkeletonOptions,
 ) -> Result<Skeleton, SkeletonError> {
+    skeleton_held(tree, mesh, options, &|_, share| {
+        options.holds().is_fixed(share)
+    })
+}
+
+/// As [`skeleton`], but fixed is a node for whose place (metres; and as shares of the mesh's box, 0 to 1) `held` says so.
+///
+/// # Errors
+/// If nothing is fixed or free, or a node hangs on nothing: it says which.
+pub fn skeleton_held(
+    tree: &SphereTree,
+    mesh: &TriMesh,
+    options: &SkeletonOptions,
+    held: &dyn Fn(&Vec3, &Vec3) -> bool,
+) -> Result<Skeleton, SkeletonError> {
     let distance = MeshDistance::new(mesh.clone());
-    let coarse = level(tree, &distance, options, COARSE)?;
+    let level = |at: u8| level(tree, &distance, options, held, at);
+    let coarse = level(COARSE)?;
     if !options.fine || tree.depth() < FINE {
         return Ok(Skeleton { coarse, fine: None });
     }
-    let mut fine = level(tree, &distance, options, FINE)?;
+    let mut fine = level(FINE)?;
     // The same organ: as much damping in all, and as far under a mirror.
     fine.params.damping *= coarse.free() as f64 / fine.free() as f64;
     let (soft, stiff) = (pressed(&coarse, tree), pressed(&fine, tree));
@@ -198,6 +214,7 @@ fn level(
     tree: &SphereTree,
     distance: &MeshDistance,
     options: &SkeletonOptions,
+    held: &dyn Fn(&Vec3, &Vec3) -> bool,
     level: u8,
 ) -> Result<SkeletonLevel, SkeletonError> {
     let all = tree.nodes();
@@ -211,10 +228,7 @@ fn level(
     let places: Vec<Vec3> = nodes.iter().map(|&k| all[k as usize].centre).collect();
     let (low, high) = distance.mesh().bounds();
     let frame = Frame::new(low, high);
-    let fixed: Vec<bool> = places
-        .iter()
-        .map(|p| options.holds().is_fixed(&frame.share(p)))
-        .collect();
+    let fixed: Vec<bool> = places.iter().map(|p| held(p, &frame.share(p))).collect();
     let held = fixed.iter().filter(|fixed| **fixed).count();
     if held == 0 || held == nodes.len() {
         return Err(SkeletonError::Fixed {
@@ -230,6 +244,7 @@ fn level(
                 a: a as u16,
                 b: b as u16,
                 stiffness: options.stiffness_n_per_mm.map(|k| k * 1e3 * region),
+                coupling: [0.0; 3],
             }
         })
         .collect();

@@ -2,4 +2,5 @@
 
 pub mod scene;
 pub mod serve;
+pub mod tissue;
 pub mod tree;

@@ -8,7 +8,7 @@ use super::gallery::{Galleries, Gallery, Picture};
 use super::scale::round_up;
 use super::{LevelErrors, Subject, chart};
 
-const STYLE: &str = "
+pub(super) const STYLE: &str = "
 :root{color-scheme:light}
 body{font:16px/1.5 system-ui,'DejaVu Sans',sans-serif;color:#1b1f24;background:#f4f5f7;margin:0}
 main{max-width:1240px;margin:0 auto;padding:24px}
@@ -238,7 +238,7 @@ fn figure(html: &mut String, what: &str, picture: &Picture) {
 }
 
 /// Text that cannot be mistaken for markup.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -6,6 +6,7 @@ mod chart;
 mod gallery;
 mod html;
 mod scale;
+pub(crate) mod tissue;
 
 use std::path::{Path, PathBuf};
 

@@ -180,7 +180,7 @@ impl TissueModel {
     pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
         match self {
             TissueModel::Rigid => None,
-            TissueModel::Skeleton(model) => Some(Box::new(skeleton::Ready::new(model, rest))),
+            TissueModel::Skeleton(model) => Some(skeleton::ready(model, rest)),
             TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest, level))),
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
             TissueModel::PrintedSkeleton(model) => {

@@ -191,7 +191,7 @@ fn subject<'a>(
 }
 
 /// Makes the folder if need be and writes a file into it.
-fn writable(folder: &Path) -> anyhow::Result<()> {
+pub(crate) fn writable(folder: &Path) -> anyhow::Result<()> {
     let probe = folder.join(".sulcus-tree");
     std::fs::create_dir_all(folder)
         .and_then(|()| std::fs::write(&probe, b""))

@@ -40,7 +40,7 @@ pub struct SkeletonLevel {
 }
 
 /// A spring between two skeleton nodes. It resists the difference of their displacements (the paper's Eq. 1
-/// as a vector spring with the sign mended): at rest along any direction, so the three axes do not couple.
+/// as a vector spring with the sign mended), a symmetric 3x3 stiffness about the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// Index in [`SkeletonLevel::nodes`].
@@ -49,6 +49,10 @@ pub struct Spring {
     pub b: u16,
     /// Stiffness along the world's x, y and z at small stretch, N/m. 1e-3 to 1e7.
     pub stiffness: [f64; 3],
+    /// Force along one axis for a change along another, N/m: between y and z, z and x, x and y. Zero for a spring whose axes
+    /// do not act on one another; with `stiffness` the matrix must be positive definite. Where no spring of a skeleton has
+    /// any, a tick costs a third.
+    pub coupling: [f64; 3],
 }
 
 /// Numbers that all nodes of a skeleton share.
@@ -118,7 +122,34 @@ fn wrong(
     })
 }
 
+/// Least part of a stiffness that the axes before it may leave of it.
+const DEFINITE: f64 = 1e-9;
+
+impl Spring {
+    /// Whether it resists every change, by the pivots of its matrix. Written so that a NaN does not pass.
+    fn is_definite(&self) -> bool {
+        let ([x, y, z], [yz, zx, xy]) = (self.stiffness, self.coupling);
+        if self.coupling == [0.0; 3] {
+            return true;
+        }
+        let second = y - xy * xy / x;
+        let left = yz - zx * xy / x;
+        let third = z - zx * zx / x - left * left / second;
+        x > 0.0 && second > DEFINITE * y && third > DEFINITE * z
+    }
+}
+
 impl Skeleton {
+    /// Whether any of its springs couples the axes.
+    pub fn couples(&self) -> bool {
+        let levels = [Some(&self.coarse), self.fine.as_ref()];
+        let mut springs = levels
+            .into_iter()
+            .flatten()
+            .flat_map(|level| &level.springs);
+        springs.any(|spring| spring.coupling != [0.0; 3])
+    }
+
     /// Checks both levels against the tree.
     ///
     /// # Errors
@@ -205,6 +236,13 @@ impl SkeletonLevel {
                     "length of a spring",
                     format!("{length} m between {a} and {b}"),
                     "at least a micrometre",
+                );
+            }
+            if !spring.is_definite() {
+                return wrong(
+                    "coupling of a spring",
+                    format!("{:?} N/m between {a} and {b}", spring.coupling),
+                    "so little that the stiffness is positive definite",
                 );
             }
             if let Some(k) = spring.stiffness.iter().find(|k| !within(**k, 1e-3, 1e7)) {

@@ -1,41 +1,24 @@
-//! The step matrices of a skeleton's three axes, factored once: sparse `L D L'` in an order that keeps
-//! fill small. The axes share their graph, so every entry holds all three side by side.
+//! The step matrix of a skeleton, factored once: sparse `L D L'` in an order that keeps fill small. Its entries are the
+//! 3x3 blocks between nodes, or their diagonals where the axes do not act on one another.
 
-/// A number for each axis; the fourth lane pads and stays zero.
-pub(super) type Axes = [f64; 4];
-
-/// `y += a x` lane by lane.
-#[inline(always)]
-pub(super) fn add_product(y: &mut Axes, a: &Axes, x: &Axes) {
-    for k in 0..4 {
-        y[k] += a[k] * x[k];
-    }
-}
-
-/// `y -= a x` lane by lane.
-#[inline(always)]
-pub(super) fn subtract_product(y: &mut Axes, a: &Axes, x: &Axes) {
-    for k in 0..4 {
-        y[k] -= a[k] * x[k];
-    }
-}
+use super::entry::{Axes, Entry};
 
 /// Symmetric positive definite matrix, dense, row-major: what is factored.
 #[derive(Clone, Debug)]
-pub(super) struct Matrix {
+pub(super) struct Matrix<E> {
     pub n: usize,
-    pub entries: Vec<Axes>,
+    pub entries: Vec<E>,
 }
 
-impl Matrix {
+impl<E: Entry> Matrix<E> {
     pub fn zeros(n: usize) -> Self {
         Self {
             n,
-            entries: vec![[0.0; 4]; n * n],
+            entries: vec![E::ZERO; n * n],
         }
     }
 
-    pub fn at(&mut self, i: usize, j: usize) -> &mut Axes {
+    pub fn at(&mut self, i: usize, j: usize) -> &mut E {
         &mut self.entries[i * self.n + j]
     }
 }
@@ -79,25 +62,25 @@ pub(super) fn elimination_order(
 
 /// `L D L'` of a matrix whose rows are in the order of elimination.
 #[derive(Clone, Debug)]
-pub(super) struct Factor {
+pub(super) struct Factor<E> {
     /// Where each column's entries begin; one more for the end.
     start: Vec<u32>,
     /// Rows of the entries below the diagonal, column by column.
     rows: Vec<u16>,
-    entries: Vec<Axes>,
+    entries: Vec<E>,
     /// `1 / D`, zero in the padding.
-    inverse_diagonal: Vec<Axes>,
+    inverse_diagonal: Vec<E>,
 }
 
-impl Factor {
+impl<E: Entry> Factor<E> {
     /// Factors `matrix`, of which the lower triangle is read.
-    pub fn new(mut matrix: Matrix) -> Self {
+    pub fn new(mut matrix: Matrix<E>) -> Self {
         let n = matrix.n;
         // Where fill comes; a value that happens to cancel is still a place.
         let mut filled: Vec<bool> = matrix
             .entries
             .iter()
-            .map(|entry| entry.iter().any(|x| *x != 0.0))
+            .map(|entry| !entry.is_zero())
             .collect();
         let mut factor = Self {
             start: vec![0],
@@ -106,20 +89,13 @@ impl Factor {
             inverse_diagonal: Vec::with_capacity(n),
         };
         for j in 0..n {
-            let pivot = *matrix.at(j, j);
-            let mut inverse = [0.0; 4];
-            for k in 0..3 {
-                inverse[k] = 1.0 / pivot[k];
-            }
+            let inverse = matrix.at(j, j).inverse();
             let below: Vec<usize> = (j + 1..n).filter(|&i| filled[i * n + j]).collect();
             for &i in &below {
-                let mut l = *matrix.at(i, j);
-                for k in 0..4 {
-                    l[k] *= inverse[k];
-                }
+                let l = matrix.at(i, j).times(&inverse);
                 for &c in below.iter().take_while(|&&c| c <= i) {
                     let other = *matrix.at(c, j);
-                    subtract_product(matrix.at(i, c), &l, &other);
+                    matrix.at(i, c).subtract_outer(&l, &other);
                     filled[i * n + c] = true;
                 }
                 factor.rows.push(i as u16);
@@ -138,34 +114,31 @@ impl Factor {
             let pivot = x[j];
             let below = self.rows[column.clone()].iter().zip(&self.entries[column]);
             for (&i, l) in below {
-                subtract_product(&mut x[usize::from(i)], l, &pivot);
+                l.subtract_from(&mut x[usize::from(i)], &pivot);
             }
-            for k in 0..4 {
-                x[j][k] = pivot[k] * self.inverse_diagonal[j][k];
-            }
+            x[j] = self.inverse_diagonal[j].product(1.0, &pivot);
         }
         for (j, column) in columns().enumerate().rev() {
             let mut sum = x[j];
             let below = self.rows[column.clone()].iter().zip(&self.entries[column]);
             for (&i, l) in below {
-                subtract_product(&mut sum, l, &x[usize::from(i)]);
+                l.subtract_transposed_from(&mut sum, &x[usize::from(i)]);
             }
             x[j] = sum;
         }
     }
 
     /// The dense inverse, row by row; symmetric to rounding.
-    pub fn inverse(&self) -> Vec<Axes> {
+    pub fn inverse(&self) -> Vec<E> {
         let n = self.inverse_diagonal.len();
-        let mut all = vec![[0.0; 4]; n * n];
+        let mut all = vec![E::ZERO; n * n];
         for (j, row) in all.chunks_exact_mut(n).enumerate() {
-            row[j] = [1.0, 1.0, 1.0, 0.0];
-            self.solve(row);
+            E::inverse_row(j, &|x| self.solve(x), row);
         }
         // Both halves the same bits: the matrix of contacts must be symmetric whichever is read.
         for i in 0..n {
             for j in 0..i {
-                all[i * n + j] = all[j * n + i];
+                all[i * n + j] = all[j * n + i].transposed();
             }
         }
         all

@@ -6,17 +6,21 @@ use crate::tissue::{Gram, Site};
 use crate::tree::SphereTree;
 
 use super::data::{CARRIERS, SkeletonLevel, StretchLaw};
-use super::factor::{Axes, Factor, Matrix, add_product, elimination_order, subtract_product};
+use super::entry::{Axes, Entry, add_product};
+use super::factor::{Factor, Matrix, elimination_order};
 
 /// A spring between two free nodes, or one and a fixed one (which then has the number of free nodes).
 #[derive(Clone, Copy, Debug)]
-struct Bond {
+struct Bond<E> {
     a: u32,
     b: u32,
     /// At rest, N/m.
-    stiffness: Axes,
-    /// Weight of the squared change of each axis in the square of the stretch over `half`, 1/m2.
-    stretch: Axes,
+    stiffness: E,
+    /// What makes of the change the square of the stretch over `half`, 1/m2: the stiffness in other units.
+    stretch: E,
+    /// Those units, 1/(N m).
+    #[cfg(test)]
+    unit: f64,
 }
 
 /// Free nodes that carry a sphere; a fixed one keeps its place with weight zero.
@@ -28,15 +32,15 @@ struct Carrier {
 
 /// A level made ready. Free nodes are numbered in the order of elimination.
 #[derive(Debug)]
-pub(super) struct Lattice {
+pub(super) struct Lattice<E> {
     free: usize,
-    bonds: Vec<Bond>,
+    bonds: Vec<Bond<E>>,
     law: StretchLaw,
     mass: f64,
     damping: f64,
-    factor: Factor,
+    factor: Factor<E>,
     /// `A^-1`, row by row: how far each node goes for a unit load on one in this tick, m/N.
-    inverse: Vec<Axes>,
+    inverse: Vec<E>,
     /// For each node of the tree.
     carriers: Vec<Carrier>,
     /// Node of the tree that each free node is.
@@ -44,17 +48,19 @@ pub(super) struct Lattice {
     /// Displacements with a zero for what is fixed at the end, and forces likewise.
     padded: Vec<Axes>,
     forces: Vec<Axes>,
-    loads: Loads,
+    loads: Loads<E>,
 }
 
 /// Scratch of rows and loads.
 #[derive(Debug)]
-struct Loads {
+struct Loads<E> {
     /// Free nodes that carry a touched sphere, and for each free node its place in that list.
     touched: Vec<u16>,
     places: Vec<u16>,
-    /// Compliance of one sphere to each touched node, or force on each touched node.
-    column: Vec<Axes>,
+    /// Compliance of one sphere to each touched node.
+    column: Vec<E>,
+    /// Force on each touched node.
+    pushed: Vec<Axes>,
     /// Runs of rows on one sphere.
     runs: Vec<(u32, u32)>,
 }
@@ -63,7 +69,7 @@ const NOWHERE: u16 = u16::MAX;
 /// Rows that one tissue can have in a problem.
 const MOST_SITES: usize = 2048;
 
-impl Lattice {
+impl<E: Entry> Lattice<E> {
     /// `level` must have passed its check against `rest`.
     pub fn new(level: &SkeletonLevel, rest: &SphereTree) -> Self {
         let free = level.free();
@@ -85,25 +91,33 @@ impl Lattice {
             number[movable[old]] = new;
         }
         let (params, law) = (&level.params, level.params.law);
-        let bonds: Vec<Bond> = level
+        let bonds: Vec<Bond<E>> = level
             .springs
             .iter()
             .map(|spring| {
                 let [x, y, z] = spring.stiffness;
                 let at_half = norm(&level.reach(spring, rest)) * law.half;
                 let unit = 3.0 / ((x + y + z) * at_half * at_half);
+                let scaled = |by: f64| {
+                    E::of(
+                        spring.stiffness.map(|k| k * by),
+                        spring.coupling.map(|k| k * by),
+                    )
+                };
                 Bond {
                     a: number[usize::from(spring.a)] as u32,
                     b: number[usize::from(spring.b)] as u32,
-                    stiffness: [x, y, z, 0.0],
-                    stretch: [x * unit, y * unit, z * unit, 0.0],
+                    stiffness: scaled(1.0),
+                    stretch: scaled(unit),
+                    #[cfg(test)]
+                    unit,
                 }
             })
             .collect();
         let mut matrix = stiffness(&bonds, free, law.steepest());
         let own = params.mass / (TICK_S * TICK_S) + params.damping / TICK_S;
         for i in 0..free {
-            matrix.at(i, i)[..3].iter_mut().for_each(|x| *x += own);
+            matrix.at(i, i).add_diagonal(own);
         }
         let factor = Factor::new(matrix);
         let inverse = factor.inverse();
@@ -135,7 +149,8 @@ impl Lattice {
             loads: Loads {
                 touched: Vec::with_capacity(free),
                 places: vec![NOWHERE; free],
-                column: vec![[0.0; 4]; free],
+                column: vec![E::ZERO; free],
+                pushed: vec![[0.0; 4]; free],
                 runs: Vec::with_capacity(MOST_SITES),
             },
             bonds,
@@ -182,8 +197,8 @@ impl Lattice {
                 let (d, factor) = bond.stretched(&self.padded, &self.law);
                 let excess = steepest - factor;
                 let (a, b) = (bond.a as usize, bond.b as usize);
-                for (k, (stiffness, d)) in bond.stiffness.iter().zip(&d).enumerate() {
-                    let force = excess * stiffness * d;
+                let force = bond.stiffness.product(excess, &d);
+                for (k, force) in force.into_iter().enumerate() {
                     self.forces[a][k] += force;
                     self.forces[b][k] -= force;
                 }
@@ -226,35 +241,31 @@ impl Lattice {
             places,
             column,
             runs,
+            ..
         } = &mut self.loads;
         let n = self.free;
         for (p, &(first, end)) in runs.iter().enumerate() {
             let of = &self.carriers[sites[first as usize].sphere as usize];
             // Rows of the symmetric inverse serve as its columns.
-            let rows: [&[Axes]; CARRIERS] = std::array::from_fn(|c| {
+            let rows: [&[E]; CARRIERS] = std::array::from_fn(|c| {
                 let at = usize::from(of.nodes[c]) * n;
                 &self.inverse[at..at + n]
             });
             for (entry, &node) in column.iter_mut().zip(&*touched) {
-                *entry = [0.0; 4];
+                *entry = E::ZERO;
                 for (row, w) in rows.iter().zip(of.weights) {
-                    add_product(entry, &[w * scale; 4], &row[usize::from(node)]);
+                    entry.add_scaled(w * scale, &row[usize::from(node)]);
                 }
             }
             for (q, &(other, last)) in runs[..=p].iter().enumerate() {
                 let carrier = &self.carriers[sites[other as usize].sphere as usize];
-                let mut compliance = [0.0; 4];
+                let mut compliance = E::ZERO;
                 for (&node, w) in carrier.nodes.iter().zip(carrier.weights) {
                     let place = usize::from(places[usize::from(node)]);
-                    add_product(&mut compliance, &[w; 4], &column[place]);
+                    compliance.add_scaled(w, &column[place]);
                 }
                 for i in first as usize..end as usize {
-                    let a = &sites[i].normal;
-                    let moved = Vec3::new(
-                        a.x * compliance[0],
-                        a.y * compliance[1],
-                        a.z * compliance[2],
-                    );
+                    let moved = compliance.before(&sites[i].normal);
                     let others = sites.iter().enumerate();
                     for (j, site) in others.take(last as usize).skip(other as usize) {
                         let entry = moved.dot(&site.normal);
@@ -278,10 +289,10 @@ impl Lattice {
         let Loads {
             touched,
             places,
-            column,
+            pushed,
             ..
         } = &mut self.loads;
-        column[..touched.len()].fill([0.0; 4]);
+        pushed[..touched.len()].fill([0.0; 4]);
         for (site, load) in sites.iter().zip(lambda) {
             if *load == 0.0 {
                 continue;
@@ -291,17 +302,17 @@ impl Lattice {
             let carrier = &self.carriers[site.sphere as usize];
             for (&node, w) in carrier.nodes.iter().zip(carrier.weights) {
                 let place = usize::from(places[usize::from(node)]);
-                add_product(&mut column[place], &[w; 4], &force);
+                add_product(&mut pushed[place], &[w; 4], &force);
             }
         }
-        for (force, &node) in column.iter().zip(&*touched) {
+        for (force, &node) in pushed.iter().zip(&*touched) {
             if *force == [0.0; 4] {
                 continue;
             }
             let at = usize::from(node) * self.free;
             let row = &self.inverse[at..at + self.free];
             for (moved, compliance) in shape.iter_mut().zip(row) {
-                subtract_product(moved, compliance, force);
+                compliance.subtract_transposed_from(moved, force);
             }
         }
         self.forget();
@@ -348,16 +359,11 @@ impl Lattice {
         let mut padded = u.to_vec();
         padded.push([0.0; 4]);
         let c = self.law.limit - 1.0;
-        let of = |bond: &Bond| {
-            let (a, b) = (&padded[bond.a as usize], &padded[bond.b as usize]);
-            let (mut energy, mut x) = (0.0, 0.0);
-            for k in 0..3 {
-                let d = a[k] - b[k];
-                energy += 0.5 * bond.stiffness[k] * d * d;
-                x += bond.stretch[k] * d * d;
-            }
-            let at_half = 0.5 * bond.stiffness[0] / bond.stretch[0];
-            energy + c * (energy - at_half * libm::log(1.0 + x))
+        let of = |bond: &Bond<E>| {
+            let (d, _) = bond.stretched(&padded, &self.law);
+            let energy = 0.5 * bond.stiffness.quadratic(&d);
+            let x = bond.stretch.quadratic(&d);
+            energy + c * (energy - 0.5 / bond.unit * libm::log(1.0 + x))
         };
         self.bonds.iter().map(of).sum()
     }
@@ -370,10 +376,10 @@ impl Lattice {
         let mut forces = vec![[0.0; 4]; self.free + 1];
         for bond in &self.bonds {
             let (d, factor) = bond.stretched(&padded, &self.law);
+            let force = bond.stiffness.product(factor, &d);
             for k in 0..4 {
-                let force = factor * bond.stiffness[k] * d[k];
-                forces[bond.a as usize][k] -= force;
-                forces[bond.b as usize][k] += force;
+                forces[bond.a as usize][k] -= force[k];
+                forces[bond.b as usize][k] += force[k];
             }
         }
         forces.pop();
@@ -381,7 +387,7 @@ impl Lattice {
     }
 
     #[cfg(test)]
-    pub fn inverse(&self) -> &[Axes] {
+    pub fn inverse(&self) -> &[E] {
         &self.inverse
     }
 
@@ -392,36 +398,30 @@ impl Lattice {
 
     /// `K` at rest.
     #[cfg(test)]
-    pub fn stiffness_at_rest(&self) -> Matrix {
+    pub fn stiffness_at_rest(&self) -> Matrix<E> {
         stiffness(&self.bonds, self.free, 1.0)
     }
 }
 
-impl Bond {
+impl<E: Entry> Bond<E> {
     /// Difference of its ends' displacements, and its stiffness now over that at rest.
     #[inline(always)]
     fn stretched(&self, padded: &[Axes], law: &StretchLaw) -> (Axes, f64) {
         let (a, b) = (&padded[self.a as usize], &padded[self.b as usize]);
-        let (mut d, mut x) = ([0.0; 4], 0.0);
-        for k in 0..4 {
-            d[k] = a[k] - b[k];
-            x += self.stretch[k] * d[k] * d[k];
-        }
-        (d, law.factor(x))
+        let d = std::array::from_fn(|k| a[k] - b[k]);
+        (d, law.factor(self.stretch.quadratic(&d)))
     }
 }
 
 /// Stiffness matrix of the free nodes, `factor` times that at rest, N/m.
-fn stiffness(bonds: &[Bond], free: usize, factor: f64) -> Matrix {
-    let mut matrix = Matrix::zeros(free);
+fn stiffness<E: Entry>(bonds: &[Bond<E>], free: usize, factor: f64) -> Matrix<E> {
+    let mut matrix: Matrix<E> = Matrix::zeros(free);
     for bond in bonds {
         let ends = [bond.a as usize, bond.b as usize];
         for i in ends.into_iter().filter(|&i| i < free) {
             for j in ends.into_iter().filter(|&j| j < free) {
                 let sign = if i == j { factor } else { -factor };
-                for k in 0..3 {
-                    matrix.at(i, j)[k] += sign * bond.stiffness[k];
-                }
+                matrix.at(i, j).add_scaled(sign, &bond.stiffness);
             }
         }
     }

@@ -2,7 +2,7 @@
 //! stable.
 //!
 //! Some nodes of the sphere tree are masses on springs; all other spheres follow them by smooth skin
-//! weights. With the displacements `u` of the free nodes, for each axis on its own,
+//! weights. With the displacements `u` of the free nodes, for each axis on its own unless a spring couples them,
 //!
 //! `M u'' + B u' + K(u) u = W' f`,
 //!
@@ -16,6 +16,7 @@
 //! hangs on four nodes instead of its ancestor, so that there are no seams.
 
 mod data;
+mod entry;
 mod factor;
 mod lattice;
 mod ready;
@@ -25,4 +26,4 @@ mod tests;
 pub use data::{
     CARRIERS, MAX_SKELETON_NODES, Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw,
 };
-pub(in crate::tissue) use ready::Ready;
+pub(in crate::tissue) use ready::ready;

@@ -6,7 +6,7 @@ use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue};
 use crate::tree::SphereTree;
 
 use super::data::Skeleton;
-use super::factor::Axes;
+use super::entry::{Axes, Block, Entry};
 use super::lattice::{Lattice, farthest, longest};
 
 /// Most that the share of the fine level changes in a tick: a whole change takes 0.2 s.
@@ -24,10 +24,10 @@ const REST_M_PER_S: f64 = 1e-6;
 /// `(1-s)` and `s` of them say: its compliance is the same mixture, and for a constant share the whole is
 /// passive because its parts are.
 #[derive(Debug)]
-pub(in crate::tissue) struct Ready {
+pub(in crate::tissue) struct Ready<E> {
     rest: Vec<Vec3>,
-    coarse: Lattice,
-    fine: Option<Lattice>,
+    coarse: Lattice<E>,
+    fine: Option<Lattice<E>>,
     /// Share of the fine level in this tick.
     share: f64,
     /// Displacements of both levels at the start of this tick, and velocities.
@@ -57,12 +57,21 @@ fn narrow(from: &[f64], to: &mut [f64]) {
     }
 }
 
-impl Ready {
+/// `model` made ready for the tree `rest`; it must have passed its check against that.
+pub(in crate::tissue) fn ready(model: &Skeleton, rest: &SphereTree) -> Box<dyn Tissue> {
+    if model.couples() {
+        Box::new(Ready::<Block>::new(model, rest))
+    } else {
+        Box::new(Ready::<Axes>::new(model, rest))
+    }
+}
+
+impl<E: Entry> Ready<E> {
     /// `model` must have passed its check against `rest`.
     pub fn new(model: &Skeleton, rest: &SphereTree) -> Self {
         let coarse = Lattice::new(&model.coarse, rest);
         let fine = model.fine.as_ref().map(|fine| Lattice::new(fine, rest));
-        let len = coarse.shape_len() + fine.as_ref().map_or(0, Lattice::shape_len);
+        let len = coarse.shape_len() + fine.as_ref().map_or(0, Lattice::<E>::shape_len);
         Self {
             rest: rest.nodes().iter().map(|node| node.centre).collect(),
             coarse,
@@ -87,7 +96,7 @@ impl Ready {
     }
 
     /// The share of the fine level in a configuration, and that level while it has one.
-    fn share_in(&self, shape: &[f64]) -> (f64, Option<&Lattice>) {
+    fn share_in(&self, shape: &[f64]) -> (f64, Option<&Lattice<E>>) {
         match (&self.fine, shape.last()) {
             (Some(fine), Some(&share)) => (share, Some(fine).filter(|_| share > 0.0)),
             _ => (0.0, None),
@@ -103,7 +112,14 @@ fn read(state: &[f64], u: &mut [f64], v: &mut [f64]) {
 }
 
 /// Gives the nodes of a level that comes into force the motion of the level that was in force.
-fn map(from: &Lattice, u: &[f64], v: &[f64], to: &Lattice, to_u: &mut [f64], to_v: &mut [f64]) {
+fn map<E: Entry>(
+    from: &Lattice<E>,
+    u: &[f64],
+    v: &[f64],
+    to: &Lattice<E>,
+    to_u: &mut [f64],
+    to_v: &mut [f64],
+) {
     let all = to
         .tree_nodes()
         .iter()
@@ -115,7 +131,7 @@ fn map(from: &Lattice, u: &[f64], v: &[f64], to: &Lattice, to_u: &mut [f64], to_
     }
 }
 
-impl Tissue for Ready {
+impl<E: Entry> Tissue for Ready<E> {
     fn shape_len(&self) -> usize {
         self.start.len() + usize::from(self.fine.is_some())
     }

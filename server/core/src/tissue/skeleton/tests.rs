@@ -5,7 +5,7 @@ mod levels;
 mod refusals;
 mod statics;
 
-use super::{CARRIERS, Ready, Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw};
+use super::{CARRIERS, Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw, ready};
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, norm};
 use crate::tissue::{Hands, Site, SiteLoad, Tissue};
@@ -84,6 +84,7 @@ fn level(tree: &SphereTree, places: &[Vec3], reach: f64, params: SkeletonParams)
                     a: a as u16,
                     b: b as u16,
                     stiffness: [20.0 * soft, 15.0 * soft, 12.0 + soft],
+                    coupling: [0.0; 3],
                 });
             }
         }
@@ -148,7 +149,7 @@ fn nobody(detail: u8) -> Hands<'static> {
 
 /// A model, its state, and the configurations of a tick.
 struct Bench {
-    ready: Ready,
+    ready: Box<dyn Tissue>,
     state: Vec<f64>,
     shape: Vec<f64>,
     free: Vec<f64>,
@@ -161,7 +162,7 @@ struct Bench {
 impl Bench {
     fn new(tree: &SphereTree, model: &Skeleton) -> Self {
         model.validate(tree).expect("a model that stands");
-        let ready = Ready::new(model, tree);
+        let ready = ready(model, tree);
         let len = ready.shape_len();
         Self {
             state: vec![0.0; model.state_len()],

@@ -6,7 +6,7 @@ use crate::tissue::Gram;
 /// A load that lifts what it moves in one tick far above the rounding of centres, newtons.
 const MUCH: f64 = 1e3;
 
-fn matrix(ready: &mut Ready, sites: &[Site]) -> Vec<f64> {
+fn matrix(ready: &mut dyn Tissue, sites: &[Site]) -> Vec<f64> {
     let m = sites.len();
     let mut entries = vec![0.0; m * m];
     ready.add_gram(sites, &mut Gram::new(&mut entries, m, 0));
@@ -101,7 +101,7 @@ fn the_matrix_of_contacts_is_what_a_unit_load_moves_and_symmetric() {
             bench.tick(&sites, &lambda);
         }
         bench.free_step();
-        let gram = matrix(&mut bench.ready, &sites);
+        let gram = matrix(&mut *bench.ready, &sites);
         let m = sites.len();
         let most = (0..m).fold(0.0, |most, i| crate::math::fmax(most, gram[i * m + i]));
         for j in 0..m {
@@ -130,7 +130,7 @@ fn what_loads_move_is_the_matrix_times_the_loads() {
     let (tree, model) = two_levels(SOFT);
     let (mut bench, sites) = (Bench::new(&tree, &model), sites(&tree));
     bench.free_step();
-    let gram = matrix(&mut bench.ready, &sites);
+    let gram = matrix(&mut *bench.ready, &sites);
     let m = sites.len();
     let lambda: Vec<f64> = (0..m)
         .map(|k| MUCH * libm::fabs(libm::sin(k as f64)))
@@ -173,7 +173,7 @@ fn the_matrix_of_contacts_is_never_indefinite() {
                     normal: Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5).normalize(),
                 })
                 .collect();
-            let gram = matrix(&mut bench.ready, &sites);
+            let gram = matrix(&mut *bench.ready, &sites);
             let (m, mut scale) = (sites.len(), 0.0);
             for i in 0..m {
                 scale = crate::math::fmax(scale, gram[i * m + i]);

@@ -1,0 +1,180 @@
+//! `sulcus-server tissue evaluate`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use sulcus_core::tissue::skeleton::Skeleton;
+use sulcus_scene::skeleton::SkeletonOptions;
+use sulcus_scene::springs::FittedSprings;
+
+use super::Model;
+use crate::commands::scene::Narrator;
+use crate::commands::tree::writable;
+use crate::page::tissue;
+use crate::tissue::cases::cases;
+use crate::tissue::judge::{CaseError, Judged, Outcome, TickTime, judge};
+use crate::tissue::organ::Organ;
+use crate::tissue::skeleton::{Loaded, as_printed, one_carrier};
+
+/// Judge a tissue model.
+#[derive(Clone, Debug, Args)]
+#[command(
+    about = "Judge a tissue model on the load cases of a folder",
+    long_about = "Judge a tissue model on the load cases of a folder.\n\nThe folder holds a mesh of finite elements (nodes.csv, tets10.csv, fixed_all_nodes.csv), unit forces of each load (LOAD_forces_unit.csv, columns f?_vert) and displacements (LOAD_lin_<N>N.csv, LOAD_nl_<N>N.csv). The model is the product's own: sphere tree of the mesh's surface, skeleton, skin. The forces act through the skin on its spheres, it is run tick by tick until it rests, and only then the displacements are read. Errors are over the free vertices of the surface.",
+    after_long_help = "Examples:\n  sulcus-server tissue evaluate --fem data/fem --model skeleton\n  sulcus-server tissue evaluate --fem data/fem --model skeleton --params tongue-springs.toml --out tongue --json | tail -1 | jq '.cases[].rel_l2_percent'"
+)]
+pub struct EvaluateArgs {
+    /// Folder of finite elements and load cases
+    #[arg(long, value_name = "DIR")]
+    fem: PathBuf,
+    /// What is judged
+    #[arg(long)]
+    model: Model,
+    /// Fitted springs of `tissue fit`; without, the model is as shipped
+    #[arg(long, value_name = "PARAMS")]
+    params: Option<PathBuf>,
+    /// Young's modulus of the cases, kPa: fitted springs are scaled to it
+    #[arg(long, value_name = "KPA", default_value_t = 100.0)]
+    young_kpa: f64,
+    /// Write a page and its pictures into this folder, made when missing
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    model: Model,
+    params: Option<&'a Path>,
+    fitted: &'a str,
+    cases: Vec<&'a CaseError>,
+    tick_us: TickTime,
+    ticks: usize,
+    vertices: usize,
+    nodes: usize,
+    fixed: usize,
+    springs: usize,
+    page: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
+    let narrator = Narrator::default();
+    if let Some(out) = &args.out {
+        writable(out)?;
+    }
+    let given = args
+        .params
+        .as_deref()
+        .map(FittedSprings::read)
+        .transpose()?;
+    let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.3 * share))?;
+    let cases = cases(&args.fem, &organ)?;
+    let (skeleton, fitted) = skeleton(args, given.as_ref(), &organ)?;
+    let level = &skeleton.coarse;
+    let (nodes, fixed, springs) = (
+        level.nodes.len(),
+        level.nodes.len() - level.free(),
+        level.springs.len(),
+    );
+    let mut model = Loaded::new(&organ, skeleton)?;
+    let mut outcomes: Vec<Outcome> = Vec::with_capacity(cases.len());
+    for case in &cases {
+        narrator.say(
+            &case.name,
+            0.3 + 0.7 * outcomes.len() as f64 / cases.len() as f64,
+        );
+        outcomes.push(judge(&mut model, &organ, case)?);
+    }
+    let tick_us = TickTime::of(model.tick_ns());
+
+    println!(
+        "{}: {} free vertices; {nodes} nodes, {fixed} fixed, {springs} springs: {fitted}\n",
+        args.fem.display(),
+        organ.free.len()
+    );
+    println!("case                              rms %   rel_l2 %    max %   FEM, mm   model, mm");
+    for CaseError {
+        name,
+        rms_percent,
+        rel_l2_percent,
+        max_percent,
+        max_displacement_mm,
+        model_max_displacement_mm,
+    } in outcomes.iter().map(|outcome| &outcome.error)
+    {
+        println!(
+            "{name:30} {rms_percent:8.2}   {rel_l2_percent:8.1} {max_percent:8.1}  {max_displacement_mm:8.3}  {model_max_displacement_mm:10.3}"
+        );
+    }
+    println!(
+        "\ntissue per tick: {:.1} us at p50, {:.1} us at p99.9 ({} ticks)",
+        tick_us.p50,
+        tick_us.p999,
+        model.tick_ns().len()
+    );
+    let page = match &args.out {
+        Some(out) => {
+            let subject = tissue::Subject {
+                folder: &args.fem,
+                organ: &organ,
+                outcomes: &outcomes,
+                fitted: &fitted,
+                tick_us,
+            };
+            let page = tissue::write(out, &subject, &|what| narrator.say(what, 1.0))?;
+            println!("written to {}", page.display());
+            Some(page)
+        }
+        None => None,
+    };
+    if args.json {
+        let report = Report {
+            model: args.model,
+            params: args.params.as_deref(),
+            fitted: &fitted,
+            cases: outcomes.iter().map(|outcome| &outcome.error).collect(),
+            tick_us,
+            ticks: model.tick_ns().len(),
+            vertices: organ.free.len(),
+            nodes,
+            fixed,
+            springs,
+            page,
+        };
+        println!("{}", serde_json::to_string(&report)?);
+    }
+    Ok(0)
+}
+
+/// What is judged, and how to call it.
+fn skeleton(
+    args: &EvaluateArgs,
+    given: Option<&FittedSprings>,
+    organ: &Organ,
+) -> anyhow::Result<(Skeleton, String)> {
+    let mut skeleton = organ.skeleton(&SkeletonOptions::default())?;
+    let printed = args.model == Model::PrintedSkeleton;
+    let Some(given) = given else {
+        let name = if printed {
+            "as printed, all springs as stiff as those shipped are on average"
+        } else {
+            "as shipped"
+        };
+        return Ok((
+            if printed {
+                as_printed(&skeleton, organ)
+            } else {
+                skeleton
+            },
+            name.to_owned(),
+        ));
+    };
+    given.put_into(&mut skeleton, &organ.tree, args.young_kpa)?;
+    if printed {
+        one_carrier(&mut skeleton.coarse);
+    }
+    Ok((skeleton, given.fitted.clone()))
+}

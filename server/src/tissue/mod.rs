@@ -1,0 +1,8 @@
+//! Tissue models against finite elements: what is judged, how, and what is fitted.
+
+pub(crate) mod cases;
+pub(crate) mod fit;
+pub(crate) mod judge;
+pub(crate) mod loads;
+pub(crate) mod organ;
+pub(crate) mod skeleton;
