@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use serde::Deserialize;
 use sulcus_core::Vec3;
-use sulcus_fem::files::read_displacements;
+use sulcus_fem::files::{ForceColumns, read_displacements, read_forces};
 
 use super::organ::Organ;
 
@@ -13,17 +12,11 @@ use super::organ::Organ;
 pub(crate) struct Case {
     /// Stem of the table's name.
     pub(crate) name: String,
+    /// Whether the finite elements were linear.
+    pub(crate) linear: bool,
     /// Forces on the vertices of the surface, newtons.
     pub(crate) forces: Vec<Vec3>,
     table: PathBuf,
-}
-
-#[derive(Deserialize)]
-struct ForceRow {
-    id: u32,
-    fx_vert: f64,
-    fy_vert: f64,
-    fz_vert: f64,
 }
 
 /// The cases of a folder, by name and rising load: each table `LOAD_lin_<N>N.csv` or `LOAD_nl_<N>N.csv` beside a table
@@ -66,6 +59,7 @@ pub(crate) fn cases(folder: &Path, organ: &Organ) -> anyhow::Result<Vec<Case>> {
                 .collect();
             Ok(Case {
                 name: format!("{load}_{law}_{newtons}N"),
+                linear: law == "lin",
                 forces,
                 table,
             })
@@ -75,31 +69,17 @@ pub(crate) fn cases(folder: &Path, organ: &Organ) -> anyhow::Result<Vec<Case>> {
 
 /// Forces on the vertices of the surface, newtons.
 fn vertex_forces(path: &Path, organ: &Organ) -> anyhow::Result<Vec<Vec3>> {
-    let mut reader = csv::Reader::from_path(path)
-        .with_context(|| format!("{}: cannot read the forces", path.display()))?;
-    let mut forces = vec![Vec3::zeros(); organ.nodes.len()];
-    for (k, row) in reader.deserialize().enumerate() {
-        let row: ForceRow = row.with_context(|| format!("{}, line {}", path.display(), k + 2))?;
-        let force = Vec3::new(row.fx_vert, row.fy_vert, row.fz_vert);
-        if !force.iter().all(|x| x.is_finite()) {
-            bail!(
-                "{}, line {}: force is {force:?}, expected finite numbers",
-                path.display(),
-                k + 2
-            );
-        }
-        match organ.vertex_of.get(&row.id) {
-            Some(vertex) => forces[*vertex] = force,
-            None if force == Vec3::zeros() => {}
-            None => bail!(
-                "{}, line {}: a force on node {}, expected one of the surface's vertices",
-                path.display(),
-                k + 2,
-                row.id
-            ),
-        }
+    let all = read_forces(path, organ.elements.nodes.len(), ForceColumns::Vertices)?;
+    let inside = |(k, f): (usize, &Vec3)| {
+        (*f != Vec3::zeros() && !organ.vertex_of.contains_key(&(k as u32))).then_some(k)
+    };
+    if let Some(node) = all.iter().enumerate().find_map(inside) {
+        bail!(
+            "{}: a force on node {node}, expected forces on the surface's vertices only",
+            path.display()
+        );
     }
-    Ok(forces)
+    Ok(organ.nodes.iter().map(|&node| all[node as usize]).collect())
 }
 
 impl Case {

@@ -3,6 +3,7 @@
 pub(crate) mod cases;
 pub(crate) mod fit;
 pub(crate) mod judge;
+pub(crate) mod loaded;
 pub(crate) mod loads;
 pub(crate) mod organ;
-pub(crate) mod skeleton;
+pub(crate) mod printed;

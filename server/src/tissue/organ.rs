@@ -20,14 +20,6 @@ use sulcus_scene::skeleton::{SkeletonOptions, skeleton_held};
 /// Finest level of the tree, the one in contact.
 pub(crate) const LEVEL: u8 = 3;
 
-/// Corners of a tetrahedron's faces, outward by the right hand, and the middles of the edges 01, 12, 20 of each.
-const FACES: [([usize; 3], [usize; 3]); 4] = [
-    ([0, 2, 1], [6, 5, 4]),
-    ([0, 1, 3], [4, 8, 7]),
-    ([1, 2, 3], [5, 9, 8]),
-    ([0, 3, 2], [7, 9, 6]),
-];
-
 /// Where held tissue is looked for about a node.
 const DIRECTIONS: [[f64; 3]; 7] = [
     [0.0, 0.0, 0.0],
@@ -74,7 +66,13 @@ impl Organ {
     pub(crate) fn read(folder: &Path, progress: &dyn Fn(&str, f64)) -> anyhow::Result<Self> {
         progress("reading the mesh", 0.0);
         let elements = read_mesh(folder)?;
-        let faces = faces(&elements);
+        let faces = elements.boundary_faces().into_iter();
+        let faces: Vec<Face> = faces
+            .map(|[a, b, c, middles @ ..]| Face {
+                corners: [a, b, c],
+                middles,
+            })
+            .collect();
         let mut vertex_of: BTreeMap<u32, usize> = faces
             .iter()
             .flat_map(|face| face.corners)
@@ -180,23 +178,4 @@ impl Organ {
         let nearest = self.nodes.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         nearest.map_or(0.0, |node| held(*node))
     }
-}
-
-/// The faces that belong to one tetrahedron only.
-fn faces(mesh: &TetMesh) -> Vec<Face> {
-    let mut all: BTreeMap<[u32; 3], Option<Face>> = BTreeMap::new();
-    for tet in &mesh.tets {
-        for (corners, middles) in FACES {
-            let face = Face {
-                corners: corners.map(|k| tet[k]),
-                middles: middles.map(|k| tet[k]),
-            };
-            let mut key = face.corners;
-            key.sort_unstable();
-            all.entry(key)
-                .and_modify(|other| *other = None)
-                .or_insert(Some(face));
-        }
-    }
-    all.into_values().flatten().collect()
 }

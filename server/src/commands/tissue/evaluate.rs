@@ -2,9 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
+use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::skeleton::Skeleton;
+use sulcus_core::tissue::surface::SurfaceParams;
+use sulcus_fem::CondenseOptions;
+use sulcus_scene::default_cache_dir;
+use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::organ::{condensed, skin};
 use sulcus_scene::skeleton::SkeletonOptions;
 use sulcus_scene::springs::FittedSprings;
 
@@ -14,8 +21,9 @@ use crate::commands::tree::writable;
 use crate::page::tissue;
 use crate::tissue::cases::cases;
 use crate::tissue::judge::{CaseError, Judged, Outcome, TickTime, judge};
+use crate::tissue::loaded::Loaded;
 use crate::tissue::organ::Organ;
-use crate::tissue::skeleton::{Loaded, as_printed, one_carrier};
+use crate::tissue::printed::{as_printed, one_carrier};
 
 /// Judge a tissue model.
 #[derive(Clone, Debug, Args)]
@@ -54,9 +62,7 @@ struct Report<'a> {
     tick_us: TickTime,
     ticks: usize,
     vertices: usize,
-    nodes: usize,
-    fixed: usize,
-    springs: usize,
+    parts: &'a str,
     page: Option<PathBuf>,
 }
 
@@ -72,26 +78,26 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
         .transpose()?;
     let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.3 * share))?;
     let cases = cases(&args.fem, &organ)?;
-    let (skeleton, fitted) = skeleton(args, given.as_ref(), &organ)?;
-    let level = &skeleton.coarse;
-    let (nodes, fixed, springs) = (
-        level.nodes.len(),
-        level.nodes.len() - level.free(),
-        level.springs.len(),
-    );
-    let mut model = Loaded::new(&organ, skeleton)?;
+    let Judgement {
+        mut models,
+        parts,
+        what: fitted,
+    } = judgement(args, given.as_ref(), &organ, &narrator)?;
     let mut outcomes: Vec<Outcome> = Vec::with_capacity(cases.len());
     for case in &cases {
         narrator.say(
             &case.name,
             0.3 + 0.7 * outcomes.len() as f64 / cases.len() as f64,
         );
-        outcomes.push(judge(&mut model, &organ, case)?);
+        let last = models.len() - 1;
+        let model = &mut models[if case.linear { 0 } else { last }];
+        outcomes.push(judge(model, &organ, case)?);
     }
-    let tick_us = TickTime::of(model.tick_ns());
+    let ns: Vec<u64> = models.iter().flat_map(|m| m.tick_ns()).copied().collect();
+    let tick_us = TickTime::of(&ns);
 
     println!(
-        "{}: {} free vertices; {nodes} nodes, {fixed} fixed, {springs} springs: {fitted}\n",
+        "{}: {} free vertices; {parts}: {fitted}\n",
         args.fem.display(),
         organ.free.len()
     );
@@ -113,7 +119,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
         "\ntissue per tick: {:.1} us at p50, {:.1} us at p99.9 ({} ticks)",
         tick_us.p50,
         tick_us.p999,
-        model.tick_ns().len()
+        ns.len()
     );
     let page = match &args.out {
         Some(out) => {
@@ -137,11 +143,9 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
             fitted: &fitted,
             cases: outcomes.iter().map(|outcome| &outcome.error).collect(),
             tick_us,
-            ticks: model.tick_ns().len(),
+            ticks: ns.len(),
             vertices: organ.free.len(),
-            nodes,
-            fixed,
-            springs,
+            parts: &parts,
             page,
         };
         println!("{}", serde_json::to_string(&report)?);
@@ -149,7 +153,79 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
     Ok(0)
 }
 
-/// What is judged, and how to call it.
+/// What is judged.
+struct Judgement<'a> {
+    /// The model for linear cases, and that for others if it is another.
+    models: Vec<Loaded<'a>>,
+    /// What it is made of.
+    parts: String,
+    /// How to call it.
+    what: String,
+}
+
+fn judgement<'a>(
+    args: &EvaluateArgs,
+    given: Option<&FittedSprings>,
+    organ: &'a Organ,
+    narrator: &Narrator,
+) -> anyhow::Result<Judgement<'a>> {
+    if args.model == Model::SurfaceCompliance {
+        if let Some(params) = &args.params {
+            bail!(
+                "--params is {}, expected none: a surface compliance comes from the finite elements, there is nothing to fit",
+                params.display()
+            );
+        }
+        return surface(args, organ, narrator);
+    }
+    let (skeleton, what) = skeleton(args, given, organ)?;
+    let level = &skeleton.coarse;
+    let (nodes, springs) = (level.nodes.len(), level.springs.len());
+    let parts = format!(
+        "{nodes} nodes, {} fixed, {springs} springs",
+        nodes - level.free()
+    );
+    let model = TissueModel::Skeleton(Box::new(skeleton));
+    Ok(Judgement {
+        models: vec![Loaded::new(organ, model)?],
+        parts,
+        what,
+    })
+}
+
+/// The folder's elements, condensed: linear, and with the term for large displacements.
+fn surface<'a>(
+    args: &EvaluateArgs,
+    organ: &'a Organ,
+    narrator: &Narrator,
+) -> anyhow::Result<Judgement<'a>> {
+    let fine = CondenseOptions::default();
+    let poisson = SurfaceParams::default().poisson;
+    let say = |stage: &str, _: f64| narrator.say(stage, 0.3);
+    let kept = default_cache_dir();
+    let made = condensed(&organ.elements, poisson, &fine, kept.as_deref(), &say)?;
+    let skin = skin(
+        &organ.tree,
+        &MeshDistance::new(organ.surface.clone()),
+        &made,
+    );
+    let model = |large: f64| {
+        let params = SurfaceParams {
+            young: args.young_kpa * 1e3,
+            large,
+            ..SurfaceParams::default()
+        };
+        let model = made.model(skin.clone(), params);
+        Loaded::new(organ, TissueModel::Surface(Box::new(model)))
+    };
+    Ok(Judgement {
+        models: vec![model(0.0)?, model(1.0)?],
+        parts: format!("{} masters, {} cells", made.masters().len(), fine.cells),
+        what: "condensed; linear cases without the term for large displacements".into(),
+    })
+}
+
+/// What is judged of springs, and how to call it.
 fn skeleton(
     args: &EvaluateArgs,
     given: Option<&FittedSprings>,

@@ -14,7 +14,7 @@ use crate::commands::scene::Narrator;
 use crate::tissue::fit::{Example, Fit, Freedom};
 use crate::tissue::loads::training;
 use crate::tissue::organ::Organ;
-use crate::tissue::skeleton::as_printed;
+use crate::tissue::printed::as_printed;
 
 /// Places of patches, each loaded along three directions, and loads that are spread over the surface.
 const PATCHES: usize = 60;

@@ -32,6 +32,8 @@ pub enum Model {
     Skeleton,
     /// The same exactly by the paper: one stiffness for all springs, each sphere after one node
     PrintedSkeleton,
+    /// The folder's finite elements condensed to their surface; linear cases without the term for large displacements
+    SurfaceCompliance,
 }
 
 /// Runs the command; the exit code is 0.

@@ -1,8 +1,6 @@
-//! The skeleton of the core under loads on the skin, tick by tick until it rests.
+//! A tissue model of the core under loads on the skin, tick by tick until it rests.
 
 use anyhow::bail;
-use sulcus_core::tissue::printed::PrintedSkeleton;
-use sulcus_core::tissue::skeleton::{CARRIERS, Skeleton, SkeletonLevel, Spring, StretchLaw};
 use sulcus_core::tissue::{Hands, Site, SiteLoad, Tissue, TissueModel};
 use sulcus_core::{MAX_TOOLS, Vec3};
 
@@ -17,7 +15,7 @@ const LEFT: f64 = 1e-5;
 /// Displacements under this are none, metres.
 const NOTHING: f64 = 1e-12;
 
-/// A skeleton made ready for an organ.
+/// A tissue model made ready for an organ.
 pub(crate) struct Loaded<'a> {
     organ: &'a Organ,
     model: TissueModel,
@@ -28,9 +26,8 @@ pub(crate) struct Loaded<'a> {
 
 impl<'a> Loaded<'a> {
     /// # Errors
-    /// If the skeleton cannot stand.
-    pub(crate) fn new(organ: &'a Organ, skeleton: Skeleton) -> anyhow::Result<Self> {
-        let model = TissueModel::Skeleton(Box::new(skeleton));
+    /// If the model cannot stand.
+    pub(crate) fn new(organ: &'a Organ, model: TissueModel) -> anyhow::Result<Self> {
         model.validate(&organ.tree)?;
         let Some(ready) = model.ready(&organ.tree, LEVEL) else {
             bail!("found a rigid model, expected one that yields");
@@ -116,36 +113,5 @@ impl Judged for Loaded<'_> {
 
     fn tick_ns(&self) -> &[u64] {
         &self.ns
-    }
-}
-
-/// What a skeleton as printed comes to rest at: all its springs as stiff, each sphere after one of the skeleton's. Its explicit
-/// Euler and this implicit one differ on the way, not at rest, where springs balance loads.
-pub(crate) fn as_printed(skeleton: &Skeleton, organ: &Organ) -> Skeleton {
-    let printed = PrintedSkeleton::of(&skeleton.coarse, &organ.tree);
-    let mut coarse: SkeletonLevel = skeleton.coarse.clone();
-    coarse.params.law = StretchLaw::LINEAR;
-    for spring in &mut coarse.springs {
-        *spring = Spring {
-            stiffness: [printed.spring_n_per_m; 3],
-            coupling: [0.0; 3],
-            ..*spring
-        };
-    }
-    one_carrier(&mut coarse);
-    Skeleton { coarse, fine: None }
-}
-
-/// Leaves each sphere the one node that carries most of it.
-pub(crate) fn one_carrier(level: &mut SkeletonLevel) {
-    for skin in &mut level.skin {
-        let most = (1..CARRIERS).fold(0, |most, k| {
-            if skin.weights[k] > skin.weights[most] {
-                k
-            } else {
-                most
-            }
-        });
-        skin.weights = std::array::from_fn(|k| f64::from(u8::from(k == most)));
     }
 }
