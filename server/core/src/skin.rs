@@ -66,12 +66,12 @@ impl DisplaySkin {
         skin
     }
 
-    /// The skin of an object's display mesh over the spheres of its contact level.
+    /// The skin of an object's display mesh over the spheres of its contact level, at the places whose motion they make.
     pub fn of(object: &Object) -> Self {
         let centres: Vec<(u32, Vec3)> = object
             .tree
             .shape_at(object.level)
-            .map(|(id, node)| (id, node.centre))
+            .map(|(id, _)| (id, object.tissue.place(&object.tree, id)))
             .collect();
         let vertices: Vec<Vec3> = object
             .mesh

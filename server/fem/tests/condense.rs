@@ -107,7 +107,10 @@ fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_
         found.expect("leaves").0 as u32
     };
     let nodes: Vec<u32> = mesh.nodes[..vertices].iter().map(near).collect();
-    let skin = rest.iter().map(|p| condensed.skin(p)).collect();
+    let skin = rest
+        .iter()
+        .map(|p| condensed.skin(&condensed.weights(p)))
+        .collect();
     let params = |large: f64| SurfaceParams {
         young: YOUNG,
         large,

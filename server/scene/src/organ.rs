@@ -1,6 +1,7 @@
 //! From a closed surface to an organ by finite elements: tetrahedra, what of them is held, condensation (kept in the
 //! cache), and who carries the spheres of its tree.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -219,60 +220,39 @@ pub fn condensed(
 pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec<SurfaceSkin> {
     let (nodes, vertices) = (tree.nodes(), &surface.mesh().vertices);
     let (first, of) = carried(&carriers(tree, vertices), nodes.len());
-    let mut sums: Vec<Vec<f64>> = (0..nodes.len())
+    let mut sums: Vec<BTreeMap<usize, f64>> = (0..nodes.len())
         .map(|k| {
-            let mut sum = vec![0.0; organ.masters().len() + 1];
+            let mut sum = BTreeMap::new();
             for &vertex in &of[first[k] as usize..first[k + 1] as usize] {
-                add(&mut sum, &organ.skin(&vertices[vertex as usize]), 1.0);
+                for (master, weight) in organ.weights(&vertices[vertex as usize]) {
+                    *sum.entry(master).or_insert(0.0) += weight;
+                }
             }
             sum
         })
         .collect();
     // Children stand behind their parents.
     for k in (0..nodes.len()).rev() {
-        let node = &nodes[k];
-        let children = node.first_child as usize..;
-        for child in children.take(usize::from(node.children)) {
+        let first = nodes[k].first_child as usize;
+        for child in (first..).take(usize::from(nodes[k].children)) {
             let (above, below) = sums.split_at_mut(child);
-            for (sum, more) in above[k].iter_mut().zip(&below[0]) {
-                *sum += more;
+            for (&master, weight) in &below[0] {
+                *above[k].entry(master).or_insert(0.0) += weight;
             }
         }
     }
-    sums.iter()
-        .zip(nodes)
-        .map(|(sum, node)| match largest(sum) {
-            Some(skin) => skin,
-            None => organ.skin(&surface.nearest(&node.centre).point),
-        })
-        .collect()
-}
-
-/// Adds a skin's weights master by master; the last number is the sum of all, that of what is held included.
-fn add(sum: &mut [f64], skin: &SurfaceSkin, by: f64) {
-    for (master, weight) in skin.masters.iter().zip(skin.weights) {
-        sum[usize::from(*master)] += by * weight;
-    }
-    if let Some(all) = sum.last_mut() {
-        *all += by;
-    }
-}
-
-/// The largest weights, with the sum of all that move; nothing where there are no vertices.
-fn largest(sum: &[f64]) -> Option<SurfaceSkin> {
-    let (all, moving) = sum.split_last()?;
-    if *all == 0.0 {
-        return None;
-    }
-    let mut order: Vec<usize> = (0..moving.len()).filter(|k| moving[*k] > 0.0).collect();
-    order.sort_by(|a, b| moving[*b].total_cmp(&moving[*a]).then(a.cmp(b)));
-    order.truncate(SURFACE_CARRIERS);
-    let kept: f64 = order.iter().map(|k| moving[*k]).sum();
-    let share = moving.iter().sum::<f64>() / all;
-    let mut skin = SurfaceSkin::default();
-    for (slot, k) in order.into_iter().enumerate() {
-        skin.masters[slot] = k as u16;
-        skin.weights[slot] = moving[k] / kept * share;
-    }
-    Some(skin)
+    let all = sums.iter().zip(nodes);
+    all.map(|(sum, node)| {
+        let mut weights: Vec<(usize, f64)> = sum.iter().map(|(k, w)| (*k, *w)).collect();
+        if weights.is_empty() {
+            weights.extend(organ.weights(&surface.nearest(&node.centre).point));
+        }
+        // The largest count.
+        weights.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        weights.truncate(SURFACE_CARRIERS);
+        let all: f64 = weights.iter().map(|(_, w)| w).sum();
+        weights.iter_mut().for_each(|(_, w)| *w /= all);
+        organ.skin(&weights)
+    })
+    .collect()
 }

@@ -148,6 +148,10 @@ impl Compiler<'_> {
                         let part = part.clone();
                         BuildError::Organ { part, source }
                     })?;
+                let mut made = made;
+                for skin in &mut made.skin {
+                    skin.place += place;
+                }
                 TissueModel::Surface(Box::new(made))
             }
             TissueEntry::Skeleton | TissueEntry::PrintedSkeleton => {

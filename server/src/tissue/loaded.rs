@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use sulcus_core::tissue::{Hands, Site, SiteLoad, Tissue, TissueModel};
-use sulcus_core::{MAX_TOOLS, Vec3};
+use sulcus_core::{DisplaySkin, MAX_TOOLS, Vec3};
 
 use super::judge::Judged;
 use super::organ::{LEVEL, Organ};
@@ -19,6 +19,8 @@ const NOTHING: f64 = 1e-12;
 pub(crate) struct Loaded<'a> {
     organ: &'a Organ,
     model: TissueModel,
+    /// The surface over the places that the spheres move.
+    skin: DisplaySkin,
     ready: Box<dyn Tissue>,
     ids: Vec<u32>,
     ns: Vec<u64>,
@@ -32,8 +34,14 @@ impl<'a> Loaded<'a> {
         let Some(ready) = model.ready(&organ.tree, LEVEL) else {
             bail!("found a rigid model, expected one that yields");
         };
+        let places: Vec<(u32, Vec3)> = organ
+            .tree
+            .shape_at(LEVEL)
+            .map(|(id, _)| (id, model.place(&organ.tree, id)))
+            .collect();
         Ok(Self {
             ready,
+            skin: DisplaySkin::new(&places, &organ.surface.vertices),
             model,
             ids: (0..organ.tree.nodes().len() as u32).collect(),
             organ,
@@ -46,7 +54,7 @@ impl Judged for Loaded<'_> {
     fn rest_under(&mut self, forces: &[Vec3]) -> anyhow::Result<Vec<Vec3>> {
         let tree = &self.organ.tree;
         let mut loads = vec![Vec3::zeros(); tree.nodes().len()];
-        self.organ.skin.loads(forces, &mut loads);
+        self.skin.loads(forces, &mut loads);
         let pushed = loads.iter().enumerate().filter(|(_, f)| f.norm() > 0.0);
         let given: Vec<SiteLoad> = pushed
             .map(|(k, f)| SiteLoad {
@@ -107,7 +115,7 @@ impl Judged for Loaded<'_> {
             *centre -= node.centre;
         }
         let mut moved = vec![Vec3::zeros(); forces.len()];
-        self.organ.skin.displacements(&centres, &mut moved);
+        self.skin.displacements(&centres, &mut moved);
         Ok(moved)
     }
 

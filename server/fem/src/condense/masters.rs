@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
-use sulcus_core::tissue::surface::{SURFACE_CARRIERS, SurfaceSkin};
+use sulcus_core::tissue::surface::SURFACE_CARRIERS;
 
 use crate::{FemError, TetMesh};
 
@@ -69,9 +69,14 @@ impl Masters {
         &self.places[..self.moving]
     }
 
-    /// The nearest ones, weighted by `(1 - d/r)^2` with `r` the distance of the next: a weight has gone to zero, slope and all,
-    /// where another takes its place, so what follows is smooth. The part of held ones is left out.
-    pub fn skin(&self, place: &Vec3) -> SurfaceSkin {
+    /// All places: of those that move, then of those that are held, metres.
+    pub fn places(&self) -> &[Vec3] {
+        &self.places
+    }
+
+    /// The nearest ones (by their number in [`Masters::places`]), weighted by `(1 - d/r)^2` with `r` the distance of the next: a
+    /// weight has gone to zero, slope and all, where another takes its place, so what follows is smooth. Sums to 1.
+    pub fn weights(&self, place: &Vec3) -> [(usize, f64); SURFACE_CARRIERS] {
         let mut near: Vec<(f64, usize)> = self
             .places
             .iter()
@@ -88,15 +93,12 @@ impl Masters {
             .iter()
             .map(|(d, _)| weight(*d))
             .sum();
-        let mut skin = SurfaceSkin::default();
-        for (slot, &(d, k)) in near[..SURFACE_CARRIERS].iter().enumerate() {
-            // (All nine at one distance: held is as good as any.)
-            if k < self.moving && sum > 0.0 {
-                skin.masters[slot] = k as u16;
-                skin.weights[slot] = weight(d) / sum;
-            }
-        }
-        skin
+        std::array::from_fn(|slot| {
+            let (d, k) = near[slot];
+            // All nine at one distance: each is as good as any.
+            let even = 1.0 / SURFACE_CARRIERS as f64;
+            (k, if sum > 0.0 { weight(d) / sum } else { even })
+        })
     }
 }
 
@@ -117,10 +119,10 @@ impl Functions {
         for [a, b, c, middles @ ..] in mesh.boundary_faces() {
             let corners = [a, b, c];
             let places = corners.map(|k| mesh.nodes[k as usize]);
-            let skins = places.map(|p| masters.skin(&p));
+            let weights = places.map(|p| masters.weights(&p));
             let carried = |corner: usize| {
-                let SurfaceSkin { masters, weights } = skins[corner];
-                masters.into_iter().zip(weights).filter(|(_, w)| *w > 0.0)
+                let moves = |(k, w): &(usize, f64)| *k < count && *w > 0.0;
+                weights[corner].into_iter().filter(moves)
             };
             let area = 0.5
                 * (places[1] - places[0])
@@ -128,7 +130,7 @@ impl Functions {
                     .norm();
             for k in 0..3 {
                 for (a, w) in carried(k) {
-                    let forces = &mut forces[usize::from(a)];
+                    let forces = &mut forces[a];
                     for l in 0..3 {
                         // Products of a corner's linear function with the quadratic ones, integrated exactly.
                         let of_corner = if k == l { 1.0 / 30.0 } else { -1.0 / 60.0 };
@@ -138,7 +140,7 @@ impl Functions {
                         *forces.entry(middles[l]).or_default() += w * area * of_middle;
                         let both = if k == l { 1.0 / 6.0 } else { 1.0 / 12.0 };
                         for (b, v) in carried(l) {
-                            mass[(usize::from(a), usize::from(b))] += w * v * area * both;
+                            mass[(a, b)] += w * v * area * both;
                         }
                     }
                 }

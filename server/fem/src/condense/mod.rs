@@ -15,7 +15,7 @@ use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::tissue::surface::{
-    Cells, MAX_CELLS, MAX_MASTERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
+    Cells, MAX_CELLS, MAX_MASTERS, SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
 };
 
 use crate::element::gradients;
@@ -79,14 +79,28 @@ impl Condensed {
         Ok(organ)
     }
 
-    /// Who carries a place on the surface (metres, the mesh's frame).
-    pub fn skin(&self, place: &Vec3) -> SurfaceSkin {
-        self.masters.skin(place)
+    /// Masters that move.
+    pub fn masters(&self) -> usize {
+        self.masters.moving().len()
     }
 
-    /// Masters that move, metres.
-    pub fn masters(&self) -> &[Vec3] {
-        self.masters.moving()
+    /// How much each master counts at a place on the surface (metres, the mesh's frame), by its number; numbers from
+    /// [`Condensed::masters`] on are held. Sums to 1.
+    pub fn weights(&self, place: &Vec3) -> [(usize, f64); SURFACE_CARRIERS] {
+        self.masters.weights(place)
+    }
+
+    /// Who carries a sphere that follows the masters with these weights (by number, each once; sum 1; no more than eight).
+    pub fn skin(&self, weights: &[(usize, f64)]) -> SurfaceSkin {
+        let mut skin = SurfaceSkin::default();
+        for (slot, &(k, w)) in weights.iter().enumerate().take(SURFACE_CARRIERS) {
+            skin.place += self.masters.places()[k] * w;
+            if k < self.masters() {
+                skin.masters[slot] = k as u16;
+                skin.weights[slot] = w;
+            }
+        }
+        skin
     }
 
     /// The tissue model of an organ whose spheres are carried as `skin` says, node by node of its tree.
@@ -96,7 +110,7 @@ impl Condensed {
                 poisson: self.poisson,
                 ..params
             },
-            masters: self.masters.moving().len() as u16,
+            masters: self.masters() as u16,
             compliance: self.compliance.clone(),
             cells: self.cells.clone(),
             skin,

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::TICK_S;
+use crate::math::Vec3;
 use crate::params::within;
 use crate::tissue::TissueError;
 use crate::tree::SphereTree;
@@ -64,12 +65,25 @@ impl Default for SurfaceParams {
 }
 
 /// Who carries a sphere: a place without a carrier has weight zero. Where the weights fall short of 1 the rest is held.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceSkin {
+    /// The place whose motion it makes, the mean of its masters' places with their weights, those that are held included; metres,
+    /// the object's frame. Turns and stretches of the organ are followed exactly there, not at the sphere's centre below.
+    pub place: Vec3,
     /// Masters.
     pub masters: [u16; SURFACE_CARRIERS],
     /// How much each counts.
     pub weights: [f64; SURFACE_CARRIERS],
+}
+
+impl Default for SurfaceSkin {
+    fn default() -> Self {
+        Self {
+            place: Vec3::zeros(),
+            masters: [0; SURFACE_CARRIERS],
+            weights: [0.0; SURFACE_CARRIERS],
+        }
+    }
 }
 
 fn wrong(
@@ -168,6 +182,9 @@ impl SurfaceCompliance {
                     format!("{:?} of tree node {k}", skin.weights),
                     "none negative, sum at most 1",
                 );
+            }
+            if !skin.place.iter().all(|x| x.is_finite()) {
+                return wrong("place of a sphere", format!("{:?}", skin.place), "finite");
             }
             if let Some(master) = skin.masters.iter().find(|x| usize::from(**x) >= m) {
                 return wrong(
