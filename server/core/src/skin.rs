@@ -19,13 +19,13 @@ use crate::math::{Vec3, fclamp, fmax, norm};
 use crate::scene::Object;
 
 /// Rank of the neighbours about whose distance spheres cease to be felt.
-const CARRIERS: usize = 24;
+const CARRIERS: usize = 48;
 /// How much farther they are felt.
 const REACH: f64 = 1.3;
 /// Sum of the weights' sizes up to which the fitted line is trusted, and from which only the mean is: 1 is a mean of
 /// what lies about, more is a line drawn out beyond it.
-const TRUSTED: f64 = 4.0;
-const DISTRUSTED: f64 = 8.0;
+const TRUSTED: f64 = 8.0;
+const DISTRUSTED: f64 = 16.0;
 /// Added to the slope's part of the normal equations, of their scale: decides what nothing else does.
 const RIDGE: f64 = 1e-14;
 
