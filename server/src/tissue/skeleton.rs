@@ -149,3 +149,6 @@ pub(crate) fn one_carrier(level: &mut SkeletonLevel) {
         skin.weights = std::array::from_fn(|k| f64::from(u8::from(k == most)));
     }
 }
+
+#[cfg(test)]
+mod tests;
