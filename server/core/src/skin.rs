@@ -13,19 +13,23 @@
 //! Where the spheres say too little of the slope (all about one plane or line, and the vertex beside it), a line through
 //! them would be a guess: there the weights go over, smoothly, to the plain weighted mean.
 
+mod masters;
+
 use nalgebra::{Matrix4, Vector4};
 
 use crate::math::{Vec3, fclamp, fmax, norm};
 use crate::scene::Object;
+use crate::tissue::TissueModel;
+use crate::tree::{Node, SphereTree};
 
 /// Rank of the neighbours about whose distance spheres cease to be felt.
-const CARRIERS: usize = 24;
+const CARRIERS: usize = 48;
 /// How much farther they are felt.
 const REACH: f64 = 1.3;
 /// Sum of the weights' sizes up to which the fitted line is trusted, and from which only the mean is: 1 is a mean of
 /// what lies about, more is a line drawn out beyond it.
-const TRUSTED: f64 = 4.0;
-const DISTRUSTED: f64 = 8.0;
+const TRUSTED: f64 = 8.0;
+const DISTRUSTED: f64 = 16.0;
 /// Added to the slope's part of the normal equations, of their scale: decides what nothing else does.
 const RIDGE: f64 = 1e-14;
 
@@ -66,20 +70,40 @@ impl DisplaySkin {
         skin
     }
 
-    /// The skin of an object's display mesh over the spheres of its contact level, at the places whose motion they make.
+    /// The skin of an object's display mesh over the spheres of its contact level.
     pub fn of(object: &Object) -> Self {
-        let centres: Vec<(u32, Vec3)> = object
-            .tree
-            .shape_at(object.level)
-            .map(|(id, _)| (id, object.tissue.place(&object.tree, id)))
-            .collect();
         let vertices: Vec<Vec3> = object
             .mesh
             .vertices
             .iter()
             .map(|v| Vec3::from(v.map(f64::from)))
             .collect();
-        Self::new(&centres, &vertices)
+        Self::of_tissue(&object.tree, object.level, &object.tissue, &vertices)
+    }
+
+    /// The skin of `vertices` (metres, the frame of the tree) over the spheres of a `level`, as the tissue has it.
+    pub fn of_tissue(
+        tree: &SphereTree,
+        level: u8,
+        tissue: &TissueModel,
+        vertices: &[Vec3],
+    ) -> Self {
+        let TissueModel::Surface(model) = tissue else {
+            let centres = tree.shape_at(level).map(|(id, node)| (id, node.centre));
+            return Self::new(&centres.collect::<Vec<_>>(), vertices);
+        };
+        let spheres: Vec<(u32, Node)> =
+            tree.shape_at(level).map(|(id, node)| (id, *node)).collect();
+        let mut skin = Self {
+            first: vec![0],
+            entries: Vec::new(),
+        };
+        for vertex in vertices {
+            skin.entries
+                .extend(masters::carriers(model, &spheres, vertex));
+            skin.first.push(skin.entries.len() as u32);
+        }
+        skin
     }
 
     /// Vertices of the mesh.

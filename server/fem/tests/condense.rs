@@ -109,7 +109,7 @@ fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_
     let nodes: Vec<u32> = mesh.nodes[..vertices].iter().map(near).collect();
     let skin = rest
         .iter()
-        .map(|p| condensed.skin(&condensed.weights(p)))
+        .map(|p| condensed.skin(&condensed.masters().weights(p)))
         .collect();
     let params = |large: f64| SurfaceParams {
         young: YOUNG,

@@ -224,7 +224,7 @@ pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec
         .map(|k| {
             let mut sum = BTreeMap::new();
             for &vertex in &of[first[k] as usize..first[k + 1] as usize] {
-                for (master, weight) in organ.weights(&vertices[vertex as usize]) {
+                for (master, weight) in organ.masters().weights(&vertices[vertex as usize]) {
                     *sum.entry(master).or_insert(0.0) += weight;
                 }
             }
@@ -245,7 +245,11 @@ pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec
     all.map(|(sum, node)| {
         let mut weights: Vec<(usize, f64)> = sum.iter().map(|(k, w)| (*k, *w)).collect();
         if weights.is_empty() {
-            weights.extend(organ.weights(&surface.nearest(&node.centre).point));
+            weights.extend(
+                organ
+                    .masters()
+                    .weights(&surface.nearest(&node.centre).point),
+            );
         }
         // The largest count.
         weights.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

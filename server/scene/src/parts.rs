@@ -149,8 +149,8 @@ impl Compiler<'_> {
                         BuildError::Organ { part, source }
                     })?;
                 let mut made = made;
-                for skin in &mut made.skin {
-                    skin.place += place;
+                for master in &mut made.masters.places {
+                    *master += place;
                 }
                 TissueModel::Surface(Box::new(made))
             }

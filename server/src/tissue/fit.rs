@@ -1,8 +1,8 @@
 //! Springs fitted to finite elements.
 //!
 //! At rest a skeleton with springs as stiff at any stretch obeys `K u = W' f`, and its skin moves by `B u`, `B` the skin over the
-//! spheres over the nodes. Sought are the springs' stiffnesses for which the mean over all training loads of `|B u - t|^2 / |t|^2`, `t`
-//! what finite elements say at the free vertices, is least. Each stiffness is `L L'`, `L` lower triangular with the exponentials of
+//! spheres over the nodes. Sought are the springs' stiffnesses for which the mean over all training loads of `|B u - t|^2 / |t|^2` is least, `t`
+//! what finite elements say at the free vertices; of loads of one newton each those that move more count more, by `|t|^2`: what is least is the whole error. Each stiffness is `L L'`, `L` lower triangular with the exponentials of
 //! three unknowns on its diagonal: positive definite whatever they are. The slope comes from the adjoint
 //! `K a = B'(B u - t)`, the way from the limited-memory method of Broyden, Fletcher, Goldfarb and Shanno (Liu and Nocedal 1989,
 //! doi:10.1007/BF01589116).
@@ -32,6 +32,12 @@ pub(crate) struct Example {
 
 /// Unknowns of a spring: logarithms of the diagonal of `L`, then what stands below it (yx, zx, zy), in units of its scale.
 const EACH: usize = 6;
+/// Price of an unknown that goes from where it began, where the mean over the loads of the error is 1: keeps in bounds what the
+/// loads hardly tell, such as how stiff the stiffest springs are.
+const DEAR: f64 = 3e-5;
+/// Farthest that a logarithm goes from where it began, and what stands below the diagonal from 0: stiffness stays within what a
+/// skeleton may have.
+const FARTHEST: [f64; 2] = [4.5, 300.0];
 /// Steps that the method remembers.
 const REMEMBERED: usize = 30;
 /// Tries of a step before the method is said to have ended.
@@ -52,6 +58,8 @@ pub(crate) struct Fit<'a> {
 
 /// An example, seen from the nodes; of unit size.
 struct Normal {
+    /// How much it counts, all together 1.
+    weight: f64,
     force: Vec<Vec3>,
     wanted: Vec<Vec3>,
 }
@@ -103,6 +111,7 @@ impl<'a> Fit<'a> {
                 .sum::<f64>()
                 .sqrt();
             let mut made = Normal {
+                weight: size * size,
                 force: vec![Vec3::zeros(); free],
                 wanted: vec![Vec3::zeros(); free],
             };
@@ -125,6 +134,11 @@ impl<'a> Fit<'a> {
             }
             (size > 0.0 && size.is_finite()).then_some(made)
         };
+        let mut examples: Vec<Normal> = examples.iter().filter_map(normal).collect();
+        let total: f64 = examples.iter().map(|example| example.weight).sum();
+        examples
+            .iter_mut()
+            .for_each(|example| example.weight /= total);
         let springs = level.springs.iter().enumerate().filter_map(|(k, spring)| {
             let (a, b) = (number[usize::from(spring.a)], number[usize::from(spring.b)]);
             (a.is_some() || b.is_some()).then_some((k, a, b))
@@ -135,7 +149,7 @@ impl<'a> Fit<'a> {
             springs: springs.collect(),
             free,
             squares,
-            examples: examples.iter().filter_map(normal).collect(),
+            examples,
             freedom,
             scale: (all / level.springs.len().max(1) as f64).sqrt(),
             level,
@@ -190,11 +204,21 @@ impl<'a> Fit<'a> {
         inverse(k, n)
     }
 
-    /// The sum of what is to be made least over its examples, and its slope.
+    /// What is to be made least about unknowns that began at `from`, and its slope.
+    fn priced(&self, x: &[f64], from: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let (mut value, mut slope) = self.value(x)?;
+        let each = DEAR / x.len().max(1) as f64;
+        for (slope, (x, from)) in slope.iter_mut().zip(x.iter().zip(from)) {
+            value += each * (x - from) * (x - from);
+            *slope += 2.0 * each * (x - from);
+        }
+        Some((value, slope))
+    }
+
+    /// The weighted mean over the examples of the square of the error over the displacement, and its slope.
     fn value(&self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
         let compliance = self.compliance(x)?;
         let n = self.free;
-        let share = 1.0 / self.examples.len().max(1) as f64;
         let mut value = 0.0;
         let mut slopes = vec![Mat3::zeros(); self.springs.len()];
         let mut moved_far = vec![Vec3::zeros(); n];
@@ -211,9 +235,9 @@ impl<'a> Fit<'a> {
             let mut sum = 1.0;
             for k in 0..n {
                 sum += u[k].dot(&(moved_far[k] - example.wanted[k] * 2.0));
-                off.push((moved_far[k] - example.wanted[k]) * (2.0 * share));
+                off.push((moved_far[k] - example.wanted[k]) * (2.0 * example.weight));
             }
-            value += share * sum;
+            value += example.weight * sum;
             let back = product(&compliance, &off);
             for (slope, (_, a, b)) in slopes.iter_mut().zip(&self.springs) {
                 let change = |of: &[Vec3]| {
@@ -269,7 +293,8 @@ impl<'a> Fit<'a> {
         let tries = (-40..=40).map(|k| shifted(0.15 * f64::from(k)));
         let valued = tries.filter_map(|x| Some((self.value(&x)?.0, x)));
         x = valued.min_by(|a, b| a.0.total_cmp(&b.0))?.1;
-        let (mut value, mut slope) = self.value(&x)?;
+        let from = x.clone();
+        let (mut value, mut slope) = self.priced(&x, &from)?;
         let mut memory: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
         let mut taken = 0;
         while taken < steps {
@@ -288,8 +313,13 @@ impl<'a> Fit<'a> {
             let mut length = (1.0 / farthest).min(1.0);
             let mut next = None;
             for _ in 0..TRIES {
-                let there: Vec<f64> = x.iter().zip(&way).map(|(x, w)| x + length * w).collect();
-                if let Some((v, g)) = self.value(&there)
+                let there: Vec<f64> = (0..x.len())
+                    .map(|k| {
+                        let most = FARTHEST[usize::from(k % EACH >= 3)];
+                        (x[k] + length * way[k]).clamp(from[k] - most, from[k] + most)
+                    })
+                    .collect();
+                if let Some((v, g)) = self.priced(&there, &from)
                     && v <= value + 1e-4 * length * fall
                 {
                     next = Some((there, v, g));
@@ -316,7 +346,8 @@ impl<'a> Fit<'a> {
                 break;
             }
         }
-        Some((self.level_with(&x), value.max(0.0).sqrt(), taken))
+        let error = self.value(&x)?.0.max(0.0).sqrt();
+        Some((self.level_with(&x), error, taken))
     }
 
     fn level_with(&self, x: &[f64]) -> SkeletonLevel {

@@ -19,7 +19,7 @@ const NOTHING: f64 = 1e-12;
 pub(crate) struct Loaded<'a> {
     organ: &'a Organ,
     model: TissueModel,
-    /// The surface over the places that the spheres move.
+    /// The surface over the spheres, as the model has it.
     skin: DisplaySkin,
     ready: Box<dyn Tissue>,
     ids: Vec<u32>,
@@ -34,14 +34,11 @@ impl<'a> Loaded<'a> {
         let Some(ready) = model.ready(&organ.tree, LEVEL) else {
             bail!("found a rigid model, expected one that yields");
         };
-        let places: Vec<(u32, Vec3)> = organ
-            .tree
-            .shape_at(LEVEL)
-            .map(|(id, _)| (id, model.place(&organ.tree, id)))
-            .collect();
+        let vertices = &organ.surface.vertices;
+        let skin = DisplaySkin::of_tissue(&organ.tree, LEVEL, &model, vertices);
         Ok(Self {
             ready,
-            skin: DisplaySkin::new(&places, &organ.surface.vertices),
+            skin,
             model,
             ids: (0..organ.tree.nodes().len() as u32).collect(),
             organ,
@@ -123,3 +120,6 @@ impl Judged for Loaded<'_> {
         &self.ns
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -170,3 +170,6 @@ pub(crate) fn training(organ: &Organ, patches: usize, spread: usize) -> Vec<Trac
     }
     all
 }
+
+#[cfg(test)]
+mod tests;

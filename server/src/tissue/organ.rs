@@ -128,25 +128,21 @@ impl Organ {
         })
     }
 
-    /// The skeleton of the tree. Fixed are the nodes with held tissue within half of their sphere's radius: the nodes are
-    /// coarse, and those that stood only on others near what is held would give way with them.
+    /// The skeleton of the tree. Fixed are the nodes whose sphere reaches held tissue, along any axis: the nodes are coarse,
+    /// and one beside what is held would give way with its neighbours.
     ///
     /// # Errors
     /// If nothing is fixed or free, or a node hangs on nothing.
     pub(crate) fn skeleton(&self, options: &SkeletonOptions) -> anyhow::Result<Skeleton> {
-        let radius = |place: &Vec3| {
+        let held = |place: &Vec3| {
             let own = self
                 .tree
                 .nodes()
                 .iter()
-                .filter(|node| node.level == 2 && node.centre == *place);
-            own.map(|node| node.contact_radius).fold(0.0, f64::max)
-        };
-        let held = |place: &Vec3| {
-            let reach = 0.5 * radius(place);
-            DIRECTIONS
-                .iter()
-                .any(|d| self.held_at(&(place + Vec3::from(*d) * reach)) > 0.5)
+                .filter(|node| node.centre == *place);
+            let radius = own.map(|node| node.contact_radius).fold(0.0, f64::max);
+            let towards = DIRECTIONS.iter().map(|d| place + Vec3::from(*d) * radius);
+            towards.into_iter().any(|at| self.held_at(&at) > 0.5)
         };
         Ok(skeleton_held(
             &self.tree,

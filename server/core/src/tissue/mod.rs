@@ -225,15 +225,6 @@ impl TissueModel {
         }
     }
 
-    /// The place at rest whose motion node `id` of `rest` makes, metres, in the frame of the tree: its centre, or where the model
-    /// says.
-    pub fn place(&self, rest: &SphereTree, id: u32) -> Vec3 {
-        match self {
-            TissueModel::Surface(model) => model.skin[id as usize].place,
-            _ => rest.nodes()[id as usize].centre,
-        }
-    }
-
     /// Whether nothing of it ever moves, so that a tick need not ask.
     #[inline]
     pub fn is_rigid(&self) -> bool {

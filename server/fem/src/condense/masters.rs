@@ -1,105 +1,51 @@
-//! Where the masters are, who follows them, and the functions on the surface that go with them.
+//! Where the masters are, and the functions on the surface that go with them.
 
 use std::collections::BTreeMap;
 
 use faer::Mat;
-use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
-use sulcus_core::tissue::surface::SURFACE_CARRIERS;
+use sulcus_core::tissue::surface::{Masters, SURFACE_CARRIERS};
 
 use crate::{FemError, TetMesh};
 
-/// Masters: those that move, then those that are held, which only make what is near them stay.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Masters {
-    places: Vec<Vec3>,
-    moving: usize,
-}
-
-impl Masters {
-    /// Chooses vertices of the surface, each as far as possible from those before it, until `most` of them move or none is left.
-    pub fn choose(mesh: &TetMesh, most: usize) -> Result<Self, FemError> {
-        let mut vertices = mesh.boundary_triangles().concat();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let at = |k: usize| mesh.nodes[vertices[k] as usize];
-        let held = |k: usize| mesh.held[vertices[k] as usize] == [true; 3];
-        let mut away = vec![f64::INFINITY; vertices.len()];
-        let (mut moving, mut still) = (Vec::new(), Vec::new());
-        loop {
-            let next =
-                (0..vertices.len()).fold(0, |best, k| if away[k] > away[best] { k } else { best });
-            if away[next] == 0.0 || (!held(next) && moving.len() == most) {
-                break;
-            }
-            if held(next) {
-                still.push(at(next));
-            } else {
-                moving.push(at(next));
-            }
-            for (k, away) in away.iter_mut().enumerate() {
-                *away = away.min((at(k) - at(next)).norm());
-            }
+/// Chooses vertices of the surface, each as far as possible from those before it, until `most` of them move or none is left.
+pub(super) fn choose(mesh: &TetMesh, most: usize) -> Result<Masters, FemError> {
+    let mut vertices = mesh.boundary_triangles().concat();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let at = |k: usize| mesh.nodes[vertices[k] as usize];
+    let held = |k: usize| mesh.held[vertices[k] as usize] == [true; 3];
+    let mut away = vec![f64::INFINITY; vertices.len()];
+    let (mut moving, mut still) = (Vec::new(), Vec::new());
+    loop {
+        let next =
+            (0..vertices.len()).fold(0, |best, k| if away[k] > away[best] { k } else { best });
+        if away[next] == 0.0 || (!held(next) && moving.len() == most) {
+            break;
         }
-        if moving.len() + still.len() <= SURFACE_CARRIERS || moving.is_empty() {
-            let found = format!("{} that move of {}", moving.len(), vertices.len());
-            return Err(FemError::field(
-                "vertices of the surface",
-                found,
-                "more than 8, some that move",
-            ));
+        if held(next) {
+            still.push(at(next));
+        } else {
+            moving.push(at(next));
         }
-        let count = moving.len();
-        moving.append(&mut still);
-        Ok(Self {
-            places: moving,
-            moving: count,
-        })
+        for (k, away) in away.iter_mut().enumerate() {
+            *away = away.min((at(k) - at(next)).norm());
+        }
     }
-
-    /// Whether enough of them are there to follow.
-    pub fn are_sound(&self) -> bool {
-        self.places.len() > SURFACE_CARRIERS
-            && (1..=self.places.len()).contains(&self.moving)
-            && self.places.iter().all(|p| p.iter().all(|x| x.is_finite()))
+    if moving.len() + still.len() <= SURFACE_CARRIERS || moving.is_empty() {
+        let found = format!("{} that move of {}", moving.len(), vertices.len());
+        return Err(FemError::field(
+            "vertices of the surface",
+            found,
+            "more than 8, some that move",
+        ));
     }
-
-    /// Those that move, metres.
-    pub fn moving(&self) -> &[Vec3] {
-        &self.places[..self.moving]
-    }
-
-    /// All places: of those that move, then of those that are held, metres.
-    pub fn places(&self) -> &[Vec3] {
-        &self.places
-    }
-
-    /// The nearest ones (by their number in [`Masters::places`]), weighted by `(1 - d/r)^2` with `r` the distance of the next: a
-    /// weight has gone to zero, slope and all, where another takes its place, so what follows is smooth. Sums to 1.
-    pub fn weights(&self, place: &Vec3) -> [(usize, f64); SURFACE_CARRIERS] {
-        let mut near: Vec<(f64, usize)> = self
-            .places
-            .iter()
-            .enumerate()
-            .map(|(k, p)| ((p - place).norm(), k))
-            .collect();
-        near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        let reach = near[SURFACE_CARRIERS].0.max(f64::MIN_POSITIVE);
-        let weight = |d: f64| {
-            let rest = (1.0 - d / reach).max(0.0);
-            rest * rest
-        };
-        let sum: f64 = near[..SURFACE_CARRIERS]
-            .iter()
-            .map(|(d, _)| weight(*d))
-            .sum();
-        std::array::from_fn(|slot| {
-            let (d, k) = near[slot];
-            // All nine at one distance: each is as good as any.
-            let even = 1.0 / SURFACE_CARRIERS as f64;
-            (k, if sum > 0.0 { weight(d) / sum } else { even })
-        })
-    }
+    let count = moving.len();
+    moving.append(&mut still);
+    Ok(Masters {
+        places: moving,
+        moving: count as u16,
+    })
 }
 
 /// The functions of the moving masters on the surface: linear on each triangle, by the weights of its corners.
@@ -113,7 +59,7 @@ pub(super) struct Functions {
 
 impl Functions {
     pub fn new(mesh: &TetMesh, masters: &Masters) -> Self {
-        let count = masters.moving().len();
+        let count = masters.moving();
         let mut forces = vec![BTreeMap::<u32, f64>::new(); count];
         let mut mass = Mat::<f64>::zeros(count, count);
         for [a, b, c, middles @ ..] in mesh.boundary_faces() {

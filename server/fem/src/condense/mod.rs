@@ -13,15 +13,15 @@ mod masters;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
-use sulcus_core::Vec3;
 use sulcus_core::tissue::surface::{
-    Cells, MAX_CELLS, MAX_MASTERS, SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
+    Cells, MAX_CELLS, MAX_MASTERS, Masters, SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams,
+    SurfaceSkin,
 };
 
 use crate::element::gradients;
 use crate::{Elastic, Factored, FemError, TetMesh};
 use cells::divide;
-use masters::{Functions, Masters};
+use masters::{Functions, choose};
 
 /// Most bytes of a condensed organ.
 const MOST_BYTES: usize = 1 << 24;
@@ -79,26 +79,18 @@ impl Condensed {
         Ok(organ)
     }
 
-    /// Masters that move.
-    pub fn masters(&self) -> usize {
-        self.masters.moving().len()
+    /// The masters.
+    pub fn masters(&self) -> &Masters {
+        &self.masters
     }
 
-    /// How much each master counts at a place on the surface (metres, the mesh's frame), by its number; numbers from
-    /// [`Condensed::masters`] on are held. Sums to 1.
-    pub fn weights(&self, place: &Vec3) -> [(usize, f64); SURFACE_CARRIERS] {
-        self.masters.weights(place)
-    }
-
-    /// Who carries a sphere that follows the masters with these weights (by number, each once; sum 1; no more than eight).
+    /// Who carries a sphere that follows the masters with these weights (by number, each once; no more than eight).
     pub fn skin(&self, weights: &[(usize, f64)]) -> SurfaceSkin {
         let mut skin = SurfaceSkin::default();
-        for (slot, &(k, w)) in weights.iter().enumerate().take(SURFACE_CARRIERS) {
-            skin.place += self.masters.places()[k] * w;
-            if k < self.masters() {
-                skin.masters[slot] = k as u16;
-                skin.weights[slot] = w;
-            }
+        let moving = weights.iter().filter(|(k, _)| *k < self.masters.moving());
+        for (slot, &(k, w)) in moving.enumerate().take(SURFACE_CARRIERS) {
+            skin.masters[slot] = k as u16;
+            skin.weights[slot] = w;
         }
         skin
     }
@@ -110,7 +102,7 @@ impl Condensed {
                 poisson: self.poisson,
                 ..params
             },
-            masters: self.masters() as u16,
+            masters: self.masters.clone(),
             compliance: self.compliance.clone(),
             cells: self.cells.clone(),
             skin,
@@ -143,9 +135,9 @@ pub fn condense(
         poisson,
     };
     let factored = Factored::new(mesh, &material)?;
-    let masters = Masters::choose(mesh, options.masters)?;
+    let masters = choose(mesh, options.masters)?;
     let functions = Functions::new(mesh, &masters);
-    let count = masters.moving().len();
+    let count = masters.moving();
     let mass = functions
         .mass
         .llt(Side::Lower)

@@ -220,7 +220,7 @@ fn surface<'a>(
     };
     Ok(Judgement {
         models: vec![model(0.0)?, model(1.0)?],
-        parts: format!("{} masters, {} cells", made.masters(), fine.cells),
+        parts: format!("{} masters, {} cells", made.masters().moving(), fine.cells),
         what: "condensed; linear cases without the term for large displacements".into(),
     })
 }

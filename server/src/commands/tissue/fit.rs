@@ -45,7 +45,7 @@ pub struct FitArgs {
     #[arg(long, value_enum, default_value = "tensor")]
     freedom: Freedom,
     /// Most steps of the fit
-    #[arg(long, default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: u32,
     /// Young's modulus of the training cases, kPa; the fitted stiffness goes with it
     #[arg(long, value_name = "KPA", default_value_t = 100.0)]
@@ -136,6 +136,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
             args.fem.display()
         );
     };
+    level.validate(&organ.tree)?;
     let what = match args.freedom {
         Freedom::One => "one factor on all springs",
         Freedom::Axes => "the stiffness of each spring along each axis",

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::masters::Masters;
 use crate::TICK_S;
-use crate::math::Vec3;
 use crate::params::within;
 use crate::tissue::TissueError;
 use crate::tree::SphereTree;
@@ -20,8 +20,8 @@ pub const SURFACE_CARRIERS: usize = 8;
 pub struct SurfaceCompliance {
     /// Numbers that a user may turn.
     pub params: SurfaceParams,
-    /// Masters; of each x, y and z in turn.
-    pub masters: u16,
+    /// Masters; in what follows x, y and z in turn of those that move.
+    pub masters: Masters,
     /// Compliance between the masters for a Young's modulus of 1 Pa, 1/m: the lower triangle, row by row.
     pub compliance: Vec<f32>,
     /// The large-displacement term.
@@ -65,25 +65,12 @@ impl Default for SurfaceParams {
 }
 
 /// Who carries a sphere: a place without a carrier has weight zero. Where the weights fall short of 1 the rest is held.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceSkin {
-    /// The place whose motion it makes, the mean of its masters' places with their weights, those that are held included; metres,
-    /// the object's frame. Turns and stretches of the organ are followed exactly there, not at the sphere's centre below.
-    pub place: Vec3,
     /// Masters.
     pub masters: [u16; SURFACE_CARRIERS],
     /// How much each counts.
     pub weights: [f64; SURFACE_CARRIERS],
-}
-
-impl Default for SurfaceSkin {
-    fn default() -> Self {
-        Self {
-            place: Vec3::zeros(),
-            masters: [0; SURFACE_CARRIERS],
-            weights: [0.0; SURFACE_CARRIERS],
-        }
-    }
 }
 
 fn wrong(
@@ -124,7 +111,7 @@ impl SurfaceCompliance {
     /// Numbers of state: twice the displacement of the masters (with the large-displacement term, and its linear part), then
     /// the gradients of the cells.
     pub fn state_len(&self) -> usize {
-        6 * usize::from(self.masters) + 9 * self.cells.volumes.len()
+        6 * self.masters.moving() + 9 * self.cells.volumes.len()
     }
 
     /// Compliance between two of the masters' numbers for 1 Pa, 1/m.
@@ -139,9 +126,16 @@ impl SurfaceCompliance {
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         self.params.validate()?;
-        let (m, cells) = (usize::from(self.masters), self.cells.volumes.len());
+        let (m, cells) = (self.masters.moving(), self.cells.volumes.len());
         if !(1..=MAX_MASTERS).contains(&m) {
             return wrong("number of masters", m, "1 to 256");
+        }
+        if !self.masters.are_sound() {
+            return wrong(
+                "masters",
+                format!("{m} that move of {}", self.masters.places.len()),
+                "more than 8 at finite places",
+            );
         }
         let entries = 3 * m * (3 * m + 1) / 2;
         if self.compliance.len() != entries {
@@ -183,9 +177,6 @@ impl SurfaceCompliance {
                     "none negative, sum at most 1",
                 );
             }
-            if !skin.place.iter().all(|x| x.is_finite()) {
-                return wrong("place of a sphere", format!("{:?}", skin.place), "finite");
-            }
             if let Some(master) = skin.masters.iter().find(|x| usize::from(**x) >= m) {
                 return wrong(
                     "skin",
@@ -199,7 +190,7 @@ impl SurfaceCompliance {
 
     /// The first pivot of a Cholesky factor that is negative by more than single precision explains, if there is one.
     fn negative_pivot(&self) -> Option<f64> {
-        let n = 3 * usize::from(self.masters);
+        let n = 3 * self.masters.moving();
         let most = (0..n).fold(0.0, |most, i| crate::math::fmax(most, self.entry(i, i)));
         let spare = 1e-5 * most;
         let mut factor = vec![0.0; n * n];

@@ -24,6 +24,7 @@
 //! the optimisation sees, `W S W' dt / (tau + dt)`, stays symmetric and positive semi-definite.
 
 mod data;
+mod masters;
 mod ready;
 mod stress;
 #[cfg(test)]
@@ -32,5 +33,6 @@ mod tests;
 pub use data::{
     Cells, MAX_CELLS, MAX_MASTERS, SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
 };
+pub use masters::Masters;
 pub(in crate::tissue) use ready::Ready;
 pub use stress::quadratic_stress;

@@ -60,7 +60,7 @@ fn add_rows(sum: &mut [f32], table: &[f32], by: [f32; 3]) {
 impl Ready {
     /// `model` must have passed its check against `rest`.
     pub fn new(model: &SurfaceCompliance, rest: &SphereTree, level: u8) -> Self {
-        let (params, masters) = (&model.params, usize::from(model.masters));
+        let (params, masters) = (&model.params, model.masters.moving());
         let n = 3 * masters;
         let new = TICK_S / (params.relaxation + TICK_S);
         let mut slots = vec![NONE; rest.nodes().len()];
