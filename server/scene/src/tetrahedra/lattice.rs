@@ -9,9 +9,10 @@ use super::{MOST_NODES, TetraError};
 use crate::distance::MeshDistance;
 use crate::parallel;
 
-/// Shares of a long and of a short edge within which a cut point moves the node onto it (the paper's table for uniform
-/// tetrahedra: best smallest angle).
-const NEAR: [f64; 2] = [0.249_99, 0.411_89];
+/// Shares of a long and of a short edge within which a cut point moves the node onto it. Over all ways to be cut, as the test
+/// below draws them, the angles are 10.5 to 163.8 degrees with these, 9.3 to 161.7 with 0.25 and 0.412, 8.0 to 160.6 with
+/// 0.25 and 0.36, 10.7 to 164.7 with 0.285 and 0.398.
+const NEAR: [f64; 2] = [0.28, 0.40];
 /// Distance to the surface at which a cut point is found, in edges.
 const FOUND: f64 = 1e-9;
 /// Most steps to a cut point; every third halves what is left, so that the last is below [`FOUND`].
@@ -46,10 +47,10 @@ struct Cuts {
 }
 
 impl Lattice {
-    /// Around a box, with its middle in the lattice's middle.
-    pub fn around(low: Vec3, high: Vec3, size: f64) -> Result<Self, TetraError> {
-        // A cube more on each side: the outermost half cubes are not filled.
-        let wanted = (high - low).map(|length| (length / size).ceil() + 2.0);
+    /// Around a box, with its middle moved by `shift` (in cubes, up to half of one) from the lattice's middle.
+    pub fn around(low: Vec3, high: Vec3, size: f64, shift: Vec3) -> Result<Self, TetraError> {
+        // At least a cube more on each side: the outermost half cubes are not filled.
+        let wanted = (high - low).map(|length| (length / size).ceil() + 3.0);
         let nodes = 2.0 * wanted.map(|n| n + 1.0).product();
         // Written so that a NaN is too many.
         if !(nodes <= MOST_NODES) {
@@ -58,7 +59,7 @@ impl Lattice {
             return Err(TetraError::field("size", found, expected));
         }
         Ok(Self {
-            low: (low + high - wanted * size) * 0.5,
+            low: (low + high - wanted * size) * 0.5 - shift * size,
             half: 0.5 * size,
             cubes: [0, 1, 2].map(|axis| wanted[axis] as usize),
         })
@@ -102,43 +103,48 @@ impl Lattice {
     }
 
     /// The tetrahedra inside a surface.
-    ///
-    /// The order of vertices that settles how faces are cut: cut points of long edges, nodes of the lattice with even
-    /// parity, those with odd parity, cut points of short edges. So a face cut through its long edge is split from there, as
-    /// the paper wants; one cut through both short edges is split from the long edge's even end (every long edge has one),
-    /// which all tetrahedra around that edge agree on: the paper's parity rule.
     pub fn stuff(&self, threads: usize, surface: &MeshDistance, progress: &dyn Fn(f64)) -> Filled {
         let distances = self.distances(threads, surface, &|share| progress(0.6 * share));
         let of = |d: &f64| Side::from(*d < 0.0) - Side::from(*d > 0.0);
-        let mut sides: Vec<Side> = distances.iter().map(of).collect();
-        let cuts = self.cuts(threads, surface, &distances, &sides);
-        progress(0.9);
-        let mut places: Vec<Vec3> = (0..self.nodes()).map(|k| self.place(self.at(k))).collect();
-        self.warp(&cuts, &mut places, &mut sides);
-        places.extend(&cuts.places);
+        let sides: Vec<Side> = distances.iter().map(of).collect();
+        let ends = self.crossed(&sides);
+        let places = parallel::map_on(threads, ends.len(), |k| {
+            let of = |node: u32| (self.place(self.at(node as usize)), distances[node as usize]);
+            crossing(surface, of(ends[k][0]), of(ends[k][1]), FOUND * self.half)
+        });
+        let cuts = Cuts { ends, places };
+        progress(0.95);
+        self.fill(&cuts, sides)
+    }
 
+    /// The tetrahedra inside cuts, given on which side each node lies.
+    ///
+    /// The order of vertices that settles how faces are split: cut points of long edges, nodes of the lattice of even
+    /// parity, those of odd parity, cut points of short edges. So a face that is cut through its long edge is split from
+    /// there; one that is cut through both short edges is split from the even end of its long edge (each has one), on which
+    /// all tetrahedra around that edge agree: the paper's parity rule. With the nodes' indices for an order the smallest
+    /// angle is 4.1 degrees instead of 10.5.
+    fn fill(&self, cuts: &Cuts, mut sides: Vec<Side>) -> Filled {
+        let mut places: Vec<Vec3> = (0..self.nodes()).map(|k| self.place(self.at(k))).collect();
+        self.warp(cuts, &mut places, &mut sides);
+        places.extend(&cuts.places);
         let nodes = self.nodes() as u32;
         let rank = |vertex: u32| {
             let class = match vertex.checked_sub(nodes) {
                 Some(cut) => 3 * u64::from(!self.is_long(cuts.ends[cut as usize])),
                 None => {
                     let at = self.at(vertex as usize);
-                    1 + (at.iter().sum::<i32>() >> 1 & 1) as u64
+                    1 + ((at.iter().sum::<i32>() >> 1) & 1) as u64
                 }
             };
-            class << 32 | u64::from(vertex)
+            (class << 32) | u64::from(vertex)
         };
         let cut = |a: u32, b: u32| nodes + cuts.find(a, b);
         let mut tets = Vec::new();
         for middle in self.corners()..self.nodes() {
             for corners in self.tets_from(middle) {
-                fill(
-                    corners,
-                    corners.map(|k| sides[k as usize]),
-                    cut,
-                    rank,
-                    &mut tets,
-                );
+                let sides = corners.map(|k| sides[k as usize]);
+                fill(corners, sides, cut, rank, &places, &mut tets);
             }
         }
         (places, tets)
@@ -231,14 +237,8 @@ impl Lattice {
         (ends[0] < corners) == (ends[1] < corners)
     }
 
-    /// Where edges from inside to outside cross.
-    fn cuts(
-        &self,
-        threads: usize,
-        surface: &MeshDistance,
-        distances: &[f64],
-        sides: &[Side],
-    ) -> Cuts {
+    /// The edges from inside to outside.
+    fn crossed(&self, sides: &[Side]) -> Vec<[u32; 2]> {
         let mut ends = Vec::new();
         for (a, side) in sides.iter().enumerate() {
             let at = self.at(a);
@@ -252,12 +252,7 @@ impl Lattice {
             }
         }
         ends.sort_unstable();
-        let places = parallel::map_on(threads, ends.len(), |k| {
-            let [a, b] = ends[k].map(|node| node as usize);
-            let of = |node: usize| (self.place(self.at(node)), distances[node]);
-            crossing(surface, of(a), of(b), FOUND * self.half)
-        });
-        Cuts { ends, places }
+        ends
     }
 
     /// Moves nodes onto cut points that are too near, one after the other, each to the nearest; the cut points of all
@@ -331,4 +326,70 @@ fn crossing(surface: &MeshDistance, a: (Vec3, f64), b: (Vec3, f64), near: f64) -
         (tb, fb) = (t, d);
     }
     best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::tetrahedra::stencil::{dihedral_cosines, six_volumes};
+
+    /// The paper's theorem, on every way that a tetrahedron can be cut: sides at random, cut points anywhere on their edges,
+    /// most of them where nodes just move or just do not.
+    #[test]
+    fn no_cut_turns_a_tetrahedron_inside_out_or_makes_it_flat() {
+        let lattice = Lattice {
+            low: Vec3::zeros(),
+            half: 1.0,
+            cubes: [20; 3],
+        };
+        let mut random = Random::new(5);
+        let (mut least, mut most, mut count) = (180.0_f64, 0.0_f64, 0);
+        for inside in [0.2, 0.5, 0.5, 0.5, 0.5, 0.8, 0.97] {
+            let mut sides: Vec<Side> = (0..lattice.nodes())
+                .map(|_| {
+                    if random.between(0.0, 1.0) < inside {
+                        1
+                    } else {
+                        -1
+                    }
+                })
+                .collect();
+            for _ in 0..50 {
+                sides[random.between(0.0, lattice.nodes() as f64) as usize] = 0;
+            }
+            let ends = lattice.crossed(&sides);
+            let places = ends.iter().map(|&ends| {
+                let near = NEAR[usize::from(!lattice.is_long(ends))];
+                let share = match random.between(0.0, 6.0) as u32 {
+                    0 => random.between(0.0, 1.0),
+                    1 => near * 0.999_999,
+                    2 => near * 1.000_001,
+                    3 => 1.0 - near * 1.000_001,
+                    4 => 1.0 - near * 0.999_999,
+                    _ => 0.5,
+                };
+                let [a, b] = ends.map(|node| lattice.place(lattice.at(node as usize)));
+                a + (b - a) * share
+            });
+            let cuts = Cuts {
+                places: places.collect(),
+                ends,
+            };
+            let (places, tets) = lattice.fill(&cuts, sides);
+            for tet in &tets {
+                let corners = tet.map(|k| places[k as usize]);
+                assert!(six_volumes(&corners) > 0.0, "{corners:?}");
+                for cosine in dihedral_cosines(&corners) {
+                    let angle = libm::acos(cosine).to_degrees();
+                    least = least.min(angle);
+                    most = most.max(angle);
+                }
+            }
+            count += tets.len();
+        }
+        println!("{count} tetrahedra, angles {least:.2} to {most:.2} degrees");
+        assert!(count > 100_000, "{count}");
+        assert!(least > 10.5 && most < 163.8, "{least} {most}");
+    }
 }
