@@ -3,7 +3,8 @@
 //!
 //! Space is filled with the tetrahedra of a body-centred cubic lattice, whose dihedral angles are 60 and 90 degrees. Where an
 //! edge crosses the surface its cut point is found on the true signed distance. A lattice node that a cut point comes too
-//! near to is moved onto it; the tetrahedra that still cross are cut and their outer parts dropped. Whatever
+//! near to is moved onto it; the tetrahedra that still cross are cut and their outer parts dropped. Where that would let two sides of a narrow
+//! gap touch, the node stays and the cut point is moved. Whatever
 //! the surface is, no tetrahedron turns inside out and every dihedral angle stays over 10.5 and under 163.8 degrees (the paper
 //! proves 10.7 and 164.8 for its own constants): only how well the surface is followed depends on it.
 //!
@@ -13,6 +14,8 @@ mod lattice;
 mod pieces;
 mod stencil;
 
+use std::collections::BTreeSet;
+
 use sulcus_core::Vec3;
 use sulcus_fem::{FemError, TetMesh};
 
@@ -21,6 +24,7 @@ use crate::distance::MeshDistance;
 use crate::mesh::TriMesh;
 use crate::parallel;
 use lattice::{Filled, Lattice};
+use pieces::Piece;
 
 /// Most nodes of the lattice around the surface: some hundred megabytes.
 pub const MOST_NODES: f64 = 2e6;
@@ -28,9 +32,8 @@ pub const MOST_NODES: f64 = 2e6;
 /// Largest share of the volume that may hang apart from the largest piece; it is left out.
 pub const MOST_APART: f64 = 0.01;
 
-/// Places of the lattice that are tried, until the boundary nowhere touches itself: chance decides whether the two sides of a
-/// gap narrower than an edge get an edge in common.
-const PLACES: usize = 8;
+/// Most times that nodes are set back where the boundary touches itself. Two or three do; each time there are fewer.
+const ROUNDS: usize = 32;
 
 /// Why a surface cannot be filled.
 #[derive(Debug, thiserror::Error)]
@@ -48,9 +51,9 @@ pub enum TetraError {
     /// The surface is not a solid.
     #[error(transparent)]
     Surface(MeshError),
-    /// The boundary of the tetrahedra is not that of a solid, wherever the lattice is placed.
+    /// The boundary of the tetrahedra is not that of a solid.
     #[error("lattice of {mm} mm: {error}; choose a smaller size")]
-    Touching {
+    Boundary {
         /// Edge of the lattice's cubes, mm.
         mm: f64,
         /// What is wrong with the boundary.
@@ -72,15 +75,15 @@ impl TetraError {
 }
 
 /// Fills a closed surface with quadratic tetrahedra, middle nodes on straight edges, nothing held. `size` is the edge of the
-/// lattice's cubes, metres; its other edges are 0.87 of it. `progress` gets how much is done, up to 1; it starts
-/// again when the lattice has to be placed anew.
+/// lattice's cubes, metres; its other edges are 0.87 of it. `progress` gets how much is done, up to 1.
 ///
-/// The corners on the boundary lie on the surface, within a billionth of `size`. The result is a function of the arguments
+/// The corners on the boundary lie on the surface, within a billionth of `size`, but for a few where two sides of the surface
+/// are nearer to each other than an edge: they may be up to 0.35 of `size` off, so that the sides do not touch. The result is a function of the arguments
 /// alone, whatever the number of threads.
 ///
 /// # Errors
 /// When the surface is no solid, `size` is not a length or would take more than [`MOST_NODES`], nothing is inside, more than
-/// [`MOST_APART`] of the volume hangs apart, or the boundary touches itself.
+/// [`MOST_APART`] of the volume hangs apart, or the boundary is not that of a solid.
 pub fn tetrahedra(
     surface: &MeshDistance,
     size: f64,
@@ -100,41 +103,34 @@ fn tetrahedra_on(
         return Err(TetraError::field("size", found, "a length over 0, metres"));
     }
     check(surface.mesh(), "surface").map_err(TetraError::Surface)?;
-    let mut filled = fill(threads, surface, size, shift(0), progress);
-    for place in 1..PLACES {
-        if !matches!(filled, Err(TetraError::Touching { .. })) {
+    let (low, high) = surface.mesh().bounds();
+    let lattice = Lattice::around(low, high, size)?;
+    let sampled = lattice.sample(threads, surface, &|share| progress(0.7 * share));
+    let mut fixed = BTreeSet::new();
+    let mut piece = largest(&lattice.fill(&sampled, &fixed), size)?;
+    for _ in 0..ROUNDS {
+        let touching = piece.touching();
+        if touching.is_empty() {
             break;
         }
-        filled = fill(threads, surface, size, shift(place), progress);
+        fixed.extend(touching);
+        piece = largest(&lattice.fill(&sampled, &fixed), size)?;
     }
-    let (nodes, tets) = filled?;
-    let mesh = TetMesh::from_corners(nodes, &tets);
+    progress(0.9);
+    check(&pieces::outside(&piece.nodes, &piece.tets), "boundary").map_err(|error| {
+        let mm = size * 1e3;
+        TetraError::Boundary { mm, error }
+    })?;
+    let mesh = TetMesh::from_corners(piece.nodes, &piece.tets);
     mesh.validate().map_err(TetraError::Mesh)?;
     progress(1.0);
     Ok(mesh)
 }
 
-/// Where the lattice is moved to, in cubes: the additive recurrence that fills space most evenly (powers of the inverse of
-/// the root of x^4 = x + 1).
-fn shift(place: usize) -> Vec3 {
-    Vec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478).map(|step| {
-        let along = step * place as f64;
-        along - along.round()
-    })
-}
-
-/// Corners and tetrahedra of the largest piece, on a lattice moved by `shift` cubes.
-fn fill(
-    threads: usize,
-    surface: &MeshDistance,
-    size: f64,
-    shift: Vec3,
-    progress: &dyn Fn(f64),
-) -> Result<Filled, TetraError> {
-    let (low, high) = surface.mesh().bounds();
+/// The largest piece.
+fn largest(filled: &Filled, size: f64) -> Result<Piece, TetraError> {
     let mm = size * 1e3;
-    let filled = Lattice::around(low, high, size, shift)?.stuff(threads, surface, progress);
-    let (nodes, tets) = pieces::largest(filled).map_err(|apart| match apart {
+    pieces::largest(filled).map_err(|apart| match apart {
         None => TetraError::field(
             "number of tetrahedra",
             format!("0 with a lattice of {mm} mm"),
@@ -148,11 +144,7 @@ fn fill(
             ),
             format!("at most {} %: choose a smaller size", 100.0 * MOST_APART),
         ),
-    })?;
-    match check(&pieces::outside(&nodes, &tets), "boundary") {
-        Ok(_) => Ok((nodes, tets)),
-        Err(error) => Err(TetraError::Touching { mm, error }),
-    }
+    })
 }
 
 /// Holds the nodes whose place says so along all axes; how many they are.
