@@ -275,72 +275,72 @@ fn tetrahedra_of_real_organs() {
     }
 }
 
-/// Force (N) on each node from a load of 1 N downwards, spread about `at` over the surface that faces up as a bell of
-/// `width`: quadratic triangles with their middle nodes as points of integration.
-fn load(mesh: &TetMesh, at: Vec3, width: f64) -> Vec<Vec3> {
-    let mut middles = BTreeMap::new();
-    for tet in &mesh.tets {
-        for (k, [a, b]) in [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]]
-            .into_iter()
-            .enumerate()
-        {
-            let place = (mesh.nodes[tet[a] as usize] + mesh.nodes[tet[b] as usize]) * 0.5;
-            middles.insert([place.x, place.y, place.z].map(f64::to_bits), tet[4 + k]);
-        }
-    }
+/// Force (N) on each node from a load of 1 N along z, down on what faces up or up on what faces down, spread about `at` as a
+/// bell of `width`: quadratic triangles with their middle nodes as points of integration.
+fn load(mesh: &TetMesh, at: Vec3, width: f64, down: bool) -> Vec<Vec3> {
+    let bits = |x: Vec3| [x.x, x.y, x.z].map(f64::to_bits);
     let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];
+    let nodes = (0..).zip(&mesh.nodes).map(|(k, x)| (bits(*x), k));
+    let nodes: BTreeMap<[u64; 3], usize> = nodes.collect();
     let surface = boundary(mesh);
-    for t in (0..surface.triangles.len()).filter(|&t| surface.area_vector(t).z > 0.0) {
-        let corners = surface.corners(t);
-        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-            let place = (corners[a] + corners[b]) * 0.5;
-            let node = middles[&[place.x, place.y, place.z].map(f64::to_bits)] as usize;
-            let away = (place - at).norm() / width;
-            forces[node].z -= surface.area_vector(t).z * libm::exp(-0.5 * away * away);
+    for t in 0..surface.triangles.len() {
+        let (corners, area) = (surface.corners(t), surface.area_vector(t).z);
+        if (area > 0.0) == down {
+            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+                let place = (corners[a] + corners[b]) * 0.5;
+                let away = (place - at).norm() / width;
+                forces[nodes[&bits(place)]].z -= area * libm::exp(-0.5 * away * away);
+            }
         }
     }
-    let whole: f64 = -forces.iter().map(|f| f.z).sum::<f64>();
+    let whole: f64 = forces.iter().map(|f| f.z.abs()).sum();
     forces.iter().map(|f| f / whole).collect()
 }
 
+/// A load on the back of a tongue held by its root below, and a squeeze between back and underside; how far they move along
+/// their own direction. The squeeze tells of the tetrahedra: it is the same at any size. The load also tells which nodes
+/// happen to lie in the small region that is held, whose edge no lattice follows (at 3.5 and 3 mm it sinks by 95.3 and 95.4
+/// mm/N): the bound says how much that matters at these sizes.
 #[test]
-fn tetrahedra_of_the_tongue_bear_a_load_alike_at_any_size() {
+fn tetrahedra_of_the_tongue_bear_loads_alike_at_any_size() {
     let surface = Tongue::default().mesh();
     let (low, high) = surface.bounds();
     let material = Elastic {
         young: 15e3,
         poisson: 0.49,
     };
-    let sizes = std::env::var("SIZES").map_or(vec![8e-3, 6e-3, 4.5e-3], |s| {
-        s.split(',')
-            .map(|x| x.parse::<f64>().unwrap() * 1e-3)
-            .collect()
-    });
-    let mut sinks = vec![];
-    for size in sizes {
+    let (mut sinks, mut squeezes) = (Vec::new(), Vec::new());
+    for size in [8e-3, 6e-3, 4.5e-3] {
         let (mut mesh, _) = filled("tongue", &surface, size);
         let held = hold(&mut mesh, |x| {
             x.x < low.x + 0.12 * (high.x - low.x) && x.z < low.z + 0.25 * (high.z - low.z)
         });
         let started = std::time::Instant::now();
-        let forces = load(&mesh, Vec3::new(0.0, 0.0, high.z), 8e-3);
-        let moved = Factored::new(&mesh, &material)
-            .expect("factored")
-            .solve(std::slice::from_ref(&forces));
-        let moved = moved.expect("displacements").remove(0);
-        // What the load moves on by: twice its work for 1 N.
-        let sink: f64 = forces.iter().zip(&moved).map(|(f, u)| f.dot(u)).sum();
+        let on_back = load(&mesh, Vec3::new(0.0, 0.0, high.z), 8e-3, true);
+        let below = load(&mesh, Vec3::new(0.0, 0.0, low.z), 8e-3, false);
+        let squeeze = on_back.iter().zip(&below).map(|(a, b)| a + b).collect();
+        let loads = [on_back, squeeze];
+        let factored = Factored::new(&mesh, &material).expect("factored");
+        let moved = factored.solve(&loads).expect("displacements");
+        // Twice the work.
+        let [sink, squeezed] = [0, 1].map(|k| -> f64 {
+            let pairs = loads[k].iter().zip(&moved[k]);
+            pairs.map(|(f, u)| f.dot(u)).sum()
+        });
         println!(
-            "{:.1} mm: {held} held, sinks {:.4} mm, {:.2} s",
+            "{:.1} mm: {held} nodes held, sinks {:.2} mm/N, squeezed {:.3} mm/N, {:.2} s",
             size * 1e3,
             sink * 1e3,
+            squeezed * 1e3,
             started.elapsed().as_secs_f64()
         );
         sinks.push(sink);
+        squeezes.push(squeezed);
     }
-    let [coarse, middle, fine] = sinks[..] else {
-        panic!()
-    };
-    assert!((fine - middle).abs() < (middle - coarse).abs(), "{sinks:?}");
-    assert!((fine / middle - 1.0).abs() < 0.05, "{sinks:?}");
+    let steps = |of: &[f64]| [(of[1] / of[0] - 1.0).abs(), (of[2] / of[1] - 1.0).abs()];
+    assert!(
+        steps(&squeezes).iter().all(|step| *step < 0.003),
+        "{squeezes:?}"
+    );
+    assert!(steps(&sinks).iter().all(|step| *step < 0.1), "{sinks:?}");
 }

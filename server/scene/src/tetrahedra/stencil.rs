@@ -2,8 +2,7 @@
 //!
 //! The cut faces of a prism or pyramid are split by the diagonal from their lowest vertex (Dompierre et al. 1999, "How to
 //! subdivide pyramids, prisms and hexahedra into tetrahedra"): both tetrahedra at a face agree without asking, and a prism is
-//! never left in the one way that has no tetrahedra. The order of the vertices decides the angles; the
-//! lattice knows it. A side of a prism that lies on the surface is split the way that leaves the larger smallest angle.
+//! never left in the one way that has no tetrahedra. The order of the vertices decides the angles; the lattice knows it. A side of a prism that lies on the surface is split the way that leaves the larger smallest angle.
 
 use sulcus_core::Vec3;
 
