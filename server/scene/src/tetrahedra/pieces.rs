@@ -1,5 +1,7 @@
 //! What hangs together: tetrahedra that meet in a vertex only are parted there, the largest piece is kept.
 
+use std::collections::BTreeSet;
+
 use sulcus_core::Vec3;
 
 use super::lattice::Filled;
@@ -43,17 +45,67 @@ pub fn outside(nodes: &[Vec3], tets: &[[u32; 4]]) -> TriMesh {
     mesh
 }
 
-/// The largest piece, its nodes in the order of its tetrahedra, each node of one fan of tetrahedra only.
+/// The largest piece.
+pub struct Piece {
+    /// Vertices, metres, in the order of the tetrahedra.
+    pub nodes: Vec<Vec3>,
+    /// What each was before.
+    pub before: Vec<u32>,
+    /// Tetrahedra; those at a vertex hang together by faces at it.
+    pub tets: Vec<[u32; 4]>,
+}
+
+impl Piece {
+    /// What the vertices were before at which the boundary touches itself: where its triangles are more than one fan.
+    pub fn touching(&self) -> BTreeSet<u32> {
+        let mut triangles = Vec::new();
+        for shared in faces(&self.tets).chunk_by(|a, b| a.0 == b.0) {
+            if let &[(corners, ..)] = shared {
+                triangles.push(corners);
+            }
+        }
+        // Sides of triangles: the vertices at its ends, the triangle's corners there.
+        let mut sides = Vec::with_capacity(3 * triangles.len());
+        for (t, triangle) in (0..).zip(&triangles) {
+            for [a, b] in [[0, 1], [1, 2], [0, 2]] {
+                sides.push((
+                    [triangle[a], triangle[b]],
+                    [3 * t + a as u32, 3 * t + b as u32],
+                ));
+            }
+        }
+        sides.sort_unstable();
+        let mut fans = Sets::new(3 * triangles.len());
+        for side in sides.chunk_by(|a, b| a.0 == b.0) {
+            if let &[(_, one), (_, other)] = side {
+                fans.join(one[0], other[0]);
+                fans.join(one[1], other[1]);
+            }
+        }
+        let mut fan_of = vec![u32::MAX; self.nodes.len()];
+        let mut found = BTreeSet::new();
+        for (corner, &vertex) in (0..).zip(triangles.iter().flatten()) {
+            let (fan, known) = (fans.find(corner), &mut fan_of[vertex as usize]);
+            if *known != u32::MAX && *known != fan {
+                found.insert(self.before[vertex as usize]);
+            }
+            *known = fan;
+        }
+        found
+    }
+}
+
+/// The largest piece, each of its vertices of one fan of tetrahedra only.
 ///
 /// # Errors
 /// None when there is nothing; the number of other pieces and their share of the volume when that is too much.
-pub fn largest((places, tets): Filled) -> Result<Filled, Option<(usize, f64)>> {
+pub fn largest((places, tets): &Filled) -> Result<Piece, Option<(usize, f64)>> {
     // Corners are the same node where a face joins their tetrahedra. A node of the lattice moved onto the surface can lie
     // between two sides that have only it, or an edge, in common: it becomes two.
     let slot = |tet: u32, k: usize| 4 * tet + k as u32;
     let mut nodes = Sets::new(4 * tets.len());
     let mut joined = Sets::new(tets.len());
-    for shared in faces(&tets).chunk_by(|a, b| a.0 == b.0) {
+    for shared in faces(tets).chunk_by(|a, b| a.0 == b.0) {
         let &[(corners, one, _), (_, other, _)] = shared else {
             continue;
         };
@@ -81,17 +133,22 @@ pub fn largest((places, tets): Filled) -> Result<Filled, Option<(usize, f64)>> {
     if apart > MOST_APART {
         return Err(Some((pieces - 1, apart)));
     }
-    let mut kept: Filled = Default::default();
+    let mut kept = Piece {
+        nodes: Vec::new(),
+        before: Vec::new(),
+        tets: Vec::new(),
+    };
     let mut new = vec![u32::MAX; 4 * tets.len()];
-    for (t, tet) in (0..).zip(&tets) {
+    for (t, tet) in (0..).zip(tets) {
         if joined.find(t) as usize != best {
             continue;
         }
-        kept.1.push([0, 1, 2, 3].map(|k| {
+        kept.tets.push([0, 1, 2, 3].map(|k| {
             let node = nodes.find(slot(t, k)) as usize;
             if new[node] == u32::MAX {
-                new[node] = kept.0.len() as u32;
-                kept.0.push(places[tet[k] as usize]);
+                new[node] = kept.nodes.len() as u32;
+                kept.nodes.push(places[tet[k] as usize]);
+                kept.before.push(tet[k]);
             }
             new[node]
         }));

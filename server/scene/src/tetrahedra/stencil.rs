@@ -2,8 +2,7 @@
 //!
 //! The cut faces of a prism or pyramid are split by the diagonal from their lowest vertex (Dompierre et al. 1999, "How to
 //! subdivide pyramids, prisms and hexahedra into tetrahedra"): both tetrahedra at a face agree without asking, and a prism is
-//! never left in the one way that has no tetrahedra. The order of the vertices decides the angles; see
-//! [`super::lattice::Lattice::stuff`].
+//! never left in the one way that has no tetrahedra. The order of the vertices decides the angles; the lattice knows it. A side of a prism that lies on the surface is split the way that leaves the larger smallest angle.
 
 use sulcus_core::Vec3;
 
@@ -11,12 +10,13 @@ use sulcus_core::Vec3;
 pub type Side = i8;
 
 /// Adds to `out` what is left of the tetrahedron of `corners` whose `sides` are 1 inside, 0 on the surface, -1 outside. `cut`
-/// gives the vertex between a corner inside and one outside, `rank` the order of vertices.
+/// gives the vertex between a corner inside and one outside, `rank` the order of vertices, `places` where they are.
 pub fn fill(
     mut corners: [u32; 4],
     mut sides: [Side; 4],
     cut: impl Fn(u32, u32) -> u32,
     rank: impl Fn(u32) -> u64,
+    places: &[Vec3],
     out: &mut Vec<[u32; 4]>,
 ) {
     let inside = sides.iter().filter(|&&side| side > 0).count();
@@ -60,40 +60,49 @@ pub fn fill(
                 out.extend([[p, q, r, pc], [q, qc, r, pc]]);
             }
         }
-        (2, _, _) => prism(
-            [p, cut(p, r), cut(p, s)],
-            [q, cut(q, r), cut(q, s)],
-            rank,
-            out,
-        ),
-        _ => prism([p, q, r], [p, q, r].map(|k| cut(k, s)), rank, out),
+        (2, _, _) => {
+            let [one, other] = [p, q].map(|k| [k, cut(k, r), cut(k, s)]);
+            let (ways, mut way) = prism(one, other, rank);
+            let first = ways[0][0][0];
+            if first == p || first == q {
+                // The third side lies on the surface: no neighbour minds how it is split.
+                let [one, other] = ways.map(|tets| sharpest(&tets, places));
+                way = usize::from(other < one);
+            }
+            out.extend(ways[way]);
+        }
+        _ => {
+            let (ways, way) = prism([p, q, r], [p, q, r].map(|k| cut(k, s)), rank);
+            out.extend(ways[way]);
+        }
     }
 }
 
-/// Cuts a prism, whose `bottom` is anticlockwise seen from outside its `top`'s far side, in three.
+/// A prism cut in three, its third side in both ways and which of them the order of vertices wants. `bottom` is clockwise
+/// seen from outside, against `top`; two sides are split from the lowest vertex, which comes first in all tetrahedra.
 fn prism(
     mut bottom: [u32; 3],
     mut top: [u32; 3],
     rank: impl Fn(u32) -> u64,
-    out: &mut Vec<[u32; 4]>,
-) {
+) -> ([[[u32; 4]; 3]; 2], usize) {
     let lowest = |of: &[u32; 3]| (0..3).min_by_key(|&k| rank(of[k])).unwrap_or(0);
-    let (mut b, t) = (lowest(&bottom), lowest(&top));
-    if rank(top[t]) < rank(bottom[b]) {
+    let (mut first, last) = (lowest(&bottom), lowest(&top));
+    if rank(top[last]) < rank(bottom[first]) {
         // Upside down.
         (bottom, top) = (top, bottom);
         bottom.swap(1, 2);
         top.swap(1, 2);
-        b = (3 - t) % 3;
+        first = (3 - last) % 3;
     }
-    bottom.rotate_left(b);
-    top.rotate_left(b);
-    let ([a0, a1, a2], [b0, b1, b2]) = (bottom, top);
-    if rank(a1).min(rank(b2)) < rank(a2).min(rank(b1)) {
-        out.extend([[a0, a1, a2, b2], [a0, a1, b2, b1], [a0, b1, b2, b0]]);
-    } else {
-        out.extend([[a0, a1, a2, b1], [a0, b1, a2, b2], [a0, b1, b2, b0]]);
-    }
+    bottom.rotate_left(first);
+    top.rotate_left(first);
+    let ([a, b, c], [d, e, f]) = (bottom, top);
+    let ways = [
+        [[a, b, c, f], [a, b, f, e], [a, e, f, d]],
+        [[a, b, c, e], [a, e, c, f], [a, e, f, d]],
+    ];
+    let second = rank(c).min(rank(e)) < rank(b).min(rank(f));
+    (ways, usize::from(second))
 }
 
 /// Six times the volume of a tetrahedron, m3.
@@ -112,4 +121,11 @@ pub fn dihedral_cosines(corners: &[Vec3; 4]) -> [f64; 6] {
     [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[a, b]: [usize; 2]| {
         sulcus_core::math::fclamp(-normals[a].dot(&normals[b]), -1.0, 1.0)
     })
+}
+
+/// Largest cosine of an angle between two faces of one of these tetrahedra.
+fn sharpest(tets: &[[u32; 4]], places: &[Vec3]) -> f64 {
+    tets.iter()
+        .flat_map(|tet| dihedral_cosines(&tet.map(|k| places[k as usize])))
+        .fold(-1.0, sulcus_core::math::fmax)
 }
