@@ -40,6 +40,7 @@ pub mod skeleton;
 pub mod solid;
 pub mod springs;
 mod tighten;
+pub mod turned;
 mod validate;
 mod volume;
 pub mod zone;
