@@ -7,11 +7,13 @@ use sulcus_core::math::{exp_rotation, norm};
 use sulcus_core::output::status;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{
-    NoProbe, Pose, Quat, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick,
+    DisplaySkin, NoProbe, Pose, Quat, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick,
 };
 use sulcus_operator::present;
 use sulcus_operator::script::smoothstep;
 use sulcus_scene::built_in::{BuiltIn, compile_built_in};
+use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::turned::turned;
 use sulcus_scene::{BuildOptions, skeleton};
 
 /// Height of the tongue's back over its underside where the mirror presses, metres.
@@ -297,4 +299,59 @@ fn a_run_from_its_middle_is_the_same_run() {
     let mut resumed = Run::new(scene);
     resumed.state = State::from_bytes(scene, &bytes).expect("a state");
     assert_eq!(play(&mut resumed, 731, 1300), second);
+}
+
+#[test]
+fn the_skin_follows_a_press_of_fifteen_millimetres_smoothly_and_turns_no_triangle() {
+    let scene = tongue();
+    let object = &scene.objects[0];
+    let skin = DisplaySkin::of(object);
+    let mesh = TriMesh {
+        vertices: object
+            .mesh
+            .vertices
+            .iter()
+            .map(|v| Vec3::from(v.map(f64::from)))
+            .collect(),
+        triangles: object.mesh.triangles.clone(),
+    };
+    let nodes = object.tree.nodes();
+    let ids: Vec<u32> = (0..nodes.len() as u32).collect();
+    for detail in [0, 1] {
+        let mut run = Run::new(scene);
+        run.detail = detail;
+        run.press(0.022);
+        assert!(run.depth() > 0.015, "only {} m deep", run.depth());
+        let mut moved = vec![Vec3::zeros(); nodes.len()];
+        assert!(run.ws.centres_of(0, &ids, &mut moved));
+        moved
+            .iter_mut()
+            .zip(nodes)
+            .for_each(|(moved, node)| *moved -= node.centre);
+        let mut by = vec![Vec3::zeros(); mesh.vertices.len()];
+        skin.displacements(&moved, &mut by);
+        let (count, least) = turned(&mesh, &by);
+        let most = by.iter().map(norm).fold(0.0, f64::max);
+        // Where one sphere carried a vertex and another its neighbour, they would part by what the spheres do.
+        let (mut steepest, mut parted) = (0.0_f64, 0.0_f64);
+        for [a, b, c] in &mesh.triangles {
+            for (a, b) in [(a, b), (b, c), (c, a)] {
+                let (a, b) = (*a as usize, *b as usize);
+                steepest = steepest
+                    .max(norm(&(by[a] - by[b])) / norm(&(mesh.vertices[a] - mesh.vertices[b])));
+                let of = |v: usize| moved[object.carriers[v] as usize];
+                parted = parted
+                    .max(norm(&(of(a) - of(b))) / norm(&(mesh.vertices[a] - mesh.vertices[b])));
+            }
+        }
+        println!(
+            "detail {detail}: disc {:.1} mm deep, skin up to {:.1} mm; {count} turned, least area {least:.3}; steepest {steepest:.2} against {parted:.2} with one carrier each",
+            1e3 * run.depth(),
+            1e3 * most
+        );
+        assert_eq!(count, 0);
+        // The skin is smooth over two or three spheres: at the fine level it rounds a dent as narrow as the disc.
+        assert!(most > 0.8 * run.depth(), "{most}");
+        assert!(steepest < 0.25 * parted, "{steepest} {parted}");
+    }
 }

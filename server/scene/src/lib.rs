@@ -42,6 +42,7 @@ pub mod solid;
 pub mod springs;
 pub mod tetrahedra;
 mod tighten;
+pub mod turned;
 mod validate;
 mod volume;
 pub mod zone;

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use sulcus_core::math::Mat3;
 use sulcus_scene::skeleton::SkeletonOptions;
+use sulcus_scene::turned::turned;
 
 use super::*;
 use crate::tissue::cases::cases;
@@ -170,41 +171,4 @@ fn the_skin_has_no_turned_triangle_when_the_tongue_is_pushed_15_mm() {
         );
         assert_eq!(turned, 0, "{}", case.name);
     }
-}
-
-/// Triangles that look against where the tissue about them turned them, and the least area of one over that at rest. The turn is the
-/// rotation that fits the vertices of all triangles around best (Kabsch 1976, doi:10.1107/S0567739476001873).
-fn turned(surface: &sulcus_scene::mesh::TriMesh, moved: &[Vec3]) -> (usize, f64) {
-    let mut after = surface.clone();
-    after
-        .vertices
-        .iter_mut()
-        .zip(moved)
-        .for_each(|(v, u)| *v += u);
-    let mut with = vec![Vec::new(); surface.vertices.len()];
-    for (t, triangle) in surface.triangles.iter().enumerate() {
-        triangle.iter().for_each(|v| with[*v as usize].push(t));
-    }
-    let (mut count, mut least) = (0, f64::INFINITY);
-    for (t, triangle) in surface.triangles.iter().enumerate() {
-        let near = triangle.iter().flat_map(|v| &with[*v as usize]);
-        let mut around: Vec<usize> = near
-            .flat_map(|&t| surface.triangles[t].map(|v| v as usize))
-            .collect();
-        around.sort_unstable();
-        around.dedup();
-        let mean = |of: &[Vec3]| around.iter().map(|&v| of[v]).sum::<Vec3>() / around.len() as f64;
-        let (before, now) = (mean(&surface.vertices), mean(&after.vertices));
-        let product = around.iter().fold(Mat3::zeros(), |sum, &v| {
-            sum + (after.vertices[v] - now) * (surface.vertices[v] - before).transpose()
-        });
-        let svd = product.svd(true, true);
-        let (u, v) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
-        let mut sign = Mat3::identity();
-        sign[(2, 2)] = (u * v).determinant().signum();
-        let (own, then) = (surface.area_vector(t), after.area_vector(t));
-        count += usize::from((u * sign * v * own).dot(&then) <= 0.0);
-        least = least.min(then.norm() / own.norm());
-    }
-    (count, least)
 }
