@@ -41,7 +41,7 @@ pub fn turned(mesh: &TriMesh, moved: &[Vec3]) -> (usize, f64) {
             _ => own.dot(&then),
         };
         // Written so that a NaN counts.
-        if !(looks > 0.0) {
+        if looks.is_nan() || looks <= 0.0 {
             count += 1;
         }
         least = least.min(then.norm() / own.norm());

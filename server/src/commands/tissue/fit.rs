@@ -120,7 +120,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     let fit = Fit::new(&organ, &skeleton.coarse, &examples, args.freedom);
     let most = args.steps as usize;
     let told = |step: usize, error: f64| {
-        if step % 20 == 0 {
+        if step.is_multiple_of(20) {
             narrator.say(
                 &format!(
                     "step {step}: training error {:.2} % of the displacement",
