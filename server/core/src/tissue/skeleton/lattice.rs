@@ -198,9 +198,9 @@ impl<E: Entry> Lattice<E> {
                 let excess = steepest - factor;
                 let (a, b) = (bond.a as usize, bond.b as usize);
                 let force = bond.stiffness.product(excess, &d);
-                for k in 0..4 {
-                    self.forces[a][k] += force[k];
-                    self.forces[b][k] -= force[k];
+                for (k, force) in force.iter().enumerate() {
+                    self.forces[a][k] += force;
+                    self.forces[b][k] -= force;
                 }
             }
             for (out, force) in free.iter_mut().zip(&self.forces) {
