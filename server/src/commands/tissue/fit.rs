@@ -101,7 +101,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     for part in loads.chunks(AT_ONCE) {
         let done = examples.len();
         narrator.say(
-            &format!("training case {done} of {}", loads.len()),
+            &format!("training case {done} of {}: {}", loads.len(), part[0].name),
             0.2 + (ELEMENTS - 0.2) * done as f64 / loads.len() as f64,
         );
         let on_nodes: Vec<_> = part.iter().map(|load| load.on_nodes.clone()).collect();
@@ -120,7 +120,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     let fit = Fit::new(&organ, &skeleton.coarse, &examples, args.freedom);
     let most = args.steps as usize;
     let told = |step: usize, error: f64| {
-        if step % 20 == 0 {
+        if step.is_multiple_of(20) {
             narrator.say(
                 &format!(
                     "step {step}: training error {:.2} % of the displacement",
