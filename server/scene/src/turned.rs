@@ -40,10 +40,7 @@ pub fn turned(mesh: &TriMesh, moved: &[Vec3]) -> (usize, f64) {
             }
             _ => own.dot(&then),
         };
-        // Written so that a NaN counts.
-        if looks.is_nan() || looks <= 0.0 {
-            count += 1;
-        }
+        count += usize::from(looks.is_nan() || looks <= 0.0);
         least = least.min(then.norm() / own.norm());
     }
     (count, least)

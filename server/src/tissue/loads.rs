@@ -12,6 +12,13 @@ pub(crate) struct Traction {
     /// Name, for people.
     pub(crate) name: String,
     /// Where its middle is, metres; none where it is spread all over.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "tests ask how far training is from what is judged"
+        )
+    )]
     pub(crate) centre: Option<Vec3>,
     /// Consistent forces on the nodes of the quadratic elements, newtons.
     pub(crate) on_nodes: Vec<Vec3>,

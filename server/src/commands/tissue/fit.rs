@@ -101,7 +101,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     for part in loads.chunks(AT_ONCE) {
         let done = examples.len();
         narrator.say(
-            &format!("training case {done} of {}", loads.len()),
+            &format!("training case {done} of {}: {}", loads.len(), part[0].name),
             0.2 + (ELEMENTS - 0.2) * done as f64 / loads.len() as f64,
         );
         let on_nodes: Vec<_> = part.iter().map(|load| load.on_nodes.clone()).collect();

@@ -150,9 +150,10 @@ impl Entry for Block {
     }
 
     fn add_diagonal(&mut self, own: f64) {
-        for (k, column) in self.iter_mut().enumerate().take(3) {
-            column[k] += own;
-        }
+        let [x, y, z] = self;
+        x[0] += own;
+        y[1] += own;
+        z[2] += own;
     }
 
     #[inline(always)]

@@ -198,7 +198,7 @@ impl<E: Entry> Lattice<E> {
                 let excess = steepest - factor;
                 let (a, b) = (bond.a as usize, bond.b as usize);
                 let force = bond.stiffness.product(excess, &d);
-                for (k, force) in force.into_iter().enumerate() {
+                for (k, force) in force.iter().enumerate() {
                     self.forces[a][k] += force;
                     self.forces[b][k] -= force;
                 }

@@ -199,3 +199,58 @@ fn the_matrix_of_contacts_is_never_indefinite() {
         }
     }
 }
+
+#[test]
+fn springs_and_loads_turned_together_give_what_they_gave_turned() {
+    use crate::math::{Mat3, exp_rotation};
+    let (tree, model) = soft_block(SOFT);
+    let turn = exp_rotation(&Vec3::new(0.5, -0.8, 0.3));
+    let r: Mat3 = *turn.to_rotation_matrix().matrix();
+    let mut turned = model.clone();
+    for spring in &mut turned.coarse.springs {
+        let t = r * Mat3::from_diagonal(&Vec3::from(spring.stiffness)) * r.transpose();
+        spring.stiffness = [t[(0, 0)], t[(1, 1)], t[(2, 2)]];
+        spring.coupling = [t[(1, 2)], t[(0, 2)], t[(0, 1)]];
+    }
+    assert!(turned.couples() && !model.couples());
+    turned.validate(&tree).expect("still positive definite");
+    let sites = sites(&tree);
+    let around: Vec<Site> = sites
+        .iter()
+        .map(|site| Site {
+            normal: turn * site.normal,
+            ..*site
+        })
+        .collect();
+    let (mut one, mut other) = (Bench::new(&tree, &model), Bench::new(&tree, &turned));
+    let lambda: Vec<f64> = (0..sites.len()).map(|k| 0.3 + 0.05 * k as f64).collect();
+    for _ in 0..300 {
+        one.tick(&sites, &lambda);
+        other.tick(&around, &lambda);
+    }
+    let mut most = 0.0;
+    for (node, (a, b)) in tree
+        .nodes()
+        .iter()
+        .zip(one.centres().iter().zip(other.centres()))
+    {
+        let (a, b) = (a - node.centre, b - node.centre);
+        assert!(norm(&(turn * a - b)) < 1e-12, "{a:?} {b:?}");
+        most = crate::math::fmax(most, norm(&a));
+    }
+    assert!(most > 1e-3, "{most}");
+    let (a, b) = (
+        matrix(&mut *one.ready, &sites),
+        matrix(&mut *other.ready, &around),
+    );
+    for (a, b) in a.iter().zip(&b) {
+        assert!(
+            (a - b).abs() < 1e-12 * crate::math::fmax(a.abs(), 1e-6),
+            "{a} {b}"
+        );
+    }
+    // What would let go under some change is refused.
+    turned.coarse.springs[3].coupling = [1e3, 0.0, 0.0];
+    let refused = turned.validate(&tree).expect_err("not positive definite");
+    assert_eq!(refused.field, "coupling of a spring");
+}
