@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use sulcus_cases::table::Driver;
 use sulcus_cases::{Case, find, run};
-use sulcus_operator::{Retraction, RetractionParams};
+use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_scene::{BuildOptions, compile_text};
 
 const SCENE: &str = r#"
