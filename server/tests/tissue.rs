@@ -133,6 +133,53 @@ fn fitted_to_its_own_cases_a_skeleton_meets_the_unseen_linear_ones() {
 }
 
 #[test]
+fn the_surface_compliance_meets_all_cases_linear_and_not() {
+    let Some(folder) = reference() else { return };
+    let fem = folder.display().to_string();
+    let judged = json(&tissue(&[
+        "evaluate",
+        "--fem",
+        &fem,
+        "--model",
+        "surface_compliance",
+        "--json",
+    ]));
+    assert_eq!(judged["model"], "surface_compliance");
+    let cases = judged["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 18);
+    for case in cases {
+        let name = case["name"].as_str().expect("a name");
+        let (rms, rel) = (
+            number(case, "/rms_percent"),
+            number(case, "/rel_l2_percent"),
+        );
+        let most = number(case, "/max_displacement_mm");
+        println!("{name}: {most:.2} mm, rms {rms:.2} %, rel_l2 {rel:.1} %");
+        let bound = match (name.contains("_lin_"), most) {
+            (true, _) => 2.0,
+            (false, ..=10.0) => 4.0,
+            _ => 5.0,
+        };
+        assert!(rms <= bound, "{name}: rms {rms}");
+        assert!(
+            rel <= 7.0 || !name.contains("_lin_"),
+            "{name}: rel_l2 {rel}"
+        );
+    }
+    // There is nothing to fit, and that is said.
+    let output = tissue(&[
+        "evaluate",
+        "--fem",
+        &fem,
+        "--model",
+        "surface_compliance",
+        "--params",
+        "springs.toml",
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
 fn displacements_are_read_last_and_what_is_missing_is_said() {
     let Some(folder) = reference() else { return };
     let place = tempfile::tempdir().expect("a temporary folder");

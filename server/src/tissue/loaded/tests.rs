@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use sulcus_core::math::Mat3;
+use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, Spring, StretchLaw};
 use sulcus_scene::skeleton::SkeletonOptions;
 use sulcus_scene::turned::turned;
 
@@ -86,7 +87,8 @@ fn ticks_come_to_rest_where_the_statics_are_and_a_fit_finds_its_own_springs() {
     let Some(organ) = organ() else { return };
     let skeleton = coupled(&organ);
     let level = skeleton.coarse.clone();
-    let mut model = Loaded::new(&organ, skeleton.clone()).expect("stands");
+    let mut model =
+        Loaded::new(&organ, TissueModel::Skeleton(Box::new(skeleton.clone()))).expect("stands");
     let mut examples = Vec::new();
     for k in 0..40_usize {
         let v = organ.free[k * 97 % organ.free.len()];
@@ -154,7 +156,7 @@ fn the_skin_has_no_turned_triangle_when_the_tongue_is_pushed_15_mm() {
     for spring in &mut skeleton.coarse.springs {
         spring.coupling = [0.0; 3];
     }
-    let mut model = Loaded::new(&organ, skeleton).expect("stands");
+    let mut model = Loaded::new(&organ, TissueModel::Skeleton(Box::new(skeleton))).expect("stands");
     for case in cases(&folder, &organ)
         .expect("cases")
         .iter()
