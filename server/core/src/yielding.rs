@@ -184,14 +184,19 @@ pub(crate) fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bo
             continue;
         }
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
+        let mut last = (None, Vec3::zeros());
         for (row, line) in rows[run.clone()].iter_mut().zip(&lines[run]) {
             let contact = about(line);
-            let mut centre = [Vec3::zeros(); 2];
-            let [now, free] = &mut centre;
-            let (id, model) = ([contact.object_sphere], &yielding.model);
-            model.centres(&yielding.shape, &id, std::slice::from_mut(now));
-            model.centres(&yielding.free, &id, std::slice::from_mut(free));
-            row.bias += contact.normal.dot(&(*now - *free));
+            // Rows of one sphere stand together.
+            if last.0 != Some(contact.object_sphere) {
+                let mut centre = [Vec3::zeros(); 2];
+                let [now, free] = &mut centre;
+                let (id, model) = ([contact.object_sphere], &yielding.model);
+                model.centres(&yielding.shape, &id, std::slice::from_mut(now));
+                model.centres(&yielding.free, &id, std::slice::from_mut(free));
+                last = (Some(contact.object_sphere), *now - *free);
+            }
+            row.bias += contact.normal.dot(&last.1);
         }
     }
     true

@@ -202,17 +202,23 @@ impl Tissue for Ready {
             let column = &mut column[..self.len];
             column.fill(0.0);
             self.add_column(row, 1.0, column);
-            for (j, site) in sites[..=i].iter().enumerate() {
-                let skin = &self.skin[site.sphere as usize];
+            // All of a sphere's rows stand together: they share how it moves.
+            let mut next = 0;
+            while let Some(first) = sites[..=i].get(next) {
+                let skin = &self.skin[first.sphere as usize];
                 let mut moved = Vec3::zeros();
                 for (&master, weight) in skin.masters.iter().zip(skin.weights) {
                     let u = &column[3 * usize::from(master)..][..3];
                     moved += Vec3::new(f64::from(u[0]), f64::from(u[1]), f64::from(u[2])) * weight;
                 }
-                let entry = moved.dot(&site.normal);
-                gram.add(i, j, entry);
-                if i != j {
-                    gram.add(j, i, entry);
+                let rest = sites[next..=i].iter();
+                for site in rest.take_while(|site| site.sphere == first.sphere) {
+                    let entry = moved.dot(&site.normal);
+                    gram.add(i, next, entry);
+                    if i != next {
+                        gram.add(next, i, entry);
+                    }
+                    next += 1;
                 }
             }
         }
