@@ -13,6 +13,8 @@ const AT_REST: f64 = 1e-8;
 /// order has long lost its meaning.
 const LARGEST: f64 = 0.7;
 
+/// Spheres up to which the compliance between any two is kept (15 MB): level 3 has 512.
+const KEPT: usize = 640;
 /// Not a node that can be touched.
 const NONE: u32 = u32::MAX;
 
@@ -33,6 +35,10 @@ pub(in crate::tissue) struct Ready {
     /// them, and where they stand for each node of the tree.
     compliance: Vec<f32>,
     slots: Vec<u32>,
+    /// `W_i S W_j' dt / (tau + dt)` between any two of them, m/N, row by row; empty where there are too many.
+    blocks: Vec<[f32; 9]>,
+    /// Spheres that can be touched.
+    touchable: usize,
     /// `R_e' / V_e dt / (tau + dt)`, 1/N: for each number of a force on the masters its part in all gradients.
     gradients: Vec<f32>,
     /// `R_e` times the share of the term, metres: nine rows for each cell.
@@ -44,6 +50,17 @@ pub(in crate::tissue) struct Ready {
     loaded: Vec<bool>,
     /// Change of a configuration or of the gradients.
     change: Vec<f32>,
+}
+
+/// Displacement of what `skin` carries, where the masters have gone as `moved` says.
+#[inline]
+fn carried(skin: &SurfaceSkin, moved: &[f32]) -> Vec3 {
+    let mut sum = Vec3::zeros();
+    for (&master, weight) in skin.masters.iter().zip(skin.weights) {
+        let u = &moved[3 * usize::from(master)..][..3];
+        sum += Vec3::new(f64::from(u[0]), f64::from(u[1]), f64::from(u[2])) * weight;
+    }
+    sum
 }
 
 /// Adds three rows of a table, each times its factor.
@@ -78,6 +95,20 @@ impl Ready {
                 }));
             }
         }
+        let touchable: Vec<u32> = rest.shape_at(level).map(|(node, _)| node).collect();
+        let mut blocks = Vec::new();
+        if touchable.len() <= KEPT {
+            for rows in compliance.chunks_exact(3 * n) {
+                blocks.extend(touchable.iter().map(|node| {
+                    let mut block = [0.0; 9];
+                    for (k, entry) in block.iter_mut().enumerate() {
+                        let row = &rows[k / 3 * n..(k / 3 + 1) * n];
+                        *entry = carried(&model.skin[*node as usize], row)[k % 3] as f32;
+                    }
+                    block
+                }));
+            }
+        }
         let cells = model.cells.volumes.len();
         let response = |k: usize| f64::from(model.cells.response[k]);
         let gradients = (0..n * 9 * cells).map(|k| {
@@ -93,6 +124,8 @@ impl Ready {
             kept: params.relaxation / (params.relaxation + TICK_S),
             compliance,
             slots,
+            blocks,
+            touchable: touchable.len(),
             gradients: gradients.collect(),
             // Stress over Young's modulus, times Young's modulus, over Young's modulus.
             response: (0..9 * n * cells)
@@ -103,6 +136,13 @@ impl Ready {
             loaded: vec![false; masters],
             change: vec![0.0; n.max(9 * cells)],
         }
+    }
+
+    /// As with too many spheres to keep what is between any two.
+    #[cfg(test)]
+    pub fn without_blocks(mut self) -> Self {
+        self.blocks.clear();
+        self
     }
 
     /// The large-displacement term at gradients of the cells.
@@ -200,17 +240,27 @@ impl Tissue for Ready {
         let mut column = std::mem::take(&mut self.change);
         for (i, row) in sites.iter().enumerate() {
             let column = &mut column[..self.len];
-            column.fill(0.0);
-            self.add_column(row, 1.0, column);
+            let slot = self.slots[row.sphere as usize] as usize;
+            // (No node that cannot be touched is ever asked for.)
+            let blocks = self.blocks.chunks_exact(self.touchable).nth(slot);
+            if blocks.is_none() {
+                column.fill(0.0);
+                self.add_column(row, 1.0, column);
+            }
             // All of a sphere's rows stand together: they share how it moves.
             let mut next = 0;
             while let Some(first) = sites[..=i].get(next) {
-                let skin = &self.skin[first.sphere as usize];
-                let mut moved = Vec3::zeros();
-                for (&master, weight) in skin.masters.iter().zip(skin.weights) {
-                    let u = &column[3 * usize::from(master)..][..3];
-                    moved += Vec3::new(f64::from(u[0]), f64::from(u[1]), f64::from(u[2])) * weight;
-                }
+                let slot = self.slots[first.sphere as usize] as usize;
+                let moved = match blocks.and_then(|blocks| blocks.get(slot)) {
+                    Some(block) => {
+                        let along = |axis: usize| {
+                            let c = |k: usize| f64::from(block[3 * k + axis]);
+                            row.normal.x * c(0) + row.normal.y * c(1) + row.normal.z * c(2)
+                        };
+                        Vec3::new(along(0), along(1), along(2))
+                    }
+                    None => carried(&self.skin[first.sphere as usize], column),
+                };
                 let rest = sites[next..=i].iter();
                 for site in rest.take_while(|site| site.sphere == first.sphere) {
                     let entry = moved.dot(&site.normal);

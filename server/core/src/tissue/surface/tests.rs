@@ -180,6 +180,32 @@ fn compliance_seen_by_the_solver_is_that_of_the_step() {
 }
 
 #[test]
+fn many_spheres_have_the_compliance_that_few_have() {
+    let tree = tree();
+    let model = organ(&tree, 1.0);
+    let leaves: Vec<u32> = tree.shape_at(MAX_LEVEL).map(|(id, _)| id).collect();
+    // Two rows on each of some spheres, side by side.
+    let sites: Vec<Site> = (0..14)
+        .map(|k| Site {
+            sphere: leaves[k / 2 * 3 % leaves.len()],
+            normal: Vec3::new(some(k), some(k + 20), some(k + 40)).normalize(),
+        })
+        .collect();
+    let m = sites.len();
+    let gram = |mut ready: Ready| {
+        let mut gram = vec![0.0; m * m];
+        ready.add_gram(&sites, &mut Gram::new(&mut gram, m, 0));
+        gram
+    };
+    let ready = || Ready::new(&model, &tree, MAX_LEVEL);
+    let (few, many) = (gram(ready()), gram(ready().without_blocks()));
+    let largest = few.iter().fold(0.0, |most, x| fmax(most, x.abs()));
+    for (a, b) in few.iter().zip(&many) {
+        assert!((a - b).abs() < 1e-6 * largest, "{a} {b}");
+    }
+}
+
+#[test]
 fn comes_to_rest_where_the_compliance_says_and_all_the_way_back() {
     let mut bench = Bench::new(0.0);
     let model = organ(&bench.tree, 0.0);
