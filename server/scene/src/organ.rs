@@ -9,22 +9,26 @@ use sulcus_core::SphereTree;
 use sulcus_core::tissue::surface::{
     SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
 };
-use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, condense};
+use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, condense, msh};
 
 use crate::cache;
 use crate::carry::{carried, carriers};
 use crate::distance::MeshDistance;
+use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::skeleton::{Frame, Holds};
-use crate::tetrahedra::{TetraError, tetrahedra};
+use crate::tetrahedra::{TetraError, hold, tetrahedra};
 
 /// How an organ is made of finite elements: `[object.surface]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SurfaceOptions {
-    /// Folder of tables with a mesh of quadratic tetrahedra and what of it is held, in the frame of the object's surface,
-    /// relative to the scene file. Without it the elements are made from the surface.
+    /// Tetrahedra in the frame of the object's surface, relative to the scene file: a Gmsh file (`.msh`; what its group `fixed`
+    /// names is held, without one the shares below) or a folder of tables (in mm, with what is held). Without it the elements are
+    /// made from the surface.
     pub elements: Option<PathBuf>,
+    /// Unit of a Gmsh file; mm unless said otherwise.
+    pub elements_unit: Option<Unit>,
     /// Edge of the lattice from which elements are made, mm.
     pub element_mm: f64,
     /// Masters that move, at most.
@@ -51,6 +55,7 @@ impl Default for SurfaceOptions {
         let holds = Holds::default();
         Self {
             elements: None,
+            elements_unit: None,
             element_mm: 5.0,
             masters: fine.masters,
             cells: fine.cells,
@@ -134,24 +139,33 @@ fn elements(
     folder: &Path,
     progress: &dyn Fn(&str, f64),
 ) -> Result<TetMesh, OrganError> {
-    let Some(tables) = &options.elements else {
-        let size = options.element_mm * 1e-3;
-        let mut mesh = tetrahedra(surface, size, &|share| {
-            progress("filling it with elements", share)
-        })?;
-        let (low, high) = surface.mesh().bounds();
-        let frame = Frame::new(low, high);
-        let holds = Holds {
-            root: options.fixed_root,
-            bottom: options.fixed_bottom,
-            free_tip: options.free_tip,
-        };
-        for (held, node) in mesh.held.iter_mut().zip(&mesh.nodes) {
-            *held = [holds.is_fixed(&frame.share(node)); 3];
+    let mut mesh = match options.elements.as_ref().map(|path| folder.join(path)) {
+        None => {
+            let size = options.element_mm * 1e-3;
+            let say = |share: f64| progress("filling it with elements", share);
+            tetrahedra(surface, size, &say)?
         }
-        return Ok(mesh);
+        Some(path) if path.extension().is_some_and(|ending| ending == "msh") => {
+            let unit = match options.elements_unit {
+                Some(Unit::Metre) => msh::Unit::Metre,
+                Some(Unit::Millimetre) | None => msh::Unit::Millimetre,
+            };
+            msh::read_msh(&path, unit, None)?
+        }
+        Some(path) => return Ok(sulcus_fem::files::read_mesh(&path)?),
     };
-    Ok(sulcus_fem::files::read_mesh(&folder.join(tables))?)
+    if mesh.held.iter().flatten().any(|held| *held) {
+        return Ok(mesh);
+    }
+    let (low, high) = surface.mesh().bounds();
+    let frame = Frame::new(low, high);
+    let holds = Holds {
+        root: options.fixed_root,
+        bottom: options.fixed_bottom,
+        free_tip: options.free_tip,
+    };
+    hold(&mut mesh, |node| holds.is_fixed(&frame.share(node)));
+    Ok(mesh)
 }
 
 fn fits(elements: &TetMesh, surface: &MeshDistance) -> Result<(), OrganError> {
@@ -259,4 +273,92 @@ pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec
         organ.skin(&weights)
     })
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use sulcus_core::Vec3;
+    use sulcus_core::tissue::TissueModel;
+
+    use super::*;
+    use crate::build::{TreeOptions, build_tree};
+    use crate::shapes::cuboid;
+
+    /// The outside of the boxes in the Gmsh file, moved aside.
+    fn boxes(aside: f64) -> TriMesh {
+        let half = Vec3::new(7.5, 4.0, 3.0) * 1e-3;
+        cuboid(half).placed(1.0, half + Vec3::x() * aside)
+    }
+
+    #[test]
+    fn elements_of_gmsh_make_an_organ_and_those_of_something_else_are_refused() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fem/tests/data");
+        let surface = boxes(0.0);
+        let wanted = TreeOptions {
+            levels: 2,
+            samples: 4000,
+            volumetric: true,
+            ..TreeOptions::default()
+        };
+        let tree = build_tree(&surface, &wanted, &|_, _| ()).expect("a tree");
+        let options = SurfaceOptions {
+            elements: Some("block_41.msh".into()),
+            cells: 4,
+            ..SurfaceOptions::default()
+        };
+        let made = |surface: &TriMesh, options: &SurfaceOptions| {
+            organ(&tree, surface, options, &folder, None, &|_, _| ())
+        };
+        let model = made(&surface, &options).expect("an organ");
+        assert!(model.masters.moving() > 9 && model.cells.volumes.len() == 4);
+        let volume: f64 = model.cells.volumes.iter().sum();
+        assert!((volume - 15e-3 * 8e-3 * 6e-3).abs() < 1e-12, "{volume}");
+        let model = TissueModel::Surface(Box::new(model));
+        model.validate(&tree).expect("stands");
+        // The wrong unit, and another place.
+        let metres = SurfaceOptions {
+            elements_unit: Some(Unit::Metre),
+            ..options.clone()
+        };
+        for (surface, options) in [(boxes(6e-3), &options), (surface, &metres)] {
+            let said = made(&surface, options).expect_err("elsewhere").to_string();
+            assert!(
+                said.contains("away from the object's surface") || said.contains("within 10 m"),
+                "{said}"
+            );
+        }
+        let absent = SurfaceOptions {
+            elements: Some("nothing.msh".into()),
+            ..options
+        };
+        let said = made(&boxes(0.0), &absent).expect_err("absent").to_string();
+        assert!(said.contains("nothing.msh"), "{said}");
+    }
+
+    #[test]
+    fn what_was_condensed_comes_back_from_the_cache_and_never_damaged() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fem/tests/data");
+        let mesh = msh::read_msh(&folder.join("block_41.msh"), msh::Unit::Millimetre, None);
+        let mesh = mesh.expect("a mesh");
+        let fine = CondenseOptions {
+            masters: 20,
+            cells: 2,
+        };
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let made = || condensed(&mesh, 0.4, &fine, Some(dir.path()), &|_, _| ()).expect("held");
+        let first = made();
+        let file = std::fs::read_dir(dir.path()).expect("a folder").next();
+        let file = file.expect("kept").expect("a file").path();
+        assert_eq!(made(), first);
+        let bytes = std::fs::read(&file).expect("bytes");
+        for damaged in [&bytes[..bytes.len() / 2], &[0; 100]] {
+            std::fs::write(&file, damaged).expect("written");
+            assert_eq!(made(), first);
+        }
+        let bytes = first.to_bytes().expect("bytes");
+        assert_eq!(Condensed::from_bytes(&bytes).expect("back"), first);
+        for cut in (0..bytes.len()).step_by(997) {
+            assert!(Condensed::from_bytes(&bytes[..cut]).is_err());
+        }
+    }
 }

@@ -139,8 +139,8 @@ impl Compiler<'_> {
                 let options = entry.surface.clone().unwrap_or_default();
                 let folder = self.path.parent().unwrap_or(Path::new(""));
                 let (done, parts) = (self.done as f64, self.parts as f64);
-                let step = |stage: &str, _: f64| {
-                    (self.progress)(&format!("{part}: {stage}"), done / parts);
+                let step = |stage: &str, share: f64| {
+                    (self.progress)(&format!("{part}: {stage}"), (done - 1.0 + share) / parts);
                 };
                 let kept = self.options.cache.as_deref();
                 let made =

@@ -242,7 +242,7 @@ impl Tissue for Ready {
             let column = &mut column[..self.len];
             let slot = self.slots[row.sphere as usize] as usize;
             // (No node that cannot be touched is ever asked for.)
-            let blocks = self.blocks.chunks_exact(self.touchable).nth(slot);
+            let blocks = self.blocks.chunks_exact(self.touchable.max(1)).nth(slot);
             if blocks.is_none() {
                 column.fill(0.0);
                 self.add_column(row, 1.0, column);
