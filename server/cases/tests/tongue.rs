@@ -303,7 +303,13 @@ fn a_run_from_its_middle_is_the_same_run() {
 
 #[test]
 fn the_skin_follows_a_press_of_fifteen_millimetres_smoothly_and_turns_no_triangle() {
-    let scene = tongue();
+    for detail in [0, 1] {
+        skin_follows(tongue(), detail, 0.022);
+    }
+}
+
+/// Presses the hand `deep` metres in and looks at the skin.
+fn skin_follows(scene: &Scene, detail: u8, deep: f64) {
     let object = &scene.objects[0];
     let skin = DisplaySkin::of(object);
     let mesh = TriMesh {
@@ -317,41 +323,39 @@ fn the_skin_follows_a_press_of_fifteen_millimetres_smoothly_and_turns_no_triangl
     };
     let nodes = object.tree.nodes();
     let ids: Vec<u32> = (0..nodes.len() as u32).collect();
-    for detail in [0, 1] {
-        let mut run = Run::new(scene);
-        run.detail = detail;
-        run.press(0.022);
-        assert!(run.depth() > 0.015, "only {} m deep", run.depth());
-        let mut moved = vec![Vec3::zeros(); nodes.len()];
-        assert!(run.ws.centres_of(0, &ids, &mut moved));
-        moved
-            .iter_mut()
-            .zip(nodes)
-            .for_each(|(moved, node)| *moved -= node.centre);
-        let mut by = vec![Vec3::zeros(); mesh.vertices.len()];
-        skin.displacements(&moved, &mut by);
-        let (count, least) = turned(&mesh, &by);
-        let most = by.iter().map(norm).fold(0.0, f64::max);
-        // Where one sphere carried a vertex and another its neighbour, they would part by what the spheres do.
-        let (mut steepest, mut parted) = (0.0_f64, 0.0_f64);
-        for [a, b, c] in &mesh.triangles {
-            for (a, b) in [(a, b), (b, c), (c, a)] {
-                let (a, b) = (*a as usize, *b as usize);
-                steepest = steepest
-                    .max(norm(&(by[a] - by[b])) / norm(&(mesh.vertices[a] - mesh.vertices[b])));
-                let of = |v: usize| moved[object.carriers[v] as usize];
-                parted = parted
-                    .max(norm(&(of(a) - of(b))) / norm(&(mesh.vertices[a] - mesh.vertices[b])));
-            }
+    let mut run = Run::new(scene);
+    run.detail = detail;
+    run.press(deep);
+    assert!(run.depth() > 0.015, "only {} m deep", run.depth());
+    let mut moved = vec![Vec3::zeros(); nodes.len()];
+    assert!(run.ws.centres_of(0, &ids, &mut moved));
+    moved
+        .iter_mut()
+        .zip(nodes)
+        .for_each(|(moved, node)| *moved -= node.centre);
+    let mut by = vec![Vec3::zeros(); mesh.vertices.len()];
+    skin.displacements(&moved, &mut by);
+    let (count, least) = turned(&mesh, &by);
+    let most = by.iter().map(norm).fold(0.0, f64::max);
+    // Where one sphere carried a vertex and another its neighbour, they would part by what the spheres do.
+    let (mut steepest, mut parted) = (0.0_f64, 0.0_f64);
+    for [a, b, c] in &mesh.triangles {
+        for (a, b) in [(a, b), (b, c), (c, a)] {
+            let (a, b) = (*a as usize, *b as usize);
+            steepest =
+                steepest.max(norm(&(by[a] - by[b])) / norm(&(mesh.vertices[a] - mesh.vertices[b])));
+            let of = |v: usize| moved[object.carriers[v] as usize];
+            parted =
+                parted.max(norm(&(of(a) - of(b))) / norm(&(mesh.vertices[a] - mesh.vertices[b])));
         }
-        println!(
-            "detail {detail}: disc {:.1} mm deep, skin up to {:.1} mm; {count} turned, least area {least:.3}; steepest {steepest:.2} against {parted:.2} with one carrier each",
-            1e3 * run.depth(),
-            1e3 * most
-        );
-        assert_eq!(count, 0);
-        // The skin is smooth over two or three spheres: at the fine level it rounds a dent as narrow as the disc.
-        assert!(most > 0.8 * run.depth(), "{most}");
-        assert!(steepest < 0.25 * parted, "{steepest} {parted}");
     }
+    println!(
+        "detail {detail}: disc {:.1} mm deep, skin up to {:.1} mm; {count} turned, least area {least:.3}; steepest {steepest:.2} against {parted:.2} with one carrier each",
+        1e3 * run.depth(),
+        1e3 * most
+    );
+    assert_eq!(count, 0);
+    // The skin is smooth over two or three spheres: at the fine level it rounds a dent as narrow as the disc.
+    assert!(most > 0.8 * run.depth(), "{most}");
+    assert!(steepest < 0.25 * parted, "{steepest} {parted}");
 }

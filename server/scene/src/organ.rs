@@ -16,6 +16,7 @@ use crate::carry::{carried, carriers};
 use crate::distance::MeshDistance;
 use crate::load::Unit;
 use crate::mesh::TriMesh;
+use crate::parallel;
 use crate::skeleton::{Frame, Holds};
 use crate::tetrahedra::{TetraError, hold, tetrahedra};
 
@@ -229,50 +230,62 @@ pub fn condensed(
     Ok(condensed)
 }
 
-/// Who carries each node of a tree: the mean over the vertices of the surface that the spheres under it make; where it
-/// makes none, the place on the surface nearest to it.
+/// How much farther than the nearest free vertex a sphere looks that makes no free surface of its own, in its radii.
+const FOLLOWS: f64 = 0.25;
+/// Share of what a sphere makes of the surface that must be free, or it is said to make none.
+const FREE: f64 = 0.05;
+
+/// Who carries each node of a tree: the mean over the vertices of the surface that the sphere makes, or where it makes none that
+/// is free to move, that are nearest to it. A vertex counts by how far it is free: a thick organ is made of spheres that
+/// reach from its back to its underside, and where that is held it is the back that is pressed.
 pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec<SurfaceSkin> {
     let (nodes, vertices) = (tree.nodes(), &surface.mesh().vertices);
-    let (first, of) = carried(&carriers(tree, vertices), nodes.len());
-    let mut sums: Vec<BTreeMap<usize, f64>> = (0..nodes.len())
-        .map(|k| {
-            let mut sum = BTreeMap::new();
-            for &vertex in &of[first[k] as usize..first[k + 1] as usize] {
-                for (master, weight) in organ.masters().weights(&vertices[vertex as usize]) {
-                    *sum.entry(master).or_insert(0.0) += weight;
-                }
-            }
-            sum
+    let moving = organ.masters().moving();
+    let weights: Vec<_> = vertices
+        .iter()
+        .map(|v| organ.masters().weights(v))
+        .collect();
+    let free: Vec<f64> = weights
+        .iter()
+        .map(|all| {
+            all.iter()
+                .filter(|(k, _)| *k < moving)
+                .map(|(_, w)| w)
+                .sum()
         })
         .collect();
-    // Children stand behind their parents.
-    for k in (0..nodes.len()).rev() {
-        let first = nodes[k].first_child as usize;
-        for child in (first..).take(usize::from(nodes[k].children)) {
-            let (above, below) = sums.split_at_mut(child);
-            for (&master, weight) in &below[0] {
-                *above[k].entry(master).or_insert(0.0) += weight;
+    let (first, of) = carried(&carriers(tree, vertices), nodes.len());
+    parallel::map(nodes.len(), |k| {
+        let node = &nodes[k];
+        let own = &of[first[k] as usize..first[k + 1] as usize];
+        let of_own: f64 = own.iter().map(|v| free[*v as usize]).sum();
+        let followed: Vec<(usize, f64)> = if of_own > FREE * own.len() as f64 {
+            own.iter().map(|v| (*v as usize, 1.0)).collect()
+        } else {
+            let gap =
+                |v: usize| ((vertices[v] - node.centre).norm() - node.contact_radius).max(0.0);
+            let all = || (0..vertices.len()).filter(|v| free[*v] > FREE);
+            let nearest = all().map(gap).fold(f64::INFINITY, f64::min);
+            let near = |v: usize| {
+                let near = 1.0 - (gap(v) - nearest) / (FOLLOWS * node.contact_radius);
+                (near > 0.0).then_some((v, near * near))
+            };
+            all().filter_map(near).collect()
+        };
+        let mut sum: BTreeMap<usize, f64> = BTreeMap::new();
+        for (v, near) in followed {
+            for (master, weight) in weights[v] {
+                *sum.entry(master).or_insert(0.0) += free[v] * near * weight;
             }
         }
-    }
-    let all = sums.iter().zip(nodes);
-    all.map(|(sum, node)| {
-        let mut weights: Vec<(usize, f64)> = sum.iter().map(|(k, w)| (*k, *w)).collect();
-        if weights.is_empty() {
-            weights.extend(
-                organ
-                    .masters()
-                    .weights(&surface.nearest(&node.centre).point),
-            );
-        }
         // The largest count.
-        weights.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        weights.truncate(SURFACE_CARRIERS);
-        let all: f64 = weights.iter().map(|(_, w)| w).sum();
-        weights.iter_mut().for_each(|(_, w)| *w /= all);
-        organ.skin(&weights)
+        let mut sum: Vec<(usize, f64)> = sum.into_iter().collect();
+        sum.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        sum.truncate(SURFACE_CARRIERS);
+        let all: f64 = sum.iter().map(|(_, w)| w).sum();
+        sum.iter_mut().for_each(|(_, w)| *w /= all);
+        organ.skin(&sum)
     })
-    .collect()
 }
 
 #[cfg(test)]

@@ -73,9 +73,17 @@ pub(super) fn carriers(
         Some(factor) => factor.solve(&right),
         None => SVector::from_fn(|i, _| f64::from(u8::from(i == 0))),
     };
-    let sum: f64 = mixture.iter().take(near.len()).sum();
+    // As much of the mixture moves as of the vertex: what is held stays, what is free is followed wholly.
+    let shares = rows.iter().map(|row| 1.0 - row[SURFACE_CARRIERS].1);
+    let moving: f64 = mixture.iter().zip(shares).map(|(x, share)| x * share).sum();
+    let free = 1.0 - wanted[held];
+    let scale = if moving > 0.5 * free {
+        free / fmax(moving, 1e-9)
+    } else {
+        1.0
+    };
     near.iter()
         .zip(mixture.iter())
-        .map(|((_, k), x)| (spheres[*k].0, x / if sum > 0.5 { sum } else { 1.0 }))
+        .map(|((_, k), x)| (spheres[*k].0, x * scale))
         .collect()
 }

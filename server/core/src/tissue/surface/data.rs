@@ -56,7 +56,7 @@ pub struct SurfaceParams {
 impl Default for SurfaceParams {
     fn default() -> Self {
         Self {
-            young: 12e3,
+            young: 10e3,
             poisson: 0.49,
             relaxation: 0.02,
             large: 1.0,
