@@ -204,7 +204,7 @@ fn displacements_are_read_last_and_what_is_missing_is_said() {
     assert!(evaluate(&[]).contains("found no table of displacements"));
     let table = place.path().join("lateral_lin_1N.csv");
     std::fs::write(&table, "not a table").expect("written");
-    assert!(evaluate(&[]).contains("lateral_forces_unit.csv: cannot read the forces"));
+    assert!(evaluate(&[]).contains("lateral_forces_unit.csv: No such file"));
     let forces = "lateral_forces_unit.csv";
     std::fs::copy(folder.join(forces), place.path().join(forces)).expect("copied");
     let said = evaluate(&[]);
