@@ -20,6 +20,9 @@ use crate::yielding::Yielding;
 
 /// Unusable poses in a row after which the tool counts as stale: the watchdog's time.
 const BAD_TICKS_STALE: u16 = 50;
+/// Gap under which a row is taken to have borne load at the end of the last tick, metres: what touched then has none,
+/// and the tick begins where that one ended.
+const TOUCHING: f64 = 1e-6;
 
 /// Scratch of a tick, sized when the scene loads. What outlives a tick in it saves work and never
 /// shows in a result: a fresh one gives the same bits.
@@ -62,7 +65,7 @@ pub(crate) struct Pass {
     pub solution: Solution,
     /// Keys of the contacts whose rows bore load in the tick's last pass, sorted.
     pub bearing: Vec<(u16, u32, u8, u32)>,
-    /// Rows of these contacts in this pass.
+    /// Rows of these contacts in this pass; in a tick's first pass, which knows of no other, those that touch.
     pub first: Vec<u32>,
     /// Whether the matrix of tissue compliance belongs to this pass.
     pub tissue: bool,
@@ -111,10 +114,14 @@ impl Pass {
         self.bearing.sort_unstable();
     }
 
-    /// Finds the rows of the contacts that bore load in the last pass.
+    /// Finds the rows with which the solver begins: of the contacts that bore load in the last pass, or in a tick's first
+    /// that touch already.
     pub fn find_bearing(&mut self) {
         self.first.clear();
         if self.bearing.is_empty() {
+            let lines = self.lines.iter().enumerate();
+            let touching = lines.filter(|(_, line)| line.gap < TOUCHING);
+            self.first.extend(touching.map(|(i, _)| i as u32));
             return;
         }
         let contacts = self.contacts.as_slice();

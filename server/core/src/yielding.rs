@@ -58,7 +58,9 @@ impl Yielding {
                 still: true,
                 nodes: nodes.to_vec(),
                 fitted: false,
-                near: std::array::from_fn(|_| SoftNeighbours::new(len, nodes)),
+                near: std::array::from_fn(|t| {
+                    SoftNeighbours::new(scene.tools.get(t), len, (nodes, object.level))
+                }),
                 ids: (0..nodes.len() as u32).collect(),
                 centres: vec![Vec3::zeros(); nodes.len()],
             })

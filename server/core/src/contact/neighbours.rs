@@ -25,7 +25,7 @@ const TURN: f64 = 8.5e-3;
 /// are near, the contacts need sorting.
 const RUN: usize = 192;
 /// Added to every reach: far above rounding at the 10 m that a scene may span, far below anything else.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A list and what it holds for.
 #[derive(Debug)]

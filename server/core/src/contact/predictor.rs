@@ -268,7 +268,7 @@ impl Lever {
     }
 }
 
-fn levers(tool: &crate::scene::Tool) -> Vec<Lever> {
+pub(super) fn levers(tool: &crate::scene::Tool) -> Vec<Lever> {
     let lever = |node: &Node| {
         let own = norm(&(node.centre - tool.working_point));
         Lever {

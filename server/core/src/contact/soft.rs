@@ -4,18 +4,20 @@
 //! As `neighbours` has them for what is rigid, but down to the single spheres, whose centres are asked of the
 //! tissue's model in every pass: only those in the list, and no tree is brought to the shape meanwhile.
 
+use super::coarse::CoarseSearch;
 use super::neighbours::{CAPACITY, slack};
 use super::packs::Packs;
 use super::predictor::{Posed, PosedTool, Predictor};
 use super::{ContactList, ContactsFull, Distance};
 use crate::math::{Mat3, Vec3, norm};
+use crate::scene::Tool;
 use crate::tissue::Tissue;
 use crate::tree::Node;
 
 /// Motion of tool and tissue together that a list allows for, metres.
-const TRANSLATION: f64 = 2.3e-4;
+const TRANSLATION: f64 = 2.6e-4;
 /// Turn of the tool that a list allows for: largest Frobenius norm of a difference of rotation matrices.
-const TURN: f64 = 8.5e-3;
+pub(super) const TURN: f64 = 1.7e-2;
 
 /// A list and what it holds for.
 #[derive(Debug)]
@@ -28,6 +30,8 @@ pub(crate) struct SoftNeighbours {
     centres: Vec<Vec3>,
     /// Families of the object, brought to its shape for each list.
     packs: Packs,
+    /// The tool's families, where it is they that are searched.
+    coarse: Option<CoarseSearch>,
     /// Scratch: which lanes of a family come within reach of each sphere.
     masks: Vec<u8>,
     rotation: Mat3,
@@ -46,13 +50,14 @@ pub(crate) struct SoftNeighbours {
 }
 
 impl SoftNeighbours {
-    /// For a tissue of so many numbers of shape, on the nodes of its object.
-    pub fn new(shape_len: usize, nodes: &[Node]) -> Self {
+    /// For a tool on a tissue of so many numbers of shape, on the nodes of its object and their level.
+    pub fn new(tool: Option<&Tool>, shape_len: usize, (nodes, level): (&[Node], u8)) -> Self {
         Self {
             pairs: Vec::with_capacity(CAPACITY),
             spheres: Vec::with_capacity(CAPACITY),
             centres: vec![Vec3::zeros(); CAPACITY],
             packs: Packs::moving(nodes),
+            coarse: tool.and_then(|tool| CoarseSearch::new(tool, (nodes, level))),
             masks: Vec::with_capacity(CAPACITY),
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
@@ -114,6 +119,68 @@ impl SoftNeighbours {
             None => self.shape.fill(0.0),
         }
         (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
+        self.pairs.clear();
+        self.spheres.clear();
+        predictor.work.lists += 1;
+        if self.coarse.is_some() {
+            self.list_coarse(predictor, tool, (nodes, level), d);
+        } else {
+            self.list_fine(predictor, tool, (nodes, level));
+        }
+    }
+
+    /// Sphere by sphere of the object, down the tool's tree.
+    fn list_coarse(
+        &mut self,
+        predictor: &mut Predictor,
+        tool: &PosedTool<'_>,
+        (nodes, level): (&[Node], u8),
+        d: Distance,
+    ) {
+        let Self {
+            coarse,
+            pairs,
+            spheres,
+            usable,
+            reach,
+            ..
+        } = self;
+        let Some(search) = coarse else { return };
+        let reach = (*reach, d.turn);
+        *usable = true;
+        for (o, node) in nodes.iter().enumerate() {
+            if !node.is_shape_at(level) {
+                continue;
+            }
+            let (first, place) = (pairs.len(), spheres.len() as u32);
+            let found = |t: u32| {
+                let room = pairs.len() < CAPACITY;
+                if room {
+                    pairs.push((place, t));
+                }
+                room
+            };
+            let posed = (tool, &predictor.posed);
+            match search.run(posed, &node.sphere(), reach, found) {
+                Some(tested) => predictor.work.tested += tested,
+                None => {
+                    *usable = false;
+                    return;
+                }
+            }
+            if pairs.len() > first {
+                spheres.push(o as u32);
+            }
+        }
+    }
+
+    /// By the object's families.
+    fn list_fine(
+        &mut self,
+        predictor: &mut Predictor,
+        tool: &PosedTool<'_>,
+        (nodes, level): (&[Node], u8),
+    ) {
         self.packs.fit(nodes);
         let Predictor {
             posed,
@@ -122,15 +189,12 @@ impl SoftNeighbours {
             work,
             ..
         } = predictor;
-        work.lists += 1;
         let slack = slack(self.reach, self.turn);
         let levers = &levers[usize::from(tool.slot)];
         let packs = (&self.packs, level);
         let (usable, tested) = search.run(tool, posed, packs, levers, slack, CAPACITY);
         work.tested += tested;
         self.usable = usable;
-        self.pairs.clear();
-        self.spheres.clear();
         let mut rest = search.keys();
         while let Some(first) = rest.first() {
             let p = first >> 32;

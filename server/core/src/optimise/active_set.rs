@@ -16,7 +16,7 @@
 //! gained nothing the next row enters alone, which always does.
 
 use super::rigid::RigidScratch;
-use super::{ContactSolver, Problem, Solution, SolveStatus, dot6};
+use super::{ContactSolver, Problem, Solution, SolveStatus, dot, dot6};
 use crate::math::fmax;
 
 /// Active rows at which the six unknowns of a tool are the better place to work.
@@ -98,9 +98,7 @@ impl ActiveSet {
             let mut entry = problem.gram(p, self.active[k]);
             let (above, row) = self.factor.split_at_mut(n * self.capacity);
             let l_k = &above[k * self.capacity..][..=k];
-            for (x, y) in row[..k].iter().zip(l_k) {
-                entry -= x * y;
-            }
+            entry -= dot(&row[..k], &l_k[..k]);
             entry /= l_k[k];
             row[k] = entry;
             pivot -= entry * entry;
@@ -153,18 +151,16 @@ impl ActiveSet {
         let (n, stride) = (self.active.len(), self.capacity);
         for i in 0..n {
             let row = &self.factor[i * stride..][..=i];
-            let mut x = self.work[i];
-            for (l, y) in row[..i].iter().zip(&self.work) {
-                x -= l * y;
-            }
-            self.work[i] = x / row[i];
+            self.work[i] = (self.work[i] - dot(&row[..i], &self.work[..i])) / row[i];
         }
+        // Row by row here too: what is solved is taken out of all that comes after it at once.
         for i in (0..n).rev() {
-            let mut x = self.work[i];
-            for k in i + 1..n {
-                x -= self.factor[k * stride + i] * self.work[k];
+            let row = &self.factor[i * stride..][..=i];
+            let (before, rest) = self.work.split_at_mut(i);
+            rest[0] /= row[i];
+            for (x, l) in before.iter_mut().zip(row) {
+                *x -= l * rest[0];
             }
-            self.work[i] = x / self.factor[i * stride + i];
         }
     }
 

@@ -128,9 +128,7 @@ impl Problem<'_> {
         let mut w = self.rigid_slack(i, lambda, y);
         if let Some(c) = self.tissue {
             let m = self.rows.len();
-            for (c_ij, l) in c[i * m..(i + 1) * m].iter().zip(lambda) {
-                w += c_ij * l;
-            }
+            w += dot(&c[i * m..(i + 1) * m], lambda);
         }
         w
     }
@@ -181,6 +179,24 @@ impl Problem<'_> {
 #[inline]
 fn y_of(y: &[f64; UNKNOWNS], tool: u8) -> &[f64] {
     &y[6 * usize::from(tool)..][..6]
+}
+
+/// Inner product of as many numbers as both have, in four sums at once.
+#[inline]
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let n = if a.len() < b.len() { a.len() } else { b.len() };
+    let ((a, a_rest), (b, b_rest)) = (a[..n].as_chunks::<4>(), b[..n].as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let rest = a_rest
+        .iter()
+        .zip(b_rest)
+        .fold(0.0, |sum, (a, b)| sum + a * b);
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 /// Inner product of six numbers, in index order.
