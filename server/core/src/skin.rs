@@ -10,17 +10,19 @@
 //! Forces go the other way by the same weights, `f_i = sum_v w_vi f_v`: no work is lost or made, and force and torque
 //! stay what they were.
 //!
+//! An organ by its surface compliance says more than its spheres do: there the surface itself goes where the masters about it say, and
+//! the spheres only touch for it (one that makes a held underside moves with the back that it makes, too). Its carriers are the
+//! masters that move.
+//!
 //! Where the spheres say too little of the slope (all about one plane or line, and the vertex beside it), a line through
 //! them would be a guess: there the weights go over, smoothly, to the plain weighted mean.
-
-mod masters;
 
 use nalgebra::{Matrix4, Vector4};
 
 use crate::math::{Vec3, fclamp, fmax, norm};
 use crate::scene::Object;
 use crate::tissue::TissueModel;
-use crate::tree::{Node, SphereTree};
+use crate::tree::SphereTree;
 
 /// Rank of the neighbours about whose distance spheres cease to be felt.
 const CARRIERS: usize = 48;
@@ -33,12 +35,13 @@ const DISTRUSTED: f64 = 16.0;
 /// Added to the slope's part of the normal equations, of their scale: decides what nothing else does.
 const RIDGE: f64 = 1e-14;
 
-/// Which spheres carry each vertex of a mesh, and how much of each.
+/// What carries each vertex of a mesh, and how much of each: nodes of a tree, or the masters of a surface compliance.
+/// [`crate::Workspace::carriers_moved`] says where they have gone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisplaySkin {
     /// Where each vertex's entries begin; one more for the end.
     first: Vec<u32>,
-    /// Node of the tree and weight.
+    /// Node of the tree (or master) and weight.
     entries: Vec<(u32, f64)>,
 }
 
@@ -70,7 +73,7 @@ impl DisplaySkin {
         skin
     }
 
-    /// The skin of an object's display mesh over the spheres of its contact level.
+    /// The skin of an object's display mesh.
     pub fn of(object: &Object) -> Self {
         let vertices: Vec<Vec3> = object
             .mesh
@@ -81,7 +84,8 @@ impl DisplaySkin {
         Self::of_tissue(&object.tree, object.level, &object.tissue, &vertices)
     }
 
-    /// The skin of `vertices` (metres, the frame of the tree) over the spheres of a `level`, as the tissue has it.
+    /// The skin of `vertices` (metres, the frame of the tree): over the spheres of a `level`, or over the masters where the tissue
+    /// has some.
     pub fn of_tissue(
         tree: &SphereTree,
         level: u8,
@@ -92,15 +96,16 @@ impl DisplaySkin {
             let centres = tree.shape_at(level).map(|(id, node)| (id, node.centre));
             return Self::new(&centres.collect::<Vec<_>>(), vertices);
         };
-        let spheres: Vec<(u32, Node)> =
-            tree.shape_at(level).map(|(id, node)| (id, *node)).collect();
+        let moving = model.masters.moving();
         let mut skin = Self {
             first: vec![0],
             entries: Vec::new(),
         };
         for vertex in vertices {
+            let weights = model.masters.weights(vertex);
+            let carried = weights.iter().filter(|(master, _)| *master < moving);
             skin.entries
-                .extend(masters::carriers(model, &spheres, vertex));
+                .extend(carried.map(|(master, w)| (*master as u32, *w)));
             skin.first.push(skin.entries.len() as u32);
         }
         skin
@@ -111,13 +116,13 @@ impl DisplaySkin {
         self.first.len().saturating_sub(1)
     }
 
-    /// Nodes of the tree that carry vertex `v`, with their weights.
+    /// Nodes of the tree (or masters) that carry vertex `v`, with their weights.
     #[inline]
     pub fn carriers(&self, v: usize) -> &[(u32, f64)] {
         &self.entries[self.first[v] as usize..self.first[v + 1] as usize]
     }
 
-    /// Writes how far each vertex goes when the nodes of the tree have gone `moved` (by index; metres).
+    /// Writes how far each vertex goes when the carriers have gone `moved` (by index; metres).
     pub fn displacements(&self, moved: &[Vec3], out: &mut [Vec3]) {
         for (v, out) in out.iter_mut().enumerate().take(self.vertices()) {
             let of = |sum: Vec3, (node, w): &(u32, f64)| sum + moved[*node as usize] * *w;
@@ -125,7 +130,7 @@ impl DisplaySkin {
         }
     }
 
-    /// Adds to `loads` (by node of the tree; newtons) what `forces` on the vertices load the spheres with.
+    /// Adds to `loads` (by carrier; newtons) what `forces` on the vertices load the carriers with.
     pub fn loads(&self, forces: &[Vec3], loads: &mut [Vec3]) {
         for (v, force) in forces.iter().enumerate().take(self.vertices()) {
             for (node, w) in self.carriers(v) {

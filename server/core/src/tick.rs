@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::substep::{Reached, Wanted, advance};
-use crate::tissue::{Hand, Hands, Site, SiteLoad};
+use crate::tissue::{Hand, Hands, Site, SiteLoad, TissueModel};
 use crate::wrench::{Conditions, limited};
 use crate::yielding::Yielding;
 
@@ -254,6 +254,24 @@ impl Workspace {
     /// a rigid one.
     pub fn shape_of(&self, k: usize) -> &[f64] {
         self.slots[k].map_or(&[], |slot| &self.yielding[slot].shape)
+    }
+
+    /// How far the carriers of object `k`'s [`crate::DisplaySkin`] had gone at the end of the last tick, by index, world axes,
+    /// metres.
+    pub fn carriers_moved(&self, scene: &Scene, k: usize) -> Vec<Vec3> {
+        let (object, shape) = (&scene.objects[k], self.shape_of(k));
+        if let TissueModel::Surface(_) = object.tissue {
+            return shape.chunks_exact(3).map(Vec3::from_column_slice).collect();
+        }
+        let nodes = object.tree.nodes();
+        let ids: Vec<u32> = (0..nodes.len() as u32).collect();
+        let mut moved = vec![Vec3::zeros(); nodes.len()];
+        if self.centres_of(k, &ids, &mut moved) {
+            for (moved, node) in moved.iter_mut().zip(nodes) {
+                *moved -= node.centre;
+            }
+        }
+        moved
     }
 
     /// Centres of the nodes `ids` of object `k` at the end of the last tick, world axes, metres; false

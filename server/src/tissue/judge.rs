@@ -4,18 +4,8 @@ use serde::Serialize;
 use sulcus_core::Vec3;
 
 use super::cases::Case;
+use super::loaded::Loaded;
 use super::organ::Organ;
-
-/// A tissue model that can be loaded and looked at.
-pub(crate) trait Judged {
-    /// Displacements of the surface's vertices (metres) at rest under forces on them (newtons).
-    ///
-    /// # Errors
-    /// If it does not come to rest.
-    fn rest_under(&mut self, forces: &[Vec3]) -> anyhow::Result<Vec<Vec3>>;
-    /// CPU time of each tick that the tissue took to get there, nanoseconds.
-    fn tick_ns(&self) -> &[u64];
-}
 
 /// The measures of one case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -48,7 +38,7 @@ pub(crate) struct Outcome {
 ///
 /// # Errors
 /// If the model does not come to rest or the displacements cannot be read.
-pub(crate) fn judge(model: &mut dyn Judged, organ: &Organ, case: &Case) -> anyhow::Result<Outcome> {
+pub(crate) fn judge(model: &mut Loaded<'_>, organ: &Organ, case: &Case) -> anyhow::Result<Outcome> {
     let found = model.rest_under(&case.forces)?;
     let wanted = case.displacements(organ)?;
     Ok(Outcome {

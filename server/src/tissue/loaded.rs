@@ -4,8 +4,8 @@ use anyhow::bail;
 use sulcus_core::tissue::{Hands, Site, SiteLoad, Tissue, TissueModel};
 use sulcus_core::{DisplaySkin, MAX_TOOLS, Vec3};
 
-use super::judge::Judged;
 use super::organ::{LEVEL, Organ};
+use super::pushed::push;
 use crate::realtime::thread_cpu_ns;
 
 /// Ticks in which it must come to rest: a minute.
@@ -19,7 +19,7 @@ const NOTHING: f64 = 1e-12;
 pub(crate) struct Loaded<'a> {
     organ: &'a Organ,
     model: TissueModel,
-    /// The surface over the spheres, as the model has it.
+    /// The surface, as the model carries it.
     skin: DisplaySkin,
     ready: Box<dyn Tissue>,
     ids: Vec<u32>,
@@ -45,13 +45,21 @@ impl<'a> Loaded<'a> {
             ns: Vec::new(),
         })
     }
-}
 
-impl Judged for Loaded<'_> {
-    fn rest_under(&mut self, forces: &[Vec3]) -> anyhow::Result<Vec<Vec3>> {
+    /// Displacements of the surface's vertices (metres) at rest under forces on them (newtons).
+    ///
+    /// # Errors
+    /// If it does not come to rest.
+    pub(crate) fn rest_under(&mut self, forces: &[Vec3]) -> anyhow::Result<Vec<Vec3>> {
         let tree = &self.organ.tree;
         let mut loads = vec![Vec3::zeros(); tree.nodes().len()];
-        self.skin.loads(forces, &mut loads);
+        match &self.model {
+            TissueModel::Surface(model) => {
+                let on = (self.organ.surface.vertices.as_slice(), forces);
+                push(model, (tree, LEVEL), on, &mut loads);
+            }
+            _ => self.skin.loads(forces, &mut loads),
+        }
         let pushed = loads.iter().enumerate().filter(|(_, f)| f.norm() > 0.0);
         let given: Vec<SiteLoad> = pushed
             .map(|(k, f)| SiteLoad {
@@ -106,17 +114,24 @@ impl Judged for Loaded<'_> {
             };
             last = step;
         }
-        let mut centres = vec![Vec3::zeros(); self.ids.len()];
-        self.ready.centres(&now, &self.ids, &mut centres);
-        for (centre, node) in centres.iter_mut().zip(tree.nodes()) {
-            *centre -= node.centre;
-        }
+        let carriers = match &self.model {
+            TissueModel::Surface(_) => now.chunks_exact(3).map(Vec3::from_column_slice).collect(),
+            _ => {
+                let mut centres = vec![Vec3::zeros(); self.ids.len()];
+                self.ready.centres(&now, &self.ids, &mut centres);
+                for (centre, node) in centres.iter_mut().zip(tree.nodes()) {
+                    *centre -= node.centre;
+                }
+                centres
+            }
+        };
         let mut moved = vec![Vec3::zeros(); forces.len()];
-        self.skin.displacements(&centres, &mut moved);
+        self.skin.displacements(&carriers, &mut moved);
         Ok(moved)
     }
 
-    fn tick_ns(&self) -> &[u64] {
+    /// CPU time of each tick that the tissue took to get there, nanoseconds.
+    pub(crate) fn tick_ns(&self) -> &[u64] {
         &self.ns
     }
 }

@@ -7,3 +7,4 @@ pub(crate) mod loaded;
 pub(crate) mod loads;
 pub(crate) mod organ;
 pub(crate) mod printed;
+mod pushed;

@@ -20,7 +20,7 @@ use crate::commands::scene::Narrator;
 use crate::commands::tree::writable;
 use crate::page::tissue;
 use crate::tissue::cases::cases;
-use crate::tissue::judge::{CaseError, Judged, Outcome, TickTime, judge};
+use crate::tissue::judge::{CaseError, Outcome, TickTime, judge};
 use crate::tissue::loaded::Loaded;
 use crate::tissue::organ::Organ;
 use crate::tissue::printed::{as_printed, one_carrier};
