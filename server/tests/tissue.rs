@@ -1,9 +1,11 @@
 //! `sulcus-server tissue` from outside: fitted springs judged on cases that they have not seen.
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use serde_json::Value;
+use common::{json, number, text};
 
 /// The folder of reference cases; none where it is not there, said loudly.
 fn reference() -> Option<PathBuf> {
@@ -21,21 +23,6 @@ fn tissue(arguments: &[&str]) -> Output {
         .args(arguments)
         .output()
         .expect("runs")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
-    serde_json::from_str(printed.lines().last().expect("a line")).expect("JSON")
-}
-
-fn number(value: &Value, path: &str) -> f64 {
-    let found = value.pointer(path).and_then(Value::as_f64);
-    found.unwrap_or_else(|| panic!("no number at {path} of {value}"))
 }
 
 /// The geometry of a folder alone, elsewhere.
@@ -245,4 +232,24 @@ fn displacements_are_read_last_and_what_is_missing_is_said() {
     }
     // What was there before is still there.
     assert_eq!(std::fs::read_to_string(&springs).expect("there"), empty);
+}
+
+#[test]
+fn a_model_without_springs_is_not_fitted() {
+    let said = tissue(&[
+        "fit",
+        "--fem",
+        "nowhere",
+        "--model",
+        "surface_compliance",
+        "--out",
+        "x.toml",
+    ]);
+    let error = text(&said.stderr);
+    assert_eq!(said.status.code(), Some(2), "{error}");
+    assert!(
+        error.contains("surface_compliance")
+            && error.contains("[possible values: skeleton, printed_skeleton]"),
+        "{error}"
+    );
 }

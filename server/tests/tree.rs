@@ -1,9 +1,11 @@
 //! `sulcus-server tree` from outside: what it prints, what it writes, what it refuses.
 
+mod common;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
-use serde_json::Value;
+use common::{json, number, text};
 use sulcus_core::Vec3;
 use sulcus_scene::load::to_stl;
 use sulcus_scene::shapes::{cuboid, ellipsoid};
@@ -25,21 +27,6 @@ fn tree(folder: &Path, arguments: &[&str]) -> Output {
         .args(arguments)
         .output()
         .expect("runs")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
-    serde_json::from_str(printed.lines().last().expect("a line")).expect("JSON")
-}
-
-fn number(value: &Value, path: &str) -> f64 {
-    let found = value.pointer(path).and_then(Value::as_f64);
-    found.unwrap_or_else(|| panic!("no number at {path} of {value}"))
 }
 
 #[test]

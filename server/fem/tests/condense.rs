@@ -1,7 +1,8 @@
 //! A condensed organ in the tick against the finite elements that it comes from.
 
-use std::path::PathBuf;
+mod common;
 
+use common::reference;
 use sulcus_core::tissue::surface::SurfaceParams;
 use sulcus_core::tissue::{Hands, Site, SiteLoad, Tissue, TissueModel};
 use sulcus_core::{MAX_TOOLS, Sphere, SphereTree, Vec3};
@@ -64,18 +65,9 @@ impl Organ {
     }
 }
 
-fn folder() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fem");
-    if folder.join("nodes.csv").is_file() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no reference at {}", folder.display());
-    None
-}
-
 #[test]
 fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_be() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = reference() else { return };
     let mesh = read_mesh(&folder).expect("a mesh");
     let vertices = mesh
         .boundary_triangles()

@@ -119,11 +119,11 @@ fn tetrahedra_on(
         piece = largest(&lattice.fill(&sampled, &fixed), size)?;
     }
     progress(0.9);
-    check(&pieces::outside(&piece.nodes, &piece.tets), "boundary").map_err(|error| {
+    let mesh = TetMesh::from_corners(piece.nodes, &piece.tets);
+    check(&boundary(&mesh), "boundary").map_err(|error| {
         let mm = size * 1e3;
         TetraError::Boundary { mm, error }
     })?;
-    let mesh = TetMesh::from_corners(piece.nodes, &piece.tets);
     mesh.validate().map_err(TetraError::Mesh)?;
     progress(1.0);
     Ok(mesh)
@@ -163,12 +163,19 @@ pub fn hold(mesh: &mut TetMesh, is_held: impl Fn(&Vec3) -> bool) -> usize {
 
 /// The surface of a mesh, outward: triangles between the corners of its tetrahedra, metres.
 pub fn boundary(mesh: &TetMesh) -> TriMesh {
-    let tets: Vec<_> = mesh
-        .tets
-        .iter()
-        .map(|&[a, b, c, d, ..]| [a, b, c, d])
-        .collect();
-    pieces::outside(&mesh.nodes, &tets)
+    let mut surface = TriMesh::default();
+    let mut new = vec![u32::MAX; mesh.nodes.len()];
+    for triangle in mesh.boundary_triangles() {
+        surface.triangles.push(triangle.map(|node| {
+            let node = node as usize;
+            if new[node] == u32::MAX {
+                new[node] = surface.vertices.len() as u32;
+                surface.vertices.push(mesh.nodes[node]);
+            }
+            new[node]
+        }));
+    }
+    surface
 }
 
 /// Smallest and largest angle between two faces of a tetrahedron of the mesh, degrees, as their corners have it.

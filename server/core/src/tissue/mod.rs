@@ -174,6 +174,27 @@ pub struct TissueError {
     pub expected: String,
 }
 
+/// An error that says so.
+fn wrong(
+    field: &'static str,
+    found: impl ToString,
+    expected: impl ToString,
+) -> Result<(), TissueError> {
+    Err(TissueError {
+        field,
+        found: found.to_string(),
+        expected: expected.to_string(),
+    })
+}
+
+/// Whether all numbers are zero, of either sign: without a branch for each.
+pub(crate) fn all_zero(numbers: &[f64]) -> bool {
+    numbers
+        .iter()
+        .fold(0, |bits, x| bits | (x.to_bits() & !(1 << 63)))
+        == 0
+}
+
 impl TissueModel {
     /// The model made ready for an object with the tree `rest` touched at `level`; none for what is rigid.
     /// The model must have passed [`TissueModel::validate`].

@@ -111,8 +111,18 @@ impl Functions {
         load
     }
 
-    /// Integral of a displacement times a master's function over the surface, m3.
-    pub fn read(&self, master: usize, moved: &[Vec3]) -> Vec3 {
+    /// Writes the integrals of a displacement times each master's function over the surface (m3) into a column, x, y, z of each
+    /// master in turn.
+    pub fn read_all(&self, moved: &[Vec3], into: &mut Mat<f64>, column: usize) {
+        for master in 0..into.nrows() / 3 {
+            let read = self.read(master, moved);
+            for axis in 0..3 {
+                into[(3 * master + axis, column)] = read[axis];
+            }
+        }
+    }
+
+    fn read(&self, master: usize, moved: &[Vec3]) -> Vec3 {
         let terms = self.forces[master].iter();
         terms.fold(Vec3::zeros(), |sum, &(node, w)| {
             sum + moved[node as usize] * w

@@ -7,7 +7,6 @@ use sulcus_core::Vec3;
 use super::lattice::Filled;
 use super::{MOST_APART, stencil::six_volumes};
 use crate::edges::Sets;
-use crate::mesh::TriMesh;
 
 /// Faces of a tetrahedron, outward: face k is opposite corner k.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
@@ -24,25 +23,6 @@ fn faces(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32, u8)> {
     }
     all.sort_unstable();
     all
-}
-
-/// The surface of tetrahedra: faces that only one has, outward.
-pub fn outside(nodes: &[Vec3], tets: &[[u32; 4]]) -> TriMesh {
-    let mut mesh = TriMesh::default();
-    let mut new = vec![u32::MAX; nodes.len()];
-    for shared in faces(tets).chunk_by(|a, b| a.0 == b.0) {
-        let &[(_, tet, face)] = shared else { continue };
-        let triangle = FACES[usize::from(face)].map(|k| {
-            let node = tets[tet as usize][k] as usize;
-            if new[node] == u32::MAX {
-                new[node] = mesh.vertices.len() as u32;
-                mesh.vertices.push(nodes[node]);
-            }
-            new[node]
-        });
-        mesh.triangles.push(triangle);
-    }
-    mesh
 }
 
 /// The largest piece.

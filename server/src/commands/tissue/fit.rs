@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 use sulcus_fem::{Elastic, Factored};
 use sulcus_scene::skeleton::SkeletonOptions;
 use sulcus_scene::springs::FittedSprings;
 
-use super::Model;
 use crate::commands::scene::Narrator;
 use crate::tissue::fit::{Example, Fit, Freedom};
 use crate::tissue::loads::training;
@@ -37,7 +36,7 @@ pub struct FitArgs {
     fem: PathBuf,
     /// What is fitted
     #[arg(long)]
-    model: Model,
+    model: Springs,
     /// File to write the springs to (TOML)
     #[arg(long, value_name = "PARAMS")]
     out: PathBuf,
@@ -58,9 +57,20 @@ pub struct FitArgs {
     json: bool,
 }
 
+/// The models that have springs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[value(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case")]
+pub enum Springs {
+    /// Springs between 64 nodes under a skin of spheres
+    Skeleton,
+    /// The same exactly by the paper: one stiffness for all springs, each sphere after one node (with `--freedom one`)
+    PrintedSkeleton,
+}
+
 #[derive(Serialize)]
 struct Report<'a> {
-    model: Model,
+    model: Springs,
     out: &'a Path,
     fitted: &'a str,
     training_cases: usize,
@@ -73,7 +83,7 @@ struct Report<'a> {
 
 pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     let narrator = Narrator::default();
-    if args.model == Model::PrintedSkeleton && args.freedom != Freedom::One {
+    if args.model == Springs::PrintedSkeleton && args.freedom != Freedom::One {
         bail!(
             "--freedom is not `one`, expected that for the printed skeleton: its springs are all as stiff"
         );
@@ -81,7 +91,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     writable(&args.out)?;
     let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.1 * share))?;
     let mut skeleton = organ.skeleton(&SkeletonOptions::default())?;
-    if args.model == Model::PrintedSkeleton {
+    if args.model == Springs::PrintedSkeleton {
         skeleton = as_printed(&skeleton, &organ);
     }
     let loads = training(&organ, PATCHES, SPREAD);

@@ -22,7 +22,7 @@ mod tests;
 
 use serde::{Deserialize, Serialize};
 
-use super::TissueError;
+use super::{TissueError, wrong};
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, norm};
 use crate::params::within;
@@ -110,16 +110,9 @@ impl Gingiva {
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         self.params.validate()?;
-        let bad = |field, found: String, expected: String| {
-            Err(TissueError {
-                field,
-                found,
-                expected,
-            })
-        };
         let (nodes, places) = (rest.nodes().len(), self.places.len());
         if places != nodes {
-            return bad(
+            return wrong(
                 "number of places",
                 places.to_string(),
                 format!("one for each of {nodes} nodes"),
@@ -127,10 +120,10 @@ impl Gingiva {
         }
         let small = |x: &f64| x.abs() <= 1.0;
         if self.margin.len() < 3 || !self.margin.iter().all(small) {
-            return bad(
+            return wrong(
                 "margin",
                 format!("{:?}", self.margin),
-                "at least three heights within 1 m".into(),
+                "at least three heights within 1 m",
             );
         }
         let ToothFrame {
@@ -149,13 +142,13 @@ impl Gingiva {
         ];
         // Written so that a NaN fails.
         if !skew.iter().all(|x| x.abs() <= 1e-9) || !within(norm(origin), 0.0, 10.0) {
-            return bad(
+            return wrong(
                 "tooth",
                 format!("{:?}", self.tooth),
-                "three unit vectors at right angles, within 10 m".into(),
+                "three unit vectors at right angles, within 10 m",
             );
         }
-        let wrong = self.places.iter().position(|place| {
+        let unsound = self.places.iter().position(|place| {
             let (away, axis) = (&place.away, &self.tooth.axis);
             !((norm(away) - 1.0).abs() <= 1e-9
                 && away.dot(axis).abs() <= 1e-9
@@ -163,12 +156,11 @@ impl Gingiva {
                 && place.on_surface.iter().all(|x| within(*x, -10.0, 10.0))
                 && within(place.spread, 0.0, 0.1))
         });
-        if let Some(k) = wrong {
-            return bad(
+        if let Some(k) = unsound {
+            return wrong(
                 "place",
                 format!("{:?} at {k}", self.places[k]),
-                "a unit vector across the tooth's axis, a height within 1 m, a point within 10 m and a spread of 0 to 0.1 m"
-                    .into(),
+                "a unit vector across the tooth's axis, a height within 1 m, a point within 10 m and a spread of 0 to 0.1 m",
             );
         }
         Ok(())

@@ -9,7 +9,7 @@ use super::{Gingiva, MEMORY};
 use crate::TICK_S;
 use crate::math::{Vec3, fclamp, fmax};
 use crate::output::PocketReading;
-use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, largest_difference};
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
 use crate::tree::SphereTree;
 
 /// A node that does not yield.
@@ -143,11 +143,7 @@ impl Tissue for Ready {
         free: &mut [f64],
     ) -> bool {
         shape.copy_from_slice(&state[MEMORY..]);
-        // Two zeros differ in their sign alone.
-        let asleep = state
-            .iter()
-            .fold(0, |bits, x| bits | (x.to_bits() & !(1 << 63)))
-            == 0;
+        let asleep = all_zero(state);
         let mut most = 0.0;
         for (free, now) in free.iter_mut().zip(&*shape) {
             *free = self.kept * now;

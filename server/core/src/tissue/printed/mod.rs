@@ -41,7 +41,7 @@ pub(crate) use gingiva::ReadyGingiva;
 pub(crate) use skeleton::ReadySkeleton;
 pub use skeleton::{PenaltyMeter, PrintedSkeleton};
 
-use super::TissueError;
+use super::{TissueError, wrong};
 use crate::params::within;
 
 /// Checks one number against its range.
@@ -55,9 +55,9 @@ fn ranged(
     if within(found, low, high) {
         return Ok(());
     }
-    Err(TissueError {
+    wrong(
         field,
-        found: format!("{found} {unit}"),
-        expected: format!("{low} to {high} {unit}"),
-    })
+        format!("{found} {unit}"),
+        format!("{low} to {high} {unit}"),
+    )
 }

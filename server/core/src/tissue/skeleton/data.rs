@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::{Vec3, norm};
 use crate::params::within;
-use crate::tissue::TissueError;
+use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 
 /// Most nodes of a skeleton: the inverse is dense.
@@ -108,18 +108,6 @@ pub struct Skin {
     pub nodes: [u16; CARRIERS],
     /// Not negative, sum 1.
     pub weights: [f64; CARRIERS],
-}
-
-fn wrong(
-    field: &'static str,
-    found: impl ToString,
-    expected: impl ToString,
-) -> Result<(), TissueError> {
-    Err(TissueError {
-        field,
-        found: found.to_string(),
-        expected: expected.to_string(),
-    })
 }
 
 /// Least part of a stiffness that the axes before it may leave of it.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::masters::Masters;
 use crate::TICK_S;
 use crate::params::within;
-use crate::tissue::TissueError;
+use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 
 /// Most masters.
@@ -71,18 +71,6 @@ pub struct SurfaceSkin {
     pub masters: [u16; SURFACE_CARRIERS],
     /// How much each counts.
     pub weights: [f64; SURFACE_CARRIERS],
-}
-
-fn wrong(
-    field: &'static str,
-    found: impl ToString,
-    expected: impl ToString,
-) -> Result<(), TissueError> {
-    Err(TissueError {
-        field,
-        found: found.to_string(),
-        expected: expected.to_string(),
-    })
 }
 
 impl SurfaceParams {

@@ -1,10 +1,10 @@
 //! A surface compliance in a tick.
 
-use super::data::{SURFACE_CARRIERS, SurfaceCompliance, SurfaceSkin};
+use super::data::{SurfaceCompliance, SurfaceSkin};
 use super::stress::quadratic_stress;
 use crate::TICK_S;
 use crate::math::{Mat3, Vec3, fmax};
-use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, largest_difference};
+use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
 use crate::tree::SphereTree;
 
 /// Displacement under which what nothing loads is at rest, metres.
@@ -54,11 +54,11 @@ pub(in crate::tissue) struct Ready {
 
 /// Displacement of what `skin` carries, where the masters have gone as `moved` says.
 #[inline]
-fn carried(skin: &SurfaceSkin, moved: &[f32]) -> Vec3 {
+fn carried<T: Copy + Into<f64>>(skin: &SurfaceSkin, moved: &[T]) -> Vec3 {
     let mut sum = Vec3::zeros();
     for (&master, weight) in skin.masters.iter().zip(skin.weights) {
         let u = &moved[3 * usize::from(master)..][..3];
-        sum += Vec3::new(f64::from(u[0]), f64::from(u[1]), f64::from(u[2])) * weight;
+        sum += Vec3::new(u[0].into(), u[1].into(), u[2].into()) * weight;
     }
     sum
 }
@@ -176,19 +176,6 @@ impl Ready {
             add_rows(sum, rows, [n.x, n.y, n.z].map(|x| (x * by) as f32));
         }
     }
-
-    /// Displacement of a node of the tree.
-    #[inline]
-    fn displacement(&self, shape: &[f64], node: u32) -> Vec3 {
-        let skin = &self.skin[node as usize];
-        let mut sum = Vec3::zeros();
-        for c in 0..SURFACE_CARRIERS {
-            let at = 3 * usize::from(skin.masters[c]);
-            let u = &shape[at..at + 3];
-            sum += Vec3::new(u[0], u[1], u[2]) * skin.weights[c];
-        }
-        sum
-    }
 }
 
 impl Tissue for Ready {
@@ -206,12 +193,7 @@ impl Tissue for Ready {
         let (whole, rest) = state.split_at(self.len);
         let (linear, gradients) = rest.split_at(self.len);
         shape.copy_from_slice(whole);
-        // Two zeros differ in their sign alone.
-        if state
-            .iter()
-            .fold(0, |bits, x| bits | (x.to_bits() & !(1 << 63)))
-            == 0
-        {
+        if all_zero(state) {
             free.fill(0.0);
             self.term.fill(0.0);
             return true;
@@ -232,7 +214,7 @@ impl Tissue for Ready {
 
     fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]) {
         for (id, centre) in ids.iter().zip(out) {
-            *centre = self.rest[*id as usize] + self.displacement(shape, *id);
+            *centre = self.rest[*id as usize] + carried(&self.skin[*id as usize], shape);
         }
     }
 
