@@ -3,9 +3,10 @@
 // Each test file uses its own part.
 #![allow(dead_code)]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use sulcus_core::Vec3;
+use sulcus_fem::files::{ForceColumns, read_displacements, read_forces};
 use sulcus_fem::msh::{Unit, read_msh};
 use sulcus_fem::{Elastic, TetMesh};
 
@@ -17,6 +18,33 @@ pub fn reference() -> Option<PathBuf> {
     }
     eprintln!("SKIPPED: no reference at {}", folder.display());
     None
+}
+
+/// Forces of a case of the reference on all nodes, newtons.
+pub fn load(folder: &Path, name: &str, newtons: &str, nodes: usize) -> Vec<Vec3> {
+    let file = folder.join(format!("{name}_forces_unit.csv"));
+    let unit = read_forces(&file, nodes, ForceColumns::Quadratic).expect("forces");
+    let by: f64 = newtons.parse().expect("a number");
+    unit.iter().map(|f| f * by).collect()
+}
+
+/// Largest difference from the reference at any of its vertices, as a share of its largest displacement.
+pub fn off(folder: &Path, case: &str, moved: &[Vec3]) -> f64 {
+    let known = read_displacements(&folder.join(case), moved.len()).expect("displacements");
+    assert!(known.len() > 2000);
+    let most = known.iter().map(|(_, u)| u.norm()).fold(0.0, f64::max);
+    let off = known
+        .iter()
+        .map(|(k, u)| (moved[*k] - u).norm())
+        .fold(0.0, f64::max);
+    println!(
+        "{case}: {} vertices, largest {:.3} mm, off by at most {:.5} mm, {:.4} %",
+        known.len(),
+        most * 1e3,
+        off * 1e3,
+        100.0 * off / most
+    );
+    off / most
 }
 
 /// What the reference solutions were computed with.

@@ -20,6 +20,9 @@
 //! Measured on a real tongue against neo-Hookean elements, rms of the largest displacement: 4.7 % at 9 mm and 7.5 % at 15 mm
 //! become 1.5 % and 2.8 %.
 //!
+//! A series that ends there is for strains up to some 40 %. Pressed farther into a narrow place it is too stiff: 2 N on a patch of
+//! 11 mm of a back of 12 kPa go 7.6 mm in by neo-Hookean elements, 5.8 mm by linear ones and 5.3 mm here (1 N: 2.92, 2.91 and 2.80).
+//!
 //! In a tick the term of the load before it is held: a lag of a millisecond in a correction that is itself filtered. What
 //! the optimisation sees, `W S W' dt / (tau + dt)`, stays symmetric and positive semi-definite.
 
