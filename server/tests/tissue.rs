@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use common::{json, number, text};
+use sulcus_core::tissue::TissueModel;
+use sulcus_scene::springs::FittedSprings;
+use sulcus_scene::{BuildOptions, compile_file};
 
 /// The folder of reference cases; none where it is not there, said loudly.
 fn reference() -> Option<PathBuf> {
@@ -98,6 +101,31 @@ fn fitted_to_its_own_cases_a_skeleton_meets_the_unseen_linear_ones() {
         }
     }
     assert_eq!(linear, 9);
+    // A scene of the surface that was written beside them is made of these springs.
+    let scene = place.path().join("scene.toml");
+    let with = |object: &str| {
+        let text = format!(
+            "name = \"fitted\"\n[[tool]]\nname = \"mirror\"\nkind = \"mouth_mirror\"\nlevel = 2\nlevels = 2\npark_mm = [10.0, 0.0, 160.0]\n\
+             [[object]]\nname = \"tongue\"\n{object}\nlevel = 3\nlevels = 3\ntissue = \"skeleton\"\n\
+             [object.skeleton]\nsprings_file = \"springs.toml\"\nsprings_young_kpa = 20.0\n"
+        );
+        std::fs::write(&scene, text).expect("written");
+        compile_file(&scene, &BuildOptions::cached(), &|_, _| {})
+    };
+    let made = with("mesh = \"springs.obj\"\nunit = \"m\"")
+        .expect("a scene")
+        .scene;
+    let TissueModel::Skeleton(model) = &made.objects[0].tissue else {
+        panic!("a skeleton");
+    };
+    let file = FittedSprings::read(Path::new(&springs)).expect("springs");
+    assert_eq!(model.coarse.springs.len(), file.spring.len());
+    let softer = model.coarse.springs[7].stiffness[1] / (1e3 * file.spring[7].n_per_mm[1]);
+    assert!((softer - 0.2).abs() < 1e-9, "{softer}");
+    let said = with("kind = \"tongue\"")
+        .expect_err("another tree")
+        .to_string();
+    assert!(said.contains("the springs are of another tree"), "{said}");
     let [p50, p999] = ["p50", "p999"].map(|p| number(&judged, &format!("/tick_us/{p}")));
     assert!(0.0 < p50 && p50 <= p999);
 

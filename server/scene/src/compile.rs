@@ -15,6 +15,7 @@ use crate::organ::OrganError;
 use crate::parts::Compiler;
 use crate::skeleton::SkeletonError;
 use crate::solid::SolidError;
+use crate::springs::SpringsError;
 
 /// How to build, apart from what the scene file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,6 +74,14 @@ pub enum BuildError {
         part: String,
         /// Why.
         source: SkeletonError,
+    },
+    /// Fitted springs cannot be used.
+    #[error("{part}: {source}")]
+    Springs {
+        /// The object.
+        part: String,
+        /// Why.
+        source: SpringsError,
     },
     /// Finite elements cannot be made or condensed.
     #[error("{part}: {source}")]

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::mesh::TriMesh;
 
+pub use obj::to_obj;
 pub use stl::to_stl;
 
 /// Largest file that is read, bytes: some twenty million triangles of binary STL.

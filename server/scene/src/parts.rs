@@ -22,6 +22,7 @@ use crate::parametric::{Collar, Mirror, Probe};
 use crate::printed::{printed_gingiva, printed_skeleton};
 use crate::skeleton::skeleton;
 use crate::solid::read_solid;
+use crate::springs::FittedSprings;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
 const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
@@ -156,10 +157,19 @@ impl Compiler<'_> {
             }
             TissueEntry::Skeleton | TissueEntry::PrintedSkeleton => {
                 let options = entry.skeleton.clone().unwrap_or_default();
-                let made = skeleton(&tree, &mesh, &options).map_err(|source| {
+                let mut made = skeleton(&tree, &mesh, &options).map_err(|source| {
                     let part = part.clone();
                     BuildError::Skeleton { part, source }
                 })?;
+                if let Some(file) = &options.springs_file {
+                    let file = self.path.parent().unwrap_or(Path::new("")).join(file);
+                    FittedSprings::read(&file)
+                        .and_then(|s| s.put_into(&mut made, &tree, options.springs_young_kpa))
+                        .map_err(|source| {
+                            let part = part.clone();
+                            BuildError::Springs { part, source }
+                        })?;
+                }
                 if entry.tissue == TissueEntry::PrintedSkeleton {
                     TissueModel::PrintedSkeleton(printed_skeleton(&made, &tree, entry))
                 } else {

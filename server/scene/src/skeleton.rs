@@ -5,6 +5,8 @@ mod graph;
 mod skin;
 mod statics;
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, SkeletonParams, Spring, StretchLaw};
 use sulcus_core::{SphereTree, Vec3};
@@ -47,6 +49,11 @@ pub struct SkeletonOptions {
     pub free_tip: f64,
     /// Whether there is a fine skeleton too.
     pub fine: bool,
+    /// Springs that `sulcus-server tissue fit` fitted to this surface, relative to the scene file, and what it holds: both instead of
+    /// what is said above. There is no fine skeleton then.
+    pub springs_file: Option<PathBuf>,
+    /// Young's modulus of this tissue, kPa: the fitted stiffness goes with it.
+    pub springs_young_kpa: f64,
 }
 
 impl Default for SkeletonOptions {
@@ -64,6 +71,8 @@ impl Default for SkeletonOptions {
             fixed_bottom: holds.bottom,
             free_tip: holds.free_tip,
             fine: true,
+            springs_file: None,
+            springs_young_kpa: 10.0,
         }
     }
 }

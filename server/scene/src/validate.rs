@@ -1,11 +1,12 @@
 //! The ranges of a scene file's values, and which keys need or exclude which others.
 
+mod tissue;
+
 use sulcus_core::MAX_TOOLS;
 
 use crate::file::{ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
-use crate::organ::SurfaceOptions;
-use crate::parametric::{Mirror, Pocket, Tongue};
-use crate::skeleton::SkeletonOptions;
+use crate::parametric::Mirror;
+use tissue::{gingiva, skeleton, surface, tongue_dimensions};
 
 /// A value that cannot stand.
 pub(crate) struct Wrong {
@@ -308,6 +309,13 @@ fn object(entry: &ObjectEntry) -> Checked {
     }
     if let Some(options) = &entry.skeleton {
         skeleton(&field, options)?;
+        if options.springs_file.is_some() && entry.tissue != TissueEntry::Skeleton {
+            return wrong(
+                field("skeleton.springs_file"),
+                "given",
+                "nothing without tissue = \"skeleton\"",
+            );
+        }
     }
     let (quadrant, tooth) = (entry.fdi / 10, entry.fdi % 10);
     if entry.fdi != 0 && !((1..=4).contains(&quadrant) && (1..=8).contains(&tooth)) {
@@ -362,187 +370,6 @@ fn object(entry: &ObjectEntry) -> Checked {
         range("grid_mm", molar.grid_mm, 0.1, 0.5, "0.1 to 0.5 mm")?;
     }
     Ok(())
-}
-
-fn tongue_dimensions(field: &dyn Fn(&str) -> String, tongue: &Tongue) -> Checked {
-    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-        let field = |key: &str| field(&format!("tongue.{key}"));
-        number(&field, key, x, low, high, expected)
-    };
-    range("length_mm", tongue.length_mm, 40.0, 120.0, "40 to 120 mm")?;
-    range("width_mm", tongue.width_mm, 25.0, 80.0, "25 to 80 mm")?;
-    range("height_mm", tongue.height_mm, 15.0, 50.0, "15 to 50 mm")?;
-    range("groove_mm", tongue.groove_mm, 0.0, 2.0, "0 to 2 mm")?;
-    range("grid_mm", tongue.grid_mm, 0.5, 2.0, "0.5 to 2 mm")
-}
-
-fn surface(field: &dyn Fn(&str) -> String, options: &SurfaceOptions) -> Checked {
-    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-        let field = |key: &str| field(&format!("surface.{key}"));
-        number(&field, key, x, low, high, expected)
-    };
-    let (masters, cells) = (options.masters as f64, options.cells as f64);
-    range("element_mm", options.element_mm, 0.5, 50.0, "0.5 to 50 mm")?;
-    range("masters", masters, 9.0, 256.0, "9 to 256")?;
-    range("cells", cells, 0.0, 64.0, "0 to 64")?;
-    range(
-        "young_kpa",
-        options.young_kpa,
-        0.1,
-        1e5,
-        "0.1 to 100000 kPa",
-    )?;
-    range("poisson", options.poisson, 0.0, 0.499, "0 to 0.499")?;
-    range(
-        "relaxation_ms",
-        options.relaxation_ms,
-        2.0,
-        1000.0,
-        "2 to 1000 ms",
-    )?;
-    for (key, share) in [
-        ("fixed_root", options.fixed_root),
-        ("fixed_bottom", options.fixed_bottom),
-        ("free_tip", options.free_tip),
-    ] {
-        range(key, share, 0.0, 1.0, "0 to 1")?;
-    }
-    Ok(())
-}
-
-fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions) -> Checked {
-    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-        let field = |key: &str| field(&format!("skeleton.{key}"));
-        number(&field, key, x, low, high, expected)
-    };
-    for k in options.stiffness_n_per_mm {
-        range(
-            "stiffness_n_per_mm",
-            k,
-            1e-4,
-            1000.0,
-            "0.0001 to 1000 N/mm each",
-        )?;
-    }
-    range("root_factor", options.root_factor, 0.1, 20.0, "0.1 to 20")?;
-    range("tip_factor", options.tip_factor, 0.1, 20.0, "0.1 to 20")?;
-    range("stretch_limit", options.stretch_limit, 1.0, 20.0, "1 to 20")?;
-    range(
-        "stretch_half",
-        options.stretch_half,
-        0.05,
-        20.0,
-        "0.05 to 20",
-    )?;
-    range(
-        "damping_n_s_per_m",
-        options.damping_n_s_per_m,
-        0.0,
-        100.0,
-        "0 to 100 N s/m",
-    )?;
-    range(
-        "density_g_per_cm3",
-        options.density_g_per_cm3,
-        0.1,
-        20.0,
-        "0.1 to 20 g/cm3",
-    )?;
-    range("fixed_root", options.fixed_root, 0.0, 0.9, "0 to 0.9")?;
-    range("fixed_bottom", options.fixed_bottom, 0.0, 0.9, "0 to 0.9")?;
-    range("free_tip", options.free_tip, 0.0, 1.0, "0 to 1")
-}
-
-/// What only a gingiva has, and what it must have.
-fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
-    let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
-    let is_gingiva = entry.kind == Some(ObjectKind::Gingiva);
-    let yields = entry.tissue.is_gingiva();
-    if is_gingiva != yields {
-        return wrong(
-            field("tissue"),
-            if yields {
-                "a gingiva's"
-            } else {
-                "not a gingiva's"
-            },
-            "\"gingiva\" or \"printed_gingiva\" together with kind = \"gingiva\", or neither",
-        );
-    }
-    let given = [
-        ("tooth", entry.tooth.is_some()),
-        ("pocket", entry.pocket.is_some()),
-        ("gingiva", entry.gingiva.is_some()),
-    ];
-    if !is_gingiva {
-        return match given.iter().find(|(_, given)| *given) {
-            Some((key, _)) => wrong(field(key), "given", "nothing without kind = \"gingiva\""),
-            None => Ok(()),
-        };
-    }
-    let Some(name) = &entry.tooth else {
-        return wrong(
-            field("tooth"),
-            "missing",
-            "the name of an object of kind \"molar\"",
-        );
-    };
-    let tooth = all.iter().find(|other| other.name == *name);
-    if tooth.is_none_or(|tooth| tooth.kind != Some(ObjectKind::Molar)) {
-        return wrong(
-            field("tooth"),
-            format!("\"{name}\""),
-            "the name of an object of kind \"molar\"",
-        );
-    }
-    if entry.translate_mm != [0.0; 3] {
-        return wrong(
-            field("translate_mm"),
-            format!("{:?}", entry.translate_mm),
-            "nothing, because a gingiva lies where its tooth does",
-        );
-    }
-    if let Some(pocket) = &entry.pocket {
-        self::pocket(&field, pocket)?;
-    }
-    match crate::parts::gingiva_params(entry).validate() {
-        Ok(()) => Ok(()),
-        Err(error) => wrong(
-            field(&format!("gingiva.{}", error.field)),
-            error.found,
-            "a value in the range of that parameter (SI units)",
-        ),
-    }
-}
-
-fn pocket(field: &dyn Fn(&str) -> String, pocket: &Pocket) -> Checked {
-    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
-        let field = |key: &str| field(&format!("pocket.{key}"));
-        number(&field, key, x, low, high, expected)
-    };
-    range("width_mm", pocket.width_mm, 0.2, 1.5, "0.2 to 1.5 mm")?;
-    for depth in pocket.depths_mm {
-        range("depths_mm", depth, 1.5, 8.0, "1.5 to 8 mm each")?;
-    }
-    let margin = pocket.margin_mm;
-    range("margin_mm", margin, -5.0, 4.0, "-5 to 4 mm")?;
-    range(
-        "papilla_mm",
-        pocket.papilla_mm,
-        margin,
-        5.0,
-        "margin_mm to 5 mm",
-    )?;
-    range("crest_mm", pocket.crest_mm, 0.4, 1.5, "0.4 to 1.5 mm")?;
-    range(
-        "wall_mm",
-        pocket.wall_mm,
-        pocket.crest_mm,
-        4.0,
-        "crest_mm to 4 mm",
-    )?;
-    range("base_mm", pocket.base_mm, 1.0, 5.0, "1 to 5 mm")?;
-    range("grid_mm", pocket.grid_mm, 0.08, 0.4, "0.08 to 0.4 mm")
 }
 
 fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) -> Checked {

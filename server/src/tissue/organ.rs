@@ -73,16 +73,14 @@ impl Organ {
                 middles,
             })
             .collect();
-        let mut vertex_of: BTreeMap<u32, usize> = faces
-            .iter()
-            .flat_map(|face| face.corners)
-            .map(|node| (node, 0))
-            .collect();
-        vertex_of
-            .values_mut()
-            .enumerate()
-            .for_each(|(k, vertex)| *vertex = k);
-        let nodes: Vec<u32> = vertex_of.keys().copied().collect();
+        // In the order in which the triangles name them: so a scene numbers the vertices of a file, and its tree is the same.
+        let (mut vertex_of, mut nodes) = (BTreeMap::new(), Vec::new());
+        for node in faces.iter().flat_map(|face| face.corners) {
+            vertex_of.entry(node).or_insert_with(|| {
+                nodes.push(node);
+                nodes.len() - 1
+            });
+        }
         let surface = TriMesh {
             vertices: nodes
                 .iter()

@@ -136,3 +136,14 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_
         Some((number, joined.into()))
     })
 }
+
+/// A mesh as the text of an OBJ file, in metres: reading it gives the same mesh to the last bit, and so the same tree.
+pub fn to_obj(mesh: &TriMesh) -> String {
+    let vertices = mesh.vertices.iter();
+    let vertices = vertices.map(|v| format!("v {} {} {}\n", v.x, v.y, v.z));
+    let triangles = mesh.triangles.iter().map(|t| {
+        let [a, b, c] = t.map(|v| v + 1);
+        format!("f {a} {b} {c}\n")
+    });
+    vertices.chain(triangles).collect()
+}

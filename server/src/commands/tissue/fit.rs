@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use sulcus_fem::{Elastic, Factored};
+use sulcus_scene::load::to_obj;
 use sulcus_scene::skeleton::SkeletonOptions;
 use sulcus_scene::springs::FittedSprings;
 
@@ -27,7 +28,7 @@ const ELEMENTS: f64 = 0.6;
 #[derive(Clone, Debug, Args)]
 #[command(
     about = "Fit the springs of a skeleton to load cases made by the built-in finite elements",
-    long_about = "Fit the springs of a skeleton to load cases made by the built-in finite elements.\n\nOf the folder only the geometry is read: nodes.csv, tets10.csv, fixed_all_nodes.csv. The training loads are round patches at places of a fixed low-discrepancy sequence over the free surface, each pressed in and dragged two ways, and loads spread over what faces some direction; the folder's own cases are not looked at.",
+    long_about = "Fit the springs of a skeleton to load cases made by the built-in finite elements.\n\nOf the folder only the geometry is read: nodes.csv, tets10.csv, fixed_all_nodes.csv. The training loads are round patches at places of a fixed low-discrepancy sequence over the free surface, each pressed in and dragged two ways, and loads spread over what faces some direction; the folder's own cases are not looked at.\n\nA scene uses what was fitted by mesh = \"PARAMS.obj\", unit = \"m\", tissue = \"skeleton\" and, in [object.skeleton], springs_file = \"PARAMS.toml\".",
     after_long_help = "Examples:\n  sulcus-server tissue fit --fem data/fem --model skeleton --out tongue-springs.toml\n  sulcus-server tissue evaluate --fem data/fem --model skeleton --params tongue-springs.toml"
 )]
 pub struct FitArgs {
@@ -37,7 +38,7 @@ pub struct FitArgs {
     /// What is fitted
     #[arg(long)]
     model: Springs,
-    /// File to write the springs to (TOML)
+    /// File to write the springs to (TOML); beside it their surface is written, as OBJ
     #[arg(long, value_name = "PARAMS")]
     out: PathBuf,
     /// What may differ from spring to spring: nothing, the stiffness along each axis, or the whole 3x3 stiffness
@@ -88,7 +89,15 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
             "--freedom is not `one`, expected that for the printed skeleton: its springs are all as stiff"
         );
     }
+    let surface = args.out.with_extension("obj");
+    if surface == args.out {
+        bail!(
+            "--out is {}, expected another ending: the surface is written to that one",
+            args.out.display()
+        );
+    }
     writable(&args.out)?;
+    writable(&surface)?;
     let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.1 * share))?;
     let mut skeleton = organ.skeleton(&SkeletonOptions::default())?;
     if args.model == Springs::PrintedSkeleton {
@@ -164,7 +173,13 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
         (args.young_kpa, args.poisson),
     );
     springs.write(&args.out)?;
-    println!("fitted: {fitted}\nwritten to {}", args.out.display());
+    std::fs::write(&surface, to_obj(&organ.surface))
+        .with_context(|| format!("{}: cannot write the surface", surface.display()))?;
+    println!(
+        "fitted: {fitted}\nsprings written to {}, their surface (in metres) to {}",
+        args.out.display(),
+        surface.display()
+    );
     if args.json {
         let report = Report {
             model: args.model,
