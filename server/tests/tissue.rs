@@ -122,6 +122,14 @@ fn fitted_to_its_own_cases_a_skeleton_meets_the_unseen_linear_ones() {
     assert_eq!(model.coarse.springs.len(), file.spring.len());
     let softer = model.coarse.springs[7].stiffness[1] / (1e3 * file.spring[7].n_per_mm[1]);
     assert!((softer - 0.2).abs() < 1e-9, "{softer}");
+    // A mesh of that name that is somebody's own stays.
+    std::fs::write(place.path().join("springs.obj"), "v 0 0 0").expect("written");
+    let refused = tissue(&[
+        "fit", "--fem", &geometry, "--model", "skeleton", "--out", &springs,
+    ]);
+    assert_eq!(refused.status.code(), Some(2));
+    let error = text(&refused.stderr);
+    assert!(error.contains("springs.obj: found another file"), "{error}");
     let said = with("kind = \"tongue\"")
         .expect_err("another tree")
         .to_string();

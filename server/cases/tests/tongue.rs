@@ -336,9 +336,12 @@ fn skin_follows(scene: &Scene, detail: u8, deep: f64) -> (f64, f64) {
     let (count, least) = turned(&mesh, &by);
     let most = by.iter().map(norm).fold(0.0, f64::max);
     // Where one carrier carried a vertex and another its neighbour, they would part by what the carriers do.
-    let heaviest = |v: usize| {
-        let most = skin.carriers(v).iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        most.map_or(Vec3::zeros(), |(node, _)| moved[*node as usize])
+    let alone = |v: usize| match object.tissue {
+        TissueModel::Surface(_) => {
+            let most = skin.carriers(v).iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            most.map_or(Vec3::zeros(), |(master, _)| moved[*master as usize])
+        }
+        _ => moved[object.carriers[v] as usize],
     };
     let (mut steepest, mut parted) = (0.0_f64, 0.0_f64);
     for [a, b, c] in &mesh.triangles {
@@ -346,7 +349,7 @@ fn skin_follows(scene: &Scene, detail: u8, deep: f64) -> (f64, f64) {
             let (a, b) = (*a as usize, *b as usize);
             let away = norm(&(mesh.vertices[a] - mesh.vertices[b]));
             steepest = steepest.max(norm(&(by[a] - by[b])) / away);
-            parted = parted.max(norm(&(heaviest(a) - heaviest(b))) / away);
+            parted = parted.max(norm(&(alone(a) - alone(b))) / away);
         }
     }
     println!(

@@ -28,7 +28,7 @@ use crate::{MAX_TOOLS, Scene};
 const WIDENING: f64 = 6.0;
 const WIDEST: f64 = 5e-5;
 /// How much farther the first pass looks where something yields: that moves, too, about as far as the tool, and of both
-/// no more may be done than was looked for. Measured with the mirror on the tongue: at 1 nearly every tick took a second pass,
+/// no more may be done than was looked for. Measured with the mirror on the tongue: at 1 three ticks of four took a second pass,
 /// at 4 rows cost what passes save.
 const YIELDS: f64 = 2.5;
 

@@ -144,12 +144,14 @@ impl Compiler<'_> {
                     (self.progress)(&format!("{part}: {stage}"), (done - 1.0 + share) / parts);
                 };
                 let kept = self.options.cache.as_deref();
-                let made =
+                let mut made =
                     organ(&tree, &mesh, &options, folder, kept, &step).map_err(|source| {
                         let part = part.clone();
                         BuildError::Organ { part, source }
                     })?;
-                let mut made = made;
+                for x in &made.compliance {
+                    self.hasher.update(&x.to_bits().to_le_bytes());
+                }
                 for master in &mut made.masters.places {
                     *master += place;
                 }
@@ -169,6 +171,12 @@ impl Compiler<'_> {
                             let part = part.clone();
                             BuildError::Springs { part, source }
                         })?;
+                    for spring in &made.coarse.springs {
+                        let numbers = spring.stiffness.iter().chain(&spring.coupling);
+                        for x in numbers {
+                            self.hasher.update(&x.to_bits().to_le_bytes());
+                        }
+                    }
                 }
                 if entry.tissue == TissueEntry::PrintedSkeleton {
                     TissueModel::PrintedSkeleton(printed_skeleton(&made, &tree, entry))

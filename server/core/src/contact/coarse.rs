@@ -2,7 +2,7 @@
 //! come within reach of each of the tissue's.
 //!
 //! The balls about families of large overlapping spheres that have moved say next to nothing: on a tongue every sphere
-//! of a mirror comes within reach of a third of all families, and a list took 110 us. The tool is rigid, and its
+//! of a mirror was tested against a third of all families, and a list took 110 us. The tool is rigid, and its
 //! families keep their tight bounds, so here each of the tissue's spheres goes down the tool's tree.
 
 use super::neighbours::ROUNDING;

@@ -7,7 +7,8 @@
 //!
 //! The plain way is to traverse both trees anew in every pass (`dual`). What was near is kept while the tool
 //! stays near: for what is rigid the families of spheres (`neighbours`), found by `front` in a layout for it
-//! (`packs`), for what yields the pairs of spheres (`soft`; by `front`, too, or where its spheres are large by `coarse`). Which of the ways answered never shows in the answer.
+//! (`packs`), for what yields the pairs of spheres (`soft`; by `front`, too, or where its spheres are large
+//! by `coarse`). Which of the ways answered never shows in the answer.
 
 mod coarse;
 mod dual;

@@ -122,30 +122,31 @@ impl SoftNeighbours {
         self.pairs.clear();
         self.spheres.clear();
         predictor.work.lists += 1;
-        if self.coarse.is_some() {
-            self.list_coarse(predictor, tool, (nodes, level), d);
-        } else {
-            self.list_fine(predictor, tool, (nodes, level));
+        match self.coarse.take() {
+            Some(mut search) => {
+                self.list_coarse(&mut search, predictor, tool, (nodes, level), d);
+                self.coarse = Some(search);
+            }
+            None => self.list_fine(predictor, tool, (nodes, level)),
         }
     }
 
     /// Sphere by sphere of the object, down the tool's tree.
     fn list_coarse(
         &mut self,
+        search: &mut CoarseSearch,
         predictor: &mut Predictor,
         tool: &PosedTool<'_>,
         (nodes, level): (&[Node], u8),
         d: Distance,
     ) {
         let Self {
-            coarse,
             pairs,
             spheres,
             usable,
             reach,
             ..
         } = self;
-        let Some(search) = coarse else { return };
         let reach = (*reach, d.turn);
         *usable = true;
         for (o, node) in nodes.iter().enumerate() {

@@ -181,11 +181,11 @@ fn y_of(y: &[f64; UNKNOWNS], tool: u8) -> &[f64] {
     &y[6 * usize::from(tool)..][..6]
 }
 
-/// Inner product of as many numbers as both have, in four sums at once.
+/// Inner product of two lists of one length, in four sums at once.
 #[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let n = if a.len() < b.len() { a.len() } else { b.len() };
-    let ((a, a_rest), (b, b_rest)) = (a[..n].as_chunks::<4>(), b[..n].as_chunks::<4>());
+    debug_assert_eq!(a.len(), b.len());
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let mut sums = [0.0; 4];
     for (a, b) in a.iter().zip(b) {
         for k in 0..4 {

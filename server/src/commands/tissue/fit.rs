@@ -97,8 +97,16 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
         );
     }
     writable(&args.out)?;
-    writable(&surface)?;
     let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.1 * share))?;
+    let text = to_obj(&organ.surface);
+    // A mesh of the same name may be somebody's own.
+    if std::fs::read(&surface).is_ok_and(|there| there != text.as_bytes()) {
+        bail!(
+            "{}: found another file, expected none: the surface of the springs is written there",
+            surface.display()
+        );
+    }
+    writable(&surface)?;
     let mut skeleton = organ.skeleton(&SkeletonOptions::default())?;
     if args.model == Springs::PrintedSkeleton {
         skeleton = as_printed(&skeleton, &organ);
@@ -173,7 +181,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
         (args.young_kpa, args.poisson),
     );
     springs.write(&args.out)?;
-    std::fs::write(&surface, to_obj(&organ.surface))
+    std::fs::write(&surface, text)
         .with_context(|| format!("{}: cannot write the surface", surface.display()))?;
     println!(
         "fitted: {fitted}\nsprings written to {}, their surface (in metres) to {}",
