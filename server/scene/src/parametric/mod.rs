@@ -7,6 +7,7 @@ pub mod molar;
 pub mod polygonise;
 pub mod probe;
 pub mod tongue;
+pub mod tooth;
 mod tube;
 
 pub use gingiva::{Collar, Pocket};
@@ -14,3 +15,4 @@ pub use mirror::Mirror;
 pub use molar::Molar;
 pub use probe::Probe;
 pub use tongue::Tongue;
+pub use tooth::{Furcation, Tooth, ToothSizes};
