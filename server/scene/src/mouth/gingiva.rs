@@ -1,7 +1,7 @@
 //! A collar of spheres as a gingiva in the world: its tree, its tissue model, its skin.
 
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, Site, ToothFrame};
-use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
+use sulcus_core::{Node, Sphere, SphereTree, TreeError};
 
 use crate::mesh::TriMesh;
 use crate::parametric::arch::{to_world, turned};

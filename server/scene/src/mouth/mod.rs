@@ -3,6 +3,7 @@
 //! A tooth's tree comes from a family of seven shapes ([`crate::family`]): placed, and mirrored on the right side. A gingiva is
 //! laid out anew for each patient ([`crate::parametric::collar`]), round its tooth and up to the planes between neighbours.
 
+mod compile;
 mod faces;
 mod gingiva;
 
@@ -19,7 +20,7 @@ use crate::parametric::sections::Sections;
 use crate::parametric::tooth::Tooth;
 use crate::patient::{Condition, LOWER, Patient, ToothChart};
 
-pub(crate) use gingiva::{PlacedGingiva, placed_gingiva};
+pub(crate) use gingiva::{placed_gingiva, placed_mesh};
 
 /// `[mouth]`: a patient's teeth with their gingivae.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -83,8 +84,9 @@ pub(crate) struct Standing {
 
 /// The shapes of the left side, by the second digit of their number, with their sections: the right side's are the same.
 pub(crate) fn standing(fdis: &[u8]) -> Vec<Standing> {
-    let shapes: Vec<(Tooth, TriMesh, Sections)> = crate::parallel::map(7, |k| {
-        let shape = Tooth::lower(31 + k as u8).unwrap_or_default();
+    let teeth: Vec<Tooth> = (31..=37).filter_map(Tooth::lower).collect();
+    let shapes: Vec<(Tooth, TriMesh, Sections)> = crate::parallel::map(teeth.len(), |k| {
+        let shape = teeth[k].clone();
         let mesh = shape.mesh();
         let low = JAW_TOP - arch::OCCLUSAL + shape.crown_height_mm() - 1.0;
         let sections = Sections::of(&mesh, low, shape.crown_height_mm() + 0.5);
@@ -192,5 +194,3 @@ pub(crate) fn patient(
     }
 }
 
-#[cfg(test)]
-mod tests;
