@@ -3,13 +3,18 @@
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Node, Object, SphereTree, TreeError};
 
-use super::{MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing};
+use super::{JAW_TOP, MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing};
 use crate::build::TreeOptions;
 use crate::carry::carriers;
 use crate::compile::BuildError;
+use crate::mesh::TriMesh;
 use crate::parametric::arch::to_world;
+use crate::parametric::jaw::{Station, healed, jaw};
 use crate::parts::{Compiler, GINGIVA_COLOUR, TOOTH_COLOUR, gingiva_params};
 use crate::patient::{LOWER, ToothChart};
+
+/// How far the jaw reaches into the gingivae's base, mm.
+const JAW_OVERLAP: f64 = 0.4;
 
 /// What a mouth adds to a scene.
 pub(crate) struct MouthParts {
@@ -52,6 +57,10 @@ impl Compiler<'_> {
                 }
             })
         });
+        objects.push(self.jaw()?);
+        for fdi in LOWER.into_iter().filter(|fdi| patient.missing.contains(fdi)) {
+            objects.push(self.healed(entry, fdi)?);
+        }
         for (tooth, made) in all.iter().zip(made) {
             let made = made?;
             made.mesh.hash_into(&mut self.hasher);
@@ -68,6 +77,55 @@ impl Compiler<'_> {
         Ok(MouthParts {
             objects,
             patient: text,
+        })
+    }
+
+    /// The jaw under all teeth, missing ones as well: the same for every patient.
+    fn jaw(&mut self) -> Result<Object, BuildError> {
+        let wall = MouthEntry::default().wall_mm;
+        let stations: Vec<Station> = standing(&LOWER)
+            .iter()
+            .map(|tooth| Station {
+                at: [tooth.frame.origin.x * 1e3, tooth.frame.origin.y * 1e3],
+                buccal: [tooth.frame.buccal.x, tooth.frame.buccal.y],
+                faces: tooth.faces(wall),
+            })
+            .collect();
+        self.mucosa("jaw", 3, jaw(&stations, JAW_TOP + JAW_OVERLAP), |mesh| mesh)
+    }
+
+    /// The healed ridge where a tooth is missing.
+    fn healed(&mut self, entry: &MouthEntry, fdi: u8) -> Result<Object, BuildError> {
+        let lone = standing(&[fdi]);
+        let tooth = &lone[0];
+        let ends = tooth.ends();
+        let base = JAW_TOP - tooth.frame.origin.z * 1e3;
+        let mesh = healed(ends, tooth.faces(entry.wall_mm), base);
+        let frame = tooth.frame;
+        self.mucosa(&format!("healed ridge {fdi}"), 2, mesh, |mesh| placed_mesh(&mesh, &frame))
+    }
+
+    fn mucosa(
+        &mut self,
+        name: &str,
+        level: u8,
+        mesh: TriMesh,
+        place: impl Fn(TriMesh) -> TriMesh,
+    ) -> Result<Object, BuildError> {
+        let wanted = TreeOptions {
+            levels: level,
+            ..TreeOptions::default()
+        };
+        let mesh = place(mesh);
+        let (tree, level) = self.tree(name, &mesh, level, wanted)?;
+        Ok(Object {
+            name: name.to_owned(),
+            fdi: 0,
+            tree,
+            level,
+            tissue: TissueModel::Rigid,
+            mesh: mesh.to_display(GINGIVA_COLOUR),
+            carriers: Vec::new(),
         })
     }
 

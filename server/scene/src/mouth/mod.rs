@@ -7,6 +7,7 @@ mod compile;
 mod faces;
 mod gingiva;
 
+use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,7 @@ use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
 use crate::file::GingivaEntry;
 use crate::mesh::TriMesh;
 use crate::parametric::arch::{self, Footprint};
-use crate::parametric::collar::{Collar, CollarSizes, Sulcus};
+use crate::parametric::collar::{Collar, CollarSizes, Sulcus, outer_face};
 use crate::parametric::sections::Sections;
 use crate::parametric::tooth::Tooth;
 use crate::patient::{Condition, LOWER, Patient, ToothChart};
@@ -80,6 +81,20 @@ pub(crate) struct Standing {
     pub frame: ToothFrame,
     shape: Tooth,
     sections: Sections,
+}
+
+impl Standing {
+    /// How far the gingiva's outer faces are from the axis where the jaw begins, buccally and lingually, mm.
+    fn faces(&self, wall: f64) -> [f64; 2] {
+        let z = JAW_TOP - self.frame.origin.z * 1e3;
+        [1.0, -1.0].map(|side| outer_face(&self.sections, wall, FRAC_PI_2 * side, z))
+    }
+
+    /// How far the contact points are from the axis, mesially and distally, mm.
+    fn ends(&self) -> [f64; 2] {
+        let [mesial, distal] = self.shape.contacts();
+        [mesial.x, -distal.x]
+    }
 }
 
 /// The shapes of the left side, by the second digit of their number, with their sections: the right side's are the same.
