@@ -4,31 +4,36 @@ use sulcus_core::math::{fclamp, fmin};
 
 use super::super::blend::{bell, smooth_max};
 
-/// A cusp: a pyramid with rounded edges, which are its ridges. One runs towards the middle of the tooth (the triangular
-/// ridge), the opposite one down the outer face, two along the edge of the crown.
+/// A cusp: a pyramid with rounded edges, whose ridges run along the edge of the crown, and the triangular ridge that
+/// comes down from its tip towards the middle of the tooth.
 pub(super) struct Cusp {
     /// Tip, x, y, z, mm.
     pub tip: [f64; 3],
-    /// Where the triangular ridge points to, x, y.
-    pub towards: [f64; 2],
-    /// Slopes (fall over run) along the triangular ridge, outwards, and along the edge on the mesial and the distal side.
+    /// Foot of the triangular ridge, x, y, z, mm.
+    pub foot: [f64; 3],
+    /// Slopes (fall over run) of the pyramid inwards, outwards, and along the edge on the mesial and the distal side.
     pub slopes: [f64; 4],
     /// Radius of the tip and of the ridges, mm.
     pub blunt: f64,
 }
 
 /// Exponent of the pyramid: 1 is sharp-edged, 2 a cone.
-const PYRAMID: f64 = 1.45;
+const PYRAMID: f64 = 1.7;
+/// How the sides of a triangular ridge fall, and how round its back is, mm.
+const RIDGE: (f64, f64) = (0.85, 0.55);
+/// How far the triangular ridge begins below the tip, mm.
+const BELOW_TIP: f64 = 0.12;
 
 impl Cusp {
     pub fn height(&self, x: f64, y: f64, relief: f64) -> f64 {
         let [tx, ty, tz] = self.tip;
-        let (ax, ay) = (self.towards[0] - tx, self.towards[1] - ty);
+        // Inwards: square to the edge of an oval crown.
+        let (ax, ay) = (-0.3 * tx, -ty);
         let length = (ax * ax + ay * ay).sqrt();
         let (ax, ay) = (ax / length, ay / length);
         let (dx, dy) = (x - tx, y - ty);
         let inward = dx * ax + dy * ay;
-        // Across the ridge, positive mesially.
+        // Along the edge, positive mesially.
         let mut across = dx * ay - dy * ax;
         if ay < 0.0 {
             across = -across;
@@ -41,7 +46,15 @@ impl Cusp {
             libm::pow(a, PYRAMID) + libm::pow(b, PYRAMID),
             1.0 / PYRAMID,
         );
-        tz - relief * fall
+        let (d, t) = to_segment([tx, ty], [self.foot[0], self.foot[1]], x, y);
+        // Its back is a little convex.
+        let down = (tz - self.foot[2] - BELOW_TIP) * t * (0.75 + 0.25 * t);
+        let side = RIDGE.0 * ((d * d + RIDGE.1 * RIDGE.1).sqrt() - RIDGE.1);
+        smooth_max(
+            tz - relief * fall,
+            tz - BELOW_TIP - relief * (down + side),
+            0.3,
+        )
     }
 }
 
