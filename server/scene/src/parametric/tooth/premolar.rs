@@ -1,23 +1,47 @@
 //! The premolars: the first almost a canine with a small lingual cusp, the second a small molar with three cusps.
 
 use super::super::blend::{bell, ramp, smooth_max};
-use super::occlusal::{Cusp, bar, cusps, groove, pit};
+use super::occlusal::{Cusp, branch, cusps, groove, marginal, pit};
 use super::section::{Spot, Walls};
 use super::{Form, Size};
 
 /// The large buccal cusp stands over the root, the crown leans lingually.
 pub(super) static FIRST: Form = Form {
-    usual: Size { mesiodistal: 7.0, buccolingual: 7.5, crown: 8.5, root: 14.0 },
-    drawn: Size { mesiodistal: 7.0, buccolingual: 7.5, crown: 8.5, root: 14.0 },
+    usual: Size {
+        mesiodistal: 7.0,
+        buccolingual: 7.5,
+        crown: 8.5,
+        root: 14.0,
+    },
+    drawn: Size {
+        mesiodistal: 7.0,
+        buccolingual: 7.5,
+        crown: 8.5,
+        root: 14.0,
+    },
     grid: 0.22,
     walls: Walls {
-        z: [-12.5, -10.5, -7.0, -3.5, -1.0, 0.2, 1.5, 3.0, 4.5, 5.8, 7.2, 9.0],
-        mesial: [0.70, 1.25, 1.90, 2.25, 2.38, 2.40, 2.48, 2.88, 3.26, 3.38, 3.10, 2.3],
-        distal: [-1.22, -1.58, -2.02, -2.28, -2.40, -2.44, -2.62, -3.05, -3.36, -3.42, -3.05, -2.1],
-        buccal: [1.12, 1.75, 2.55, 3.05, 3.18, 3.28, 3.48, 3.42, 3.05, 2.55, 1.95, 1.1],
-        lingual: [-1.32, -1.95, -2.65, -3.08, -3.15, -3.22, -3.42, -3.72, -3.90, -3.72, -3.2, -2.5],
-        widest: [-0.1, -0.1, -0.1, 0.0, 0.1, 0.2, 0.25, 0.3, 0.3, 0.3, 0.3, 0.3],
-        crest: [-0.3, -0.15, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        z: [
+            -12.5, -10.5, -7.0, -3.5, -1.0, 0.2, 1.5, 3.0, 4.5, 5.8, 7.2, 9.0,
+        ],
+        mesial: [
+            0.70, 1.25, 1.90, 2.25, 2.38, 2.40, 2.48, 2.88, 3.26, 3.38, 3.10, 2.3,
+        ],
+        distal: [
+            -1.22, -1.58, -2.02, -2.28, -2.40, -2.44, -2.62, -3.05, -3.36, -3.42, -3.05, -2.1,
+        ],
+        buccal: [
+            1.12, 1.75, 2.55, 3.05, 3.18, 3.28, 3.48, 3.42, 3.05, 2.55, 1.95, 1.1,
+        ],
+        lingual: [
+            -1.32, -1.95, -2.65, -3.08, -3.15, -3.22, -3.42, -3.72, -3.90, -3.72, -3.2, -2.5,
+        ],
+        widest: [
+            -0.1, -0.1, -0.1, 0.0, 0.1, 0.2, 0.25, 0.3, 0.3, 0.3, 0.3, 0.3,
+        ],
+        crest: [
+            -0.3, -0.15, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        ],
         flat: [2.0, 2.1],
         round: [2.2, 2.0, 1.85],
         apex: 1.5,
@@ -25,14 +49,47 @@ pub(super) static FIRST: Form = Form {
     },
     edge: 0.5,
     chewing: |x, y, relief| {
-        let mut height = cusps(&FIRST_CUSPS, x, y, relief, 0.25);
-        height = smooth_max(height, 4.3, 0.3);
-        height = smooth_max(height, bar([2.75, 0.6, 6.0], [1.95, -2.3, 4.95], 0.95, x, y), 0.3);
-        height = smooth_max(height, bar([-2.75, 0.6, 6.1], [-1.8, -2.4, 5.3], 0.95, x, y), 0.3);
+        let mut height = cusps(&FIRST_CUSPS, x, y, relief, 0.35);
+        height = smooth_max(
+            height,
+            marginal(
+                &[[2.4, 0.8, 6.5], [2.75, -0.3, 5.7], [2.0, -2.2, 5.0]],
+                0.8,
+                x,
+                y,
+            ),
+            0.45,
+        );
+        height = smooth_max(
+            height,
+            marginal(
+                &[[-2.4, 0.8, 6.5], [-2.75, -0.3, 5.9], [-1.6, -2.5, 5.5]],
+                0.8,
+                x,
+                y,
+            ),
+            0.45,
+        );
         height
-            - groove(&[[1.55, -0.9], [1.9, -2.0], [2.1, -3.2]], 0.25, 0.36, x, y)
-            - groove(&[[1.5, -0.9], [-0.1, -1.75], [-1.55, -1.0]], 0.10, 0.35, x, y)
-            - groove(&[[-1.5, 0.0], [-1.6, -0.9], [-1.3, -1.7]], 0.15, 0.36, x, y)
+            - branch([[1.6, -0.8], [1.5, 0.5]], x, y)
+            - groove(&[[1.6, -0.8], [1.9, -2.0], [2.1, -3.2]], 0.22, 0.38, x, y)
+            - groove(
+                &[
+                    [1.6, -0.8],
+                    [0.9, -1.5],
+                    [-0.1, -1.75],
+                    [-1.0, -1.5],
+                    [-1.6, -0.9],
+                ],
+                0.10,
+                0.38,
+                x,
+                y,
+            )
+            - branch([[-1.6, -0.8], [-1.5, 0.5]], x, y)
+            - branch([[-1.6, -0.8], [-1.2, -2.0]], x, y)
+            - pit([1.6, -0.7], 0.12, 0.5, x, y)
+            - pit([-1.62, -0.8], 0.14, 0.5, x, y)
     },
     carving: |spot| {
         let p = &spot.p;
@@ -44,40 +101,123 @@ pub(super) static FIRST: Form = Form {
 };
 
 static FIRST_CUSPS: [Cusp; 2] = [
-    Cusp { tip: [0.15, 0.75, 8.5], foot: [-0.05, -1.6, 5.85], slopes: [1.5, 0.6, 0.55, 0.58], blunt: 0.35 },
-    Cusp { tip: [-0.1, -2.8, 6.0], foot: [-0.05, -1.7, 5.75], slopes: [0.9, 0.4, 0.5, 0.48], blunt: 0.4 },
+    Cusp {
+        tip: [0.15, 0.75, 8.5],
+        towards: [0.0, -1.7],
+        slopes: [1.02, 0.6, 0.55, 0.58],
+        blunt: 0.5,
+    },
+    Cusp {
+        tip: [-0.15, -2.8, 6.15],
+        towards: [0.0, -1.0],
+        slopes: [0.5, 0.4, 0.5, 0.48],
+        blunt: 0.5,
+    },
 ];
 
 /// Two lingual cusps, the mesial one larger; the grooves meet in a Y.
 pub(super) static SECOND: Form = Form {
-    usual: Size { mesiodistal: 7.0, buccolingual: 8.0, crown: 8.0, root: 14.5 },
-    drawn: Size { mesiodistal: 7.0, buccolingual: 8.0, crown: 8.0, root: 14.5 },
+    usual: Size {
+        mesiodistal: 7.0,
+        buccolingual: 8.0,
+        crown: 8.0,
+        root: 14.5,
+    },
+    drawn: Size {
+        mesiodistal: 7.0,
+        buccolingual: 8.0,
+        crown: 8.0,
+        root: 14.5,
+    },
     grid: 0.23,
     walls: Walls {
-        z: [-12.9, -10.8, -7.2, -3.6, -1.0, 0.2, 1.4, 2.8, 4.2, 5.4, 6.8, 8.6],
-        mesial: [0.70, 1.28, 1.95, 2.28, 2.38, 2.40, 2.50, 2.90, 3.26, 3.38, 3.15, 2.5],
-        distal: [-1.26, -1.62, -2.06, -2.30, -2.40, -2.44, -2.62, -3.05, -3.36, -3.42, -3.10, -2.4],
-        buccal: [1.25, 1.92, 2.80, 3.28, 3.40, 3.50, 3.74, 3.72, 3.45, 3.08, 2.6, 1.8],
-        lingual: [-1.45, -2.1, -2.90, -3.30, -3.40, -3.48, -3.70, -3.92, -4.02, -3.92, -3.45, -2.6],
-        widest: [-0.1, -0.1, -0.1, 0.0, 0.05, 0.1, 0.15, 0.2, 0.2, 0.2, 0.2, 0.2],
-        crest: [-0.3, -0.15, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        flat: [2.0, 2.4],
-        round: [2.2, 2.0, 2.05],
+        z: [
+            -12.9, -10.8, -7.2, -3.6, -1.0, 0.2, 1.4, 2.8, 4.2, 5.4, 6.8, 8.6,
+        ],
+        mesial: [
+            0.70, 1.28, 1.95, 2.28, 2.38, 2.40, 2.50, 2.90, 3.26, 3.38, 3.15, 2.5,
+        ],
+        distal: [
+            -1.26, -1.62, -2.06, -2.30, -2.40, -2.44, -2.62, -3.05, -3.36, -3.42, -3.10, -2.4,
+        ],
+        buccal: [
+            1.25, 1.92, 2.80, 3.28, 3.40, 3.50, 3.74, 3.72, 3.45, 3.08, 2.6, 1.8,
+        ],
+        lingual: [
+            -1.45, -2.1, -2.90, -3.30, -3.40, -3.48, -3.70, -3.92, -4.02, -3.92, -3.45, -2.6,
+        ],
+        widest: [
+            -0.1, -0.1, -0.1, 0.0, 0.05, 0.1, 0.15, 0.2, 0.2, 0.2, 0.2, 0.2,
+        ],
+        crest: [
+            -0.3, -0.15, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        ],
+        flat: [2.0, 2.2],
+        round: [2.2, 1.9, 1.9],
         apex: 1.6,
         cej: [1.0, 0.6, 0.1],
     },
     edge: 0.5,
     chewing: |x, y, relief| {
-        let mut height = cusps(&SECOND_CUSPS, x, y, relief, 0.25);
-        height = smooth_max(height, 5.0, 0.3);
-        height = smooth_max(height, bar([2.7, 1.6, 6.3], [2.5, -2.3, 6.0], 0.95, x, y), 0.3);
-        height = smooth_max(height, bar([-2.7, 1.5, 6.1], [-2.5, -2.2, 5.8], 0.95, x, y), 0.3);
+        let mut height = cusps(&SECOND_CUSPS, x, y, relief, 0.35);
+        height = smooth_max(
+            height,
+            marginal(
+                &[
+                    [2.3, 1.5, 6.6],
+                    [2.75, 0.3, 6.2],
+                    [2.65, -1.2, 6.2],
+                    [2.0, -2.5, 6.6],
+                ],
+                0.8,
+                x,
+                y,
+            ),
+            0.45,
+        );
+        height = smooth_max(
+            height,
+            marginal(
+                &[
+                    [-2.3, 1.5, 6.5],
+                    [-2.75, 0.3, 6.0],
+                    [-2.65, -1.1, 6.0],
+                    [-2.2, -2.2, 6.3],
+                ],
+                0.8,
+                x,
+                y,
+            ),
+            0.45,
+        );
         height
-            - groove(&[[1.8, 0.1], [-0.4, -0.4], [-1.8, 0.05]], 0.18, 0.36, x, y)
-            - groove(&[[-0.4, -0.4], [-0.55, -2.2], [-0.6, -4.0]], 0.2, 0.36, x, y)
-            - pit([1.75, 0.0], 0.15, 0.45, x, y)
-            - pit([-0.4, -0.4], 0.12, 0.45, x, y)
-            - pit([-1.75, 0.0], 0.15, 0.45, x, y)
+            - groove(
+                &[
+                    [1.8, 0.1],
+                    [0.9, -0.05],
+                    [0.2, -0.35],
+                    [-0.4, -0.5],
+                    [-1.0, -0.25],
+                    [-1.8, 0.05],
+                ],
+                0.18,
+                0.38,
+                x,
+                y,
+            )
+            - groove(
+                &[[-0.4, -0.5], [-0.45, -1.4], [-0.6, -2.3], [-0.6, -4.0]],
+                0.22,
+                0.38,
+                x,
+                y,
+            )
+            - branch([[1.8, 0.1], [2.1, 1.3]], x, y)
+            - branch([[1.8, 0.1], [2.1, -1.3]], x, y)
+            - branch([[-1.8, 0.05], [-2.05, 1.2]], x, y)
+            - pit([1.8, 0.1], 0.14, 0.45, x, y)
+            - pit([-0.4, -0.5], 0.12, 0.45, x, y)
+            - pit([-1.8, 0.05], 0.14, 0.45, x, y)
     },
     carving: |spot| {
         let p = &spot.p;
@@ -88,9 +228,24 @@ pub(super) static SECOND: Form = Form {
 };
 
 static SECOND_CUSPS: [Cusp; 3] = [
-    Cusp { tip: [0.1, 1.9, 8.0], foot: [-0.1, -0.1, 5.9], slopes: [1.25, 0.5, 0.50, 0.52], blunt: 0.4 },
-    Cusp { tip: [1.05, -2.65, 7.3], foot: [0.55, -0.75, 5.8], slopes: [1.2, 0.45, 0.50, 0.60], blunt: 0.35 },
-    Cusp { tip: [-1.75, -2.5, 6.9], foot: [-1.2, -0.7, 5.75], slopes: [1.1, 0.45, 0.60, 0.50], blunt: 0.35 },
+    Cusp {
+        tip: [0.1, 1.9, 8.0],
+        towards: [-0.1, -0.5],
+        slopes: [0.95, 0.5, 0.50, 0.52],
+        blunt: 0.5,
+    },
+    Cusp {
+        tip: [1.1, -2.65, 7.3],
+        towards: [0.6, -0.3],
+        slopes: [0.78, 0.45, 0.50, 0.60],
+        blunt: 0.5,
+    },
+    Cusp {
+        tip: [-1.75, -2.5, 6.9],
+        towards: [-1.1, -0.3],
+        slopes: [0.66, 0.45, 0.60, 0.50],
+        blunt: 0.5,
+    },
 ];
 
 /// The buccal ridge stands out between two shallow depressions.

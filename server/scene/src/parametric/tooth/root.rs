@@ -69,11 +69,8 @@ impl Tube {
         } else {
             p.z + depth
         };
-        let groove = self.groove
-            * bell(p.y, 1.1)
-            * ramp(depth, 1.0, 4.5)
-            * (1.0 - ramp(depth, 8.5, 11.5));
-        (dx * dx + y * y + dz * dz).sqrt() - half
-            + groove * fmax(0.0, 1.0 - 0.5 * (y / half).abs())
+        let groove =
+            self.groove * bell(p.y, 1.1) * ramp(depth, 1.0, 4.5) * (1.0 - ramp(depth, 8.5, 11.5));
+        (dx * dx + y * y + dz * dz).sqrt() - half + groove * fmax(0.0, 1.0 - 0.5 * (y / half).abs())
     }
 }

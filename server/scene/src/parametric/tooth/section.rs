@@ -83,7 +83,11 @@ impl Walls {
         let above = p.z - self.cej(p.x, p.y);
         let crown = ramp(p.z, -0.5, 3.0);
         let m = self.flat[0] + (self.flat[1] - self.flat[0]) * crown;
-        let side = if dy > 0.0 { self.round[1] } else { self.round[2] };
+        let side = if dy > 0.0 {
+            self.round[1]
+        } else {
+            self.round[2]
+        };
         let n = self.round[0] + (side - self.round[0]) * crown;
         let (au, av) = (u.abs(), v.abs());
         let sum = fmax(libm::pow(au, m) + libm::pow(av, n), 1e-9);
