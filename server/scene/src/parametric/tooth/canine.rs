@@ -12,10 +12,10 @@ pub(super) static CANINE: Form = Form {
         root: 16.0,
     },
     drawn: Size {
-        mesiodistal: 7.0,
-        buccolingual: 7.5,
-        crown: 11.0,
-        root: 16.0,
+        mesiodistal: 7.045,
+        buccolingual: 7.536,
+        crown: 11.047,
+        root: 15.988,
     },
     grid: 0.235,
     walls: Walls {

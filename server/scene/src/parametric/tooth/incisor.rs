@@ -13,10 +13,10 @@ pub(super) static CENTRAL: Form = Form {
         root: 12.5,
     },
     drawn: Size {
-        mesiodistal: 5.0,
-        buccolingual: 6.0,
-        crown: 9.0,
-        root: 12.5,
+        mesiodistal: 5.034,
+        buccolingual: 5.89,
+        crown: 9.013,
+        root: 12.494,
     },
     grid: 0.18,
     walls: Walls {
@@ -61,10 +61,10 @@ pub(super) static LATERAL: Form = Form {
         root: 14.0,
     },
     drawn: Size {
-        mesiodistal: 5.5,
-        buccolingual: 6.5,
-        crown: 9.5,
-        root: 14.0,
+        mesiodistal: 5.539,
+        buccolingual: 6.419,
+        crown: 9.502,
+        root: 13.99,
     },
     grid: 0.195,
     walls: Walls {

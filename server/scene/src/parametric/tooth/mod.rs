@@ -297,3 +297,6 @@ fn form(fdi: u8) -> Option<&'static Form> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

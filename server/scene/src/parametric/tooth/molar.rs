@@ -15,10 +15,10 @@ pub(super) static FIRST: Form = Form {
         root: 14.0,
     },
     drawn: Size {
-        mesiodistal: 11.0,
-        buccolingual: 10.5,
-        crown: 7.5,
-        root: 14.0,
+        mesiodistal: 11.04,
+        buccolingual: 10.492,
+        crown: 7.431,
+        root: 13.78,
     },
     grid: 0.28,
     walls: Walls {
@@ -174,10 +174,10 @@ pub(super) static SECOND: Form = Form {
         root: 13.0,
     },
     drawn: Size {
-        mesiodistal: 10.5,
-        buccolingual: 10.0,
-        crown: 7.0,
-        root: 13.0,
+        mesiodistal: 10.494,
+        buccolingual: 9.978,
+        crown: 7.014,
+        root: 12.895,
     },
     grid: 0.27,
     walls: Walls {

@@ -14,10 +14,10 @@ pub(super) static FIRST: Form = Form {
         root: 14.0,
     },
     drawn: Size {
-        mesiodistal: 7.0,
-        buccolingual: 7.5,
-        crown: 8.5,
-        root: 14.0,
+        mesiodistal: 7.039,
+        buccolingual: 7.609,
+        crown: 8.498,
+        root: 13.98,
     },
     grid: 0.22,
     walls: Walls {
@@ -124,10 +124,10 @@ pub(super) static SECOND: Form = Form {
         root: 14.5,
     },
     drawn: Size {
-        mesiodistal: 7.0,
-        buccolingual: 8.0,
-        crown: 8.0,
-        root: 14.5,
+        mesiodistal: 7.034,
+        buccolingual: 8.001,
+        crown: 7.983,
+        root: 14.485,
     },
     grid: 0.23,
     walls: Walls {
