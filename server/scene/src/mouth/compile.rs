@@ -36,8 +36,9 @@ impl Compiler<'_> {
             .filter(wanted)
             .filter_map(|fdi| patient.tooth(fdi))
             .collect();
-        let fdis: Vec<u8> = charts.iter().map(|chart| chart.fdi).collect();
-        let all = standing(&fdis);
+        let arch = standing();
+        let there = |tooth: &&Standing| charts.iter().any(|chart| chart.fdi == tooth.fdi);
+        let all: Vec<Standing> = arch.iter().filter(there).cloned().collect();
         let mut objects = Vec::with_capacity(2 * all.len());
         for tooth in &all {
             objects.push(self.tooth(entry, tooth)?);
@@ -57,9 +58,9 @@ impl Compiler<'_> {
                 }
             })
         });
-        objects.push(self.jaw()?);
-        for fdi in LOWER.into_iter().filter(|fdi| patient.missing.contains(fdi)) {
-            objects.push(self.healed(entry, fdi)?);
+        objects.push(self.jaw(&arch)?);
+        for tooth in arch.iter().filter(|tooth| patient.missing.contains(&tooth.fdi)) {
+            objects.push(self.healed(entry, tooth)?);
         }
         for (tooth, made) in all.iter().zip(made) {
             let made = made?;
@@ -81,9 +82,9 @@ impl Compiler<'_> {
     }
 
     /// The jaw under all teeth, missing ones as well: the same for every patient.
-    fn jaw(&mut self) -> Result<Object, BuildError> {
+    fn jaw(&mut self, arch: &[Standing]) -> Result<Object, BuildError> {
         let wall = MouthEntry::default().wall_mm;
-        let stations: Vec<Station> = standing(&LOWER)
+        let stations: Vec<Station> = arch
             .iter()
             .map(|tooth| Station {
                 at: [tooth.frame.origin.x * 1e3, tooth.frame.origin.y * 1e3],
@@ -95,14 +96,12 @@ impl Compiler<'_> {
     }
 
     /// The healed ridge where a tooth is missing.
-    fn healed(&mut self, entry: &MouthEntry, fdi: u8) -> Result<Object, BuildError> {
-        let lone = standing(&[fdi]);
-        let tooth = &lone[0];
+    fn healed(&mut self, entry: &MouthEntry, tooth: &Standing) -> Result<Object, BuildError> {
         let ends = tooth.ends();
         let base = JAW_TOP - tooth.frame.origin.z * 1e3;
         let mesh = healed(ends, tooth.faces(entry.wall_mm), base);
         let frame = tooth.frame;
-        self.mucosa(&format!("healed ridge {fdi}"), 2, mesh, |mesh| placed_mesh(&mesh, &frame))
+        self.mucosa(&format!("healed ridge {}", tooth.fdi), 2, mesh, |mesh| placed_mesh(&mesh, &frame))
     }
 
     fn mucosa(

@@ -32,12 +32,12 @@ pub(super) fn neighbours(all: &[Standing], k: usize, wall: f64) -> [Option<Neigh
 fn contact(tooth: &Standing, side: usize) -> Vec3 {
     let mut frame = tooth.frame;
     frame.origin *= 1e3;
-    to_world(&frame, &tooth.shape.contacts()[side])
+    to_world(&frame, &tooth.contacts[side])
 }
 
 /// Unit vector out of a side, in the world.
 fn outwards(tooth: &Standing, side: usize) -> Vec3 {
-    let [mesial, distal] = tooth.shape.contacts();
+    let [mesial, distal] = tooth.contacts;
     let mut along = turned(&tooth.frame, &(mesial - distal));
     along.z = 0.0;
     along.normalize() * if side == 0 { 1.0 } else { -1.0 }
