@@ -15,15 +15,18 @@ pub enum BuiltIn {
     Tongue,
     /// The same tongue by finite elements.
     Organ,
+    /// A whole lower jaw, a probe and a mouth mirror.
+    Mouth,
 }
 
 impl BuiltIn {
     /// All of them.
-    pub const ALL: [BuiltIn; 4] = [
+    pub const ALL: [BuiltIn; 5] = [
         BuiltIn::Crown,
         BuiltIn::Pocket,
         BuiltIn::Tongue,
         BuiltIn::Organ,
+        BuiltIn::Mouth,
     ];
 
     /// Its scene file.
@@ -33,6 +36,7 @@ impl BuiltIn {
             BuiltIn::Pocket => include_str!("../../scenes/pocket.toml"),
             BuiltIn::Tongue => include_str!("../../scenes/tongue.toml"),
             BuiltIn::Organ => include_str!("../../scenes/organ.toml"),
+            BuiltIn::Mouth => include_str!("../../scenes/mouth.toml"),
         }
     }
 
@@ -43,6 +47,7 @@ impl BuiltIn {
             BuiltIn::Pocket => "pocket.toml",
             BuiltIn::Tongue => "tongue.toml",
             BuiltIn::Organ => "organ.toml",
+            BuiltIn::Mouth => "mouth.toml",
         })
     }
 }

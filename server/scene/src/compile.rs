@@ -25,6 +25,8 @@ pub struct BuildOptions {
     pub cache: Option<PathBuf>,
     /// Builds no tree deeper than this (contact levels follow), for quick tries and tests.
     pub deepest: Option<u8>,
+    /// Seed of a generated patient instead of the scene file's.
+    pub seed: Option<u64>,
 }
 
 impl BuildOptions {
@@ -32,7 +34,7 @@ impl BuildOptions {
     pub fn cached() -> Self {
         Self {
             cache: cache::default_cache_dir(),
-            deepest: None,
+            ..Self::default()
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The ranges of a scene file's values, and which keys need or exclude which others.
 
+mod mouth;
 mod tissue;
 
 use std::path::Path;
@@ -60,6 +61,9 @@ pub(crate) fn scene_file(scene: &SceneFile) -> Checked {
     }
     scene.tools.iter().try_for_each(tool)?;
     scene.objects.iter().try_for_each(object)?;
+    if let Some(entry) = &scene.mouth {
+        mouth::mouth(entry, &scene.objects)?;
+    }
     for (k, object) in scene.objects.iter().enumerate() {
         gingiva(object, &scene.objects)?;
         if scene.objects[..k]

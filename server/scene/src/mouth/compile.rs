@@ -28,7 +28,8 @@ impl Compiler<'_> {
     /// Makes the teeth and gingivae of a mouth.
     pub fn mouth(&mut self, entry: &MouthEntry) -> Result<MouthParts, BuildError> {
         let folder = self.path.parent().unwrap_or(std::path::Path::new(""));
-        let (patient, text) = patient(entry, folder)?;
+        let seed = self.options.seed.unwrap_or(entry.seed);
+        let (patient, text) = patient(entry, seed, folder)?;
         self.hasher.update(text.as_bytes());
         let wanted = |fdi: &u8| entry.teeth.as_ref().is_none_or(|teeth| teeth.contains(fdi));
         let charts: Vec<ToothChart> = LOWER

@@ -200,15 +200,16 @@ pub(crate) fn collar(
     })
 }
 
-/// The patient that an entry names or generates, with its file's text.
+/// The patient that an entry names, or generates from `seed`, with its file's text.
 pub(crate) fn patient(
     entry: &MouthEntry,
+    seed: u64,
     folder: &std::path::Path,
 ) -> Result<(Patient, String), crate::file::FileError> {
     match &entry.patient {
         Some(file) => Patient::read(&folder.join(file)),
         None => {
-            let patient = crate::patient::generate(entry.seed, entry.condition);
+            let patient = crate::patient::generate(seed, entry.condition);
             let text = patient.to_toml();
             Ok((patient, text))
         }
