@@ -73,9 +73,14 @@ fn path(dir: &Path, what: &str, key: &blake3::Hash) -> PathBuf {
 /// What was kept under a key, if it is there and undamaged.
 pub(crate) fn load_bytes(dir: &Path, what: &str, key: &blake3::Hash) -> Option<Vec<u8>> {
     let bytes = std::fs::read(path(dir, what, key)).ok()?;
-    let body = bytes.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
+    content(&bytes, key).map(<[u8]>::to_vec)
+}
+
+/// What the bytes of a file hold, if it was kept under this key and is undamaged.
+pub(crate) fn content<'a>(file: &'a [u8], key: &blake3::Hash) -> Option<&'a [u8]> {
+    let body = file.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
     let (sum, content) = body.split_at_checked(32)?;
-    (blake3::hash(content).as_bytes() == sum).then(|| content.to_vec())
+    (blake3::hash(content).as_bytes() == sum).then_some(content)
 }
 
 /// Keeps bytes under a key. Readers see the old file or the whole new one.
@@ -105,7 +110,11 @@ pub(crate) fn store_bytes(
 
 /// The tree, if it is there and undamaged.
 pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
-    let content = load_bytes(dir, TREE, key)?;
+    decode(&load_bytes(dir, TREE, key)?)
+}
+
+/// A tree from what was kept of it.
+pub(crate) fn decode(content: &[u8]) -> Option<SphereTree> {
     let (lengths, nodes) = content.split_at_checked(LENGTHS)?;
     if nodes.len() % RECORD != 0 {
         return None;

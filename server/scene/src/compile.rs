@@ -21,8 +21,10 @@ use crate::springs::SpringsError;
 /// How to build, apart from what the scene file says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BuildOptions {
-    /// Directory of built trees; none builds every time.
+    /// Directory of built trees; none keeps none.
     pub cache: Option<PathBuf>,
+    /// Takes no tree from those that the program brings along ([`crate::family`]).
+    pub anew: bool,
     /// Builds no tree deeper than this (contact levels follow), for quick tries and tests.
     pub deepest: Option<u8>,
     /// Seed of a generated patient instead of the scene file's.

@@ -17,6 +17,7 @@ pub mod compile;
 pub mod distance;
 mod edges;
 pub mod error;
+pub mod family;
 pub mod file;
 mod fit;
 pub mod gingiva;

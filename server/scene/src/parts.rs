@@ -13,6 +13,7 @@ use crate::carry::carriers;
 use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
 use crate::distance::MeshDistance;
+use crate::family;
 use crate::file::{GingivaEntry, ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
 use crate::load::Unit;
@@ -317,11 +318,11 @@ impl Compiler<'_> {
         let key = cache::key(mesh, &wanted, weights.map_or("", |weights| weights.0));
         let (done, parts) = (self.done as f64, self.parts as f64);
         self.done += 1;
-        let kept = self
-            .options
-            .cache
-            .as_deref()
-            .and_then(|dir| cache::load(dir, &key));
+        let brought = (!self.options.anew).then(|| family::find(&key)).flatten();
+        let kept = brought.or_else(|| {
+            let dir = self.options.cache.as_deref()?;
+            cache::load(dir, &key)
+        });
         let tree = match kept {
             Some(tree) => {
                 (self.progress)(part, (done + 1.0) / parts);

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use sulcus_core::Scene;
-use sulcus_scene::{BuildOptions, Compiled, compile_file};
+use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, family};
 
 use crate::picture::{MOUTH, Still};
 
@@ -47,6 +47,15 @@ pub enum SceneAction {
         /// Pixels of the longer edge.
         #[arg(long, default_value_t = 1200, value_parser = clap::value_parser!(u16).range(64..=8000))]
         pixels: u16,
+    },
+    /// Build the trees of all built-in scenes anew, into the file that the program brings along (takes minutes). For
+    /// those who change a shape.
+    ///
+    /// Example: sulcus-server scene family --out server/scenes/family.bin
+    Family {
+        /// The file.
+        #[arg(long)]
+        out: PathBuf,
     },
     /// Compile a scene file into the bytes that the server and every recording carry.
     ///
@@ -107,6 +116,10 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
             let compiled = compile_file(file, &BuildOptions::cached(), &say)?;
             return pictures(&compiled.scene, out, only, usize::from(*pixels)).map(|()| 0);
         }
+        SceneAction::Family { out } => {
+            let say = |stage: &str, share: f64| narrator.say(stage, share);
+            return build_family(out, &say).map(|()| 0);
+        }
         SceneAction::Check { file, json } => (file, None, *json, true),
         SceneAction::Build {
             file,
@@ -121,7 +134,10 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     let options = if cached {
         BuildOptions::cached()
     } else {
-        BuildOptions::default()
+        BuildOptions {
+            anew: true,
+            ..BuildOptions::default()
+        }
     };
     let compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
     let bytes = compiled.scene.to_bytes()?;
@@ -138,6 +154,25 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
         println!("{}", serde_json::to_string(&report)?);
     }
     Ok(0)
+}
+
+/// Builds all built-in scenes into a folder beside `out`, and packs their trees.
+fn build_family(out: &Path, say: &dyn Fn(&str, f64)) -> anyhow::Result<()> {
+    let folder = out.with_extension("building");
+    let options = BuildOptions {
+        cache: Some(folder.clone()),
+        anew: true,
+        ..BuildOptions::default()
+    };
+    for scene in BuiltIn::ALL {
+        compile_built_in(scene, &options, say)?;
+    }
+    let bytes = family::pack(&folder).context("the built trees cannot be read back")?;
+    std::fs::write(out, &bytes).with_context(|| format!("{}: cannot write", out.display()))?;
+    std::fs::remove_dir_all(&folder)
+        .with_context(|| format!("{}: cannot remove", folder.display()))?;
+    println!("{}: {} bytes", out.display(), bytes.len());
+    Ok(())
 }
 
 /// Writes one picture for each side.
