@@ -36,9 +36,9 @@ pub struct SceneFile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToolKind {
-    /// A UNC-15 probe.
+    /// A periodontal probe; `probe.marking` says whose marks it carries.
     PeriodontalProbe,
-    /// A mouth mirror. A `stiffness_nmm_per_rad` of 3000 suits it.
+    /// A mouth mirror; `mirror.number` says its size. A `stiffness_nmm_per_rad` of 3000 suits it.
     MouthMirror,
 }
 

@@ -42,14 +42,25 @@ pub(crate) struct Compiler<'a> {
 
 impl Compiler<'_> {
     pub fn tool(&mut self, entry: &ToolEntry) -> Result<Tool, BuildError> {
-        let part = format!("tool `{}`", entry.name);
+        // What is written on it goes beside its name.
+        let written = match entry.kind {
+            Some(ToolKind::PeriodontalProbe) => {
+                let marking = entry.probe.as_ref().map(|probe| probe.marking);
+                format!(" ({})", marking.unwrap_or_default().name())
+            }
+            Some(ToolKind::MouthMirror) => {
+                format!(" ({})", entry.mirror.clone().unwrap_or_default().name())
+            }
+            None => String::new(),
+        };
+        let part = format!("tool `{}`{written}", entry.name);
         let (touching, display, working_point, tip, tip_axis, bands) = match entry.kind {
             Some(ToolKind::PeriodontalProbe) => {
                 let probe: Probe = entry.probe.clone().unwrap_or_default();
                 let (point, tip, axis) = (probe.working_point(), probe.tip(), probe.tip_axis());
                 (
                     probe.touching_mesh(),
-                    probe.display_mesh(),
+                    probe.display(TOOL_COLOUR),
                     point,
                     tip,
                     axis,
@@ -61,7 +72,7 @@ impl Compiler<'_> {
                 let (point, tip, axis) = (mirror.working_point(), mirror.tip(), mirror.tip_axis());
                 (
                     mirror.touching_mesh(),
-                    mirror.display_mesh(),
+                    mirror.display_mesh().to_display(TOOL_COLOUR),
                     point,
                     tip,
                     axis,
@@ -74,7 +85,7 @@ impl Compiler<'_> {
                 let axis = Vec3::from(entry.tip_axis.unwrap_or([0.0, 0.0, -1.0])).normalize();
                 (
                     mesh.clone(),
-                    mesh,
+                    mesh.to_display(TOOL_COLOUR),
                     mm(entry.working_point_mm),
                     mm(entry.tip_mm),
                     axis,
@@ -105,7 +116,7 @@ impl Compiler<'_> {
             stiffness_nm_per_rad: entry.stiffness_nmm_per_rad * 1e-3,
             park: Pose::new(Vec3::from(entry.park_mm) * 1e-3, exp_rotation(&turn)),
             bands,
-            mesh: display.to_display(TOOL_COLOUR),
+            mesh: display,
         })
     }
 

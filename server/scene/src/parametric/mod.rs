@@ -2,6 +2,7 @@
 
 pub(crate) mod blend;
 pub mod gingiva;
+pub mod marking;
 pub mod mirror;
 pub mod molar;
 pub mod polygonise;
@@ -10,6 +11,7 @@ pub mod tongue;
 mod tube;
 
 pub use gingiva::{Collar, Pocket};
+pub use marking::Marking;
 pub use mirror::Mirror;
 pub use molar::Molar;
 pub use probe::Probe;
