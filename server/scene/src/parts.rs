@@ -26,7 +26,7 @@ use crate::springs::FittedSprings;
 
 const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
 const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
-const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
+pub(crate) const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
 
 /// What the parts of one scene share while they are made.
@@ -131,6 +131,7 @@ impl Compiler<'_> {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
+            None if entry.tissue.is_gingiva() => return self.sounded_gingiva(entry, all),
             None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
         };
         let wanted = TreeOptions {
@@ -279,7 +280,7 @@ impl Compiler<'_> {
         })
     }
 
-    fn load(
+    pub(crate) fn load(
         &mut self,
         part: &str,
         mesh: Option<&Path>,
@@ -311,7 +312,7 @@ impl Compiler<'_> {
     }
 
     /// As [`Compiler::tree`], where places differ in importance: what that is called, and how much each place counts.
-    fn weighted(
+    pub(crate) fn weighted(
         &mut self,
         part: &str,
         mesh: &TriMesh,
@@ -367,7 +368,7 @@ impl Compiler<'_> {
 }
 
 /// How much a place (metres) counts.
-type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
+pub(crate) type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
 
 /// Parameters of a gingiva as written in a file.
 pub(crate) fn gingiva_params(entry: &ObjectEntry) -> GingivaParams {
@@ -410,7 +411,8 @@ pub(crate) fn gingiva_params(entry: &ObjectEntry) -> GingivaParams {
     params
 }
 
-fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
+/// The same tree elsewhere.
+pub(crate) fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
     let nodes = tree.nodes().iter().map(|node| {
         let mut node = *node;
         node.centre += by;
