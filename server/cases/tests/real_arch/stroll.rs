@@ -5,7 +5,7 @@ use sulcus_core::output::PocketReading;
 use sulcus_core::{Pose, TICK_S, Tool, ToolOutput, Vec3, Wrench};
 use sulcus_operator::script::smoothstep;
 
-use crate::ways::between;
+use crate::ways::{Descent, between};
 
 /// Force at which it reads, newtons.
 const FORCE: f64 = 0.2;
@@ -31,7 +31,7 @@ enum Stroke {
 
 /// What the hand does, and what it has read.
 pub struct Stroll {
-    ways: Vec<Way>,
+    ways: Vec<Descent>,
     stroke: Stroke,
     /// Place among the ways.
     place: f64,
@@ -44,7 +44,7 @@ pub struct Stroll {
 }
 
 impl Stroll {
-    pub fn new(ways: Vec<Way>) -> Self {
+    pub fn new(ways: Vec<Descent>) -> Self {
         Self {
             ways,
             stroke: Stroke::Come(0.0),
@@ -63,7 +63,8 @@ impl Stroll {
     fn way(&self) -> Way {
         let k = (self.place as usize).min(self.ways.len() - 1);
         let next = (k + 1).min(self.ways.len() - 1);
-        between(&self.ways[k], &self.ways[next], self.place - k as f64)
+        let (a, b) = (&self.ways[k], &self.ways[next]);
+        between(&a.at(self.above), &b.at(self.above), self.place - k as f64)
     }
 
     /// A millisecond: what is felt and seen in, where the device is meant to be out.
@@ -114,7 +115,7 @@ impl Stroll {
             }
             Stroke::On => {
                 let k = self.readings.len();
-                let apart = (self.ways[k].floor - self.ways[k - 1].floor).norm();
+                let apart = (self.ways[k].at(0.0).floor - self.ways[k - 1].at(0.0).floor).norm();
                 self.place = (self.place + SPEEDS[1] * TICK_S / apart).min(k as f64);
                 if self.place < k as f64 {
                     Stroke::On
@@ -150,7 +151,7 @@ impl Stroll {
             }
             Stroke::Done => Stroke::Done,
         };
-        let mut pose = self.way().pose(tool, self.above, 0.0, 0.0);
+        let mut pose = self.way().pose(tool, 0.0, 0.0, 0.0);
         pose.position += off;
         pose
     }

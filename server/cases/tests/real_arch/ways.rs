@@ -1,59 +1,140 @@
-//! Ways of the probe into the pocket of tooth 36, clear of the teeth by their meshes.
+//! Ways of the probe into the pocket of tooth 36: along the tooth's wall, clear of the teeth by their meshes, with as little
+//! tissue in the way as may be.
 
-use sulcus_cases::inside::{deepest_inside, points_of};
 use sulcus_cases::pocket::Way;
 use sulcus_core::math::exp_rotation;
+use sulcus_core::tissue::gingiva::ToothFrame;
 use sulcus_core::{Scene, Vec3};
 use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::parametric::Probe;
 
 use crate::scene::gingiva;
 
-/// Radius of the tip, and how far the probe stays from teeth on its way, metres.
+/// Radius of the tip, how much the working end widens, and how far it stays from teeth, metres.
 const TIP: f64 = 2.5e-4;
+const TAPER: f64 = 0.015;
 const SPARE: f64 = 2e-5;
-/// Heights over the floor at which the whole probe is tried.
-const TRIED: [f64; 5] = [0.0, 1e-3, 2.5e-3, 5e-3, 8e-3];
+/// Points along the working end, and their distance.
+const ALONG: usize = 32;
+const APART: f64 = 5e-4;
+/// Heights over the floor for which the way is laid, and their distance.
+const HEIGHTS: usize = 17;
+const RISE: f64 = 5e-4;
+/// What a degree away from the direction below counts, metres of tissue.
+const STEADY: f64 = 4e-6;
 
-/// A way down to the floor (`floor` metres over the tooth's origin) at an angle, `teeth[0]` being the one that is probed: as upright
-/// as the teeth allow.
-pub fn way(scene: &Scene, teeth: &[&MeshDistance], degrees: f64, floor: f64) -> Way {
-    let frame = gingiva(scene).tooth;
-    let tool = &scene.tools[0];
-    let points = points_of(&Probe::default().touching_mesh(), 3e-4);
-    let (sine, cosine) = degrees.to_radians().sin_cos();
-    let outward = frame.mesial * cosine + frame.buccal * sine;
-    let tangent = frame.buccal * cosine - frame.mesial * sine;
-    let tries = (0..=12).flat_map(|out| (-6..=6).map(move |side| (4 * out, 5 * side)));
-    let mut tries: Vec<(i32, i32)> = tries.collect();
-    tries.sort_by_key(|(out, side)| out * out + side * side);
-    let at = |(out, side): (i32, i32)| {
-        let lean = outward.cross(&-frame.axis) * f64::from(out) + outward * f64::from(side);
-        let up = exp_rotation(&(lean * 1_f64.to_radians())) * frame.axis;
-        // The tip's centre, from outside inwards.
-        let mut along = 0.02;
-        let height = frame.axis * (floor + TIP + SPARE);
-        let centre = |along: f64| frame.origin + outward * along + height;
-        for _ in 0..200 {
-            along -= teeth[0].signed(&centre(along)) - TIP - SPARE;
-        }
-        let floor = centre(along) - up * TIP;
-        Way {
+/// The tip's place and the direction up the working end at each height over the floor, at one angle.
+#[derive(Clone)]
+pub struct Descent {
+    outward: Vec3,
+    tangent: Vec3,
+    steps: Vec<(Vec3, Vec3)>,
+}
+
+/// A mouth to go into.
+pub struct Site<'a> {
+    pub frame: ToothFrame,
+    /// The tooth that is probed comes first.
+    pub teeth: Vec<&'a MeshDistance>,
+    pub tissue: &'a MeshDistance,
+    /// Height of the floor over the frame's origin.
+    pub floor: f64,
+}
+
+impl<'a> Site<'a> {
+    pub fn new(
+        scene: &Scene,
+        teeth: Vec<&'a MeshDistance>,
+        tissue: &'a MeshDistance,
+        floor: f64,
+    ) -> Self {
+        Self {
+            frame: gingiva(scene).tooth,
+            teeth,
+            tissue,
             floor,
-            up,
+        }
+    }
+
+    /// The way down at an angle.
+    pub fn descent(&self, degrees: f64) -> Descent {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let frame = &self.frame;
+        let outward = frame.mesial * cosine + frame.buccal * sine;
+        let tangent = frame.buccal * cosine - frame.mesial * sine;
+        let mut last: Option<Vec3> = None;
+        let mut steps = Vec::new();
+        for k in 0..HEIGHTS {
+            let height = frame.axis * (self.floor + TIP + SPARE + RISE * k as f64);
+            // The tip's centre, from outside inwards.
+            let mut along = 0.02;
+            let centre = |along: f64| frame.origin + outward * along + height;
+            for _ in 0..300 {
+                along -= self.teeth[0].signed(&centre(along)) - TIP - SPARE;
+            }
+            let centre = centre(along.max(0.0));
+            let up = self.up(&centre, &outward, last);
+            steps.push((centre - up * TIP, up));
+            last = Some(up);
+        }
+        Descent {
             outward,
             tangent,
+            steps,
         }
-    };
-    let found = tries.iter().map(|lean| at(*lean)).find(|way| {
-        TRIED.iter().all(|above| {
-            let pose = way.pose(tool, *above, 0.0, 0.0);
-            teeth
-                .iter()
-                .all(|tooth| deepest_inside(tooth, &points, &pose) < 0.0)
-        })
-    });
-    found.expect("a way that is clear of the teeth")
+    }
+
+    /// The direction up the working end from a tip's centre: clear of the teeth, with the least tissue in its way.
+    fn up(&self, centre: &Vec3, outward: &Vec3, last: Option<Vec3>) -> Vec3 {
+        let axis = self.frame.axis;
+        let mut best = (f64::INFINITY, axis);
+        for out in -12..=12 {
+            for side in -8..=8 {
+                let lean = outward.cross(&-axis) * f64::from(3 * out) + outward * f64::from(3 * side);
+                let up = exp_rotation(&(lean * 1_f64.to_radians())) * axis;
+                let places = (0..ALONG).map(|k| {
+                    let s = APART * k as f64;
+                    (centre + up * s, TIP + TAPER * s)
+                });
+                let (mut tooth, mut tissue) = (f64::INFINITY, 0.0_f64);
+                for (point, radius) in places {
+                    let clear = self.teeth.iter().map(|tooth| tooth.signed(&point));
+                    tooth = tooth.min(clear.fold(f64::INFINITY, f64::min) - radius);
+                    tissue = tissue.max(radius - self.tissue.signed(&point));
+                }
+                if tooth < 0.5 * SPARE {
+                    continue;
+                }
+                let turned = last.map_or(0.0, |last| up.angle(&last).to_degrees());
+                let upright = up.angle(&axis).to_degrees();
+                let cost = tissue + STEADY * (turned + 0.2 * upright);
+                if cost < best.0 {
+                    best = (cost, up);
+                }
+            }
+        }
+        if std::env::var("TRACE").is_ok() { print!(" {:.2}({:.0})", best.0 * 1e3, best.1.angle(&axis).to_degrees()); }
+        assert!(std::env::var("SCAN").is_ok() || best.0.is_finite(), "no way is clear of the teeth");
+        best.1
+    }
+}
+
+impl Descent {
+    /// The way whose floor is where the tip is `above` metres over the floor, pressed into it where that is negative.
+    pub fn at(&self, above: f64) -> Way {
+        let at = above.max(0.0) / RISE;
+        let k = (at as usize).min(HEIGHTS - 2);
+        let share = (at - k as f64).min(1.0);
+        let ((a, up_a), (b, up_b)) = (self.steps[k], self.steps[k + 1]);
+        let up = (up_a + (up_b - up_a) * share).normalize();
+        // Beyond the ends it goes straight on.
+        let beyond = above.min(0.0) + (above - RISE * (HEIGHTS - 1) as f64).max(0.0);
+        Way {
+            floor: a + (b - a) * share + up * beyond,
+            up,
+            outward: self.outward,
+            tangent: self.tangent,
+        }
+    }
 }
 
 /// Between two ways.
