@@ -63,37 +63,13 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     // Distobuccal, then buccally in steps of about a millimetre.
     let tissue = scene::mesh("gingiva_patch_36_pocket").expect("a gingiva");
     let site = ways::Site::new(scene, meshes.clone(), &tissue, floor);
-    if std::env::var("SCAN").is_ok() {
-        for degrees in (0..24).map(|k| 15.0 * f64::from(k)) { print!("{degrees}:"); site.descent(degrees); println!(" margin {:.2}", (gingiva.margin_at(degrees.to_radians()) - floor) * 1e3); }
-        return;
-    }
-    let ways = [140.0, 131.0, 122.0, 113.0].map(|degrees| site.descent(degrees));
-    for way in &ways {
-        for k in 0..9 { let w = way.at(1e-3 * f64::from(k)); println!("{k} up {:.3?} tissue at tip {:.3}", w.up.as_slice(), tissue.signed(&(w.floor + w.up * 2.5e-4)) * 1e3); }
-    }
+    let ways = [138.0, 131.0, 124.0, 117.0].map(|degrees| site.descent(degrees));
     let probe = Probe::default().touching_mesh();
-    let points = points_of(&probe, 1e-4);
     let tool = &scene.tools[0];
+    // What can come near a tooth.
+    let mut points = points_of(&probe, 2e-4);
+    points.retain(|point| (point - tool.tip).norm() < 14e-3);
 
-    {
-        let g = &scene.objects[scene::object(scene, "gingiva 36")];
-        let mut errs = Vec::new();
-        for k in 0..128 { for h in 1..9 {
-            let a = std::f64::consts::TAU * k as f64 / 128.0;
-            let out = gingiva.tooth.mesial * a.cos() + gingiva.tooth.buccal * a.sin();
-            let h = floor + 0.5e-3 * h as f64;
-            if h > gingiva.margin_at(a) - 3e-4 { continue; }
-            let mut along = 0.02;
-            for _ in 0..200 { along -= meshes[0].signed(&(gingiva.tooth.origin + out * along + gingiva.tooth.axis * h)) - 2e-4; }
-            let p = gingiva.tooth.origin + out * along + gingiva.tooth.axis * h;
-            let by_mesh = tissue.signed(&p);
-            let by_spheres = g.tree.shape_at(3).map(|(_, n)| (p - n.centre).norm() - n.contact_radius).fold(f64::INFINITY, f64::min);
-            errs.push(((by_spheres - by_mesh) * 1e3, by_mesh * 1e3));
-        }}
-        errs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let n = errs.len();
-        println!("pocket wall: spheres minus mesh: {n} places, min {:.3?} 5% {:.3?} median {:.3?} 95% {:.3?} max {:.3?}; nodes {}", errs[0], errs[n/20], errs[n/2], errs[n-n/20], errs[n-1], g.tree.shape_at(3).count());
-    }
     let mut stroll = Stroll::new(ways.to_vec());
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut observer = Observer::new(scene);
@@ -115,23 +91,7 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
             on_wall = on_wall.max(state.loads[tooth].force.norm());
         }
         ticks += 1;
-        if ticks % 100 == 0 && std::env::var("TRACE").is_ok() {
-            let tip = out.tools[0].graphic.transform(&tool.tip);
-            let (around, height) = gingiva.tooth.cylindrical(&tip);
-            let hand_tip = out.tools[0].haptic.transform(&tool.tip);
-            let loads: Vec<f64> = state.loads.iter().map(|l| l.force.norm()).collect();
-            println!("{ticks} around {:.1} over floor {:.3} mm (hand {:.3}), off tooth {:.3}, f {:.3} N {:?} loads {loads:.3?} {:?}", around.to_degrees(), (height - floor) * 1e3, (gingiva.tooth.cylindrical(&hand_tip).1 - floor) * 1e3, meshes[0].signed(&tip) * 1e3, out.tools[0].raw_wrench.force.norm(), out.tools[0].pocket.map(|p| p.floor_force), out.tools[0].converged);
-        }
-        if std::env::var("TRACE").is_ok() && (ticks == 3000 || ticks == 6000 || ticks == 8100) {
-            for (c, l) in ws.contacts().filter(|(_, l)| *l > 0.005) {
-                let node = &scene.tools[0].tree.nodes()[c.tool_sphere as usize];
-                let at = out.tools[0].graphic.transform(&node.centre);
-                let o = &scene.objects[c.object as usize];
-                let on = &o.tree.nodes()[c.object_sphere as usize];
-                println!("   {} load {l:.3} normal {:.2?} tool r {:.3} at over floor {:.2}; sphere r {:.3} centre over floor {:.2} off tooth {:.3}, its mesh err {:.3}", o.name, c.normal.as_slice(), node.contact_radius*1e3, (gingiva.tooth.cylindrical(&at).1-floor)*1e3, on.contact_radius*1e3, (gingiva.tooth.cylindrical(&on.centre).1-floor)*1e3, meshes[0].signed(&on.centre)*1e3, (on.contact_radius + tissue.signed(&on.centre))*1e3);
-            }
-        }
-        if ticks % 5 == 0 && false && out.tools[0].converged {
+        if ticks % 10 == 0 && out.tools[0].converged {
             for (deepest, (_, mesh)) in deepest.iter_mut().zip(&teeth) {
                 let inside = deepest_inside(mesh, &points, &out.tools[0].graphic);
                 *deepest = deepest.max(inside);
@@ -141,19 +101,21 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     }
     let m = observer.measures();
     println!("{ticks} ticks, {m:#?}");
-    let sink = gingiva.params.sink();
     for reading in &stroll.readings {
-        let margin = gingiva.margin_at(reading.around);
-        let prescribed = margin - floor + sink;
+        let bare = gingiva.margin_at(reading.around) - floor;
+        let pressed = reading.floor_force / gingiva.params.floor_stiffness;
         println!(
-            "{:.0} degrees: read {:.2} mm at {:.3} N on the floor, {:.2} mm by the meshes",
+            "{:.0} degrees: read {:.2} mm with {:.3} N on the floor; the meshes say {:.2} mm, the floor gives way by {:.2} mm",
             reading.around.to_degrees(),
             reading.depth * 1e3,
             reading.floor_force,
-            prescribed * 1e3
+            bare * 1e3,
+            pressed * 1e3
         );
-        assert!((3.2e-3..=6.0e-3 + sink).contains(&reading.depth));
-        assert!((reading.depth - prescribed).abs() <= 0.3e-3);
+        // By the data's own account it is 3.2 to 6.0 mm deep at rest.
+        assert!((3.2e-3..=6.0e-3 + pressed).contains(&reading.depth));
+        assert!((reading.depth - bare - pressed).abs() <= 0.3e-3);
+        assert!(reading.floor_force > 0.05);
     }
     assert_eq!(stroll.readings.len(), 4);
     println!("{on_wall:.2} N on the tooth's wall");
@@ -171,5 +133,6 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     assert!(m.indentation > 5e-5, "{:e} m", m.indentation);
     let bounds = find("pocket-0.4").expect("in the table").bounds;
     let broken = bounds.broken(&m, 0.0);
+    println!("{broken:#?}");
     assert!(broken.is_empty(), "{broken:#?}");
 }

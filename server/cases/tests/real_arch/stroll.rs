@@ -13,8 +13,13 @@ const FORCE: f64 = 0.2;
 const SPEEDS: [f64; 2] = [3e-3, 8e-3];
 /// Height of a bob.
 const BOB: f64 = 1.5e-3;
+/// Share of the error sideways by which it aims farther, each millisecond, and farthest that it aims beside its way.
+const CORRECTION: f64 = 8e-3;
+const AIM: f64 = 5e-3;
+/// Most force with which it goes on down where it is not on the floor yet, newtons.
+const MOST_FORCE: f64 = 0.4;
 /// Height over the floor at which floors begin.
-const LOW: f64 = 1.5e-3;
+const LOW: f64 = 5e-4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stroke {
@@ -37,6 +42,8 @@ pub struct Stroll {
     place: f64,
     above: f64,
     force: f64,
+    /// How far it aims beside its way, so that the tip stays on it whatever pushes it aside, metres.
+    aim: Vec3,
     /// One for each way, at the end of reading.
     pub readings: Vec<PocketReading>,
     /// Whether it presses on the wall just now.
@@ -51,6 +58,7 @@ impl Stroll {
             place: 0.0,
             above: 8e-3,
             force: 0.0,
+            aim: Vec3::zeros(),
             readings: Vec::new(),
             pressing: false,
         }
@@ -71,6 +79,18 @@ impl Stroll {
     pub fn step(&mut self, tool: &Tool, felt: &Wrench, seen: &ToolOutput) -> Pose {
         let way = self.way();
         self.force += (felt.force.dot(&way.up) - self.force) * TICK_S / 0.02;
+        // It sees where the tip is, and brings it back on its way sideways; along the way it goes by force.
+        let missing = way.floor - seen.graphic.transform(&tool.tip);
+        let sideways = missing - way.up * missing.dot(&way.up);
+        if matches!(
+            self.stroke,
+            Stroke::Down | Stroke::Read(_) | Stroke::Up(_) | Stroke::On
+        ) {
+            self.aim += sideways * CORRECTION;
+            self.aim *= (AIM / self.aim.norm().max(AIM)).min(1.0);
+        } else {
+            self.aim *= 1.0 - CORRECTION;
+        }
         let mut off = Vec3::zeros();
         let standoff = way.outward * 8e-3 + Vec3::z() * 1e-2;
         self.pressing = false;
@@ -84,10 +104,13 @@ impl Stroll {
                 }
             }
             Stroke::Down => {
-                self.above -= SPEEDS[0] * TICK_S;
-                let felt_floor = self.above < LOW && self.force > 0.95 * FORCE;
+                if self.force < MOST_FORCE {
+                    self.above -= SPEEDS[0] * TICK_S;
+                }
                 assert!(self.above > -8e-3, "no floor was felt: {seen:?}");
-                if felt_floor {
+                // How high the tip is seen over the floor.
+                let seen_above = self.above - missing.dot(&way.up);
+                if seen_above < LOW && self.force > 0.95 * FORCE {
                     Stroke::Read(0.0)
                 } else {
                     Stroke::Down
@@ -152,7 +175,7 @@ impl Stroll {
             Stroke::Done => Stroke::Done,
         };
         let mut pose = self.way().pose(tool, 0.0, 0.0, 0.0);
-        pose.position += off;
+        pose.position += off + self.aim;
         pose
     }
 }

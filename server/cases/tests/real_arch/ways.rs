@@ -62,7 +62,7 @@ impl<'a> Site<'a> {
         let outward = frame.mesial * cosine + frame.buccal * sine;
         let tangent = frame.buccal * cosine - frame.mesial * sine;
         let mut last: Option<Vec3> = None;
-        let mut steps = Vec::new();
+        let mut steps: Vec<(Vec3, Vec3)> = Vec::new();
         for k in 0..HEIGHTS {
             let height = frame.axis * (self.floor + TIP + SPARE + RISE * k as f64);
             // The tip's centre, from outside inwards.
@@ -72,9 +72,14 @@ impl<'a> Site<'a> {
                 along -= self.teeth[0].signed(&centre(along)) - TIP - SPARE;
             }
             let centre = centre(along.max(0.0));
-            let up = self.up(&centre, &outward, last);
-            steps.push((centre - up * TIP, up));
-            last = Some(up);
+            let step = match (self.up(&centre, &outward, last), steps.last()) {
+                (Some(up), _) => (centre - up * TIP, up),
+                // Between two crowns there is no place higher up the wall: straight on.
+                (None, Some((tip, up))) => (tip + up * RISE, *up),
+                (None, None) => panic!("no way at {degrees} degrees is clear of the teeth"),
+            };
+            last = Some(step.1);
+            steps.push(step);
         }
         Descent {
             outward,
@@ -83,13 +88,15 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// The direction up the working end from a tip's centre: clear of the teeth, with the least tissue in its way.
-    fn up(&self, centre: &Vec3, outward: &Vec3, last: Option<Vec3>) -> Vec3 {
+    /// The direction up the working end from a tip's centre: clear of the teeth, with the least tissue in its way; none where no
+    /// direction is clear.
+    fn up(&self, centre: &Vec3, outward: &Vec3, last: Option<Vec3>) -> Option<Vec3> {
         let axis = self.frame.axis;
         let mut best = (f64::INFINITY, axis);
         for out in -12..=12 {
             for side in -8..=8 {
-                let lean = outward.cross(&-axis) * f64::from(3 * out) + outward * f64::from(3 * side);
+                let lean =
+                    outward.cross(&-axis) * f64::from(3 * out) + outward * f64::from(3 * side);
                 let up = exp_rotation(&(lean * 1_f64.to_radians())) * axis;
                 let places = (0..ALONG).map(|k| {
                     let s = APART * k as f64;
@@ -112,9 +119,7 @@ impl<'a> Site<'a> {
                 }
             }
         }
-        if std::env::var("TRACE").is_ok() { print!(" {:.2}({:.0})", best.0 * 1e3, best.1.angle(&axis).to_degrees()); }
-        assert!(std::env::var("SCAN").is_ok() || best.0.is_finite(), "no way is clear of the teeth");
-        best.1
+        best.0.is_finite().then_some(best.1)
     }
 }
 
