@@ -7,7 +7,8 @@ mod ways;
 use sulcus_cases::inside::{deepest_inside, points_of};
 use sulcus_cases::{Observer, find};
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_core::{NoProbe, State, TickInput, ToolInput, Workspace, tick};
+use sulcus_core::{NoProbe, Pose, State, TickInput, ToolInput, Vec3, Workspace, Wrench, tick};
+use sulcus_operator::script::smoothstep;
 use sulcus_operator::{Hand, HandParams, present};
 use sulcus_scene::blend::blend_error;
 use sulcus_scene::distance::MeshDistance;
@@ -135,4 +136,51 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     let broken = bounds.broken(&m, 0.0);
     println!("{broken:#?}");
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// An explorer of the SOFA tutorial on tooth 36 alone: a tool from a mesh, one that no exercise uses.
+#[test]
+fn an_explorer_from_a_mesh_rests_on_the_crown_and_is_never_inside() {
+    let Some(scene) = scene::explorer() else {
+        return;
+    };
+    let tooth = scene::mesh(scene::file_of(36)).expect("a tooth");
+    let explorer = scene::mesh("dental_probe").expect("an explorer");
+    let tool = &scene.tools[0];
+    let mut points = points_of(explorer.mesh(), 3e-4);
+    points.retain(|point| (point - tool.tip).norm() < 30e-3);
+    let (low, high) = tooth.mesh().bounds();
+    let crown = Vec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), high.z);
+    let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
+    let mut observer = Observer::new(&scene);
+    observer.residual_every = 10;
+    let (mut felt, mut deepest) = (Wrench::ZERO, f64::NEG_INFINITY);
+    let pose = |t: f64| {
+        // Down on the crown, 2 mm too deep, over it from side to side, up.
+        let down = smoothstep(t) - smoothstep(t - 4.0);
+        let across = 5e-3 * libm::sin(1.5 * (t - 1.0).clamp(0.0, 3.0));
+        let tip = crown + Vec3::new(0.0, across, 5e-3 - 7e-3 * down);
+        Pose::new(tip - tool.tip, sulcus_core::Quat::identity())
+    };
+    let mut hand = Hand::new(HandParams::default(), pose(0.0), 5);
+    for k in 0..5000 {
+        let mut input = TickInput::IDLE;
+        input.tools[0] = present(&hand.step(&pose(f64::from(k) * 1e-3), &felt));
+        let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
+        observer.observe(&scene, &input, &out, &ws);
+        felt = out.tools[0].wrench;
+        if k % 10 == 0 && out.tools[0].converged {
+            deepest = deepest.max(deepest_inside(&tooth, &points, &out.tools[0].graphic));
+        }
+    }
+    let m = observer.measures();
+    let most = allowed(&scene, &tooth, 36, &explorer);
+    println!(
+        "explorer: deepest {:.3} mm inside, allowed {:.3} mm; {m:#?}",
+        deepest * 1e3,
+        most * 1e3
+    );
+    assert!(m.contact_ticks > 1000 && m.max_raw_force > 0.2);
+    assert!(deepest <= most, "{deepest:e} m inside");
+    assert!(m.residual <= 1e-6 && m.imbalance <= 1e-6 && m.solver_failed == 0 && m.buzz <= 3e-3);
 }

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use sulcus_core::Scene;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Gingiva;
+use sulcus_core::{Scene, Vec3};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::load::Unit;
 use sulcus_scene::{BuildOptions, compile_text, read_solid};
@@ -110,4 +110,38 @@ pub fn gingiva(scene: &Scene) -> &Gingiva {
         TissueModel::Gingiva(model) => model,
         other => panic!("{other:?}"),
     }
+}
+
+/// Tooth 36 and an explorer whose mesh has its tip at the lower end; none where there is no data.
+pub fn explorer() -> Option<Scene> {
+    let mesh = mesh("dental_probe")?;
+    let low = |a: &&Vec3, b: &&Vec3| a.z.total_cmp(&b.z);
+    let tip = *mesh.mesh().vertices.iter().min_by(low)?;
+    let [x, y, z] = [tip.x, tip.y, tip.z].map(|x| x * 1e3);
+    let text = format!(
+        r#"
+name = "explorer"
+[[tool]]
+name = "explorer"
+mesh = "dental_probe.stl"
+unit = "mm"
+tip_mm = [{x}, {y}, {z}]
+tip_axis = [0, 0, -1]
+working_point_mm = [{x}, {y}, {}]
+level = 3
+levels = 3
+park_mm = [0, 60, 140]
+[[object]]
+name = "tooth 36"
+fdi = 36
+mesh = "tooth_36_first_molar.stl"
+unit = "mm"
+level = 3
+levels = 3
+"#,
+        z + 4.0
+    );
+    let path = folder().join("explorer.toml");
+    let made = compile_text(&text, &path, &BuildOptions::cached(), &|_, _| ());
+    Some(made.expect("an explorer").scene)
 }

@@ -16,6 +16,9 @@ const BOB: f64 = 1.5e-3;
 /// Share of the error sideways by which it aims farther, each millisecond, and farthest that it aims beside its way.
 const CORRECTION: f64 = 8e-3;
 const AIM: f64 = 5e-3;
+/// Speed out, m/s, and height over the floor at which it no longer holds the tissue open.
+const SLOW: f64 = 4e-3;
+const RELAXED: f64 = 4e-3;
 /// Most force with which it goes on down where it is not on the floor yet, newtons.
 const MOST_FORCE: f64 = 0.4;
 /// Height over the floor at which floors begin.
@@ -82,14 +85,18 @@ impl Stroll {
         // It sees where the tip is, and brings it back on its way sideways; along the way it goes by force.
         let missing = way.floor - seen.graphic.transform(&tool.tip);
         let sideways = missing - way.up * missing.dot(&way.up);
-        if matches!(
-            self.stroke,
-            Stroke::Down | Stroke::Read(_) | Stroke::Up(_) | Stroke::On
-        ) {
-            self.aim += sideways * CORRECTION;
-            self.aim *= (AIM / self.aim.norm().max(AIM)).min(1.0);
-        } else {
-            self.aim *= 1.0 - CORRECTION;
+        match self.stroke {
+            Stroke::Come(_) | Stroke::Leave(_) | Stroke::Done => self.aim *= 1.0 - CORRECTION,
+            // It means to be beside its way.
+            Stroke::Press(_) => {}
+            // Less and less as the tissue over the tip gets less.
+            Stroke::Out => {
+                self.aim *= (1.0 - SLOW * TICK_S / (RELAXED - self.above).max(1e-4)).max(0.0)
+            }
+            _ => {
+                self.aim += sideways * CORRECTION;
+                self.aim *= (AIM / self.aim.norm().max(AIM)).min(1.0);
+            }
         }
         let mut off = Vec3::zeros();
         let standoff = way.outward * 8e-3 + Vec3::z() * 1e-2;
@@ -157,7 +164,7 @@ impl Stroll {
                 }
             }
             Stroke::Out => {
-                self.above += 2.0 * SPEEDS[1] * TICK_S;
+                self.above += SLOW * TICK_S;
                 if self.above < 8e-3 {
                     Stroke::Out
                 } else {
