@@ -36,12 +36,11 @@ fn sounding_finds_the_floor_the_width_and_the_depths_that_were_drawn() {
         ..Sulcus::default()
     };
     let found = Sounded::new(&tooth, &MeshDistance::new(mesh.clone()), 36, &given).expect("found");
-    // Where wall and floor meet there is a fillet of 0.3 mm, which makes the floor higher 0.15 mm beside the tooth, by less.
     let mut worst: f64 = 0.0;
     for k in 0..360 {
         let around = f64::from(k).to_radians();
         let off = found.floor_at(around) - collar.floor(around);
-        assert!((-0.1e-3..0.2e-3).contains(&off), "{k} degrees: {off:e} m");
+        assert!(off.abs() < 0.05e-3, "{k} degrees: {off:e} m");
         worst = worst.max(off.abs());
     }
     println!(
@@ -50,10 +49,20 @@ fn sounding_finds_the_floor_the_width_and_the_depths_that_were_drawn() {
         worst * 1e3
     );
     assert!((found.width - 4e-4).abs() < 0.03e-3, "{:e} m", found.width);
-    let sites = found.charted(given.proximal_deg.to_radians(), SINK, false);
-    for (site, drawn) in sites.iter().zip(pocket.depths_mm) {
-        println!("{:.2} mm for {drawn} mm", site.depth * 1e3);
-        assert!((site.depth * 1e3 - drawn).abs() < 0.35);
+    let proximal = given.proximal_deg.to_radians();
+    let sites = found.charted(proximal, SINK, false);
+    for (site, charted) in Site::ALL.into_iter().zip(sites) {
+        // What was drawn is deepest in the site's zone somewhere, not always in its middle.
+        let angles = (0..3600).map(|k| f64::from(k).to_radians() * 0.1);
+        let zone = angles.filter(|around| Site::at(*around, proximal) == site);
+        let drawn = zone.fold(0.0, |deep: f64, around| deep.max(collar.depth(around)));
+        println!(
+            "{}: {:.2} mm, drawn {:.2} mm",
+            site.name(),
+            charted.depth * 1e3,
+            drawn * 1e3
+        );
+        assert!((charted.depth - drawn).abs() < 0.1e-3);
     }
     // Found as well where nothing is given, for the frame moves to the middle of the tooth and down from its margin.
     let alone = Sounded::new(&tooth, &MeshDistance::new(mesh), 36, &Sulcus::default());
@@ -175,9 +184,8 @@ fn keys_that_do_not_fit_are_named() {
     let good = scene(dir.path());
     let message = |from: &str, to: &str| {
         assert!(good.contains(from), "{from}");
-        let error: FileError = parse(&good.replace(from, to), Path::new("my.toml"))
-            .err()
-            .expect("refused");
+        let error: FileError =
+            parse(&good.replace(from, to), Path::new("my.toml")).expect_err("refused");
         error.to_string()
     };
     for (from, to, said) in [
