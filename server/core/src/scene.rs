@@ -33,6 +33,8 @@ pub struct DisplayMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Colour of the whole mesh, sRGB with alpha.
     pub colour: [u8; 4],
+    /// Colours of the vertices, where they differ: one each, or none. A triangle's colour runs smoothly between its corners'.
+    pub vertex_colours: Vec<[u8; 4]>,
 }
 
 /// A band on a periodontal probe, measured from the tip.
@@ -389,13 +391,26 @@ impl Scene {
 
 fn check_mesh(part: &str, mesh: &DisplayMesh) -> Result<(), SceneError> {
     let n = mesh.vertices.len();
-    match mesh.triangles.iter().flatten().find(|&&v| v as usize >= n) {
-        Some(&v) => Err(SceneError::Field {
+    let field = |field, found, expected| {
+        Err(SceneError::Field {
             part: part.to_owned(),
-            field: "mesh triangle",
-            found: format!("vertex {v} of {n}"),
-            expected: "an index of an existing vertex",
-        }),
-        None => Ok(()),
+            field,
+            found,
+            expected,
+        })
+    };
+    if let Some(&v) = mesh.triangles.iter().flatten().find(|&&v| v as usize >= n) {
+        let found = format!("vertex {v} of {n}");
+        return field("mesh triangle", found, "an index of an existing vertex");
     }
+    let coloured = mesh.vertex_colours.len();
+    if coloured != 0 && coloured != n {
+        let found = format!("{coloured} for {n} vertices");
+        return field(
+            "vertex colours of the mesh",
+            found,
+            "one for each vertex, or none",
+        );
+    }
+    Ok(())
 }

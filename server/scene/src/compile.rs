@@ -17,6 +17,7 @@ use crate::patient::LOWER;
 use crate::skeleton::SkeletonError;
 use crate::solid::SolidError;
 use crate::springs::SpringsError;
+use crate::sulcus::SulcusError;
 
 /// How to build, apart from what the scene file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,6 +82,14 @@ pub enum BuildError {
         part: String,
         /// Why.
         source: SkeletonError,
+    },
+    /// A gingiva's mesh has no sulcus round its tooth.
+    #[error("{part}: {source}")]
+    Sulcus {
+        /// The object.
+        part: String,
+        /// Why.
+        source: SulcusError,
     },
     /// Fitted springs cannot be used.
     #[error("{part}: {source}")]

@@ -14,6 +14,7 @@ use crate::organ::SurfaceOptions;
 use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
 use crate::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
 use crate::skeleton::SkeletonOptions;
+use crate::sulcus::Sulcus;
 
 /// A scene file as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,9 +40,9 @@ pub struct SceneFile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToolKind {
-    /// A UNC-15 probe.
+    /// A periodontal probe; `probe.marking` says whose marks it carries.
     PeriodontalProbe,
-    /// A mouth mirror. A `stiffness_nmm_per_rad` of 3000 suits it.
+    /// A mouth mirror; `mirror.number` says its size. A `stiffness_nmm_per_rad` of 3000 suits it.
     MouthMirror,
 }
 
@@ -66,7 +67,7 @@ pub enum TissueEntry {
     Rigid,
     /// As a whole, on a skeleton of springs: a tongue.
     Skeleton,
-    /// As a gingiva does; wants `kind = "gingiva"`.
+    /// As a gingiva does; wants `tooth` and either `kind = "gingiva"` or a mesh.
     Gingiva,
     /// As a whole, by finite elements condensed to its surface: a tongue.
     SurfaceCompliance,
@@ -186,10 +187,12 @@ pub struct ObjectEntry {
     pub skeleton: Option<SkeletonOptions>,
     /// Parameters of `tissue = "surface_compliance"` that differ from the defaults.
     pub surface: Option<SurfaceOptions>,
-    /// Name of the molar that a gingiva surrounds.
+    /// Name of the tooth that a gingiva surrounds: a molar, or for a gingiva that is a mesh any rigid object.
     pub tooth: Option<String>,
     /// Pocket of a gingiva, where it differs from the default.
     pub pocket: Option<Pocket>,
+    /// What is known of the sulcus of a gingiva that is a mesh; the rest is found from the meshes.
+    pub sulcus: Option<Sulcus>,
     /// Parameters of `tissue = "printed_skeleton"` that differ from the defaults.
     pub printed_skeleton: Option<PrintedSkeletonEntry>,
     /// Parameters of `tissue = "printed_gingiva"` that differ from the defaults.

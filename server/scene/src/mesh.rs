@@ -75,6 +75,7 @@ impl TriMesh {
                 .collect(),
             triangles: self.triangles.clone(),
             colour,
+            vertex_colours: Vec::new(),
         }
     }
 

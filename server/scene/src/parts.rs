@@ -43,14 +43,25 @@ pub(crate) struct Compiler<'a> {
 
 impl Compiler<'_> {
     pub fn tool(&mut self, entry: &ToolEntry) -> Result<Tool, BuildError> {
-        let part = format!("tool `{}`", entry.name);
+        // What is written on it goes beside its name.
+        let written = match entry.kind {
+            Some(ToolKind::PeriodontalProbe) => {
+                let marking = entry.probe.as_ref().map(|probe| probe.marking);
+                format!(" ({})", marking.unwrap_or_default().name())
+            }
+            Some(ToolKind::MouthMirror) => {
+                format!(" ({})", entry.mirror.clone().unwrap_or_default().name())
+            }
+            None => String::new(),
+        };
+        let part = format!("tool `{}`{written}", entry.name);
         let (touching, display, working_point, tip, tip_axis, bands) = match entry.kind {
             Some(ToolKind::PeriodontalProbe) => {
                 let probe: Probe = entry.probe.clone().unwrap_or_default();
                 let (point, tip, axis) = (probe.working_point(), probe.tip(), probe.tip_axis());
                 (
                     probe.touching_mesh(),
-                    probe.display_mesh(),
+                    probe.display(TOOL_COLOUR),
                     point,
                     tip,
                     axis,
@@ -62,7 +73,7 @@ impl Compiler<'_> {
                 let (point, tip, axis) = (mirror.working_point(), mirror.tip(), mirror.tip_axis());
                 (
                     mirror.touching_mesh(),
-                    mirror.display_mesh(),
+                    mirror.display_mesh().to_display(TOOL_COLOUR),
                     point,
                     tip,
                     axis,
@@ -75,7 +86,7 @@ impl Compiler<'_> {
                 let axis = Vec3::from(entry.tip_axis.unwrap_or([0.0, 0.0, -1.0])).normalize();
                 (
                     mesh.clone(),
-                    mesh,
+                    mesh.to_display(TOOL_COLOUR),
                     mm(entry.working_point_mm),
                     mm(entry.tip_mm),
                     axis,
@@ -106,7 +117,7 @@ impl Compiler<'_> {
             stiffness_nm_per_rad: entry.stiffness_nmm_per_rad * 1e-3,
             park: Pose::new(Vec3::from(entry.park_mm) * 1e-3, exp_rotation(&turn)),
             bands,
-            mesh: display.to_display(TOOL_COLOUR),
+            mesh: display,
         })
     }
 
@@ -121,6 +132,7 @@ impl Compiler<'_> {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
+            None if entry.tissue.is_gingiva() => return self.sounded_gingiva(entry, all),
             None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
         };
         let wanted = TreeOptions {
@@ -269,7 +281,7 @@ impl Compiler<'_> {
         })
     }
 
-    fn load(
+    pub(crate) fn load(
         &mut self,
         part: &str,
         mesh: Option<&Path>,
@@ -301,7 +313,7 @@ impl Compiler<'_> {
     }
 
     /// As [`Compiler::tree`], where places differ in importance: what that is called, and how much each place counts.
-    fn weighted(
+    pub(crate) fn weighted(
         &mut self,
         part: &str,
         mesh: &TriMesh,
@@ -357,7 +369,7 @@ impl Compiler<'_> {
 }
 
 /// How much a place (metres) counts.
-type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
+pub(crate) type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
 
 /// Parameters of a gingiva as written in a file.
 pub(crate) fn gingiva_params(given: &GingivaEntry) -> GingivaParams {
@@ -397,7 +409,8 @@ pub(crate) fn gingiva_params(given: &GingivaEntry) -> GingivaParams {
     params
 }
 
-fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
+/// The same tree elsewhere.
+pub(crate) fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
     let nodes = tree.nodes().iter().map(|node| {
         let mut node = *node;
         node.centre += by;

@@ -189,10 +189,17 @@ fn tool(entry: &ToolEntry) -> Checked {
         )?;
         range(
             "neck_diameter_mm",
-            probe.neck_diameter_mm,
-            probe.tip_diameter_mm,
+            probe.neck_mm(),
+            probe.stem_mm(),
             2.4,
-            "tip_diameter_mm to 2.4 mm",
+            "stem_diameter_mm to 2.4 mm",
+        )?;
+        range(
+            "stem_diameter_mm",
+            probe.stem_mm(),
+            0.5 * probe.tip_diameter_mm,
+            probe.tip_diameter_mm,
+            "half of tip_diameter_mm to tip_diameter_mm",
         )?;
         range(
             "working_end_mm",
@@ -231,7 +238,14 @@ fn dimensions(field: &dyn Fn(&str) -> String, mirror: &Mirror) -> Checked {
         let field = |key: &str| field(&format!("mirror.{key}"));
         number(&field, key, x, low, high, expected)
     };
-    let (disc, thickness) = (mirror.disc_diameter_mm, mirror.disc_thickness_mm);
+    if !matches!(mirror.number, 4 | 5) {
+        return wrong(
+            field("mirror.number"),
+            mirror.number,
+            "4 (22 mm) or 5 (24 mm)",
+        );
+    }
+    let (disc, thickness) = (mirror.diameter_mm(), mirror.disc_thickness_mm);
     let end = disc + mirror.neck_mm + 5.0;
     range("disc_diameter_mm", disc, 16.0, 30.0, "16 to 30 mm")?;
     range("disc_thickness_mm", thickness, 1.0, 4.0, "1 to 4 mm")?;

@@ -206,6 +206,6 @@ fn a_gingiva_that_cannot_stand_is_refused_in_one_sentence() {
     );
     assert!(
         with("kind = \"molar\"", "kind = \"molar\"\ntooth = \"x\"")
-            .contains("expected nothing without kind = \"gingiva\"")
+            .contains("expected nothing without tissue = \"gingiva\"")
     );
 }

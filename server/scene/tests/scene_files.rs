@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use sulcus_scene::file::{FileError, parse};
+use sulcus_scene::parametric::{Marking, Probe};
 
 fn good() -> &'static str {
     sulcus_scene::BuiltIn::Crown.text()
@@ -87,12 +88,23 @@ fn a_mirror_is_understood_and_its_dimensions_are_checked() {
     let dimensions = scene.tools[0].mirror.as_ref().expect("dimensions");
     assert_eq!(
         (dimensions.disc_diameter_mm, dimensions.disc_thickness_mm),
-        (24.0, 2.0)
+        (Some(24.0), 2.0)
+    );
+    let number_5 = mirror.replace("disc_diameter_mm = 24.0", "number = 5");
+    let number_5 = parse(&number_5, Path::new("my.toml")).expect("good");
+    let number_5 = number_5.tools[0].mirror.clone().expect("dimensions");
+    assert_eq!(
+        (number_5.diameter_mm(), number_5.name().as_str()),
+        (24.0, "No. 5")
     );
     let with = |to: &str| message(&mirror.replace("disc_diameter_mm = 24.0", to));
     assert!(
         with("disc_diameter_mm = 5.0")
             .contains("`mirror.disc_diameter_mm` of tool `probe` is 5, expected 16 to 30 mm")
+    );
+    assert!(
+        with("number = 7")
+            .contains("`mirror.number` of tool `probe` is 7, expected 4 (22 mm) or 5 (24 mm)")
     );
     assert!(with("edge_radius_mm = 1.5").contains("expected 0.1 mm to half of disc_thickness_mm"));
     assert!(with("neck_diameter_mm = 3.0").contains("expected 0.8 mm to disc_thickness_mm"));
@@ -112,4 +124,36 @@ fn a_mirror_is_understood_and_its_dimensions_are_checked() {
         message(&mirror.replace("mouth_mirror", "periodontal_probe"))
             .contains("`mirror` of tool `probe` is given, expected nothing without kind")
     );
+}
+
+#[test]
+fn a_probe_carries_the_marks_of_a_standard_and_no_others() {
+    let with = |probe: &str| {
+        let kind = "kind = \"periodontal_probe\"";
+        good().replace(kind, &format!("{kind}\nprobe = {{ {probe} }}"))
+    };
+    for (key, marking) in [
+        ("unc15", Marking::Unc15),
+        ("williams", Marking::Williams),
+        ("who", Marking::Who),
+    ] {
+        let text = with(&format!("marking = \"{key}\""));
+        let scene = parse(&text, Path::new("my.toml")).expect("good");
+        let probe = scene.tools[0].probe.clone().expect("dimensions");
+        assert_eq!(probe.marking, marking);
+        assert_eq!(probe.bands(), marking.bands());
+    }
+    assert_eq!(Probe::default().marking, Marking::Unc15);
+    let unknown = message(&with("marking = \"nabers\""));
+    assert!(
+        unknown.contains("unknown variant `nabers`")
+            && unknown.contains("`unc15`, `williams`, `who`"),
+        "{unknown}"
+    );
+    let stem = message(&with("marking = \"who\", stem_diameter_mm = 0.6"));
+    assert!(
+        stem.contains("`probe.stem_diameter_mm` of tool `probe` is 0.6, expected half of tip"),
+        "{stem}"
+    );
+    assert!(message(&with("neck_diameter_mm = 0.3")).contains("expected stem_diameter_mm to 2.4"));
 }

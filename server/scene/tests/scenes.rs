@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use sulcus_core::{Scene, Vec3};
+use sulcus_scene::built_in::BuiltIn;
 use sulcus_scene::load::to_stl;
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::shapes::icosphere;
-use sulcus_scene::{BuildOptions, Compiled, compile_default, compile_file};
+use sulcus_scene::{BuildOptions, Compiled, compile_default, compile_file, compile_text};
 
 fn quick() -> BuildOptions {
     BuildOptions {
@@ -273,4 +274,34 @@ fn a_mirror_from_numbers_is_a_tool() {
     assert!(tool.tree.lever_from(&tool.working_point) < 0.035);
     let heights = tool.mesh.vertices.iter().map(|v| v[2]);
     assert!(heights.fold(f32::MIN, f32::max) > 0.06);
+}
+
+#[test]
+fn the_bands_of_a_probe_are_seen_and_kept_in_the_bytes() {
+    let text = BuiltIn::Crown.text();
+    let who = text.replace(
+        "kind = \"periodontal_probe\"",
+        "kind = \"periodontal_probe\"\nprobe = { marking = \"who\" }",
+    );
+    for (text, bands) in [(text, 15), (&*who, 4)] {
+        let path = Path::new("my.toml");
+        let said = std::cell::RefCell::new(String::new());
+        let say = |what: &str, _: f64| said.borrow_mut().push_str(what);
+        let mut scene = compile_text(text, path, &quick(), &say)
+            .expect("compiles")
+            .scene;
+        let written = if bands == 4 { "(WHO)" } else { "(UNC-15)" };
+        assert!(said.borrow().contains(written), "{}", said.borrow());
+        let read = Scene::from_bytes(&scene.to_bytes().expect("bytes")).expect("the same");
+        assert_eq!(read, scene);
+        let tool = &scene.tools[0];
+        assert_eq!(tool.bands.len(), bands);
+        let (mesh, colours) = (&tool.mesh, &tool.mesh.vertex_colours);
+        assert_eq!(colours.len(), mesh.vertices.len());
+        assert!(colours.iter().any(|c| c[0] < 50) && colours.contains(&mesh.colour));
+        assert!(scene.objects[0].mesh.vertex_colours.is_empty());
+        scene.tools[0].mesh.vertex_colours.pop();
+        let error = scene.validate().expect_err("one is missing").to_string();
+        assert!(error.contains("vertex colours"), "{error}");
+    }
 }

@@ -1,5 +1,9 @@
 //! A mouth mirror: a flat round disc with a rounded edge, tilted to the handle, a neck that leaves
-//! the disc's edge in the disc's plane and bends into the handle. A number 4 mirror by default.
+//! the disc's edge in the disc's plane and bends into the handle. A No. 4 mirror by default.
+//!
+//! Sizes are those of the trade: No. 4 is 22 mm, No. 5 is 24 mm, each size 2 mm more than the one before (ISO 9873 counts so too;
+//! instruments longer than 173 mm do not fit its cassettes). Thickness, edge, neck and angle have no source with a number: they
+//! are parameters.
 //!
 //! Frame of the tool, as the probe's: the origin is the device point, on the handle's axis, 90 mm
 //! from the disc's centre; z runs up the handle; the instrument lies in the xz plane with the disc
@@ -10,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 
 use super::blend::ramp;
-use super::tube::{Piece, Station, walk};
+use super::tube::{Piece, Station, handle, instrument, linear};
 use crate::mesh::TriMesh;
 use crate::repair::drop_unused;
 
@@ -18,8 +22,10 @@ use crate::repair::drop_unused;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mirror {
-    /// Diameter of the disc, mm: 22 for number 4, 24 for number 5.
-    pub disc_diameter_mm: f64,
+    /// Its size, as it is written on the handle: 4 or 5.
+    pub number: u8,
+    /// Diameter of the disc, mm, where it is not that of its size: 22 for No. 4, 24 for No. 5.
+    pub disc_diameter_mm: Option<f64>,
     /// Thickness of the disc, glass and frame together, mm.
     pub disc_thickness_mm: f64,
     /// Radius of the round between the disc's faces and its side, mm.
@@ -42,7 +48,8 @@ pub struct Mirror {
 impl Default for Mirror {
     fn default() -> Self {
         Self {
-            disc_diameter_mm: 22.0,
+            number: 4,
+            disc_diameter_mm: None,
             disc_thickness_mm: 2.0,
             edge_radius_mm: 0.4,
             disc_deg: 45.0,
@@ -65,8 +72,22 @@ const AROUND: usize = 144;
 const QUARTER: usize = 6;
 
 impl Mirror {
+    /// Diameter of the disc, mm.
+    pub fn diameter_mm(&self) -> f64 {
+        let of_number = 14.0 + 2.0 * f64::from(self.number);
+        self.disc_diameter_mm.unwrap_or(of_number)
+    }
+
+    /// Its size, as it is written on the handle.
+    pub fn name(&self) -> String {
+        match self.disc_diameter_mm {
+            None => format!("No. {}", self.number),
+            Some(diameter) => format!("{diameter} mm"),
+        }
+    }
+
     fn radius(&self) -> f64 {
-        0.5 * self.disc_diameter_mm
+        0.5 * self.diameter_mm()
     }
 
     /// End of the bend, mm along the centre line.
@@ -77,59 +98,21 @@ impl Mirror {
     /// Centre line at `s` mm from the disc's centre, in the tool's frame, mm.
     fn line(&self) -> impl Fn(f64) -> Station {
         let turn = self.disc_deg.to_radians();
-        let pieces = [
-            Piece {
-                length: self.radius() + self.neck_mm,
-                turn: 0.0,
-            },
-            Piece {
-                length: BEND_MM * turn,
-                turn,
-            },
-            Piece {
-                length: self.length_mm,
-                turn: 0.0,
-            },
+        let piece = |length, turn| Piece { length, turn };
+        let pieces = vec![
+            piece(self.radius() + self.neck_mm, 0.0),
+            piece(BEND_MM * turn, turn),
+            piece(self.length_mm, 0.0),
         ];
-        // The disc goes where the handle's axis becomes the z axis and the reach is right.
-        let x = -walk(&pieces, -turn, self.bent()).point.x;
-        let centre = Vec3::new(
-            x,
-            0.0,
-            -(self.reach_mm * self.reach_mm - x * x).max(0.0).sqrt(),
-        );
-        move |s| {
-            let mut station = walk(&pieces, -turn, s);
-            station.point += centre;
-            station
-        }
+        instrument(pieces, -turn, self.bent(), self.reach_mm)
     }
 
     /// Radius of neck and handle at `s` mm from the disc's centre, mm.
     fn thickness(&self, s: f64) -> f64 {
-        let (neck, bent) = (0.5 * self.neck_diameter_mm, self.bent());
-        let end = self.length_mm - self.radius();
-        let knots = [
-            (bent, neck),
-            (bent + 12.0, 1.25),
-            (bent + 14.0, 1.5),
-            (bent + 21.0, 3.6),
-            (bent + 24.0, 4.0),
-            (bent + 26.0, 3.7),
-            (bent + 30.0, 4.0),
-            (end - 25.0, 3.6),
-            (end, 3.0),
-        ];
-        if s <= bent {
-            return neck;
-        }
-        for pair in knots.windows(2) {
-            let ((a, ra), (b, rb)) = (pair[0], pair[1]);
-            if s <= b && b > a {
-                return ra + (rb - ra) * ((s - a) / (b - a)).clamp(0.0, 1.0);
-            }
-        }
-        knots[knots.len() - 1].1
+        let bent = self.bent();
+        let mut knots = vec![(bent, 0.5 * self.neck_diameter_mm)];
+        knots.extend(handle(bent + 12.0, self.length_mm - self.radius()));
+        linear(&knots, s)
     }
 
     /// What touches: disc, neck and the beginning of the shank, closed, metres, tool frame.
@@ -155,7 +138,7 @@ impl Mirror {
 
     /// Unit normal of the reflecting face, tool frame.
     pub fn face_normal(&self) -> Vec3 {
-        side(&self.line()(0.0))
+        self.line()(0.0).side()
     }
 
     /// Reference point of the optimisation: the disc's centre, metres, tool frame.
@@ -203,7 +186,7 @@ impl Mirror {
     fn mesh(&self, end: f64, step: f64) -> TriMesh {
         let line = self.line();
         let centre = line(0.0);
-        let (up, across, normal) = (centre.along, Vec3::y(), side(&centre));
+        let (up, across, normal) = (centre.along, Vec3::y(), centre.side());
         let (outline, edge) = self.outline();
         let rows = outline.len();
         // Half the foot's width in sides of the circumference.
@@ -270,7 +253,7 @@ impl Mirror {
             .iter()
             .map(|&v| {
                 let off = mesh.vertices[v as usize] - foot.point;
-                [off.dot(&side(&foot)), off.y]
+                [off.dot(&foot.side()), off.y]
             })
             .collect();
         let last = self.thickness(end);
@@ -306,7 +289,7 @@ impl Mirror {
                 let length = (height * height + width * width).sqrt();
                 let mix = |x: f64| x * (1.0 - round) + x / length * radius * round;
                 mesh.vertices
-                    .push(station.point + side(&station) * mix(*height) + Vec3::y() * mix(*width));
+                    .push(station.point + station.side() * mix(*height) + Vec3::y() * mix(*width));
             }
             let upper: Vec<u32> = (first..mesh.vertices.len() as u32).collect();
             join(mesh, &ring, &upper);
@@ -319,11 +302,6 @@ impl Mirror {
                 .push([ring[k], ring[(k + 1) % ring.len()], apex]);
         }
     }
-}
-
-/// Across the line, in the xz plane: the disc's normal on the disc.
-fn side(station: &Station) -> Vec3 {
-    Vec3::new(station.along.z, 0.0, -station.along.x)
 }
 
 #[cfg(test)]
@@ -386,6 +364,20 @@ mod tests {
     }
 
     #[test]
+    fn numbers_4_and_5_are_22_and_24_mm_wide() {
+        for (number, name, wide) in [(4, "No. 4", 22e-3), (5, "No. 5", 24e-3)] {
+            let mirror = Mirror {
+                number,
+                ..Mirror::default()
+            };
+            assert_eq!(mirror.name(), name);
+            let (low, high) = mirror.touching_mesh().bounds();
+            assert!((high.y - low.y - wide).abs() < 1e-9);
+        }
+        assert_eq!(Mirror::default().name(), "No. 4");
+    }
+
+    #[test]
     fn only_disc_and_neck_touch() {
         let mirror = Mirror::default();
         let (low, high) = mirror.touching_mesh().bounds();
@@ -409,7 +401,7 @@ mod tests {
                 for neck_mm in [3.0, 10.0] {
                     for touching_mm in [disc + neck_mm + 5.0, 55.0] {
                         let mirror = Mirror {
-                            disc_diameter_mm: disc,
+                            disc_diameter_mm: Some(disc),
                             disc_thickness_mm: thick,
                             edge_radius_mm: round,
                             neck_diameter_mm: neck,

@@ -5,6 +5,7 @@ pub(crate) mod blend;
 pub mod collar;
 pub mod gingiva;
 pub mod jaw;
+pub mod marking;
 pub mod mirror;
 pub mod molar;
 pub mod polygonise;
@@ -15,6 +16,7 @@ pub mod tooth;
 mod tube;
 
 pub use gingiva::{Collar, Pocket};
+pub use marking::Marking;
 pub use mirror::Mirror;
 pub use molar::Molar;
 pub use probe::Probe;

@@ -1,5 +1,7 @@
 //! A round bar whose centre line lies in the xz plane: arcs and straight pieces, a radius that
-//! changes along it, round ends.
+//! changes along it, round ends. Hand instruments are such bars, with a handle at the upper end.
+//!
+//! Frame of an instrument: the origin is the device point, on the handle's axis; z runs up the handle.
 
 use sulcus_core::Vec3;
 
@@ -17,6 +19,13 @@ pub(crate) struct Station {
     pub point: Vec3,
     /// Unit direction of increasing `s`.
     pub along: Vec3,
+}
+
+impl Station {
+    /// Unit vector across the line, in the xz plane.
+    pub fn side(&self) -> Vec3 {
+        Vec3::new(self.along.z, 0.0, -self.along.x)
+    }
 }
 
 /// A piece of centre line: its length, and by how much it turns (radians, from z towards x).
@@ -61,14 +70,64 @@ pub(crate) fn walk(pieces: &[Piece], start: f64, at: f64) -> Station {
     }
 }
 
-/// Sweeps a disc along `stations` (increasing `s`) with radius `radius(s)`; both ends are
-/// hemispheres inside the ends of the line.
+/// The centre line of an instrument, mm: pieces whose last is the handle, walked in the direction `start` and put where the
+/// handle's axis, which begins `bent` from the start, becomes the z axis and the start lies `reach` from the origin.
+pub(crate) fn instrument(
+    pieces: Vec<Piece>,
+    start: f64,
+    bent: f64,
+    reach: f64,
+) -> impl Fn(f64) -> Station {
+    let x = -walk(&pieces, start, bent).point.x;
+    let first = Vec3::new(x, 0.0, -(reach * reach - x * x).max(0.0).sqrt());
+    move |s| {
+        let mut station = walk(&pieces, start, s);
+        station.point += first;
+        station
+    }
+}
+
+/// Radii of shank and handle, mm along the line: the shank ends at `from`, the handle at `to`.
+pub(crate) fn handle(from: f64, to: f64) -> [(f64, f64); 9] {
+    [
+        (from, 1.25),
+        (from + 2.0, 1.5),
+        (from + 9.0, 3.6),
+        (from + 12.0, 4.0),
+        (from + 14.0, 3.7),
+        (from + 18.0, 4.0),
+        (from + 44.0, 4.0),
+        (to - 25.0, 3.6),
+        (to, 3.0),
+    ]
+}
+
+/// Linear between the knots (`s`, value), constant beyond them.
+pub(crate) fn linear(knots: &[(f64, f64)], s: f64) -> f64 {
+    if s <= knots[0].0 {
+        return knots[0].1;
+    }
+    for pair in knots.windows(2) {
+        let ((a, ra), (b, rb)) = (pair[0], pair[1]);
+        if s <= b && b > a {
+            return ra + (rb - ra) * ((s - a) / (b - a)).clamp(0.0, 1.0);
+        }
+    }
+    knots[knots.len() - 1].1
+}
+
+/// Cross-sections nearer to one that was asked for are left out, mm.
+const TOO_NEAR: f64 = 0.02;
+
+/// Sweeps a disc along `line` with radius `radius(s)`, in steps of `step` and with cross-sections at each of `also` (rising); both
+/// ends are hemispheres inside the ends of the line.
 pub(crate) fn sweep(
     line: &dyn Fn(f64) -> Station,
     radius: &dyn Fn(f64) -> f64,
     from: f64,
     to: f64,
     step: f64,
+    also: &[f64],
 ) -> TriMesh {
     let mut rings: Vec<(f64, f64)> = Vec::new();
     let (r0, r1) = (radius(from), radius(to));
@@ -95,6 +154,13 @@ pub(crate) fn sweep(
             },
         ));
     }
+    // The ends stay; between them what was asked for takes the place of what is near.
+    let (first, last) = (from + r0, to - r1);
+    let wanted = also.iter().filter(|s| **s > first && **s < last);
+    let inside = |s: f64| s > first && s < last;
+    rings.retain(|&(s, _)| !inside(s) || also.iter().all(|a| (a - s).abs() > TOO_NEAR));
+    rings.extend(wanted.map(|&s| (s, radius(s))));
+    rings.sort_by(|a, b| a.0.total_cmp(&b.0));
     for k in (1..CAP).rev() {
         rings.push((to - r1 * (1.0 - libm::cos(cap(k))), r1 * libm::sin(cap(k))));
     }
@@ -105,7 +171,7 @@ pub(crate) fn sweep(
     let last = rings.len() - 1;
     for (k, &(s, r)) in rings.iter().enumerate() {
         let station = line(s);
-        let side = Vec3::new(station.along.z, 0.0, -station.along.x);
+        let side = station.side();
         for corner in 0..AROUND {
             let angle = std::f64::consts::TAU * corner as f64 / AROUND as f64;
             mesh.vertices.push(

@@ -1,10 +1,11 @@
 //! What the tissues of a scene file must be.
 
 use super::{Checked, number, wrong};
-use crate::file::{ObjectEntry, ObjectKind};
+use crate::file::{ObjectEntry, ObjectKind, TissueEntry};
 use crate::organ::SurfaceOptions;
 use crate::parametric::{Pocket, Tongue};
 use crate::skeleton::SkeletonOptions;
+use crate::sulcus::Sulcus;
 
 pub(super) fn tongue_dimensions(field: &dyn Fn(&str) -> String, tongue: &Tongue) -> Checked {
     let range = |key: &str, x: f64, low: f64, high: f64, expected| {
@@ -105,9 +106,9 @@ pub(super) fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions
 /// What only a gingiva has, and what it must have.
 pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
-    let is_gingiva = entry.kind == Some(ObjectKind::Gingiva);
+    let drawn = entry.kind == Some(ObjectKind::Gingiva);
     let yields = entry.tissue.is_gingiva();
-    if is_gingiva != yields {
+    if (drawn && !yields) || (yields && !drawn && entry.mesh.is_none()) {
         return wrong(
             field("tissue"),
             if yields {
@@ -115,41 +116,60 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
             } else {
                 "not a gingiva's"
             },
-            "\"gingiva\" or \"printed_gingiva\" together with kind = \"gingiva\", or neither",
+            "\"gingiva\" or \"printed_gingiva\" together with kind = \"gingiva\" or a mesh, or neither",
         );
     }
     let given = [
         ("tooth", entry.tooth.is_some()),
         ("pocket", entry.pocket.is_some()),
+        ("sulcus", entry.sulcus.is_some()),
         ("gingiva", entry.gingiva.is_some()),
     ];
-    if !is_gingiva {
+    if !yields {
         return match given.iter().find(|(_, given)| *given) {
-            Some((key, _)) => wrong(field(key), "given", "nothing without kind = \"gingiva\""),
+            Some((key, _)) => wrong(
+                field(key),
+                "given",
+                "nothing without tissue = \"gingiva\" or \"printed_gingiva\"",
+            ),
             None => Ok(()),
         };
     }
-    let Some(name) = &entry.tooth else {
+    if entry.pocket.is_some() && !drawn {
         return wrong(
-            field("tooth"),
-            "missing",
-            "the name of an object of kind \"molar\"",
-        );
-    };
-    let tooth = all.iter().find(|other| other.name == *name);
-    if tooth.is_none_or(|tooth| tooth.kind != Some(ObjectKind::Molar)) {
-        return wrong(
-            field("tooth"),
-            format!("\"{name}\""),
-            "the name of an object of kind \"molar\"",
+            field("pocket"),
+            "given",
+            "nothing without kind = \"gingiva\", because a mesh has its own",
         );
     }
-    if entry.translate_mm != [0.0; 3] {
+    if entry.sulcus.is_some() && drawn {
+        return wrong(field("sulcus"), "given", "nothing without `mesh`");
+    }
+    let fits = |tooth: &ObjectEntry| {
+        tooth.kind == Some(ObjectKind::Molar)
+            || (!drawn && tooth.mesh.is_some() && tooth.tissue == TissueEntry::Rigid)
+    };
+    let expected = if drawn {
+        "the name of an object of kind \"molar\""
+    } else {
+        "the name of an object of kind \"molar\" or of a rigid mesh"
+    };
+    let Some(name) = &entry.tooth else {
+        return wrong(field("tooth"), "missing", expected);
+    };
+    let tooth = all.iter().find(|other| other.name == *name);
+    if !tooth.is_some_and(fits) {
+        return wrong(field("tooth"), format!("\"{name}\""), expected);
+    }
+    if drawn && entry.translate_mm != [0.0; 3] {
         return wrong(
             field("translate_mm"),
             format!("{:?}", entry.translate_mm),
             "nothing, because a gingiva lies where its tooth does",
         );
+    }
+    if let Some(given) = &entry.sulcus {
+        sulcus(&field, given)?;
     }
     if let Some(pocket) = &entry.pocket {
         self::pocket(&field, pocket)?;
@@ -162,6 +182,42 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
             "a value in the range of that parameter (SI units)",
         ),
     }
+}
+
+fn sulcus(field: &dyn Fn(&str) -> String, sulcus: &Sulcus) -> Checked {
+    let range = |key: &str, x: f64, low: f64, high: f64, expected| {
+        let field = |key: &str| field(&format!("sulcus.{key}"));
+        number(&field, key, x, low, high, expected)
+    };
+    let directions = [("axis", sulcus.axis), ("mesial", sulcus.mesial)];
+    for (key, direction) in directions {
+        let Some(v) = direction else { continue };
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !(1e-6..1e6).contains(&length) {
+            return wrong(
+                field(&format!("sulcus.{key}")),
+                format!("{v:?}"),
+                "a direction that is not zero",
+            );
+        }
+    }
+    for x in sulcus.origin_mm.into_iter().flatten() {
+        range("origin_mm", x, -1000.0, 1000.0, "-1000 to 1000 mm")?;
+    }
+    if let Some(floor) = sulcus.floor_mm {
+        range("floor_mm", floor, -30.0, 30.0, "-30 to 30 mm")?;
+    }
+    if let Some(width) = sulcus.width_mm {
+        range("width_mm", width, 0.05, 2.0, "0.05 to 2 mm")?;
+    }
+    range("open_mm", sulcus.open_mm, 0.02, 1.0, "0.02 to 1 mm")?;
+    range(
+        "proximal_deg",
+        sulcus.proximal_deg,
+        20.0,
+        80.0,
+        "20 to 80 degrees",
+    )
 }
 
 fn pocket(field: &dyn Fn(&str) -> String, pocket: &Pocket) -> Checked {
