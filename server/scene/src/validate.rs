@@ -1,12 +1,14 @@
 //! The ranges of a scene file's values, and which keys need or exclude which others.
 
 mod tissue;
+mod tooth;
 
 use sulcus_core::MAX_TOOLS;
 
 use crate::file::{ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
 use crate::parametric::Mirror;
 use tissue::{gingiva, skeleton, surface, tongue_dimensions};
+use tooth::tooth;
 
 /// A value that cannot stand.
 pub(crate) struct Wrong {
@@ -255,6 +257,7 @@ fn object(entry: &ObjectEntry) -> Checked {
     if entry.molar.is_some() && entry.kind != Some(ObjectKind::Molar) {
         return wrong(field("molar"), "given", "nothing without kind = \"molar\"");
     }
+    tooth(&field, entry)?;
     if entry.tongue.is_some() && entry.kind != Some(ObjectKind::Tongue) {
         return wrong(
             field("tongue"),

@@ -150,7 +150,7 @@ fn embrasures_open_for_a_tilted_probe() {
                 assert!(back(side, 0.35) > 0.0, "{} {contact:?} {side}", tooth.fdi());
             }
             // A neighbour like it stands behind the plane through the contact. A probe of 0.6 mm whose tip lies in the
-            // midline a millimetre below the CEJ comes from the embrasure at 20 degrees and touches neither.
+            // midline just below the CEJ comes from the embrasure at 20 degrees and touches neither.
             let around = if way > 0.0 { 0.0 } else { PI };
             for side in [1.0, -1.0] {
                 let tip = Vec3::new(contact.x, 0.0, tooth.cej(around) - 1.25);
