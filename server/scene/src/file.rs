@@ -11,7 +11,7 @@ use sulcus_core::Params;
 use crate::load::Unit;
 use crate::mouth::MouthEntry;
 use crate::organ::SurfaceOptions;
-use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
+use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue, ToothSizes};
 use crate::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
 use crate::skeleton::SkeletonOptions;
 use crate::sulcus::Sulcus;
@@ -52,6 +52,8 @@ pub enum ToolKind {
 pub enum ObjectKind {
     /// A lower left first molar.
     Molar,
+    /// A lower tooth, the one that `fdi` names (31 to 37, 41 to 47; the right ones are mirror images).
+    Tooth,
     /// A tongue at rest.
     Tongue,
     /// The gingiva of one of the file's molars, at its place: wants `tooth` and `tissue = "gingiva"`.
@@ -165,6 +167,8 @@ pub struct ObjectEntry {
     pub kind: Option<ObjectKind>,
     /// Dimensions of a parametric molar that differ from the defaults.
     pub molar: Option<Molar>,
+    /// Dimensions of a parametric tooth that differ from its average ones.
+    pub sizes: Option<ToothSizes>,
     /// Dimensions of a parametric tongue that differ from the defaults.
     pub tongue: Option<Tongue>,
     /// STL, OBJ or PLY file, relative to the scene file.

@@ -19,7 +19,7 @@ use crate::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::organ::organ;
-use crate::parametric::{Collar, Mirror, Probe};
+use crate::parametric::{Collar, Mirror, Probe, Tooth};
 use crate::printed::{printed_gingiva, printed_skeleton};
 use crate::skeleton::skeleton;
 use crate::solid::read_solid;
@@ -130,6 +130,13 @@ impl Compiler<'_> {
         let part = format!("object `{}`", entry.name);
         let mesh = match entry.kind {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
+            Some(ObjectKind::Tooth) => match Tooth::lower(entry.fdi) {
+                Some(tooth) => tooth
+                    .with_sizes(&entry.sizes.clone().unwrap_or_default())
+                    .mesh_of_side(),
+                // (The file was checked to name one that is drawn.)
+                None => TriMesh::default(),
+            },
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
             None if entry.tissue.is_gingiva() => return self.sounded_gingiva(entry, all),

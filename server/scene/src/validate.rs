@@ -2,6 +2,7 @@
 
 mod mouth;
 mod tissue;
+mod tooth;
 
 use std::path::Path;
 
@@ -10,6 +11,7 @@ use sulcus_core::MAX_TOOLS;
 use crate::file::{FileError, ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
 use crate::parametric::Mirror;
 use tissue::{gingiva, skeleton, surface, tongue_dimensions};
+use tooth::tooth;
 
 /// A value that cannot stand.
 pub(crate) struct Wrong {
@@ -287,6 +289,7 @@ fn object(entry: &ObjectEntry) -> Checked {
     if entry.molar.is_some() && entry.kind != Some(ObjectKind::Molar) {
         return wrong(field("molar"), "given", "nothing without kind = \"molar\"");
     }
+    tooth(&field, entry)?;
     if entry.tongue.is_some() && entry.kind != Some(ObjectKind::Tongue) {
         return wrong(
             field("tongue"),

@@ -79,6 +79,30 @@ fn a_value_out_of_range_is_named_with_its_range() {
 }
 
 #[test]
+fn a_tooth_is_named_by_its_number_and_its_sizes_are_checked() {
+    let tooth = |lines: &str| good().replace("kind = \"molar\"", lines);
+    for fdi in [31, 34, 37, 42, 46] {
+        let text = tooth("kind = \"tooth\"\nsizes.crown_height_mm = 8.8")
+            .replace("fdi = 36", &format!("fdi = {fdi}"));
+        let scene = parse(&text, Path::new("my.toml"));
+        // Too much only for the second molar, 7.0 mm on average.
+        assert_eq!(scene.is_ok(), fdi != 37, "{scene:?}");
+    }
+    let said = message(&tooth("kind = \"tooth\"").replace("fdi = 36", "fdi = 38"));
+    assert!(said.contains("`fdi` of object `tooth 36` is 38"), "{said}");
+    assert!(said.contains("31-37, 41-47"), "{said}");
+    let said = message(&tooth("kind = \"tooth\"\nsizes.mesiodistal_mm = 3.0"));
+    assert_eq!(
+        said,
+        "my.toml: `sizes.mesiodistal_mm` of object `tooth 36` is 3, expected 0.8 to 1.25 times the average of that tooth"
+    );
+    let said = message(&tooth("kind = \"tooth\"\nsizes.relief = nan"));
+    assert!(said.contains("NaN, expected 0.5 to 1.3"), "{said}");
+    let said = message(&tooth("kind = \"molar\"\nsizes.relief = 1.0"));
+    assert!(said.contains("nothing without kind = \"tooth\""), "{said}");
+}
+
+#[test]
 fn a_mirror_is_understood_and_its_dimensions_are_checked() {
     let mirror = good().replace(
         "kind = \"periodontal_probe\"",

@@ -95,8 +95,7 @@ struct Form {
 impl Tooth {
     /// The tooth of an FDI number, 31 to 37 or 41 to 47, in its average size; drawn as one of the left side.
     pub fn lower(fdi: u8) -> Option<Self> {
-        let form = form(fdi)?;
-        Some(Self {
+        form(fdi).map(|form| Self {
             fdi,
             size: form.usual,
             relief: 1.0,

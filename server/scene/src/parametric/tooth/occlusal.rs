@@ -91,6 +91,13 @@ pub(super) fn branch(ends: [[f64; 2]; 2], x: f64, y: f64) -> f64 {
     0.15 * (1.0 - ramp(along, 0.1, 1.0)) * bell(d, 0.36)
 }
 
+/// Where grooves meet, the deepest counts.
+pub(super) fn deepest(depths: &[f64]) -> f64 {
+    depths
+        .iter()
+        .fold(0.0, |deepest, depth| fmax(deepest, *depth))
+}
+
 /// A pit: its depth here, mm.
 pub(super) fn pit(at: [f64; 2], depth: f64, width: f64, x: f64, y: f64) -> f64 {
     let (dx, dy) = (x - at[0], y - at[1]);

@@ -1,7 +1,7 @@
 //! The premolars: the first almost a canine with a small lingual cusp, the second a small molar with three cusps.
 
 use super::super::blend::{bell, ramp, smooth_max};
-use super::occlusal::{Cusp, branch, cusps, groove, marginal, pit};
+use super::occlusal::{Cusp, branch, cusps, deepest, groove, marginal, pit};
 use super::section::{Spot, Walls};
 use super::{Form, Size};
 
@@ -53,7 +53,7 @@ pub(super) static FIRST: Form = Form {
         height = smooth_max(
             height,
             marginal(
-                &[[2.4, 0.8, 6.5], [2.75, -0.3, 5.7], [2.0, -2.2, 5.0]],
+                &[[2.4, 0.8, 6.5], [2.75, -0.3, 5.6], [2.0, -2.1, 4.8]],
                 0.8,
                 x,
                 y,
@@ -63,33 +63,38 @@ pub(super) static FIRST: Form = Form {
         height = smooth_max(
             height,
             marginal(
-                &[[-2.4, 0.8, 6.5], [-2.75, -0.3, 5.9], [-1.6, -2.5, 5.5]],
+                &[[-2.4, 0.8, 6.5], [-2.75, -0.3, 5.75], [-1.8, -2.1, 5.1]],
                 0.8,
                 x,
                 y,
             ),
             0.45,
         );
+        // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
-            - branch([[1.6, -0.8], [1.5, 0.5]], x, y)
-            - groove(&[[1.6, -0.8], [1.9, -2.0], [2.1, -3.2]], 0.22, 0.38, x, y)
-            - groove(
-                &[
-                    [1.6, -0.8],
-                    [0.9, -1.5],
-                    [-0.1, -1.75],
-                    [-1.0, -1.5],
-                    [-1.6, -0.9],
-                ],
-                0.10,
-                0.38,
-                x,
-                y,
-            )
-            - branch([[-1.6, -0.8], [-1.5, 0.5]], x, y)
-            - branch([[-1.6, -0.8], [-1.2, -2.0]], x, y)
-            - pit([1.6, -0.7], 0.12, 0.5, x, y)
-            - pit([-1.62, -0.8], 0.14, 0.5, x, y)
+            - deepest(&[
+                -branch([[1.6, -0.8], [1.5, 0.5]], x, y),
+                groove(&[[1.6, -0.8], [1.9, -2.0], [2.1, -3.2]], 0.22, 0.38, x, y),
+                groove(
+                    &[
+                        [1.6, -0.8],
+                        [0.9, -1.5],
+                        [-0.1, -1.75],
+                        [-1.0, -1.5],
+                        [-1.6, -0.9],
+                    ],
+                    0.10,
+                    0.38,
+                    x,
+                    y,
+                ),
+                branch([[-1.6, -0.8], [-1.5, 0.5]], x, y),
+                branch([[-1.6, -0.8], [-1.2, -2.0]], x, y),
+            ])
+            - deepest(&[
+                pit([1.6, -0.7], 0.12, 0.5, x, y),
+                pit([-1.62, -0.8], 0.14, 0.5, x, y),
+            ])
     },
     carving: |spot| {
         let p = &spot.p;
@@ -104,13 +109,13 @@ static FIRST_CUSPS: [Cusp; 2] = [
     Cusp {
         tip: [0.15, 0.75, 8.5],
         towards: [0.0, -1.7],
-        slopes: [1.02, 0.6, 0.55, 0.58],
+        slopes: [1.14, 0.6, 0.55, 0.58],
         blunt: 0.5,
     },
     Cusp {
-        tip: [-0.15, -2.8, 6.15],
+        tip: [-0.15, -2.8, 6.25],
         towards: [0.0, -1.0],
-        slopes: [0.5, 0.4, 0.5, 0.48],
+        slopes: [0.62, 0.4, 0.5, 0.48],
         blunt: 0.5,
     },
 ];
@@ -190,34 +195,39 @@ pub(super) static SECOND: Form = Form {
             ),
             0.45,
         );
+        // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
-            - groove(
-                &[
-                    [1.8, 0.1],
-                    [0.9, -0.05],
-                    [0.2, -0.35],
-                    [-0.4, -0.5],
-                    [-1.0, -0.25],
-                    [-1.8, 0.05],
-                ],
-                0.18,
-                0.38,
-                x,
-                y,
-            )
-            - groove(
-                &[[-0.4, -0.5], [-0.45, -1.4], [-0.6, -2.3], [-0.6, -4.0]],
-                0.22,
-                0.38,
-                x,
-                y,
-            )
-            - branch([[1.8, 0.1], [2.1, 1.3]], x, y)
-            - branch([[1.8, 0.1], [2.1, -1.3]], x, y)
-            - branch([[-1.8, 0.05], [-2.05, 1.2]], x, y)
-            - pit([1.8, 0.1], 0.14, 0.45, x, y)
-            - pit([-0.4, -0.5], 0.12, 0.45, x, y)
-            - pit([-1.8, 0.05], 0.14, 0.45, x, y)
+            - deepest(&[
+                -groove(
+                    &[
+                        [1.8, 0.1],
+                        [0.9, -0.05],
+                        [0.2, -0.35],
+                        [-0.4, -0.5],
+                        [-1.0, -0.25],
+                        [-1.8, 0.05],
+                    ],
+                    0.18,
+                    0.38,
+                    x,
+                    y,
+                ),
+                groove(
+                    &[[-0.4, -0.5], [-0.45, -1.4], [-0.6, -2.3], [-0.6, -4.0]],
+                    0.22,
+                    0.38,
+                    x,
+                    y,
+                ),
+                branch([[1.8, 0.1], [2.1, 1.3]], x, y),
+                branch([[1.8, 0.1], [2.1, -1.3]], x, y),
+                branch([[-1.8, 0.05], [-2.05, 1.2]], x, y),
+            ])
+            - deepest(&[
+                pit([1.8, 0.1], 0.14, 0.45, x, y),
+                pit([-0.4, -0.5], 0.12, 0.45, x, y),
+                pit([-1.8, 0.05], 0.14, 0.45, x, y),
+            ])
     },
     carving: |spot| {
         let p = &spot.p;

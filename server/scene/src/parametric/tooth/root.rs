@@ -61,7 +61,7 @@ impl Tube {
         };
         let half = at(&self.half);
         // The buccolingual stretch makes a round tube flat.
-        let y = p.y / through(&self.depth, &self.stretch, depth);
+        let y = p.y / at(&self.stretch);
         let dx = p.x - at(&self.x);
         // Upwards a tube ends in a ball, inside the trunk.
         let dz = if below > 0.0 {
