@@ -61,7 +61,7 @@ impl Compiler<'_> {
             let part = part.clone();
             BuildError::Sulcus { part, source }
         })?;
-        let params = gingiva_params(entry);
+        let params = gingiva_params(&entry.gingiva.clone().unwrap_or_default());
         // The tree is built where the mesh was drawn, and then put in its place.
         let importance = |p: &Vec3| importance(&sounded, &surface, &(p + place));
         let key = importance_key(&sounded, &surface, &place);

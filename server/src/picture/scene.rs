@@ -64,7 +64,13 @@ fn append(all: &mut TriMesh, colours: &mut Vec<[u8; 3]>, mesh: &DisplayMesh) {
         .extend(vertices.map(|v| Vec3::from_fn(|axis, _| f64::from(v[axis]))));
     for triangle in &mesh.triangles {
         all.triangles.push(triangle.map(|v| v + first));
-        let [r, g, b, _] = mesh.colour;
+        // A band's border lies on vertices: a triangle is of the colour of most of its corners, which is the middle one.
+        let mut corners: Vec<[u8; 4]> = triangle
+            .iter()
+            .filter_map(|v| mesh.vertex_colours.get(*v as usize).copied())
+            .collect();
+        corners.sort_unstable();
+        let [r, g, b, _] = corners.get(1).copied().unwrap_or(mesh.colour);
         colours.push([r, g, b]);
     }
 }

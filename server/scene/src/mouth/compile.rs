@@ -42,7 +42,7 @@ impl Compiler<'_> {
         let all: Vec<Standing> = arch.iter().filter(there).cloned().collect();
         let mut objects = Vec::with_capacity(2 * all.len());
         for tooth in &all {
-            objects.push(self.tooth(entry, tooth)?);
+            objects.push(self.placed_tooth(entry, tooth)?);
         }
         let base = gingiva_params(&entry.gingiva);
         let made = crate::parallel::map(all.len(), |k| {
@@ -129,7 +129,7 @@ impl Compiler<'_> {
         })
     }
 
-    fn tooth(&mut self, entry: &MouthEntry, tooth: &Standing) -> Result<Object, BuildError> {
+    fn placed_tooth(&mut self, entry: &MouthEntry, tooth: &Standing) -> Result<Object, BuildError> {
         let part = format!("tooth {}", tooth.fdi);
         let wanted = TreeOptions {
             levels: entry.tooth_levels,
