@@ -4,8 +4,8 @@
 //! buccal cemento-enamel junction (CEJ). A tooth is drawn as one of the left side; one of the right side is its mirror
 //! image (y negated, [`Tooth::mesh_of_side`]).
 //!
-//! A tooth is an implicit function: walls that follow its outlines ([`section`]) cut by a chewing surface
-//! ([`occlusal`]), grooves and fossae carved into both; the two roots of a molar are joined on ([`root`]). Each tooth is
+//! A tooth is an implicit function: walls that follow its outlines (`section`) cut by a chewing surface
+//! (`occlusal`), grooves and fossae carved into both; the two roots of a molar are joined on (`root`). Each tooth is
 //! drawn once in the average sizes of dental anatomy (Nelson, *Wheeler's Dental Anatomy, Physiology, and Occlusion*) and
 //! stretched to those asked for.
 
