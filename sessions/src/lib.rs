@@ -8,6 +8,7 @@
 //! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions,
 //!   station, opaque learner id, blake3 of every attachment, the signer's public key
 //! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
+//!   [`SignedStatement`]; `/events`: [`Event`]; the layouts stand in the file, as schemas
 //! - channels of other names are for viewers, and are skipped here
 //!
 //! # Invariants
@@ -19,6 +20,7 @@ pub mod audit;
 mod bytes;
 mod chain;
 mod cli;
+pub mod events;
 pub mod exercise;
 pub mod header;
 pub mod info;
@@ -38,6 +40,7 @@ mod walk;
 
 pub use audit::{AuditReport, AuditRow, audit_tick};
 pub use cli::run;
+pub use events::Events;
 pub use exercise::Exercise;
 pub use header::SessionHeader;
 pub use info::{Info, info};
