@@ -24,8 +24,7 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
     let script = Probing::new(&scene, None, params).expect("a pocket");
     let operator = Operator::new(Box::new(script), HandParams::default(), 5);
     let mut prepared = Prepared {
-        name: "probing".into(),
-        task: "",
+        exercise: exercise::find("probing").expect("built in"),
         scene_bytes: Arc::new(scene.to_bytes().expect("bytes")),
         scene: Arc::new(scene),
         ticks: operator.ticks(),
