@@ -15,7 +15,8 @@ use sulcus_client::progress::Steps;
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Scene, State, TickInput, ToolInput, Workspace, Wrench, tick,
+    MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace,
+    Wrench, tick,
 };
 use sulcus_operator::Operator;
 use sulcus_scene::BuiltIn;
@@ -183,7 +184,7 @@ fn a_live_session_tells_what_its_replay_tells_and_keeps_what_was_called() {
     assert_eq!(said.count(), 2);
 }
 
-/// The pocket's scene with the tongue in it, its right side against the tooth's tongue's side, and a target to see.
+/// The pocket's scene with the tongue beside the tooth, and a target to see.
 fn with_tongue() -> (Scene, Exercise) {
     let mut scene = exercise::compile(None, BuiltIn::Pocket, &Steps)
         .unwrap()
@@ -191,7 +192,15 @@ fn with_tongue() -> (Scene, Exercise) {
     let tongue = exercise::compile(None, BuiltIn::Tongue, &Steps)
         .unwrap()
         .scene;
-    scene.objects.extend(tongue.objects);
+    for mut object in tongue.objects {
+        let beside = Vec3::new(0.0, -35e-3, 0.0);
+        let nodes = object.tree.nodes().iter().map(|node| Node {
+            centre: node.centre + beside,
+            ..*node
+        });
+        object.tree = SphereTree::with_bounds(nodes.collect()).unwrap();
+        scene.objects.push(object);
+    }
     let mut exercise = exercise::find("probing").unwrap();
     exercise.target = Some(Target {
         tooth: 36,

@@ -395,6 +395,22 @@ fn out_of_the_pocket_between_two_sites_is_withdrawal() {
     // Walking, and a bob that only just comes out.
     assert_eq!(withdrawn(150.0, 90.0, 0.5), [""; 0]);
     assert_eq!(withdrawn(150.0, 90.0, -0.4), [""; 0]);
+    // As high as a bob for longer than one, and for a moment.
+    assert_eq!(withdrawn(150.0, 90.0, -1.0).len(), 1);
+    let bob = |k: u64| At {
+        depth: -1.4 * (k as f64 * 0.03).sin(),
+        around: 150.0 - k as f64 * 0.1,
+        ..UPRIGHT
+    };
+    let all = told((0..600).map(bob));
+    assert_eq!(
+        short(&all),
+        [
+            "site_reached distobuccal",
+            "left_site distobuccal",
+            "site_reached buccal"
+        ]
+    );
     // To the same site, and round to the other side, where there is no way through.
     assert_eq!(withdrawn(100.0, 80.0, -2.0), [""; 0]);
     assert_eq!(withdrawn(90.0, -90.0, -2.0), [""; 0]);

@@ -1,7 +1,8 @@
 //! Where a probe's tip is: in which zone of which pocket, since when, and how that visit goes.
 //!
-//! The tip is in a pocket from where it is below the margin, near the tooth, until it is half a millimetre above the margin
-//! or no longer near; a zone changes where the tip is two degrees past its border. A tremor at an edge is then no event.
+//! The tip is in a pocket from where it is below the margin, near the tooth, until it is high above the margin, above it for
+//! longer than a bob of the walking stroke takes, or no longer near; a zone changes where the tip is two degrees past its
+//! border. A tremor at an edge is then no event, and neither is a bob in a shallow sulcus.
 
 use serde_json::json;
 use sulcus_core::output::{ForceZone, PocketReading};
@@ -16,8 +17,11 @@ use crate::occurrence::Occurrence;
 
 /// A tip farther from the tooth's surface than this is not in its pocket, metres.
 const NEAR: f64 = 2e-3;
-/// Height over the margin at which a pocket is left, metres.
+/// Height over the margin at which a pocket is left when the tip stays so high, and for how many ticks, metres; and at
+/// which it is left at once. Chosen: a bob is 1 to 2 mm high, and a sulcus as shallow as that.
 const ABOVE: f64 = 0.5e-3;
+const STAYS: u64 = 100;
+const HIGH: f64 = 1.5e-3;
 /// Past a border by so much a zone changes, radians.
 const PAST: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Another tooth must be nearer by this for the tip to be in its pocket instead, metres.
@@ -53,6 +57,8 @@ pub struct Visit {
     /// Whether the floor bears the reading force, and has not been let go since.
     felt: bool,
     watch: Watch,
+    /// When the tip came above the margin, while it is.
+    above: Option<u64>,
 }
 
 /// Where the tip was when it came out of a pocket.
@@ -97,7 +103,7 @@ impl Probe {
         said: &mut Vec<Occurrence>,
     ) {
         self.ended = None;
-        let spot = seen.and_then(|seen| self.locate(seen, pockets, scene));
+        let spot = seen.and_then(|seen| self.locate(tick, seen, pockets, scene));
         let Some((spot, seen)) = spot.zip(seen) else {
             self.leave(tick, tool, pockets, true, said);
             return;
@@ -109,9 +115,10 @@ impl Probe {
         let site = {
             let [before, here, after] =
                 [-PAST, 0.0, PAST].map(|d| gingiva.site_at(spot.around + d));
-            let at_border = before != after;
+            // Nor does the zone change above the margin.
+            let undecided = before != after || spot.depth <= 0.0;
             match &self.visit {
-                Some(visit) if visit.pocket == spot.pocket && at_border => visit.site,
+                Some(visit) if visit.pocket == spot.pocket && undecided => visit.site,
                 _ => here,
             }
         };
@@ -153,10 +160,15 @@ impl Probe {
                 heaviest: ForceZone::Light,
                 felt: false,
                 watch: Watch::default(),
+                above: None,
             });
         }
         let Some(visit) = &mut self.visit else {
             return;
+        };
+        visit.above = match visit.above {
+            _ if spot.depth > -ABOVE => None,
+            since => Some(since.unwrap_or(tick)),
         };
         let force = spot.reading.map_or(0.0, |reading| reading.floor_force);
         let [from, to] = task.force_n;
@@ -196,7 +208,13 @@ impl Probe {
     }
 
     /// In which pocket the tip is, if in any.
-    fn locate<'a>(&self, seen: &Seen<'a>, pockets: &[Pocket], scene: &Scene) -> Option<Spot<'a>> {
+    fn locate<'a>(
+        &self,
+        tick: u64,
+        seen: &Seen<'a>,
+        pockets: &[Pocket],
+        scene: &Scene,
+    ) -> Option<Spot<'a>> {
         let spot = |k: usize| {
             let (around, height) = pockets[k].gingiva(scene)?.tooth.cylindrical(&seen.tip);
             let depth = pockets[k].gingiva(scene)?.margin_at(around) - height;
@@ -218,7 +236,10 @@ impl Probe {
         let stay = self.visit.as_ref().and_then(|visit| {
             let found = spot(visit.pocket)?;
             let distance = near(visit.pocket)?;
-            (found.depth > -ABOVE).then_some((found, distance))
+            let stays = |since: u64| tick.saturating_sub(since) >= STAYS;
+            let out = found.depth <= -ABOVE && visit.above.is_some_and(stays);
+            // (A NaN is nowhere.)
+            (found.depth > -HIGH && !out).then_some((found, distance))
         });
         match (stay, read) {
             (Some((stay, ours)), Some((k, theirs)))
