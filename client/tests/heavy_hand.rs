@@ -19,6 +19,8 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
     let params = ProbingParams {
         duration: 6.0,
         force,
+        // Where the scene's six depths are given: a zone's prescribed depth is that of its deepest place.
+        sites: [145.0, 90.0, 35.0],
         ..ProbingParams::default()
     };
     let script = Probing::new(&scene, None, params).expect("a pocket");
