@@ -2,6 +2,9 @@
 
 use sulcus_core::{MAX_TOOLS, ToolInput, Wrench};
 use sulcus_operator::Operator;
+use sulcus_sessions::events::call::Call;
+
+use crate::calls::calls;
 
 /// A device for up to two hands. Poses are `world_from_tool` at the device points; wrenches are about
 /// those points in world axes.
@@ -10,6 +13,10 @@ pub trait Device: Send {
     fn name(&self) -> &str;
     /// Displays `felt` for one millisecond, then reads where the hands are.
     fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS];
+    /// Depths that were called since this was asked last. Most devices hear nothing.
+    fn calls(&mut self) -> Vec<Call> {
+        Vec::new()
+    }
 }
 
 /// The simulated operator as a device.
@@ -21,5 +28,8 @@ impl Device for Simulated {
     }
     fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
         self.0.step(felt)
+    }
+    fn calls(&mut self) -> Vec<Call> {
+        calls(&mut self.0)
     }
 }

@@ -10,6 +10,7 @@ use sulcus_core::math::norm;
 use sulcus_core::{MAX_TOOLS, TickInput, ToolInput, Vec3, Wrench};
 use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
 
+use crate::calls::event;
 use crate::device::Device;
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
@@ -116,6 +117,10 @@ pub fn run(
                 disturb(report.periods, &mut input);
             }
             report.periods += 1;
+        }
+        for call in device.calls() {
+            // Not taken: the link has ended, which the loop will find.
+            let _ = link.event(event(&call, report.last_tick));
         }
         report.overslept += late;
         grid_ns += (late + 1) * PERIOD_NS;
