@@ -41,7 +41,7 @@ fn sounded(object: &Object, model: &Gingiva, around: f64) -> f64 {
         let off = ball.centre - frame.origin;
         let across = off - frame.axis * off.dot(&frame.axis);
         let turn = libm::atan2(across.dot(&frame.buccal), across.dot(&frame.mesial)) - around;
-        (turn - 2.0 * PI * libm::floor(turn / (2.0 * PI) + 0.5)).abs() < 0.2 && ball.radius == 0.45e-3
+        (turn - 2.0 * PI * libm::floor(turn / (2.0 * PI) + 0.5)).abs() < 0.2 && (ball.radius - 0.45e-3).abs() < 1e-9
     };
     let near: Vec<f64> = balls
         .iter()
@@ -142,13 +142,13 @@ fn upright_at_the_line_angle_there_is_less_than_under_the_contact() {
 #[test]
 fn a_new_patient_needs_no_tree_to_be_built() {
     let empty = tempfile::tempdir().expect("temporary directory");
+    // One with all teeth: a healed ridge would be built.
+    let whole = |seed: &u64| generate(*seed, Condition::Periodontitis).missing.is_empty();
     let options = BuildOptions {
         cache: Some(empty.path().to_owned()),
-        seed: Some(4711),
+        seed: (4711..).find(whole),
         ..BuildOptions::default()
     };
-    // One with all teeth.
-    assert!(generate(4711, Condition::Periodontitis).missing.is_empty());
     for scene in BuiltIn::ALL {
         compile_built_in(scene, &options, &|_, _| ()).expect("a scene");
     }
