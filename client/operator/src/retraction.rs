@@ -4,10 +4,10 @@
 //! The hand goes by what it sees and feels: it presses until the disc is as far in as it means to hold it, or
 //! until the tongue resists more than a gentle hand would press.
 
-use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, TICK_S, Tool, Vec3, Wrench};
+use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, TICK_S, Tool, Vec3};
 
 use crate::frame::ToolFrame;
-use crate::script::{Script, smoothstep};
+use crate::script::{Felt, Script, smoothstep};
 
 /// How a tongue is held aside. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,6 @@ pub struct Retraction {
     params: RetractionParams,
     slot: usize,
     tool: ToolFrame,
-    stiffness: f64,
     /// Disc's centre in the tool's frame.
     disc: Vec3,
     /// Where the disc's centre is when its face first touches, world.
@@ -167,7 +166,6 @@ impl Retraction {
             params,
             slot,
             tool: frame,
-            stiffness: tool.stiffness_n_per_m,
             disc,
             touch,
             inward,
@@ -242,14 +240,13 @@ impl Retraction {
 }
 
 impl Script for Retraction {
-    fn feel(&mut self, felt: &[Wrench; MAX_TOOLS], hands: &[Option<Pose>; MAX_TOOLS]) {
+    fn feel(&mut self, felt: &Felt) {
         self.time += TICK_S;
-        let back = -felt[self.slot].force.dot(&self.inward);
+        let wrench = &felt.shown.wrenches[self.slot];
+        let back = -wrench.force.dot(&self.inward);
         self.force += (back - self.force) * (TICK_S / FEEL);
-        if let Some(hand) = hands[self.slot] {
-            // The disc on the screen lags behind the hand by the coupling's stretch.
-            let disc = hand.transform(&self.disc) + felt[self.slot].force / self.stiffness;
-            self.seen = (disc - self.touch).dot(&self.inward);
+        if let Some(graphic) = felt.shown.graphics[self.slot] {
+            self.seen = (graphic.transform(&self.disc) - self.touch).dot(&self.inward);
         }
         let leaves = self.params.duration - TRANSIT;
         if self.time > TRANSIT && self.time < leaves {
