@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use sulcus_cases::chart::SITES;
 use sulcus_cases::{Chart, Measures, Observer};
 use sulcus_sessions::{Recording, ReplayOptions, ReplayReport, Signature, replay_observed};
 
@@ -41,7 +40,7 @@ impl Checked {
                 .iter()
                 .map(|site| SiteSummary {
                     tooth: site.tooth,
-                    site: SITES[site.site],
+                    site: site.site.name(),
                     truth_mm: site.truth * 1e3,
                     measured_mm: site.measured.map(|depth| depth * 1e3),
                     deepest_mm: site.deepest * 1e3,

@@ -13,7 +13,7 @@ use crate::tissue::{TissueError, TissueModel};
 use crate::tree::SphereTree;
 
 /// Version of the compiled scene's byte layout.
-pub const SCENE_VERSION: u16 = 5;
+pub const SCENE_VERSION: u16 = 6;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Most rows of a problem where something yields, both tools' together: the matrix of compliances is dense.

@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use sulcus_core::tissue::TissueModel;
-use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
+use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
 use sulcus_core::tissue::printed::{PrintedGingiva, PrintedSkeleton};
 use sulcus_core::tissue::skeleton::{
     Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw,
@@ -194,6 +194,8 @@ fn soft(mut plate: Object) -> Object {
             buccal: Vec3::y(),
         },
         margin: vec![1e-3; 16],
+        proximal: 50f64.to_radians(),
+        sites: [Prescribed::default(); 6],
         places: plate.tree.nodes().iter().map(place).collect(),
         level: 7,
     }));

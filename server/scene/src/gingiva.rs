@@ -1,12 +1,13 @@
 //! From a gingiva's tree and its tooth to what the tissue model needs of each sphere.
 
-use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, ToothFrame};
+use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
 use sulcus_core::{Sphere, SphereTree, Vec3};
 
 use crate::distance::MeshDistance;
 use crate::mesh::TriMesh;
 use crate::nearest_sphere::NearestSphere;
 use crate::parallel;
+use crate::parametric::gingiva::{Pocket, SITES_DEG};
 
 /// Angles at which the margin is kept.
 const ANGLES: usize = 128;
@@ -14,6 +15,10 @@ const ANGLES: usize = 128;
 const FLOOR_TOP: f64 = 3e-4;
 /// Vertices of the floor lie up to this far from the floor's height, metres.
 const FLOOR_BAND: f64 = 1.5e-4;
+
+/// How far the proximal zones of a [`Pocket`] reach, degrees. Its floor runs smoothly from site to site; over zones as
+/// narrow as this in the middle of a side nothing is more than 0.1 mm deeper than prescribed there (default depths).
+pub const POCKET_PROXIMAL_DEG: f64 = 80.0;
 
 /// What surrounds one tooth, all in world axes, metres.
 #[derive(Clone, Copy)]
@@ -28,6 +33,10 @@ pub struct Surrounding<'a> {
     pub floor: &'a (dyn Fn(f64) -> f64 + Sync),
     /// Width of the pocket at rest.
     pub width: f64,
+    /// How far the proximal zones reach from the midlines, radians.
+    pub proximal: f64,
+    /// What is prescribed at each site, in the order of `Site::ALL`.
+    pub sites: [Prescribed; 6],
 }
 
 /// The model of a gingiva whose tree is touched at `level`.
@@ -57,9 +66,27 @@ pub fn model(
         params,
         tooth: around.frame,
         margin: margin(around.mesh, &around.frame),
+        proximal: around.proximal,
+        sites: around.sites,
         places,
         level,
     }
+}
+
+/// What a pocket that is given by six depths prescribes at its sites. Its tooth's cemento-enamel junction counts as flat,
+/// at the height of the frame's origin; it bleeds where it is inflamed at all.
+pub fn charted(pocket: &Pocket, params: &GingivaParams) -> [Prescribed; 6] {
+    let site = |k: usize| {
+        let cosine = libm::cos(SITES_DEG[k].to_radians());
+        let scallop = cosine * cosine * cosine * cosine;
+        let margin = pocket.margin_mm + (pocket.papilla_mm - pocket.margin_mm) * scallop;
+        Prescribed {
+            depth: pocket.depths_mm[k] * 1e-3,
+            recession: -margin * 1e-3,
+            bleeds: params.inflammation > 0.0,
+        }
+    };
+    std::array::from_fn(site)
 }
 
 fn place(sphere: &Sphere, floor: bool, around: &Surrounding<'_>) -> Place {

@@ -14,7 +14,7 @@ use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
 use crate::distance::MeshDistance;
 use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
-use crate::gingiva::{Surrounding, model};
+use crate::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::organ::organ;
@@ -241,6 +241,8 @@ impl Compiler<'_> {
             mesh: &mesh,
             floor: &|around| collar.floor(around),
             width: pocket.width_mm * 1e-3,
+            proximal: POCKET_PROXIMAL_DEG.to_radians(),
+            sites: charted(&pocket, &params),
         };
         let mut gingiva = model(&tree, level, params, &surrounding);
         gingiva.tooth.origin += place;

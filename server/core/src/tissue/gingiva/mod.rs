@@ -17,6 +17,7 @@ mod kernel;
 mod params;
 mod pocket;
 mod ready;
+mod sites;
 #[cfg(test)]
 mod tests;
 
@@ -30,6 +31,7 @@ use crate::tree::SphereTree;
 
 pub use params::GingivaParams;
 pub(super) use ready::Ready;
+pub use sites::{Prescribed, Site};
 
 /// Numbers of state before the displacements: floor force, zone and event for each tool.
 const MEMORY: usize = 3 * MAX_TOOLS;
@@ -84,6 +86,10 @@ pub struct Gingiva {
     pub margin: Vec<f64>,
     /// One for each node of the tree.
     pub places: Vec<Place>,
+    /// How far the proximal zones reach from the mesial and distal midlines, radians. Default 50 degrees, range 20 to 80.
+    pub proximal: f64,
+    /// What is prescribed at each site, in the order of [`Site::ALL`].
+    pub sites: [Prescribed; 6],
     /// Level whose spheres yield each on its own: the level in contact. Coarser ones do not yield, finer ones go along.
     pub level: u8,
 }
@@ -110,6 +116,7 @@ impl Gingiva {
     /// Names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         self.params.validate()?;
+        self.validate_sites()?;
         let (nodes, places) = (rest.nodes().len(), self.places.len());
         if places != nodes {
             return wrong(

@@ -54,6 +54,8 @@ fn gingiva(spots: &[Spot], params: GingivaParams) -> (Gingiva, SphereTree, Vec<u
             buccal: Vec3::y(),
         },
         margin: vec![2e-3; 8],
+        proximal: 50f64.to_radians(),
+        sites: [Prescribed::default(); 6],
         places: places.collect(),
         level: MAX_LEVEL,
     };
@@ -507,4 +509,45 @@ fn what_cannot_stand_is_named() {
     assert!(
         refused(|g| g.places[0].away = Vec3::z()).contains("at 0, expected a unit vector across")
     );
+}
+
+#[test]
+fn prescriptions_out_of_range_are_refused_by_name() {
+    let (model, rest, _) = gingiva(&[([3e-3, 0.0, 0.0], 0.0, 0.0)], GingivaParams::default());
+    let told = |change: &dyn Fn(&mut Gingiva)| {
+        let mut model = model.clone();
+        change(&mut model);
+        model.validate(&rest).err().map(|error| error.to_string())
+    };
+    assert_eq!(told(&|_| ()), None);
+    assert_eq!(told(&|m| m.proximal = 80f64.to_radians()), None);
+    assert_eq!(told(&|m| m.proximal = 20f64.to_radians()), None);
+    assert_eq!(told(&|m| m.sites[3].depth = 20e-3), None);
+    let wrong: [(&dyn Fn(&mut Gingiva), &[&str]); 6] = [
+        (
+            &|m| m.proximal = 81f64.to_radians(),
+            &["proximal", "20 to 80 deg"],
+        ),
+        (&|m| m.proximal = f64::NAN, &["proximal", "NaN"]),
+        (
+            &|m| m.sites[2].depth = 0.021,
+            &["depth", "21 mm at distobuccal", "0 to 20 mm"],
+        ),
+        (
+            &|m| m.sites[0].depth = f64::NAN,
+            &["depth", "NaN mm at mesiobuccal"],
+        ),
+        (
+            &|m| m.sites[5].recession = -0.011,
+            &["recession", "mesiolingual", "-10 to 20 mm"],
+        ),
+        (
+            &|m| m.sites[4].recession = f64::INFINITY,
+            &["recession", "inf mm at lingual"],
+        ),
+    ];
+    for (change, words) in wrong {
+        let told = told(change).expect("refused");
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    }
 }
