@@ -7,21 +7,30 @@
 //!
 //! SI units, world axes.
 
+pub mod bands;
 pub mod crown;
 mod frame;
+pub mod habit;
 pub mod hand;
+mod lean;
 pub mod pocket_path;
-pub mod probing;
 pub mod retraction;
 pub mod script;
+mod shaft;
 mod sounding;
+mod stops;
+pub mod tour;
+pub mod tour_params;
+mod travel;
 pub mod tremor;
+mod wall;
 
 use sulcus_core::math::normalised;
 use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Vec3};
 
 pub use hand::{Hand, HandParams};
-pub use script::{Felt, Script, Shown};
+pub use habit::Habit;
+pub use script::{Call, Felt, Script, Shown};
 
 /// A person with up to two hands, performing a script.
 pub struct Operator {
@@ -47,6 +56,16 @@ impl Operator {
     /// Length of the script in ticks.
     pub fn ticks(&self) -> u64 {
         (self.script.duration_s() * 1e3) as u64
+    }
+
+    /// The depths called since this was last asked.
+    pub fn calls(&mut self) -> Vec<Call> {
+        self.script.calls()
+    }
+
+    /// Whether the script has nothing left to do before its time is up.
+    pub fn is_done(&self) -> bool {
+        self.script.is_done()
     }
 
     /// Advances one millisecond under what the simulation shows, and returns the poses that the devices report.

@@ -1,5 +1,6 @@
 //! Where a hand means to be over time.
 
+use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Pose, TickOutput, Wrench};
 
 /// What the simulation gives a person in one millisecond: forces on the hands, a picture on the screen.
@@ -28,6 +29,17 @@ impl From<&TickOutput> for Shown {
     }
 }
 
+/// A depth that the operator says aloud.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Call {
+    /// FDI number of the tooth.
+    pub tooth: u8,
+    /// Which of its sites.
+    pub site: Site,
+    /// Whole millimetres.
+    pub depth_mm: u8,
+}
+
 /// What an operator perceives in one millisecond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
@@ -47,8 +59,16 @@ pub trait Script {
     /// Device poses (`world_from_tool`) that the hands mean to reach at `t` seconds; `None` where no
     /// hand holds the tool.
     fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS];
-    /// Length, seconds.
+    /// Length, seconds; for a script that goes by what it feels the most that it takes.
     fn duration_s(&self) -> f64;
+    /// The depths called since this was last asked.
+    fn calls(&mut self) -> Vec<Call> {
+        Vec::new()
+    }
+    /// Whether there is nothing left to do before [`Script::duration_s`].
+    fn is_done(&self) -> bool {
+        false
+    }
 }
 
 /// A script from a closure for the first tool: what tests and hard cases want.
