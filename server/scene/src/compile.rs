@@ -13,6 +13,7 @@ use crate::file::{self, FileError, SceneFile};
 use crate::load::LoadError;
 use crate::organ::OrganError;
 use crate::parts::Compiler;
+use crate::patient::LOWER;
 use crate::skeleton::SkeletonError;
 use crate::solid::SolidError;
 use crate::springs::SpringsError;
@@ -45,6 +46,8 @@ pub struct Compiled {
     pub warnings: Vec<String>,
     /// Hash of scene file and meshes, hexadecimal; also in the scene.
     pub source_hash: String,
+    /// Text of the patient file, written or generated; none where the scene has no patient.
+    pub patient: Option<String>,
 }
 
 /// Why there is no scene. One sentence each.
@@ -83,6 +86,9 @@ pub enum BuildError {
         /// Why.
         source: SpringsError,
     },
+    /// A patient's gingiva cannot be laid out.
+    #[error("patient: {0}")]
+    Patient(String),
     /// Finite elements cannot be made or condensed.
     #[error("{part}: {source}")]
     Organ {
@@ -168,7 +174,9 @@ fn compile(
 ) -> Result<Compiled, BuildError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(text.as_bytes());
-    let parts = source.tools.len() + source.objects.len();
+    // (Teeth are counted as if all were there.)
+    let teeth = if source.mouth.is_some() { LOWER.len() } else { 0 };
+    let parts = source.tools.len() + source.objects.len() + teeth;
     let mut compiler = Compiler {
         path,
         options,
@@ -185,6 +193,12 @@ fn compile(
     let mut objects = Vec::new();
     for entry in &source.objects {
         objects.push(compiler.object(entry, &source.objects)?);
+    }
+    let mut patient = None;
+    if let Some(entry) = &source.mouth {
+        let made = compiler.mouth(entry)?;
+        objects.extend(made.objects);
+        patient = Some(made.patient);
     }
     let source_hash = compiler.hasher.finalize().to_hex().to_string();
     let mut warnings = compiler.warnings;
@@ -211,6 +225,7 @@ fn compile(
         scene,
         warnings,
         source_hash,
+        patient,
     })
 }
 

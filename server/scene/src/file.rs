@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
 
 use crate::load::Unit;
+use crate::mouth::MouthEntry;
 use crate::organ::SurfaceOptions;
 use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue};
 use crate::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
@@ -27,7 +28,9 @@ pub struct SceneFile {
     /// One or two tools.
     #[serde(default, rename = "tool")]
     pub tools: Vec<ToolEntry>,
-    /// What can be touched.
+    /// A patient's teeth with their gingivae.
+    pub mouth: Option<MouthEntry>,
+    /// What can be touched besides.
     #[serde(default, rename = "object")]
     pub objects: Vec<ObjectEntry>,
 }
@@ -262,7 +265,17 @@ pub fn read(file: &Path) -> Result<(SceneFile, String), FileError> {
 /// # Errors
 /// One sentence with file, key, value found and value expected.
 pub fn parse(text: &str, file: &Path) -> Result<SceneFile, FileError> {
-    let scene: SceneFile = toml::from_str(text).map_err(|error| {
+    let scene: SceneFile = from_toml(text, file)?;
+    crate::validate::scene_file(&scene).map_err(|wrong| wrong.in_file(file))?;
+    Ok(scene)
+}
+
+/// Parses TOML; `file` is how messages call it.
+///
+/// # Errors
+/// One sentence with file, line, what stands there and what was expected.
+pub(crate) fn from_toml<T: serde::de::DeserializeOwned>(text: &str, file: &Path) -> Result<T, FileError> {
+    toml::from_str(text).map_err(|error| {
         let at = error.span().map_or(0, |span| span.start.min(text.len()));
         let line = text[..at].matches('\n').count() + 1;
         FileError::Syntax {
@@ -276,12 +289,6 @@ pub fn parse(text: &str, file: &Path) -> Result<SceneFile, FileError> {
                 .to_owned(),
             message: error.message().replace('\n', " "),
         }
-    })?;
-    crate::validate::scene_file(&scene).map_err(|wrong| FileError::Field {
-        file: file.to_owned(),
-        field: wrong.field,
-        found: wrong.found,
-        expected: wrong.expected,
-    })?;
-    Ok(scene)
+    })
 }
+

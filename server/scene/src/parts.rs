@@ -13,7 +13,7 @@ use crate::carry::carriers;
 use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
 use crate::distance::MeshDistance;
-use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
+use crate::file::{GingivaEntry, ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
 use crate::load::Unit;
 use crate::mesh::TriMesh;
@@ -24,9 +24,9 @@ use crate::skeleton::skeleton;
 use crate::solid::read_solid;
 use crate::springs::FittedSprings;
 
-const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
+pub(crate) const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
 const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
-const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
+pub(crate) const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
 
 /// What the parts of one scene share while they are made.
@@ -217,7 +217,7 @@ impl Compiler<'_> {
             let molar = tooth.molar.clone().unwrap_or_default();
             (molar, Vec3::from(tooth.translate_mm) * 1e-3)
         });
-        let params = gingiva_params(entry);
+        let params = gingiva_params(&entry.gingiva.clone().unwrap_or_default());
         let pocket = entry.pocket.clone().unwrap_or_default();
         let surface = MeshDistance::new(molar.mesh());
         let collar = Collar::new(&pocket, &surface, params.sink());
@@ -289,7 +289,7 @@ impl Compiler<'_> {
     }
 
     /// Builds or fetches a tree; also gives the contact level, no deeper than the tree.
-    fn tree(
+    pub(crate) fn tree(
         &mut self,
         part: &str,
         mesh: &TriMesh,
@@ -359,11 +359,8 @@ impl Compiler<'_> {
 type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
 
 /// Parameters of a gingiva as written in a file.
-pub(crate) fn gingiva_params(entry: &ObjectEntry) -> GingivaParams {
+pub(crate) fn gingiva_params(given: &GingivaEntry) -> GingivaParams {
     let mut params = GingivaParams::default();
-    let Some(given) = &entry.gingiva else {
-        return params;
-    };
     let set = |to: &mut f64, from: Option<f64>, unit: f64| {
         if let Some(x) = from {
             *to = x * unit;

@@ -2,9 +2,11 @@
 
 mod tissue;
 
+use std::path::Path;
+
 use sulcus_core::MAX_TOOLS;
 
-use crate::file::{ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
+use crate::file::{FileError, ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
 use crate::parametric::Mirror;
 use tissue::{gingiva, skeleton, surface, tongue_dimensions};
 
@@ -15,9 +17,21 @@ pub(crate) struct Wrong {
     pub expected: &'static str,
 }
 
-type Checked = Result<(), Wrong>;
+impl Wrong {
+    /// The same as an error about a file.
+    pub fn in_file(self, file: &Path) -> FileError {
+        FileError::Field {
+            file: file.to_owned(),
+            field: self.field,
+            found: self.found,
+            expected: self.expected,
+        }
+    }
+}
 
-fn wrong(field: String, found: impl ToString, expected: &'static str) -> Checked {
+pub(crate) type Checked = Result<(), Wrong>;
+
+pub(crate) fn wrong(field: String, found: impl ToString, expected: &'static str) -> Checked {
     Err(Wrong {
         field,
         found: found.to_string(),

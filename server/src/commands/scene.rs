@@ -6,9 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde::Serialize;
+use sulcus_core::Scene;
 use sulcus_scene::{BuildOptions, Compiled, compile_file};
 
-/// Check and compile scene files.
+use crate::picture::{MOUTH, Still};
+
+/// Check, draw and compile scene files.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
     /// What to do.
@@ -28,6 +31,22 @@ pub enum SceneAction {
         /// Print one JSON object on the last line of standard output.
         #[arg(long)]
         json: bool,
+    },
+    /// Draw a scene at rest from several sides, as PNG files.
+    ///
+    /// Example: sulcus-server scene picture scenes/mouth.toml --out pictures --only tooth --only gingiva
+    Picture {
+        /// Scene file (TOML).
+        file: PathBuf,
+        /// Folder for the pictures; made if it is not there.
+        #[arg(long)]
+        out: PathBuf,
+        /// Draw only objects whose names contain this; may be given more than once.
+        #[arg(long)]
+        only: Vec<String>,
+        /// Pixels of the longer edge.
+        #[arg(long, default_value_t = 1200, value_parser = clap::value_parser!(u16).range(64..=8000))]
+        pixels: u16,
     },
     /// Compile a scene file into the bytes that the server and every recording carry.
     ///
@@ -78,6 +97,16 @@ struct Report<'a> {
 pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     let narrator = Narrator::default();
     let (file, out, json, cached) = match &args.action {
+        SceneAction::Picture {
+            file,
+            out,
+            only,
+            pixels,
+        } => {
+            let say = |stage: &str, share: f64| narrator.say(stage, share);
+            let compiled = compile_file(file, &BuildOptions::cached(), &say)?;
+            return pictures(&compiled.scene, out, only, usize::from(*pixels)).map(|()| 0);
+        }
         SceneAction::Check { file, json } => (file, None, *json, true),
         SceneAction::Build {
             file,
@@ -109,6 +138,25 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
         println!("{}", serde_json::to_string(&report)?);
     }
     Ok(0)
+}
+
+/// Writes one picture for each side.
+fn pictures(scene: &Scene, out: &Path, only: &[String], pixels: usize) -> anyhow::Result<()> {
+    let still = Still::of(scene, only).with_context(|| {
+        let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();
+        format!(
+            "`--only` is {only:?}, expected a part of the name of an object: {}",
+            names.join(", ")
+        )
+    })?;
+    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be made", out.display()))?;
+    for side in &MOUTH {
+        let file = out.join(format!("{}.png", side.name));
+        let png = still.picture(side, pixels).to_png()?;
+        std::fs::write(&file, png).with_context(|| format!("{}: cannot write", file.display()))?;
+        println!("{}: {}", file.display(), side.caption);
+    }
+    Ok(())
 }
 
 fn report<'a>(

@@ -38,6 +38,25 @@ pub(crate) const SIDES: [Side; 3] = [
     },
 ];
 
+/// Sides from which a mouth is looked at.
+pub(crate) const MOUTH: [Side; 5] = [
+    SIDES[0],
+    SIDES[1],
+    SIDES[2],
+    Side {
+        name: "left-lingual",
+        caption: "the left teeth from the tongue, from above the right shoulder",
+        towards: [0.25, -0.72, 0.648],
+        up: [-0.2128, 0.6127, 0.7611],
+    },
+    Side {
+        name: "left-buccal",
+        caption: "the left teeth from the cheek, from above",
+        towards: [0.45, 0.65, 0.6124],
+        up: [-0.3486, -0.5035, 0.7906],
+    },
+];
+
 /// An orthographic camera and its picture's size.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
@@ -57,7 +76,10 @@ impl Camera {
     /// Sees the box `low` to `high` (metres) from a side, a pixel being `pixel` metres.
     pub(crate) fn new(side: &Side, low: &Vec3, high: &Vec3, pixel: f64) -> Self {
         let (towards, up) = (Vec3::from(side.towards), Vec3::from(side.up));
-        let right = up.cross(&towards);
+        // Square to one another, whatever rounding the table has.
+        let towards = towards.normalize();
+        let right = up.cross(&towards).normalize();
+        let up = towards.cross(&right);
         let extent = |axis: &Vec3| axis.abs().dot(&(high - low));
         let pixels = |axis: &Vec3| (extent(axis) / pixel).ceil().max(1.0) as usize;
         Self {

@@ -4,8 +4,10 @@ mod camera;
 mod colour;
 mod image;
 mod raster;
+mod scene;
 
-pub(crate) use camera::{Camera, SIDES};
+pub(crate) use camera::{Camera, MOUTH, SIDES};
 pub(crate) use colour::{GREY, diverging, hex, ivory};
 pub(crate) use image::{Image, data_uri};
+pub(crate) use scene::Still;
 pub(crate) use raster::{Fragments, draw_mesh, draw_spheres};

@@ -154,7 +154,7 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     if let Some(pocket) = &entry.pocket {
         self::pocket(&field, pocket)?;
     }
-    match crate::parts::gingiva_params(entry).validate() {
+    match crate::parts::gingiva_params(&entry.gingiva.clone().unwrap_or_default()).validate() {
         Ok(()) => Ok(()),
         Err(error) => wrong(
             field(&format!("gingiva.{}", error.field)),

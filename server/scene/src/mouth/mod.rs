@@ -1,0 +1,196 @@
+//! The teeth and gingivae of a patient, placed on the lower arch.
+//!
+//! A tooth's tree comes from a family of seven shapes ([`crate::family`]): placed, and mirrored on the right side. A gingiva is
+//! laid out anew for each patient ([`crate::parametric::collar`]), round its tooth and up to the planes between neighbours.
+
+mod compile;
+mod faces;
+mod gingiva;
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
+
+use crate::file::GingivaEntry;
+use crate::mesh::TriMesh;
+use crate::parametric::arch::{self, Footprint};
+use crate::parametric::collar::{Collar, CollarSizes, Sulcus};
+use crate::parametric::sections::Sections;
+use crate::parametric::tooth::Tooth;
+use crate::patient::{Condition, LOWER, Patient, ToothChart};
+
+pub(crate) use gingiva::{placed_gingiva, placed_mesh};
+
+/// `[mouth]`: a patient's teeth with their gingivae.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MouthEntry {
+    /// Patient file, relative to the scene file. Without one a patient is generated.
+    pub patient: Option<PathBuf>,
+    /// What a generated patient has.
+    pub condition: Condition,
+    /// Seed of a generated patient.
+    pub seed: u64,
+    /// FDI numbers of the teeth that are modelled; all that the patient has when left out.
+    pub teeth: Option<Vec<u8>>,
+    /// Level of the teeth in contact.
+    pub tooth_level: u8,
+    /// Finest level of the teeth that is kept.
+    pub tooth_levels: u8,
+    /// Width of the pockets at rest, mm. A real one is about 0.4, and a probe's tip 0.5.
+    pub width_mm: f64,
+    /// Thickness of the free margin, mm.
+    pub crest_mm: f64,
+    /// Thickness of the gingiva farther down, mm.
+    pub wall_mm: f64,
+    /// Parameters of all gingivae that differ from the defaults; how inflamed each is, the patient says.
+    pub gingiva: GingivaEntry,
+}
+
+impl Default for MouthEntry {
+    fn default() -> Self {
+        Self {
+            patient: None,
+            condition: Condition::default(),
+            seed: 1,
+            teeth: None,
+            tooth_level: 3,
+            tooth_levels: 4,
+            width_mm: 0.4,
+            crest_mm: 0.7,
+            wall_mm: 1.3,
+            gingiva: GingivaEntry::default(),
+        }
+    }
+}
+
+/// Height in the world at which the jaw begins, mm: below the deepest floor of any tooth.
+pub const JAW_TOP: f64 = -13.5;
+/// Room that a papilla needs under the contact point, mm.
+const UNDER_CONTACT: f64 = 0.8;
+
+/// A tooth that stands in the mouth.
+pub(crate) struct Standing {
+    /// FDI number.
+    pub fdi: u8,
+    /// Surface, metres, the tooth's frame (of a left tooth).
+    pub mesh: TriMesh,
+    /// Frame in the world, metres.
+    pub frame: ToothFrame,
+    shape: Tooth,
+    sections: Sections,
+}
+
+/// The shapes of the left side, by the second digit of their number, with their sections: the right side's are the same.
+pub(crate) fn standing(fdis: &[u8]) -> Vec<Standing> {
+    let teeth: Vec<Tooth> = (31..=37).filter_map(Tooth::lower).collect();
+    let shapes: Vec<(Tooth, TriMesh, Sections)> = crate::parallel::map(teeth.len(), |k| {
+        let shape = teeth[k].clone();
+        let mesh = shape.mesh();
+        let low = JAW_TOP - arch::OCCLUSAL + shape.crown_height_mm() - 1.0;
+        let sections = Sections::of(&mesh, low, shape.crown_height_mm() + 0.5);
+        (shape, mesh, sections)
+    });
+    let footprints = |side: u8| -> Vec<Footprint> {
+        let all = shapes.iter().zip(1..);
+        all.map(|((shape, ..), k)| Footprint {
+            fdi: 10 * side + k,
+            contacts: shape.contacts(),
+            crown_height: shape.crown_height_mm(),
+        })
+        .collect()
+    };
+    let frames = [3, 4].map(|side| arch::quadrant(&footprints(side)));
+    let wanted = LOWER.into_iter().filter(|fdi| fdis.contains(fdi));
+    wanted
+        .map(|fdi| {
+            let k = usize::from(fdi % 10 - 1);
+            let (shape, mesh, sections) = &shapes[k];
+            let mut frame = frames[usize::from(fdi / 10 - 3)][k];
+            frame.origin *= 1e-3;
+            Standing {
+                fdi,
+                mesh: mesh.clone(),
+                frame,
+                shape: shape.clone(),
+                sections: sections.clone(),
+            }
+        })
+        .collect()
+}
+
+/// Why a patient's gingiva cannot be laid out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("`recession_mm` of tooth {fdi}, {site} is {found}, expected at least {least:.1}: higher up there is no room for a papilla under the contact point")]
+pub struct NoRoom {
+    /// The tooth.
+    pub fdi: u8,
+    /// The site.
+    pub site: &'static str,
+    /// Recession found, mm.
+    pub found: f64,
+    /// Least recession for which there is room, mm.
+    pub least: f64,
+}
+
+/// The collar of the tooth at `k` among those that stand (in the order of [`LOWER`]).
+pub(crate) fn collar(
+    all: &[Standing],
+    k: usize,
+    chart: &ToothChart,
+    entry: &MouthEntry,
+    params: &GingivaParams,
+) -> Result<Collar, NoRoom> {
+    let tooth = &all[k];
+    let depths = chart.depth_mm.round();
+    // Where the sites are does not depend on how deep they are.
+    let angles = Sulcus::new(&tooth.sections, depths, [0.0; 6]).sites();
+    let mut margins = [0.0; 6];
+    for site in sulcus_core::tissue::gingiva::Site::ALL {
+        let i = site as usize;
+        let (cej, found) = (tooth.shape.cej(angles[i]), chart.recession_mm.of(site));
+        margins[i] = cej - found;
+        if let Some(mesial) = site.is_mesial() {
+            let highest = tooth.shape.contacts()[usize::from(!mesial)].z - UNDER_CONTACT;
+            if margins[i] > highest {
+                return Err(NoRoom {
+                    fdi: tooth.fdi,
+                    site: site.name(),
+                    found,
+                    least: cej - highest,
+                });
+            }
+        }
+    }
+    let sizes = CollarSizes {
+        width: entry.width_mm,
+        crest: entry.crest_mm,
+        wall: entry.wall_mm,
+        base: JAW_TOP - tooth.frame.origin.z * 1e3,
+        // Depths are prescribed as read, whatever the tissue's firmness.
+        sink: params.sink() / params.firmness() * 1e3,
+    };
+    Ok(Collar {
+        sections: tooth.sections.clone(),
+        sulcus: Sulcus::new(&tooth.sections, depths, margins),
+        neighbours: faces::neighbours(all, k, entry.wall_mm),
+        sizes,
+    })
+}
+
+/// The patient that an entry names or generates, with its file's text.
+pub(crate) fn patient(
+    entry: &MouthEntry,
+    folder: &std::path::Path,
+) -> Result<(Patient, String), crate::file::FileError> {
+    match &entry.patient {
+        Some(file) => Patient::read(&folder.join(file)),
+        None => {
+            let patient = crate::patient::generate(entry.seed, entry.condition);
+            let text = patient.to_toml();
+            Ok((patient, text))
+        }
+    }
+}
+

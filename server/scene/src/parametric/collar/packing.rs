@@ -1,0 +1,189 @@
+//! The collar as spheres: laid out in rows instead of fitted, because a patient's gingiva must be there in a moment.
+//!
+//! Columns at equal distances round the tooth. Each has one sphere under the floor and, above it, spheres whose inner side is
+//! the pocket's wall, as thick as the tissue is; every few columns there are larger ones for the outer face and for what
+//! is attached below. The distance between columns is the smallest with which all fit into a level of 512.
+
+use std::f64::consts::{PI, TAU};
+
+use sulcus_core::{Sphere, Vec3};
+
+use super::Collar;
+
+/// Spheres that a level 3 can hold.
+const MOST: usize = 512;
+/// Smallest distance between columns that is tried, mm, and by how much it grows from try to try.
+const CLOSEST: f64 = 0.42;
+const WIDER: f64 = 1.03;
+/// Radii of the spheres of the wall and of the floor, mm.
+const WALL: [f64; 2] = [0.2, 0.7];
+const FLOOR: f64 = 0.45;
+/// Radii of spheres that are not met in the pocket, mm.
+const OUTSIDE: [f64; 2] = [0.4, 1.4];
+/// Distance between those, as a multiple of the columns'.
+const COARSER: f64 = 2.5;
+/// Height of the rows of what is attached below, mm.
+const BELOW: f64 = 2.0;
+/// Thickness that an outer sphere is worth, mm.
+const THICK: f64 = 0.5;
+/// How far wall spheres may reach into the half of a papilla that is the neighbour's, as a share of its own half.
+const BORROWED: f64 = 0.5;
+
+/// A sphere of the collar and what it stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Packed {
+    /// Tooth's frame, metres.
+    pub sphere: Sphere,
+    /// Unit vector away from the tooth, across its axis.
+    pub away: Vec3,
+    /// The point of the pocket's surface that it stands for, metres.
+    pub on_surface: Vec3,
+    /// Height of the centre over the floor at its angle, metres.
+    pub height: f64,
+    /// Whether it stands for the floor.
+    pub floor: bool,
+}
+
+/// The collar's spheres at level 3, at most 512.
+pub fn pack(collar: &Collar) -> Vec<Packed> {
+    let mut apart = CLOSEST;
+    loop {
+        let packed = pack_at(collar, apart);
+        if packed.len() <= MOST || apart > 10.0 {
+            return packed.into_iter().take(MOST).collect();
+        }
+        apart *= WIDER;
+    }
+}
+
+fn pack_at(collar: &Collar, apart: f64) -> Vec<Packed> {
+    let angles = columns(collar, apart);
+    let mut packed = Vec::new();
+    for (k, &around) in angles.iter().enumerate() {
+        column(collar, around, k, apart, &mut packed);
+    }
+    let coarse = columns(collar, COARSER * apart);
+    for (k, &around) in coarse.iter().enumerate() {
+        outside(collar, around, k, COARSER * apart, &mut packed);
+    }
+    packed
+}
+
+/// Angles at equal distances along the floor of the pocket.
+fn columns(collar: &Collar, apart: f64) -> Vec<f64> {
+    const FINE: usize = 720;
+    let place = |k: usize| {
+        let around = TAU * k as f64 / FINE as f64;
+        let r = collar.inner(around, collar.floor(around)) - 0.5 * collar.sizes.width;
+        Vec3::new(r * libm::cos(around), r * libm::sin(around), collar.floor(around))
+    };
+    let mut length = vec![0.0];
+    for k in 0..FINE {
+        length.push(length[k] + (place(k + 1) - place(k)).norm());
+    }
+    let count = (length[FINE] / apart).ceil().max(8.0) as usize;
+    let mut angles = Vec::with_capacity(count);
+    let mut at = 0;
+    for k in 0..count {
+        let wanted = length[FINE] * k as f64 / count as f64;
+        while length[at + 1] < wanted {
+            at += 1;
+        }
+        let share = (wanted - length[at]) / (length[at + 1] - length[at]);
+        angles.push(TAU * (at as f64 + share) / FINE as f64);
+    }
+    angles
+}
+
+/// Depth of the dents between spheres of radius `radius` that stand `apart` in a square: half of it is made up for, so
+/// that the surface lies right on average.
+fn dent(radius: f64, apart: f64) -> f64 {
+    let half = (0.5 * apart).min(0.9 * radius);
+    radius - (radius * radius - half * half).sqrt()
+}
+
+fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
+    let (floor, crest) = (collar.floor(around), collar.crest(around));
+    // The floor, from tooth to wall.
+    let middle = collar.inner(around, floor) - 0.5 * collar.sizes.width;
+    let top = floor + 0.5 * dent(FLOOR, apart);
+    put(collar, around, middle, top - FLOOR, FLOOR, true, packed);
+    // The wall; every other column is set off by half a row.
+    let rows = ((crest - floor) / apart).round().max(1.0);
+    let step = (crest - floor) / rows;
+    let shift = if k % 2 == 0 { 0.25 } else { 0.75 };
+    for row in 0..rows as usize {
+        let z = floor + step * (row as f64 + shift);
+        let inner = collar.inner(around, z);
+        let thick = collar.outer(around, z, crest) - inner;
+        let shared = if collar.neighbours[usize::from(libm::cos(around) < 0.0)].is_some() {
+            1.0 + BORROWED * libm::pow(libm::cos(around), 2.0)
+        } else {
+            1.0
+        };
+        let radius = (0.5 * thick * shared).min(crest - z + 0.1).clamp(WALL[0], WALL[1]);
+        let inset = 0.5 * (dent(radius, apart) + dent(radius, step));
+        put(collar, around, inner - inset + radius, z, radius, false, packed);
+    }
+}
+
+fn outside(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
+    let (floor, crest) = (collar.floor(around), collar.crest(around));
+    // The outer face above the floor, where the wall's own spheres do not reach it.
+    let mut z = crest - 0.6 * apart;
+    while z > floor {
+        let (inner, outer) = (collar.inner(around, z), collar.outer(around, z, crest));
+        let covered = inner + 2.0 * WALL[1];
+        if outer - covered > THICK {
+            let radius = (0.5 * (outer - inner)).clamp(OUTSIDE[0], OUTSIDE[1]);
+            let radius = radius.min(outer - inner - 0.3);
+            put(collar, around, outer - radius, z, radius, false, packed);
+        }
+        z -= apart;
+    }
+    // What is attached below.
+    let base = collar.sizes.base;
+    let rows = ((floor - 0.5 - base) / BELOW).round().max(1.0);
+    let step = (floor - 0.5 - base) / rows;
+    let shift = if k % 2 == 0 { 0.35 } else { 0.65 };
+    for row in 0..rows as usize {
+        let z = base + step * (row as f64 + shift);
+        let inner = collar.sections.radius(around, z) - 0.2;
+        let outer = collar.outer(around, z, crest);
+        let radius = (0.5 * (outer - inner)).clamp(OUTSIDE[0], OUTSIDE[1]);
+        // Never up into the pocket.
+        let radius = radius.min(floor - z + 0.2);
+        put(collar, around, outer - radius, z, radius, false, packed);
+    }
+}
+
+fn put(
+    collar: &Collar,
+    around: f64,
+    r: f64,
+    z: f64,
+    radius: f64,
+    floor: bool,
+    packed: &mut Vec<Packed>,
+) {
+    let (sine, cosine) = (libm::sin(around), libm::cos(around));
+    let centre = Vec3::new(r * cosine, r * sine, z);
+    let height = z - collar.floor(around);
+    // The middle of the pocket beside it, or over it where it lies under the floor.
+    let beside = if height < 0.0 { z - height } else { z };
+    let middle = collar.inner(around, beside) - 0.5 * collar.sizes.width;
+    let to_pocket = Vec3::new(middle * cosine, middle * sine, beside) - centre;
+    let share = (radius / to_pocket.norm().max(1e-9)).min(1.0);
+    packed.push(Packed {
+        sphere: Sphere {
+            centre: centre * 1e-3,
+            radius: radius * 1e-3,
+        },
+        away: collar.sections.outward(around, beside),
+        on_surface: (centre + to_pocket * share) * 1e-3,
+        height: height * 1e-3,
+        // What lies under the floor bears the tip too, when it is pressed far down or aside.
+        floor: floor || height < 0.0,
+    });
+    debug_assert!(around <= TAU + PI);
+}
