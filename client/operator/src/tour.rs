@@ -30,6 +30,8 @@ const FEEL: f64 = 0.02;
 const CORRECTION: f64 = 0.05;
 /// A reading counts while the force is so near to what is meant, share.
 const STEADY: f64 = 0.15;
+/// Most that walls are taken to push back with, newtons.
+const MOST_WALLS: f64 = 0.1;
 /// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
 const CAUGHT: f64 = 3.0;
 /// Fastest change of tilt, rad/s.
@@ -92,9 +94,10 @@ pub struct Tour {
     around: f64,
     depth: f64,
     tilt: f64,
-    /// What it feels of the floor, newtons; where the eye sees the tip below the margin, and how long a part of the working
+    /// What resists the way in, newtons, and what of that is the walls': least felt on this way down. Where the eye sees the tip below the margin, and how long a part of the working
     /// end is.
     force: f64,
+    walls: f64,
     seen: f64,
     length: f64,
 }
@@ -152,6 +155,7 @@ impl Tour {
             depth: -ABOVE,
             tilt: 0.0,
             force: 0.0,
+            walls: 0.0,
             seen: 0.0,
             length: 0.0,
             params,
@@ -212,6 +216,11 @@ impl Tour {
         (shallowest - self.params.bob).max(ceiling)
     }
 
+    /// What the hand takes for the floor's push, newtons.
+    fn floor_force(&self) -> f64 {
+        self.force - self.walls.clamp(0.0, MOST_WALLS)
+    }
+
     /// One millisecond of the stroke under way.
     fn go_on(&mut self) {
         let p = self.params;
@@ -219,12 +228,14 @@ impl Tour {
             Stroke::Travel => {
                 if self.travel.step() {
                     let all = self.insertions.len();
+                    self.walls = f64::INFINITY;
                     self.stroke = if self.now[0] < all { Stroke::Down } else { Stroke::Rest };
                 }
             }
             Stroke::Down => {
+                self.walls = self.walls.min(self.force);
                 let enough = if self.returning { 0.95 * p.force } else { p.turn_force };
-                let floor = self.seen > IN_POCKET && self.force >= enough;
+                let floor = self.seen > IN_POCKET && self.floor_force() >= enough;
                 if floor || self.force >= CAUGHT * enough || self.depth >= p.deepest {
                     self.reached();
                 } else {
@@ -250,13 +261,14 @@ impl Tour {
                     self.around += step * way.signum();
                 } else {
                     self.around = to;
+                    self.walls = f64::INFINITY;
                     self.stroke = if self.leaving { Stroke::Out } else { Stroke::Down };
                 }
             }
             Stroke::Read(left, tried) => {
-                self.depth += CORRECTION * (p.force - self.force) * TICK_S;
+                self.depth += CORRECTION * (p.force - self.floor_force()) * TICK_S;
                 self.depth = self.depth.min(p.deepest);
-                let steady = (self.force - p.force).abs() < STEADY * p.force;
+                let steady = (self.floor_force() - p.force).abs() < STEADY * p.force;
                 let left = if steady { left - TICK_S } else { left };
                 self.stroke = Stroke::Read(left, tried + TICK_S);
                 if left <= 0.0 || tried > PATIENCE * p.read {

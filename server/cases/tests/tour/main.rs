@@ -9,51 +9,24 @@ use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_scene::{BuildOptions, compile_text};
 
-/// Three molars in a row that touch, each with its gingiva. (The middle one is probed; what is beside it is a molar too,
-/// whatever its number.)
-fn row() -> Scene {
-    let mut text = String::from(
+/// The teeth `fdis` of a generated patient, with a probe.
+fn mouth(seed: u64, fdis: &[u8]) -> Scene {
+    let text = format!(
         r#"
-name = "row"
+name = "part of a mouth"
+[mouth]
+condition = "periodontitis"
+seed = {seed}
+teeth = {fdis:?}
 [[tool]]
 name = "probe"
 kind = "periodontal_probe"
 level = 3
 levels = 4
-park_mm = [0.0, 0.0, 130.0]
-"#,
-    );
-    for (fdi, x) in [(35, 10.95), (36, 0.0), (37, -10.95)] {
-        text += &format!(
-            r#"
-[[object]]
-name = "tooth {fdi}"
-fdi = {fdi}
-kind = "molar"
-translate_mm = [{x}, 0.0, 0.0]
-level = 3
-levels = 4
-[[object]]
-name = "gingiva {fdi}"
-kind = "gingiva"
-tooth = "tooth {fdi}"
-level = 3
-levels = 3
-tissue = "gingiva"
-[object.pocket]
-width_mm = 0.4
-depths_mm = [5.0, 2.5, 4.0, 4.0, 2.0, 5.0]
-margin_mm = 1.0
-papilla_mm = 2.0
-crest_mm = 0.5
-wall_mm = 0.7
-[object.gingiva]
-wall_stiffness_n_per_mm = 0.5
-floor_stiffness_n_per_mm = 0.5
+park_mm = [0.0, 0.0, 140.0]
 "#
-        );
-    }
-    compile_text(&text, "row.toml".as_ref(), &BuildOptions::cached(), &|_, _| {})
+    );
+    compile_text(&text, "part.toml".as_ref(), &BuildOptions::cached(), &|_, _| {})
         .expect("compiles")
         .scene
 }
@@ -62,7 +35,7 @@ floor_stiffness_n_per_mm = 0.5
 fn a_whole_tooth_is_charted() {
     let scene = if std::env::var("LONE").is_ok() {
         sulcus_cases::tissue_scenes::changed(sulcus_scene::BuiltIn::Pocket, &[("depths_mm", "[5.0, 2.5, 4.0, 4.0, 2.0, 5.0]")])
-    } else { row() };
+    } else { mouth(1, &[35, 36, 37]) };
     let begin = std::time::Instant::now();
     let tour = Tour::new(&scene, &[Visit::whole(36)], TourParams::default()).expect("a tooth");
     println!("planned in {:?}", begin.elapsed());
