@@ -8,16 +8,20 @@ use sulcus_core::Vec3;
 const COLUMNS: usize = 46;
 const COLUMN_STEP: f64 = std::f64::consts::PI / (COLUMNS - 1) as f64;
 /// Depths below the margin, metres.
-const ROWS: usize = 11;
+const ROWS: usize = 19;
 const SHALLOWEST: f64 = -3e-3;
-const ROW_STEP: f64 = 1.5e-3;
+const ROW_STEP: f64 = 0.75e-3;
 /// Tilts tried: tangent of the angle, step and largest (42 degrees).
 const TILT_STEP: f64 = 0.04;
 const MOST_TILT: f64 = 0.9;
 /// Largest lean to the other side's side, as a tangent.
 const ACROSS: f64 = 0.05;
-/// Rows (1.5 to 4.5 mm) that must be open for a column to be.
-const OPEN: std::ops::RangeInclusive<usize> = 3..=5;
+/// Row (1.5 mm) above which the tilt stays as it is: a bob does not turn the probe.
+const SAME: usize = 6;
+/// Room that smoothing may take away, metres.
+const SMOOTHING: f64 = 0.12e-3;
+/// Rows (2.25 to 4.5 mm) that must be open for a column to be.
+const OPEN: std::ops::RangeInclusive<usize> = 7..=10;
 
 /// Which tilts an operator knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,32 +51,51 @@ impl Leans {
     }
 
     /// `sign` is 1 for the buccal side and -1 for the lingual one; `passes` says whether the shaft clears everything at
-    /// an angle (radians from mesial), a depth (metres), tilted mesially and buccally.
+    /// an angle (radians from mesial), a depth (metres), tilted mesially and buccally: the first tilt that does, with less
+    /// room than is wanted (metres).
     pub fn search(
         sign: f64,
         manner: Manner,
-        mut passes: impl FnMut(f64, f64, &[[f64; 2]]) -> Option<[f64; 2]>,
+        mut passes: impl FnMut(f64, f64, &[[f64; 2]], f64) -> Option<[f64; 2]>,
     ) -> Self {
+        let place = |c: usize, r: usize| {
+            (
+                sign * c as f64 * COLUMN_STEP,
+                SHALLOWEST + r as f64 * ROW_STEP,
+            )
+        };
         let mut found = vec![[None; ROWS]; COLUMNS];
         for (c, column) in found.iter_mut().enumerate() {
-            let around = sign * c as f64 * COLUMN_STEP;
-            let tilts = candidates(around, sign, manner);
-            for (r, node) in column.iter_mut().enumerate() {
-                *node = passes(around, SHALLOWEST + r as f64 * ROW_STEP, &tilts);
+            let tilts = candidates(place(c, 0).0, sign, manner);
+            for (r, node) in column.iter_mut().enumerate().skip(SAME) {
+                let (around, depth) = place(c, r);
+                *node = passes(around, depth, &tilts, 0.0);
             }
         }
-        let ceiling = found.iter().map(|column| {
-            let open = OPEN.clone().all(|r| column[r].is_some());
-            let highest = (0..*OPEN.start()).rev().take_while(|r| column[*r].is_some());
-            let row = highest.last().unwrap_or(*OPEN.start());
-            open.then_some(SHALLOWEST + row as f64 * ROW_STEP)
-        });
-        let ceiling = ceiling.collect();
         let mut tilt = filled(&found);
         for _ in 0..2 {
             tilt = smoothed(&tilt);
         }
-        Self { tilt, ceiling }
+        for column in &mut tilt {
+            let deeper = column[SAME];
+            column[..SAME].fill(deeper);
+        }
+        // What the hand really does counts.
+        let ceiling = (0..COLUMNS).map(|c| {
+            let mut open = |r: usize| {
+                let (around, depth) = place(c, r);
+                passes(around, depth, &[tilt[c][r]], SMOOTHING).is_some()
+            };
+            if !OPEN.clone().all(&mut open) {
+                return None;
+            }
+            let highest = (0..*OPEN.start()).rev().take_while(|r| open(*r)).last();
+            Some(place(c, highest.unwrap_or(*OPEN.start())).1)
+        });
+        Self {
+            ceiling: ceiling.collect(),
+            tilt,
+        }
     }
 
     /// Tangents of the tilt mesially and buccally, at an angle from the mesial midline (0 to pi) and a depth.

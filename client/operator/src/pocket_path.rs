@@ -119,13 +119,13 @@ impl PocketPath {
         let shaft = Shaft::of(tool, &frame);
         let all = Obstacles::near(scene, &path.gingiva.tooth.origin, 15e-3);
         path.leans = [1.0, -1.0].map(|sign| {
-            Leans::search(sign, manner, |around, depth, tilts| {
+            Leans::search(sign, manner, |around, depth, tilts, less| {
                 let ball = path.ball(around, depth, 0.0);
                 let mut near = all.above(&ball, &path.gingiva.tooth.axis);
                 tilts.iter().copied().find(|tilt| {
                     let up = path.up(*tilt);
                     let axes = frame.axes(&-up, &path.side);
-                    near.passes(&shaft, &(ball - up * tip), &axes)
+                    near.passes(&shaft, &(ball - up * tip), &axes, less)
                 })
             })
         });

@@ -9,6 +9,8 @@ use crate::frame::ToolFrame;
 const LENGTH: f64 = 25e-3;
 /// Room between tool and teeth, metres: at the tip, which is meant to touch, and from [`FREE`] on.
 const ROOM: [f64; 2] = [-0.08e-3, 0.12e-3];
+/// Length of tool that one bead stands for, metres.
+const PIECE: f64 = 0.6e-3;
 /// Distance from the tip from which on the shaft is to be free of the teeth, metres.
 const FREE: f64 = 3e-3;
 
@@ -22,27 +24,50 @@ struct Bead {
 
 /// The beads of a tool, farthest from the tip first: they are what hits.
 #[derive(Clone, Debug)]
-pub(crate) struct Shaft(Vec<Bead>);
+pub(crate) struct Shaft {
+    beads: Vec<Bead>,
+    /// Half thickness of the plane in which the tool lies: no bead reaches farther to the third axis.
+    thick: f64,
+}
 
 impl Shaft {
     pub fn of(tool: &Tool, frame: &ToolFrame) -> Self {
-        let mut beads: Vec<Bead> = tool
+        let mut balls: Vec<(Vec3, f64)> = tool
             .tree
             .shape_at(tool.level)
-            .map(|(_, node)| (node.centre - tool.tip, node.contact_radius))
-            .filter(|(from, _)| from.norm() < LENGTH)
-            .map(|(from, radius)| {
-                let at = frame.basis.transpose() * from;
-                let share = (-at.x / FREE).clamp(0.0, 1.0);
-                let room = ROOM[0] + (ROOM[1] - ROOM[0]) * share;
-                Bead {
-                    at,
-                    reach: radius + room,
-                }
+            .map(|(_, node)| {
+                let at = frame.basis.transpose() * (node.centre - tool.tip);
+                (at, node.contact_radius)
             })
+            .filter(|(at, _)| at.norm() < LENGTH)
             .collect();
-        beads.sort_by(|a, b| a.at.x.total_cmp(&b.at.x));
-        Self(beads)
+        balls.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
+        // Balls as far from the tip as each other become one bead around them.
+        let piece = |a: &(Vec3, f64), b: &(Vec3, f64)| {
+            (a.0.norm() / PIECE).floor() == (b.0.norm() / PIECE).floor()
+        };
+        let bead = |balls: &[(Vec3, f64)]| {
+            let middle = balls.iter().fold(Vec3::zeros(), |sum, (at, _)| sum + at);
+            let at = middle / balls.len() as f64;
+            let reaches = balls.iter().map(|(ball, radius)| {
+                // Along the tool the next piece has its own bead.
+                let mut off = ball - at;
+                off.x = 0.0;
+                off.norm() + radius
+            });
+            let share = (-at.x / FREE).clamp(0.0, 1.0);
+            let room = ROOM[0] + (ROOM[1] - ROOM[0]) * share;
+            Bead {
+                at,
+                reach: reaches.fold(0.0, f64::max) + room,
+            }
+        };
+        let beads: Vec<Bead> = balls.chunk_by(piece).map(bead).collect();
+        let thick = beads.iter().map(|bead| bead.at.z.abs() + bead.reach);
+        Self {
+            thick: thick.fold(0.0, f64::max),
+            beads,
+        }
     }
 }
 
@@ -80,13 +105,17 @@ impl Obstacles {
         Self(self.0.iter().filter(above).copied().collect())
     }
 
-    /// Whether the shaft passes with its tip at `tip` and its axes along the columns of `axes`. A ball that was hit is
-    /// looked at first next time.
-    pub fn passes(&mut self, shaft: &Shaft, tip: &Vec3, axes: &Mat3) -> bool {
+    /// Whether the shaft passes with its tip at `tip` and its axes along the columns of `axes`, with `less` room than it
+    /// wants, metres. A ball that was hit is looked at first next time.
+    pub fn passes(&mut self, shaft: &Shaft, tip: &Vec3, axes: &Mat3, less: f64) -> bool {
         let hit = self.0.iter().position(|(centre, radius)| {
-            let from = axes.transpose() * (centre - tip);
-            shaft.0.iter().any(|bead| {
-                let reach = radius + bead.reach;
+            let from = centre - tip;
+            if from.dot(&axes.column(2)).abs() > shaft.thick + radius {
+                return false;
+            }
+            let from = axes.transpose() * from;
+            shaft.beads.iter().any(|bead| {
+                let reach = radius + bead.reach - less;
                 (from - bead.at).norm_squared() < reach * reach
             })
         });

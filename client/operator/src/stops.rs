@@ -27,7 +27,7 @@ pub struct Zone {
 pub struct Walk {
     /// Advance between two stops along the tooth, metres.
     pub advance: f64,
-    /// How near to the mesial or distal midline the walk goes, radians.
+    /// How near to the plane through the mesial or distal midline the walk goes, metres.
     pub col: f64,
     /// One stop for each zone, and that at the line angle.
     pub single: bool,
@@ -74,10 +74,10 @@ pub fn zones(path: &PocketPath, sites: &[Site], walk: &Walk) -> Vec<Zone> {
 
 /// Nearest to the midline that the tip can come with its shaft clear of the neighbours, but no nearer than `col`.
 fn inmost(path: &PocketPath, sign: f64, mesial: bool, col: f64, proximal: f64) -> f64 {
-    let open = |from_midline: f64| {
-        let from_mesial = if mesial { from_midline } else { PI - from_midline };
-        path.ceiling(sign * from_mesial).is_some()
-    };
+    let from_mesial = |from_midline: f64| if mesial { from_midline } else { PI - from_midline };
+    let open = |from_midline: f64| path.ceiling(sign * from_mesial(from_midline)).is_some();
+    let radius = path.radius(from_mesial(0.0), MEASURED_AT);
+    let col = libm::asin((col / radius).clamp(0.0, 1.0));
     let mut at = proximal - BORDER;
     while at > col && open((at - FINE).max(col)) {
         at = (at - FINE).max(col);

@@ -22,8 +22,14 @@ const OUTSIDE: f64 = 2e-3;
 const LONG_WAY: f64 = 15e-3;
 /// Forces count as a floor's from this depth seen below the margin on, metres.
 const IN_POCKET: f64 = 0.3e-3;
-/// How far below margin and neighbours the tip stays between two places, metres.
+/// How far below margin and neighbours the tip stays between two places, metres; in a shallow sulcus it comes up by half.
 const BELOW: f64 = 0.25e-3;
+const SHALLOW: f64 = 0.5;
+/// Farthest that the hand means the tip to be from where it is seen, metres, and how fast it makes up for it, 1/s.
+const STUCK: f64 = 0.7e-3;
+const HOLD: f64 = 12.0;
+/// Speed at which the hand gives way to a floor that comes up, m/s.
+const GIVE: f64 = 5e-3;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
 /// Correction of the press by the force missing, m/(N s): slower than the tremor, faster than a reading.
@@ -58,10 +64,10 @@ enum Stroke {
     Travel,
     /// Down until the floor is felt.
     Down,
-    /// Up to a depth, then on along the tooth to an angle.
+    /// Up until the tip is seen at a depth, then on along the tooth to an angle.
     Up(f64, f64),
-    /// On along the tooth to an angle.
-    On(f64),
+    /// On along the tooth, at that depth as seen, to that angle.
+    On(f64, f64),
     /// Holding the force until it stood for so many seconds; time spent trying.
     Read(f64, f64),
     /// Up and out of the pocket.
@@ -213,7 +219,9 @@ impl Tour {
         let passed = self.felt.iter().filter(|(at, _)| (low..=high).contains(at));
         let shallowest = passed.fold(self.seen, |least, (_, depth)| least.min(*depth));
         let ceiling = self.ceiling(self.around).max(self.ceiling(to));
-        (shallowest - self.params.bob).max(ceiling)
+        (shallowest - self.params.bob)
+            .max(SHALLOW * shallowest)
+            .max(ceiling)
     }
 
     /// What the hand takes for the floor's push, newtons.
@@ -243,20 +251,22 @@ impl Tour {
                     self.depth += speed * TICK_S;
                 }
             }
-            Stroke::Up(to_depth, to) => {
+            Stroke::Up(held, to) => {
                 self.depth -= p.bob_speed * TICK_S;
-                if self.depth <= to_depth {
-                    self.stroke = Stroke::On(to);
+                if self.seen <= held || self.depth <= held - STUCK {
+                    self.stroke = Stroke::On(held, to);
                 }
             }
-            Stroke::On(to) => {
+            Stroke::On(held, to) => {
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let (step, way) = (p.bob_speed * TICK_S / radius, to - self.around);
-                if self.force > p.turn_force {
-                    // The floor comes up.
-                    let least = self.ceiling(self.around);
-                    self.depth = (self.depth - p.bob_speed * TICK_S).max(least.min(self.depth));
-                }
+                // The walls lift the tip; where the floor comes up it is let be lifted.
+                let pull = if self.force > p.turn_force {
+                    -GIVE
+                } else {
+                    HOLD * (held - self.seen)
+                };
+                self.depth = (self.depth + pull * TICK_S).clamp(held - STUCK, held + STUCK);
                 if way.abs() > step {
                     self.around += step * way.signum();
                 } else {

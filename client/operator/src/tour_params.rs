@@ -43,7 +43,7 @@ pub struct TourParams {
     pub insert_speed: f64,
     /// Speed of the way down of a bob, m/s. Default 7 mm/s.
     pub walk_speed: f64,
-    /// Speed of the way up, and along the tooth, m/s. Default 14 mm/s.
+    /// Speed of the way up, and along the tooth, m/s. Default 10 mm/s.
     pub bob_speed: f64,
     /// Speed through the air, m/s. Default 60 mm/s.
     pub air_speed: f64,
@@ -58,7 +58,8 @@ pub struct TourParams {
     /// How far inside the tooth's surface the hand means the tip to be, so that its side stays on it. Default 0.1 mm: about
     /// 0.02 N.
     pub hug: f64,
-    /// How near to the mesial and distal midlines the walk goes, radians. Default 8 degrees: in the col under the contact.
+    /// How near to the mesial and distal midlines the walk goes, metres. Default 0.85 mm: in the col under the contact (8 to 10
+    /// degrees from the midline of a molar, 25 of an incisor).
     pub col: f64,
     /// Which tilts the operator knows. Default as taught.
     pub manner: Manner,
@@ -79,14 +80,14 @@ impl Default for TourParams {
             turn_force: 0.14,
             insert_speed: 5e-3,
             walk_speed: 7e-3,
-            bob_speed: 14e-3,
+            bob_speed: 10e-3,
             air_speed: 60e-3,
             bob: 1.2e-3,
             advance: 1e-3,
             read: 1.0,
             returns: true,
             hug: 0.1e-3,
-            col: 8f64.to_radians(),
+            col: 0.85e-3,
             manner: Manner::Taught,
             tilt: 0.0,
             single: false,
@@ -96,8 +97,8 @@ impl Default for TourParams {
     }
 }
 
-/// The line angle, radians from the midline: where an upright probe goes down beside a neighbour.
-const LINE_ANGLE: f64 = 0.66;
+/// How far from the midline the line angle is, metres: where an upright probe goes down beside a neighbour.
+const LINE_ANGLE: f64 = 3e-3;
 
 impl Habit {
     /// What the habit makes of a tour; `seed` decides mistakes.
