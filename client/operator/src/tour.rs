@@ -24,12 +24,14 @@ const LONG_WAY: f64 = 15e-3;
 const IN_POCKET: f64 = 0.3e-3;
 /// How far below margin and neighbours the tip stays between two places, metres; in a shallow sulcus it comes up by half.
 const BELOW: f64 = 0.25e-3;
-const SHALLOW: f64 = 0.5;
+const SHALLOW: f64 = 0.6;
 /// Farthest that the hand means the tip to be from where it is seen, metres, and how fast it makes up for it, 1/s.
 const STUCK: f64 = 0.7e-3;
 const HOLD: f64 = 12.0;
 /// Speed at which the hand gives way to a floor that comes up, m/s.
-const GIVE: f64 = 5e-3;
+const GIVE: f64 = 8e-3;
+/// How fast a way up ends, 1/s.
+const NEAR: f64 = 40.0;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
 /// Correction of the press by the force missing, m/(N s): slower than the tremor, faster than a reading.
@@ -248,11 +250,14 @@ impl Tour {
                     self.reached();
                 } else {
                     let speed = if self.felt.is_empty() { p.insert_speed } else { p.walk_speed };
-                    self.depth += speed * TICK_S;
+                    // The more it feels the slower it goes.
+                    let share = (1.2 - self.floor_force() / enough).clamp(0.2, 1.0);
+                    self.depth += speed * share * TICK_S;
                 }
             }
             Stroke::Up(held, to) => {
-                self.depth -= p.bob_speed * TICK_S;
+                let near = NEAR * (self.seen - held) + 1e-3;
+                self.depth -= p.bob_speed.min(near) * TICK_S;
                 if self.seen <= held || self.depth <= held - STUCK {
                     self.stroke = Stroke::On(held, to);
                 }
@@ -261,14 +266,17 @@ impl Tour {
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let (step, way) = (p.bob_speed * TICK_S / radius, to - self.around);
                 // The walls lift the tip; where the floor comes up it is let be lifted.
-                let pull = if self.force > p.turn_force {
+                let hit = self.force > p.turn_force;
+                let pull = if hit {
                     -GIVE
                 } else {
                     HOLD * (held - self.seen)
                 };
                 self.depth = (self.depth + pull * TICK_S).clamp(held - STUCK, held + STUCK);
                 if way.abs() > step {
-                    self.around += step * way.signum();
+                    // It waits until it is clear, or as clear as it gets.
+                    let waits = hit && self.depth > held - STUCK;
+                    self.around += if waits { 0.0 } else { step * way.signum() };
                 } else {
                     self.around = to;
                     self.walls = f64::INFINITY;

@@ -35,7 +35,7 @@ impl Visit {
 /// How pockets are probed. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TourParams {
-    /// Force on the floor at which a depth is read, newtons. Default 0.22: 0.20 to 0.25 N are taught.
+    /// Force on the floor at which a depth is read, newtons. Default 0.215: 0.20 to 0.25 N are taught.
     pub force: f64,
     /// Force at which a walking stroke turns back, newtons. Default 0.14: the floor is felt, not pressed.
     pub turn_force: f64,
@@ -76,7 +76,7 @@ pub struct TourParams {
 impl Default for TourParams {
     fn default() -> Self {
         Self {
-            force: 0.22,
+            force: 0.215,
             turn_force: 0.14,
             insert_speed: 5e-3,
             walk_speed: 7e-3,
