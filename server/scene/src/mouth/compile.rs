@@ -3,13 +3,18 @@
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Node, Object, SphereTree, TreeError};
 
-use super::{MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing};
+use super::{JAW_TOP, MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing};
 use crate::build::TreeOptions;
 use crate::carry::carriers;
 use crate::compile::BuildError;
+use crate::mesh::TriMesh;
 use crate::parametric::arch::to_world;
+use crate::parametric::jaw::{Station, healed, jaw};
 use crate::parts::{Compiler, GINGIVA_COLOUR, TOOTH_COLOUR, gingiva_params};
 use crate::patient::{LOWER, ToothChart};
+
+/// How far the jaw reaches into the gingivae's base, mm.
+const JAW_OVERLAP: f64 = 0.4;
 
 /// What a mouth adds to a scene.
 pub(crate) struct MouthParts {
@@ -31,8 +36,9 @@ impl Compiler<'_> {
             .filter(wanted)
             .filter_map(|fdi| patient.tooth(fdi))
             .collect();
-        let fdis: Vec<u8> = charts.iter().map(|chart| chart.fdi).collect();
-        let all = standing(&fdis);
+        let arch = standing();
+        let there = |tooth: &&Standing| charts.iter().any(|chart| chart.fdi == tooth.fdi);
+        let all: Vec<Standing> = arch.iter().filter(there).cloned().collect();
         let mut objects = Vec::with_capacity(2 * all.len());
         for tooth in &all {
             objects.push(self.tooth(entry, tooth)?);
@@ -52,6 +58,10 @@ impl Compiler<'_> {
                 }
             })
         });
+        objects.push(self.jaw(&arch)?);
+        for tooth in arch.iter().filter(|tooth| patient.missing.contains(&tooth.fdi)) {
+            objects.push(self.healed(entry, tooth)?);
+        }
         for (tooth, made) in all.iter().zip(made) {
             let made = made?;
             made.mesh.hash_into(&mut self.hasher);
@@ -68,6 +78,53 @@ impl Compiler<'_> {
         Ok(MouthParts {
             objects,
             patient: text,
+        })
+    }
+
+    /// The jaw under all teeth, missing ones as well: the same for every patient.
+    fn jaw(&mut self, arch: &[Standing]) -> Result<Object, BuildError> {
+        let wall = MouthEntry::default().wall_mm;
+        let stations: Vec<Station> = arch
+            .iter()
+            .map(|tooth| Station {
+                at: [tooth.frame.origin.x * 1e3, tooth.frame.origin.y * 1e3],
+                buccal: [tooth.frame.buccal.x, tooth.frame.buccal.y],
+                faces: tooth.faces(wall),
+            })
+            .collect();
+        self.mucosa("jaw", 3, jaw(&stations, JAW_TOP + JAW_OVERLAP), |mesh| mesh)
+    }
+
+    /// The healed ridge where a tooth is missing.
+    fn healed(&mut self, entry: &MouthEntry, tooth: &Standing) -> Result<Object, BuildError> {
+        let ends = tooth.ends();
+        let base = JAW_TOP - tooth.frame.origin.z * 1e3;
+        let mesh = healed(ends, tooth.faces(entry.wall_mm), base);
+        let frame = tooth.frame;
+        self.mucosa(&format!("healed ridge {}", tooth.fdi), 2, mesh, |mesh| placed_mesh(&mesh, &frame))
+    }
+
+    fn mucosa(
+        &mut self,
+        name: &str,
+        level: u8,
+        mesh: TriMesh,
+        place: impl Fn(TriMesh) -> TriMesh,
+    ) -> Result<Object, BuildError> {
+        let wanted = TreeOptions {
+            levels: level,
+            ..TreeOptions::default()
+        };
+        let mesh = place(mesh);
+        let (tree, level) = self.tree(name, &mesh, level, wanted)?;
+        Ok(Object {
+            name: name.to_owned(),
+            fdi: 0,
+            tree,
+            level,
+            tissue: TissueModel::Rigid,
+            mesh: mesh.to_display(GINGIVA_COLOUR),
+            carriers: Vec::new(),
         })
     }
 

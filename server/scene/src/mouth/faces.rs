@@ -4,7 +4,7 @@ use sulcus_core::Vec3;
 
 use super::{JAW_TOP, Standing};
 use crate::parametric::arch::{to_world, turned};
-use crate::parametric::collar::{Face, Neighbour, wall_at};
+use crate::parametric::collar::{Face, Neighbour, outer_face};
 
 /// How much farther in the face lies between two teeth than beside them, mm: roots stand out under the gingiva.
 const DIP: f64 = 0.7;
@@ -32,12 +32,12 @@ pub(super) fn neighbours(all: &[Standing], k: usize, wall: f64) -> [Option<Neigh
 fn contact(tooth: &Standing, side: usize) -> Vec3 {
     let mut frame = tooth.frame;
     frame.origin *= 1e3;
-    to_world(&frame, &tooth.shape.contacts()[side])
+    to_world(&frame, &tooth.contacts[side])
 }
 
 /// Unit vector out of a side, in the world.
 fn outwards(tooth: &Standing, side: usize) -> Vec3 {
-    let [mesial, distal] = tooth.shape.contacts();
+    let [mesial, distal] = tooth.contacts;
     let mut along = turned(&tooth.frame, &(mesial - distal));
     along.z = 0.0;
     along.normalize() * if side == 0 { 1.0 } else { -1.0 }
@@ -65,7 +65,7 @@ fn neighbour(
                 let of = |tooth: &Standing| {
                     let around = std::f64::consts::FRAC_PI_2 * way;
                     let height = z - tooth.frame.origin.z * 1e3;
-                    let r = tooth.sections.radius(around, height) + wall_at(wall, -height);
+                    let r = outer_face(&tooth.sections, wall, around, height);
                     let middle = tooth.frame.origin * 1e3 + tooth.frame.buccal * (r * way);
                     (middle - at).dot(&along)
                 };

@@ -7,15 +7,17 @@ mod compile;
 mod faces;
 mod gingiva;
 
+use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use sulcus_core::Vec3;
 use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
 
 use crate::file::GingivaEntry;
 use crate::mesh::TriMesh;
 use crate::parametric::arch::{self, Footprint};
-use crate::parametric::collar::{Collar, CollarSizes, Sulcus};
+use crate::parametric::collar::{Collar, CollarSizes, Sulcus, outer_face};
 use crate::parametric::sections::Sections;
 use crate::parametric::tooth::Tooth;
 use crate::patient::{Condition, LOWER, Patient, ToothChart};
@@ -71,6 +73,7 @@ pub const JAW_TOP: f64 = -13.5;
 const UNDER_CONTACT: f64 = 0.8;
 
 /// A tooth that stands in the mouth.
+#[derive(Clone)]
 pub(crate) struct Standing {
     /// FDI number.
     pub fdi: u8,
@@ -79,34 +82,51 @@ pub(crate) struct Standing {
     /// Frame in the world, metres.
     pub frame: ToothFrame,
     shape: Tooth,
+    /// Mesial and distal contact point, mm, the tooth's frame.
+    contacts: [Vec3; 2],
     sections: Sections,
 }
 
-/// The shapes of the left side, by the second digit of their number, with their sections: the right side's are the same.
-pub(crate) fn standing(fdis: &[u8]) -> Vec<Standing> {
+impl Standing {
+    /// How far the gingiva's outer faces are from the axis where the jaw begins, buccally and lingually, mm.
+    fn faces(&self, wall: f64) -> [f64; 2] {
+        let z = JAW_TOP - self.frame.origin.z * 1e3;
+        [1.0, -1.0].map(|side| outer_face(&self.sections, wall, FRAC_PI_2 * side, z))
+    }
+
+    /// How far the contact points are from the axis, mesially and distally, mm.
+    fn ends(&self) -> [f64; 2] {
+        let [mesial, distal] = self.contacts;
+        [mesial.x, -distal.x]
+    }
+}
+
+/// All lower teeth in the order of [`LOWER`]. The right side's shapes are the left side's.
+pub(crate) fn standing() -> Vec<Standing> {
     let teeth: Vec<Tooth> = (31..=37).filter_map(Tooth::lower).collect();
-    let shapes: Vec<(Tooth, TriMesh, Sections)> = crate::parallel::map(teeth.len(), |k| {
+    let shapes: Vec<(Tooth, TriMesh, Sections, [Vec3; 2])> = crate::parallel::map(teeth.len(), |k| {
         let shape = teeth[k].clone();
         let mesh = shape.mesh();
         let low = JAW_TOP - arch::OCCLUSAL + shape.crown_height_mm() - 1.0;
         let sections = Sections::of(&mesh, low, shape.crown_height_mm() + 0.5);
-        (shape, mesh, sections)
+        let contacts = shape.contacts();
+        (shape, mesh, sections, contacts)
     });
     let footprints = |side: u8| -> Vec<Footprint> {
         let all = shapes.iter().zip(1..);
-        all.map(|((shape, ..), k)| Footprint {
+        all.map(|((shape, _, _, contacts), k)| Footprint {
             fdi: 10 * side + k,
-            contacts: shape.contacts(),
+            contacts: *contacts,
             crown_height: shape.crown_height_mm(),
         })
         .collect()
     };
     let frames = [3, 4].map(|side| arch::quadrant(&footprints(side)));
-    let wanted = LOWER.into_iter().filter(|fdi| fdis.contains(fdi));
-    wanted
+    LOWER
+        .into_iter()
         .map(|fdi| {
             let k = usize::from(fdi % 10 - 1);
-            let (shape, mesh, sections) = &shapes[k];
+            let (shape, mesh, sections, contacts) = &shapes[k];
             let mut frame = frames[usize::from(fdi / 10 - 3)][k];
             frame.origin *= 1e-3;
             Standing {
@@ -114,6 +134,7 @@ pub(crate) fn standing(fdis: &[u8]) -> Vec<Standing> {
                 mesh: mesh.clone(),
                 frame,
                 shape: shape.clone(),
+                contacts: *contacts,
                 sections: sections.clone(),
             }
         })
@@ -152,7 +173,7 @@ pub(crate) fn collar(
         let (cej, found) = (tooth.shape.cej(angles[i]), chart.recession_mm.of(site));
         margins[i] = cej - found;
         if let Some(mesial) = site.is_mesial() {
-            let highest = tooth.shape.contacts()[usize::from(!mesial)].z - UNDER_CONTACT;
+            let highest = tooth.contacts[usize::from(!mesial)].z - UNDER_CONTACT;
             if margins[i] > highest {
                 return Err(NoRoom {
                     fdi: tooth.fdi,

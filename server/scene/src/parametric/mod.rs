@@ -4,6 +4,7 @@ pub mod arch;
 pub(crate) mod blend;
 pub mod collar;
 pub mod gingiva;
+pub mod jaw;
 pub mod mirror;
 pub mod molar;
 pub mod polygonise;

@@ -70,15 +70,39 @@ pub fn generate(seed: u64, condition: Condition) -> Patient {
         missing.push(lost);
     }
     let severity = random.between(0.4, 1.0);
-    let teeth = LOWER
+    let mut teeth: Vec<ToothChart> = LOWER
         .into_iter()
         .filter(|fdi| !missing.contains(fdi))
         .map(|fdi| tooth(fdi, condition, severity, &mut random))
         .collect();
+    share_papillae(&mut teeth);
     Patient {
         name: format!("generated {} {seed}", condition.name()),
         missing,
         teeth,
+    }
+}
+
+/// One papilla fills the gap between two teeth: what it has lost it has lost on both sides.
+fn share_papillae(teeth: &mut [ToothChart]) {
+    for k in 1..teeth.len() {
+        let (before, after) = teeth.split_at_mut(k);
+        let (Some(right), Some(left)) = (before.last_mut(), after.first_mut()) else {
+            continue;
+        };
+        // (In the order of `LOWER`; 41 and 31 meet mesially.)
+        let [towards_left, towards_right] = [
+            if right.fdi / 10 == 4 { 0 } else { 2 },
+            if left.fdi / 10 == 4 { 2 } else { 0 },
+        ];
+        let sides = [
+            (&mut right.recession_mm.buccal, &mut left.recession_mm.buccal),
+            (&mut right.recession_mm.lingual, &mut left.recession_mm.lingual),
+        ];
+        for (a, b) in sides {
+            let shared = a[towards_left].min(b[towards_right]);
+            (a[towards_left], b[towards_right]) = (shared, shared);
+        }
     }
 }
 

@@ -43,6 +43,18 @@ pub struct Neighbour {
     pub faces: [Face; 2],
 }
 
+impl Neighbour {
+    /// Where the outer face of a side meets the plane at a height, across the axis, mm.
+    pub fn corner(&self, lingual: bool, z: f64) -> [f64; 2] {
+        let [nx, ny] = self.normal;
+        // Along the plane, towards that side: buccal is y.
+        let side = if (nx < 0.0) == lingual { 1.0 } else { -1.0 };
+        let (ax, ay) = (-ny * side, nx * side);
+        let face = self.faces[usize::from(lingual)].at(z);
+        [self.contact[0] + ax * face, self.contact[1] + ay * face]
+    }
+}
+
 /// The outer face's distance by height: linear between heights at equal steps.
 #[derive(Clone, Debug)]
 pub struct Face {
@@ -82,16 +94,17 @@ pub struct Collar {
 const LEAST_TISSUE: f64 = 0.22;
 /// How far tissue reaches under the crest before it has its whole thickness, mm of thickness for each mm of height.
 const SLOPE: f64 = 0.8;
-/// What is left between the collars of two neighbours, mm.
-const SEAM: f64 = 0.02;
+/// Height below which the outer face goes straight down, whatever the root does, mm.
+const STRAIGHT: f64 = -5.0;
 /// How much thicker the wall is for each mm farther down.
 const THICKENING: f64 = 0.1;
 /// Farthest from the axis that an outer face is looked for, mm.
 const FAR: f64 = 16.0;
 
-/// Thickness of the wall at a height below the margin.
-pub fn wall_at(wall: f64, below: f64) -> f64 {
-    wall + THICKENING * below.max(0.0)
+/// Distance of the outer face from the axis beside no neighbour: the tooth's own radius and the wall, which thickens
+/// downwards from the cemento-enamel junction.
+pub fn outer_face(sections: &Sections, wall: f64, around: f64, z: f64) -> f64 {
+    sections.radius(around, z.max(STRAIGHT)) + wall + THICKENING * (-z).max(0.0)
 }
 
 impl Collar {
@@ -150,28 +163,16 @@ impl Collar {
 
     /// The outer face where nothing comes to an end above it.
     fn envelope(&self, around: f64, z: f64) -> f64 {
-        let below = self.sulcus.margin(around) - z;
-        let own = self.sections.radius(around, z) + wall_at(self.sizes.wall, below);
-        let cosine = libm::cos(around);
+        let (sine, cosine) = (libm::sin(around), libm::cos(around));
         let Some(neighbour) = &self.neighbours[usize::from(cosine < 0.0)] else {
-            return own;
+            return outer_face(&self.sections, self.sizes.wall, around, z);
         };
-        let buccal = libm::sin(around) >= 0.0;
+        let side = if sine < 0.0 { -1.0 } else { 1.0 };
         // The common outline: from the middle of this side to the plane.
-        let middle = std::f64::consts::FRAC_PI_2 * if buccal { 1.0 } else { -1.0 };
-        let below = self.sulcus.margin(middle) - z;
-        let most = self.sections.radius(middle, z) + wall_at(self.sizes.wall, below);
-        let [nx, ny] = neighbour.normal;
-        let side = if buccal { 1.0 } else { -1.0 };
-        // Along the plane, buccally or lingually.
-        let (ax, ay) = if (nx * side) < 0.0 { (ny, -nx) } else { (-ny, nx) };
-        let (ax, ay) = if ay * side < 0.0 { (-ax, -ay) } else { (ax, ay) };
-        let face = neighbour.faces[usize::from(!buccal)].at(z);
-        let end = [
-            neighbour.contact[0] + ax * face,
-            neighbour.contact[1] + ay * face,
-        ];
-        let (sine, plane) = (libm::sin(around), self.plane(around).unwrap_or(FAR) - SEAM);
+        let middle = std::f64::consts::FRAC_PI_2 * side;
+        let most = outer_face(&self.sections, self.sizes.wall, middle, z);
+        let end = neighbour.corner(side < 0.0, z);
+        let plane = self.plane(around).unwrap_or(FAR);
         let outline = |x: f64| {
             let share = ramp(x / end[0], 0.15, 1.0);
             most + (end[1] * side - most) * share

@@ -18,7 +18,8 @@ const OUTER: usize = 10;
 
 /// The closed surface, metres, in the tooth's frame.
 pub fn skin(collar: &Collar) -> TriMesh {
-    let profiles = crate::parallel::map(ANGLES, |k| profile(collar, TAU * k as f64 / ANGLES as f64));
+    let angles = angles(collar);
+    let profiles = crate::parallel::map(ANGLES, |k| profile(collar, angles[k]));
     let rows = profiles[0].len();
     let mut mesh = TriMesh {
         vertices: profiles.into_iter().flatten().collect(),
@@ -41,6 +42,60 @@ pub fn skin(collar: &Collar) -> TriMesh {
         }
     }
     mesh
+}
+
+/// Height at which the corners to the neighbours are looked for first, mm.
+const REFERENCE: f64 = 0.0;
+
+/// Angles of the corners where the outer face meets the planes to the neighbours at a height, ascending.
+fn corners(collar: &Collar, z: f64) -> Vec<f64> {
+    let mut corners: Vec<f64> = collar
+        .neighbours
+        .iter()
+        .flatten()
+        .flat_map(|neighbour| [false, true].map(|lingual| neighbour.corner(lingual, z)))
+        .map(|[x, y]| libm::atan2(y, x).rem_euclid(TAU))
+        .collect();
+    corners.sort_by(f64::total_cmp);
+    corners
+}
+
+/// Angles all round, some of them at the corners.
+fn angles(collar: &Collar) -> Vec<f64> {
+    let mut angles: Vec<f64> = (0..ANGLES).map(|k| TAU * k as f64 / ANGLES as f64).collect();
+    for corner in corners(collar, REFERENCE) {
+        let nearest = (corner / TAU * ANGLES as f64).round() as usize % ANGLES;
+        angles[nearest] = corner;
+    }
+    angles
+}
+
+/// The angle at height `z` of what is at `around` at the reference height: corners go to corners.
+fn followed(collar: &Collar, around: f64, z: f64) -> f64 {
+    let (from, to) = (corners(collar, REFERENCE), corners(collar, z));
+    let n = from.len();
+    if n == 0 {
+        return around;
+    }
+    let after = from.iter().position(|corner| around <= *corner).unwrap_or(n);
+    let before = (after + n - 1) % n;
+    let turn = |angles: &[f64], k: usize| {
+        // Round the whole circle.
+        angles[k % n] + if k >= n { TAU } else { 0.0 }
+    };
+    let (low, high) = if after == 0 {
+        (
+            [from[before] - TAU, to[before] - TAU],
+            [from[0], to[0]],
+        )
+    } else {
+        (
+            [from[before], to[before]],
+            [turn(&from, after), turn(&to, after)],
+        )
+    };
+    let share = (around - low[0]) / (high[0] - low[0]).max(1e-9);
+    low[1] + share * (high[1] - low[1])
 }
 
 /// One section, from the base in the tooth over floor, wall, crest and outer face back to the base.
@@ -74,7 +129,9 @@ fn profile(collar: &Collar, around: f64) -> Vec<Vec3> {
         let share = k as f64 / (OUTER - 1) as f64;
         // Denser where the margin is.
         let z = top + (base - top) * share * (0.4 + 0.6 * share);
-        put(collar.outer(around, z, crest), z);
+        let there = followed(collar, around, z);
+        let r = collar.outer(there, z, crest);
+        points.push(Vec3::new(r * libm::cos(there), r * libm::sin(there), z) * 1e-3);
     }
     points
 }

@@ -20,7 +20,7 @@ const BESIDE: f64 = 0.09;
 /// Half width of the stretch at a mid site that is as deep as prescribed, radians.
 const MIDDLE: f64 = 0.3;
 /// Angle from the midline at which the margin begins to come down from the papilla, and where it is down, radians.
-const SCALLOP: [f64; 2] = [0.55, 1.25];
+const SCALLOP: [f64; 2] = [0.35, FRAC_PI_2];
 
 /// The prescribed depths and margins of a tooth, in the order mesiobuccal, buccal, distobuccal, distolingual, lingual,
 /// mesiolingual.

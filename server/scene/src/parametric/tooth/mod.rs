@@ -21,7 +21,7 @@ mod section;
 use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 
-use super::blend::{ramp, smooth_max, smooth_min};
+use super::blend::{bell, ramp, smooth_max, smooth_min};
 use super::polygonise::polygonise;
 use crate::mesh::TriMesh;
 use root::Roots;
@@ -273,7 +273,9 @@ impl Form {
             Some(roots) => {
                 let trunk = smooth_max(whole, roots.roof(p) - p.z, roots.arch);
                 let [a, b] = roots.tubes(p);
-                smooth_min(trunk, smooth_min(a, b, 0.4), 0.7)
+                // A fillet in the furcation; on the outer faces trunk and root are flush.
+                let fillet = 0.15 + 0.65 * bell(p.x, 1.7);
+                smooth_min(trunk, smooth_min(a, b, 0.4), fillet)
             }
         }
     }
@@ -295,3 +297,6 @@ fn form(fdi: u8) -> Option<&'static Form> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

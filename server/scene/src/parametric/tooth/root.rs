@@ -1,7 +1,7 @@
 //! The two roots of a lower molar and the roof between them.
 
 use sulcus_core::Vec3;
-use sulcus_core::math::{fclamp, fmax};
+use sulcus_core::math::{fclamp, fmax, fmin};
 
 use super::super::blend::{bell, ramp, through};
 
@@ -15,6 +15,8 @@ pub(super) struct Tube {
     pub half: [f64; 4],
     /// Buccolingual over mesiodistal width there.
     pub stretch: [f64; 4],
+    /// Height of the round end, mm.
+    pub apex: f64,
     /// Depth of the groove that runs down its mesial and distal faces, mm.
     pub groove: f64,
 }
@@ -49,16 +51,26 @@ impl Roots {
 
 impl Tube {
     fn distance(&self, p: &Vec3) -> f64 {
-        let depth = fclamp(-p.z, self.depth[0], self.depth[3]);
-        let half = through(&self.depth, &self.half, depth);
+        let depth = fmax(-p.z, self.depth[0]);
+        let last = self.depth[3];
+        // As for one root: at the apex everything goes on as it came, and a half ellipse closes it.
+        let below = fclamp(depth - last, 0.0, 2.0 * self.apex);
+        let at = |values: &[f64; 4]| {
+            let slope = (values[3] - values[2]) / (self.depth[3] - self.depth[2]);
+            through(&self.depth, values, depth) + slope * fmin(below, self.apex)
+        };
+        let half = at(&self.half);
         // The buccolingual stretch makes a round tube flat.
         let y = p.y / through(&self.depth, &self.stretch, depth);
-        let (dx, dz) = (p.x - through(&self.depth, &self.x, depth), p.z + depth);
-        let groove = self.groove
-            * bell(p.y, 1.1)
-            * ramp(depth, 1.5, 4.5)
-            * (1.0 - ramp(depth, 8.5, 11.5));
-        (dx * dx + y * y + dz * dz).sqrt() - half
-            + groove * fmax(0.0, 1.0 - 0.5 * (y / half).abs())
+        let dx = p.x - at(&self.x);
+        // Upwards a tube ends in a ball, inside the trunk.
+        let dz = if below > 0.0 {
+            below / self.apex * half
+        } else {
+            p.z + depth
+        };
+        let groove =
+            self.groove * bell(p.y, 1.1) * ramp(depth, 1.0, 4.5) * (1.0 - ramp(depth, 8.5, 11.5));
+        (dx * dx + y * y + dz * dz).sqrt() - half + groove * fmax(0.0, 1.0 - 0.5 * (y / half).abs())
     }
 }

@@ -1,7 +1,7 @@
 //! The walls of a tooth: its outlines seen from the four sides, and rounded sections between them.
 
 use sulcus_core::Vec3;
-use sulcus_core::math::{fclamp, fmax};
+use sulcus_core::math::{fclamp, fmax, fmin};
 
 use super::super::blend::{ramp, through};
 
@@ -45,7 +45,7 @@ pub(super) struct Spot {
 }
 
 /// Thickness of the enamel's edge, mm.
-const ENAMEL: f64 = 0.12;
+const ENAMEL: f64 = 0.11;
 
 impl Walls {
     /// Height of the CEJ in the direction (x, y), drawn mm.
@@ -61,7 +61,12 @@ impl Walls {
 
     /// Roughly the signed distance to the walls at a drawn point, mm.
     pub fn at(&self, p: &Vec3) -> (f64, Spot) {
-        let outline = |values: &[f64; LEVELS]| through(&self.z, values, p.z);
+        // Round end of the root: the outlines go on as they came, a half ellipse closes them.
+        let below = fclamp((self.z[0] - p.z) / self.apex, 0.0, 2.0);
+        let outline = |values: &[f64; LEVELS]| {
+            let slope = (values[1] - values[0]) / (self.z[1] - self.z[0]);
+            through(&self.z, values, p.z) - slope * self.apex * fmin(below, 1.0)
+        };
         let (cx, cy) = (outline(&self.crest), outline(&self.widest));
         let (dx, dy) = (p.x - cx, p.y - cy);
         let hx = if dx > 0.0 {
@@ -78,7 +83,11 @@ impl Walls {
         let above = p.z - self.cej(p.x, p.y);
         let crown = ramp(p.z, -0.5, 3.0);
         let m = self.flat[0] + (self.flat[1] - self.flat[0]) * crown;
-        let side = if dy > 0.0 { self.round[1] } else { self.round[2] };
+        let side = if dy > 0.0 {
+            self.round[1]
+        } else {
+            self.round[2]
+        };
         let n = self.round[0] + (side - self.round[0]) * crown;
         let (au, av) = (u.abs(), v.abs());
         let sum = fmax(libm::pow(au, m) + libm::pow(av, n), 1e-9);
@@ -88,7 +97,6 @@ impl Walls {
         let gu = ring / sum / q * m * libm::pow(au, m - 1.0) / hx;
         let gv = ring / sum / q * n * libm::pow(av, n - 1.0) / hy;
         let (mut ring, mut square) = (ring, gu * gu + gv * gv);
-        let below = (self.z[0] - p.z) / self.apex;
         if below > 0.0 {
             let whole = (ring * ring + below * below).sqrt();
             let gz = below / self.apex / whole;
@@ -98,7 +106,7 @@ impl Walls {
         let longest = fmax(hx, hy);
         let steep = fmax(square.sqrt(), 0.5 / longest);
         let walls = fclamp((ring - 1.0) / steep, -longest, 1e3);
-        let enamel = ENAMEL * ramp(above, -0.08, 0.4);
+        let enamel = ENAMEL * ramp(above, -0.2, 0.5);
         let spot = Spot { p: *p, u, v };
         (walls - enamel, spot)
     }
