@@ -8,6 +8,7 @@
 //! SI units, world axes.
 
 pub mod bands;
+pub mod bimanual;
 pub mod crown;
 mod frame;
 pub mod habit;

@@ -181,6 +181,23 @@ impl Tour {
         self.now[0] as f64 / self.insertions.len() as f64
     }
 
+    /// FDI number of the tooth at hand or headed for; none when all are done.
+    pub fn tooth(&self) -> Option<u8> {
+        let insertion = self.insertions.get(self.now[0])?;
+        Some(self.paths[insertion.path].fdi)
+    }
+
+    /// Where a tooth of the tour stands: the origin of its frame, world.
+    pub fn origin_of(&self, fdi: u8) -> Option<Vec3> {
+        let path = self.paths.iter().find(|path| path.fdi == fdi)?;
+        Some(path.tooth().origin)
+    }
+
+    /// Whether the tip is out of every pocket, on its way.
+    pub fn is_outside(&self) -> bool {
+        matches!(self.stroke, Stroke::Travel | Stroke::Rest)
+    }
+
     /// The ways that it goes, one for each tooth.
     pub fn paths(&self) -> &[PocketPath] {
         &self.paths

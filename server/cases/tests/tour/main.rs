@@ -66,3 +66,24 @@ fn a_whole_tooth_is_charted() {
         assert!((read.reached - read.prescribed).abs() <= 0.3e-3, "{read:?}");
     }
 }
+
+#[test]
+#[ignore = "long: the whole mouth"]
+fn a_whole_mouth_is_charted() {
+    let compiled = sulcus_scene::compile_file(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/mouth.toml").as_ref(),
+        &BuildOptions::cached(),
+        &|_, _| {},
+    );
+    let scene = compiled.expect("compiles").scene;
+    let mut teeth: Vec<u8> = scene.objects.iter().filter(|o| o.fdi != 0 && o.tissue.is_rigid()).map(|o| o.fdi).collect();
+    if let Ok(only) = std::env::var("TEETH") {
+        teeth.retain(|fdi| only.split(',').any(|t| t == fdi.to_string()));
+    }
+    let tour: Vec<Visit> = teeth.into_iter().map(Visit::whole).collect();
+    let begin = std::time::Instant::now();
+    let script = sulcus_operator::bimanual::Bimanual::new(&scene, &tour, TourParams::default(), Default::default(), 1.0).expect("a mouth");
+    println!("planned in {:?}", begin.elapsed());
+    let charted = perform(&scene, Box::new(script), 0, 7);
+    print(&charted);
+}
