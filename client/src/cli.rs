@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use sulcus_core::optimise::SolverKind;
+use sulcus_operator::Habit;
 
 /// Periodontal training with touch: the student's side.
 ///
@@ -47,16 +48,19 @@ pub struct DemoArgs {
     /// Lock-step without sockets or clock, faster than real time
     #[arg(long = "virtual")]
     pub virtual_time: bool,
-    /// Length of the session in seconds (a hard case has its own)
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
-    pub duration: f64,
-    /// What to perform: `crown`, `probing` (a pocket), `retraction` (a tongue held aside), or a hard case as `hard/NAME`
-    /// (see `--list-exercises`)
+    /// Length of the session in seconds; the exercise's own when omitted (a hard case has its own always)
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub duration: Option<f64>,
+    /// What to perform: an exercise by name (`--list-exercises`), a file of one (ending in .toml), or a hard case as
+    /// `hard/NAME`
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
     /// List the exercises and stop
     #[arg(long)]
     pub list_exercises: bool,
+    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
+    #[arg(long, value_name = "NAME")]
+    pub habit: Option<Habit>,
     /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a tongue
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
@@ -93,15 +97,18 @@ pub struct RunArgs {
     /// Device: only `simulated` so far
     #[arg(long, value_name = "NAME", default_value = "simulated")]
     pub device: String,
-    /// What the simulated operator performs: `crown`, `probing` or `retraction`
+    /// What the simulated operator performs: an exercise by name, or a file of one (ending in .toml)
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
+    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
+    #[arg(long, value_name = "NAME")]
+    pub habit: Option<Habit>,
     /// Scene that the simulated operator knows, when it is not the exercise's own; must be the server's
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Length of the session in seconds
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = seconds)]
-    pub duration: f64,
+    /// Length of the session in seconds; the exercise's own when omitted
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub duration: Option<f64>,
     /// Seed of the simulated operator's tremor
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -144,7 +151,7 @@ impl Default for DemoArgs {
     fn default() -> Self {
         Self {
             virtual_time: false,
-            duration: 20.0,
+            duration: None,
             exercise: "crown".into(),
             list_exercises: false,
             scene: None,

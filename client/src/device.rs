@@ -2,6 +2,9 @@
 
 use sulcus_core::{MAX_TOOLS, ToolInput};
 use sulcus_operator::{Operator, Shown};
+use sulcus_sessions::events::call::Call;
+
+use crate::calls::calls;
 
 /// A device for up to two hands. Poses are `world_from_tool` at the device points; wrenches are about
 /// those points in world axes.
@@ -11,6 +14,10 @@ pub trait Device: Send {
     /// Displays the wrenches for one millisecond, then reads where the hands are. (The graphic poses are what the person at
     /// the device sees.)
     fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS];
+    /// Depths that were called since this was asked last. Most devices hear nothing.
+    fn calls(&mut self) -> Vec<Call> {
+        Vec::new()
+    }
 }
 
 /// The simulated operator as a device.
@@ -22,5 +29,8 @@ impl Device for Simulated {
     }
     fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
         self.0.step(shown)
+    }
+    fn calls(&mut self) -> Vec<Call> {
+        calls(&mut self.0)
     }
 }

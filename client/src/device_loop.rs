@@ -11,6 +11,7 @@ use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
 
+use crate::calls::event;
 use crate::device::Device;
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
@@ -128,6 +129,10 @@ pub fn run(
                 disturb(report.periods, &mut input);
             }
             report.periods += 1;
+        }
+        for call in device.calls() {
+            // Not taken: the link has ended, which the loop will find.
+            let _ = link.event(event(&call, report.last_tick));
         }
         report.overslept += late;
         grid_ns += (late + 1) * PERIOD_NS;

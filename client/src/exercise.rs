@@ -8,20 +8,22 @@ use sulcus_cases::Case;
 use sulcus_cases::table::Driver;
 use sulcus_core::Scene;
 use sulcus_core::optimise::SolverKind;
+use sulcus_operator::bimanual::Bimanual;
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::probing::{Probing, ProbingParams};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
-use sulcus_operator::{HandParams, Operator, Script};
+use sulcus_operator::tour::Tour;
+use sulcus_operator::tour_params::{TourParams, Visit};
+use sulcus_operator::{Habit, HandParams, Operator, Script};
 use sulcus_scene::BuiltIn;
+use sulcus_sessions::exercise::Kind;
+use sulcus_sessions::{Events, Exercise};
 
 use crate::progress::Steps;
 
 /// An exercise ready to run.
 pub struct Prepared {
-    /// Name, as on the command line.
-    pub name: String,
-    /// What the student is told.
-    pub task: &'static str,
+    /// What is asked, with the length it has here.
+    pub exercise: Exercise,
     /// Compiled scene.
     pub scene: Arc<Scene>,
     /// The same as bytes.
@@ -43,78 +45,119 @@ impl Prepared {
     }
 
     /// The exercise as it goes into the recording (TOML).
-    pub fn definition(&self, seed: u64) -> String {
-        format!(
-            "name = {:?}\nseed = {seed}\nduration_s = {}\n",
-            self.name,
-            self.ticks as f64 * sulcus_core::TICK_S
-        )
+    ///
+    /// # Errors
+    /// Never for an exercise that was read from a valid text.
+    pub fn definition(&self, seed: u64) -> anyhow::Result<String> {
+        Ok(self.exercise.definition(seed)?)
     }
 }
 
-/// An exercise for students.
-struct Lesson {
-    name: &'static str,
-    about: &'static str,
-    task: &'static str,
-    /// Scene when none is named.
-    scene: BuiltIn,
-    /// Its script for a length in seconds.
-    script: fn(&Scene, f64) -> anyhow::Result<Box<dyn Script + Send>>,
-}
-
-const LESSONS: [Lesson; 3] = [
-    Lesson {
-        name: "crown",
-        about: "the probe is led round the crown of a tooth, pressed lightly, lifted now and then",
-        task: "Lead the tip of the probe round the crown, with a light hand.",
-        scene: BuiltIn::Crown,
-        script: |scene, duration| {
+/// The script of an exercise in a scene: which of the simulated hands performs it, and how; with a bad habit, if any.
+///
+/// # Errors
+/// When the scene lacks what the exercise wants, or the habit has nothing to do with it.
+pub fn script(
+    scene: &Scene,
+    exercise: &Exercise,
+    habit: Option<Habit>,
+    seed: u64,
+) -> anyhow::Result<Box<dyn Script + Send>> {
+    let duration = exercise.duration_s;
+    let probes = matches!(exercise.kind, Kind::Probing | Kind::Bimanual);
+    if let Some(habit) = habit.filter(|_| !probes) {
+        bail!("habit `{habit}` is one of probing, and exercise `{}` is not", exercise.name);
+    }
+    let mut tour: Vec<Visit> = exercise
+        .zones
+        .iter()
+        .map(|zones| Visit {
+            tooth: zones.tooth,
+            sites: zones.sites.clone(),
+        })
+        .collect();
+    let task = &exercise.probing;
+    let mut params = TourParams {
+        duration,
+        force: task.force_n[0] + 0.3 * (task.force_n[1] - task.force_n[0]),
+        advance: task.step_mm * 1e-3,
+        ..TourParams::default()
+    };
+    if let Some(habit) = habit {
+        habit.spoil(&mut params, &mut tour, seed);
+    }
+    Ok(match exercise.kind {
+        Kind::Crown => {
             let params = CrownParams {
                 duration,
                 ..CrownParams::default()
             };
-            Ok(Box::new(Crown::new(scene, None, params)?))
-        },
-    },
-    Lesson {
-        name: "probing",
-        about: "the buccal pocket of one tooth is probed in a walking stroke, three sites read at 0.2 N",
-        task: "Probe the buccal side: along the tooth to the floor, 0.2 N, read, walk on.",
-        scene: BuiltIn::Pocket,
-        script: |scene, duration| {
-            let params = ProbingParams {
-                duration,
-                ..ProbingParams::default()
-            };
-            Ok(Box::new(Probing::new(scene, None, params)?))
-        },
-    },
-    Lesson {
-        name: "retraction",
-        about: "the mouth mirror presses the tongue, pushes it aside, holds it, slides along and lets go",
-        task: "Hold the tongue aside with the mirror, gently, and let it go again.",
-        scene: BuiltIn::Tongue,
-        script: |scene, duration| {
+            Box::new(Crown::new(scene, None, params)?)
+        }
+        Kind::Probing => Box::new(Tour::new(scene, &tour, params)?),
+        Kind::Retraction => {
             let params = RetractionParams {
                 duration,
                 ..RetractionParams::default()
             };
-            Ok(Box::new(Retraction::new(scene, params)?))
-        },
-    },
-];
+            Box::new(Retraction::new(scene, params)?)
+        }
+        Kind::Bimanual => {
+            let until = if habit == Some(Habit::LetsTongueGo) { 0.5 } else { 1.0 };
+            let mirror = RetractionParams::default();
+            Box::new(Bimanual::new(scene, &tour, params, mirror, until)?)
+        }
+        Kind::Free => bail!(
+            "no simulated operator performs exercise `{}`: its kind is free",
+            exercise.name
+        ),
+    })
+}
+
+/// The exercise of that name, or in the file of that name (ending in `.toml`).
+///
+/// # Errors
+/// When there is none, or it is not valid: the message says what and where.
+pub fn find(name: &str) -> anyhow::Result<Exercise> {
+    if name.ends_with(".toml") {
+        return Ok(Exercise::open(Path::new(name))?);
+    }
+    let found = Exercise::built_in()
+        .into_iter()
+        .find(|one| one.name == name);
+    found.with_context(|| unknown(name))
+}
+
+/// A scene that is built in, by its name in exercises.
+fn built_in_scene(exercise: &Exercise) -> anyhow::Result<BuiltIn> {
+    let name = |scene: &BuiltIn| scene.file_name().with_extension("");
+    let found = BuiltIn::ALL
+        .into_iter()
+        .find(|scene| name(scene).as_os_str() == exercise.scene.as_str());
+    found.with_context(|| {
+        let names: Vec<String> = BuiltIn::ALL
+            .iter()
+            .map(|scene| name(scene).display().to_string())
+            .collect();
+        format!(
+            "exercise `{}` is performed in scene `{}`, which is not built in (there are {}): name one with --scene",
+            exercise.name,
+            exercise.scene,
+            names.join(", ")
+        )
+    })
+}
 
 /// Names for `--list-exercises`, with what each is about.
-pub fn list() -> Vec<(String, &'static str)> {
-    let mut names: Vec<(String, &'static str)> = LESSONS
-        .iter()
-        .map(|lesson| (lesson.name.to_owned(), lesson.about))
+pub fn list() -> Vec<(String, String)> {
+    let mut names: Vec<(String, String)> = Exercise::built_in()
+        .into_iter()
+        .map(|one| (one.name, one.about))
         .collect();
     names.extend(
         sulcus_cases::TABLE
             .iter()
-            .map(|case| (format!("hard/{}", case.name), case.about)),
+            .map(|case| (format!("hard/{}", case.name), case.about.to_owned())),
     );
     names
 }
@@ -126,14 +169,16 @@ pub fn list() -> Vec<(String, &'static str)> {
 pub fn prepare(
     name: &str,
     scene_file: Option<&Path>,
-    duration_s: f64,
+    duration_s: Option<f64>,
+    habit: Option<Habit>,
     seed: u64,
     solver: SolverKind,
     steps: &Steps,
 ) -> anyhow::Result<Prepared> {
     let mut warnings = Vec::new();
     let mut hard = None;
-    let mut task = "Hold on: this is a hard case, not an exercise.";
+    let mut exercise = Exercise::free(name, 1.0);
+    exercise.task = "Hold on: this is a hard case, not an exercise.".into();
     let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) =
         if let Some(case) = name.strip_prefix("hard/") {
             let Some(case) = sulcus_cases::find(case) else {
@@ -141,6 +186,9 @@ pub fn prepare(
             };
             if scene_file.is_some() {
                 bail!("exercise `{name}` brings its own scene: leave --scene out");
+            }
+            if let Some(habit) = habit {
+                bail!("habit `{habit}` is one of probing, and `{name}` is a hard case");
             }
             hard = Some(case);
             // Where a hand would hide a figure the table moves the tool itself; here a person watches,
@@ -158,13 +206,15 @@ pub fn prepare(
                 }
             }
         } else {
-            let Some(lesson) = LESSONS.iter().find(|lesson| lesson.name == name) else {
-                bail!("{}", unknown(name))
+            exercise = find(name)?;
+            exercise.duration_s = duration_s.unwrap_or(exercise.duration_s);
+            let otherwise = match scene_file {
+                Some(_) => BuiltIn::Crown,
+                None => built_in_scene(&exercise)?,
             };
-            task = lesson.task;
-            let compiled = compile(scene_file, lesson.scene, steps)?;
+            let compiled = compile(scene_file, otherwise, steps)?;
             warnings = compiled.warnings;
-            let script = (lesson.script)(&compiled.scene, duration_s)?;
+            let script = script(&compiled.scene, &exercise, habit, seed)?;
             (compiled.scene, script, HandParams::default())
         };
     scene.params.solver = solver;
@@ -172,9 +222,18 @@ pub fn prepare(
         .to_bytes()
         .context("the scene cannot be written as bytes")?;
     let operator = Operator::new(script, hand, seed);
+    if hard.is_some() {
+        exercise.duration_s = (operator.ticks() as f64 * sulcus_core::TICK_S).max(0.1);
+    }
+    let lacks = Events::new(&scene, &exercise);
+    warnings.extend(lacks.missing().iter().map(|what| {
+        format!(
+            "exercise `{name}` wants {what}, which scene `{}` has not",
+            scene.name
+        )
+    }));
     Ok(Prepared {
-        name: name.to_owned(),
-        task,
+        exercise,
         scene: Arc::new(scene),
         scene_bytes: Arc::new(scene_bytes),
         ticks: operator.ticks(),

@@ -4,6 +4,7 @@
 //! poses, and the [`link`] carries both over QUIC. The [`demo`] is a whole session with a simulated
 //! operator against an embedded server; [`join`] joins a server elsewhere.
 
+pub mod calls;
 pub mod cli;
 pub mod demo;
 pub mod device;

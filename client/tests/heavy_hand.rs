@@ -19,13 +19,14 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
     let params = ProbingParams {
         duration: 6.0,
         force,
+        // Where the scene's six depths are given: a zone's prescribed depth is that of its deepest place.
+        sites: [145.0, 90.0, 35.0],
         ..ProbingParams::default()
     };
     let script = Probing::new(&scene, None, params).expect("a pocket");
     let operator = Operator::new(Box::new(script), HandParams::default(), 5);
     let mut prepared = Prepared {
-        name: "probing".into(),
-        task: "",
+        exercise: exercise::find("probing").expect("built in"),
         scene_bytes: Arc::new(scene.to_bytes().expect("bytes")),
         scene: Arc::new(scene),
         ticks: operator.ticks(),

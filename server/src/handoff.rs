@@ -16,6 +16,8 @@ pub(crate) const EDGES: usize = 64;
 pub(crate) const ROWS: usize = 4096;
 /// State snapshot buffers that go round.
 pub(crate) const SNAPSHOTS: usize = 3;
+/// Looks on their way: as many as the queue of rows can hold.
+pub(crate) const LOOKS: usize = ROWS / sulcus_sessions::events::sight::EVERY as usize + 1;
 /// Ticks between two snapshots.
 pub(crate) const SNAPSHOT_TICKS: u64 = 10_000;
 

@@ -7,12 +7,12 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use rtrb::{Consumer, Producer};
-use sulcus_core::State;
-use sulcus_core::output::PocketReading;
+use sulcus_core::{Scene, State, TickOutput, Vec3};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
+use sulcus_sessions::events::Look;
 use sulcus_sessions::{
-    Level, Occurrence, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey,
+    Events, Exercise, Level, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey,
 };
 
 use crate::ServerConfig;
@@ -26,16 +26,16 @@ const POLL: Duration = Duration::from_millis(5);
 /// Slots in the queue of events: more than a person causes, less than a flood.
 pub(crate) const EVENTS: usize = 256;
 
-/// What the simulation queues. One queue for both, so that a snapshot follows its tick's row.
+/// What the simulation queues. One queue for all, so that a snapshot follows its tick's row, and a look comes before it.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are ticks, and a box would be allocated in the tick's thread"
+)]
 pub(crate) enum Entry {
-    Row(Row),
-    /// A hand became heavier in a pocket.
-    Zone {
-        unix_ns: u64,
-        tick: u64,
-        tool: u8,
-        reading: PocketReading,
-    },
+    /// A tick, and what it put out: the events of the exercise are found in it here, not in the tick's thread.
+    Tick(Row, TickOutput),
+    /// What a tick, which follows, left of the shapes that are looked at ([`sulcus_sessions::events::Look`]).
+    Look(u64, Vec<Vec3>),
     Snapshot {
         unix_ns: u64,
         tick: u64,
@@ -80,7 +80,47 @@ impl Plan {
 }
 
 /// A recorder with header, scene and the state before the first tick, and its file's name.
-pub(crate) struct Open(Recorder, String);
+pub(crate) struct Open(Recorder, String, Narrator);
+
+/// Finds the events of a session.
+pub(crate) struct Narrator {
+    scene: Arc<Scene>,
+    events: Events,
+}
+
+impl Narrator {
+    fn new(config: &ServerConfig) -> Self {
+        let exercise = Exercise::recorded(&config.exercise.definition);
+        let events = Events::new(&config.scene, &exercise);
+        for what in events.missing() {
+            tracing::warn!("the exercise wants {what}, which the scene has not");
+        }
+        Self {
+            scene: config.scene.clone(),
+            events,
+        }
+    }
+
+    /// What has to be read of a tick's shapes.
+    pub fn look(&self) -> &Look {
+        self.events.look()
+    }
+}
+
+impl Open {
+    /// Who finds the events.
+    pub fn narrator(&self) -> &Narrator {
+        &self.2
+    }
+}
+
+/// Buffers that the recorder gives back to the simulation.
+pub(crate) struct Returned {
+    /// Of snapshots.
+    pub snapshots: Producer<Vec<u8>>,
+    /// Of looks.
+    pub looks: Producer<Vec<Vec3>>,
+}
 
 /// Opens a recording under a name that no file has.
 ///
@@ -112,7 +152,7 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         .and_then(|()| recorder.event(plan.started_unix_ns, Level::Info, &plan.client))
         .and_then(|()| recorder.flush())
         .map_err(|error| error.to_string())?;
-    Ok(Open(recorder, name))
+    Ok(Open(recorder, name, Narrator::new(config)))
 }
 
 /// The key that signs recordings: in the file named, else at its usual place; made on first use.
@@ -125,16 +165,18 @@ pub(crate) fn station_key(path: Option<&Path>) -> Result<StationKey, sulcus_sess
 pub(crate) fn spawn(
     open: Open,
     entries: Consumer<Entry>,
-    buffers: Producer<Vec<u8>>,
+    returned: Returned,
     network: Receiver<FromNetwork>,
     flags: Arc<Flags>,
     bell: Bell,
 ) -> std::io::Result<JoinHandle<Report>> {
-    let Open(recorder, file_name) = open;
+    let Open(recorder, file_name, narrator) = open;
     let thread = Thread {
         recorder,
+        narrator,
+        look: None,
         entries,
-        buffers,
+        returned,
         network,
         flags,
         bell,
@@ -147,8 +189,11 @@ pub(crate) fn spawn(
 
 struct Thread {
     recorder: Recorder,
+    narrator: Narrator,
+    /// The newest.
+    look: Option<(u64, Vec<Vec3>)>,
     entries: Consumer<Entry>,
-    buffers: Producer<Vec<u8>>,
+    returned: Returned,
     network: Receiver<FromNetwork>,
     flags: Arc<Flags>,
     bell: Bell,
@@ -199,16 +244,10 @@ impl Thread {
     fn drain(&mut self) {
         while let Ok(entry) = self.entries.pop() {
             let result = match entry {
-                Entry::Row(row) => self.recorder.push(&row),
-                Entry::Zone {
-                    unix_ns,
-                    tick,
-                    tool,
-                    reading,
-                } => {
-                    let said = Occurrence::force_zone(tick, tool.into(), &reading).to_string();
-                    let level = Occurrence::level_of(reading.zone);
-                    self.recorder.event(unix_ns, level, &said)
+                Entry::Tick(row, output) => self.tick(&row, &output),
+                Entry::Look(tick, centres) => {
+                    self.look = Some((tick, centres));
+                    Ok(())
                 }
                 Entry::Snapshot {
                     unix_ns,
@@ -217,12 +256,29 @@ impl Thread {
                 } => {
                     let result = self.recorder.snapshot(unix_ns, tick, &bytes);
                     // There is room for every buffer that was ever made.
-                    let _ = self.buffers.push(bytes);
+                    let _ = self.returned.snapshots.push(bytes);
                     result
                 }
             };
             self.check(result);
         }
+    }
+
+    /// Writes a tick's row, and what happened in it.
+    fn tick(&mut self, row: &Row, output: &TickOutput) -> Result<(), RecordError> {
+        self.recorder.push(row)?;
+        let look = self.look.take();
+        let ours = look.as_ref().filter(|(tick, _)| *tick == output.tick);
+        let Narrator { scene, events } = &mut self.narrator;
+        for said in events.take(scene, output, ours.map(|(_, centres)| centres.as_slice())) {
+            let level = said.level();
+            self.recorder
+                .event(row.time_unix_ns, level, &said.to_string())?;
+        }
+        if let Some((_, centres)) = look {
+            let _ = self.returned.looks.push(centres);
+        }
+        Ok(())
     }
 
     /// Keeps the first failure and tells the network, which ends the session.
@@ -240,7 +296,32 @@ impl Thread {
 
 #[cfg(test)]
 mod tests {
+    use sulcus_core::output::ToolOutput;
+    use sulcus_core::{Pose, Wrench};
+
     use super::*;
+
+    /// A tick in which nobody holds anything.
+    fn output(tick: u64) -> TickOutput {
+        let idle = ToolOutput {
+            wrench: Wrench::ZERO,
+            raw_wrench: Wrench::ZERO,
+            graphic: Pose::identity(),
+            haptic: Pose::identity(),
+            status: sulcus_core::output::status::ABSENT,
+            substeps: 0,
+            rows: 0,
+            active: 0,
+            min_gap: f64::INFINITY,
+            converged: true,
+            pocket: None,
+        };
+        TickOutput {
+            tick,
+            hash: 0,
+            tools: [idle; sulcus_core::MAX_TOOLS],
+        }
+    }
 
     #[test]
     fn the_first_failure_is_told_and_the_file_stays_whole() {
@@ -251,7 +332,8 @@ mod tests {
             Recorder::create(&path, &SessionHeader::new(vec![]), key()).expect("created");
         recorder.snapshot(0, 0, &[]).expect("snapshot");
         let (mut entries, entries_out) = rtrb::RingBuffer::new(8);
-        let (buffers, _buffers) = rtrb::RingBuffer::new(1);
+        let (snapshots, _snapshots) = rtrb::RingBuffer::new(1);
+        let (looks, _looks) = rtrb::RingBuffer::new(1);
         let (network, network_out) = std::sync::mpsc::sync_channel(EVENTS);
         let (flags, bell) = (Arc::new(Flags::default()), Bell::new().expect("eventfd"));
         let row = |tick| Row {
@@ -263,11 +345,31 @@ mod tests {
             status: Default::default(),
         };
         for tick in [1, 2, 2] {
-            entries.push(Entry::Row(row(tick))).expect("room");
+            entries
+                .push(Entry::Tick(row(tick), output(tick)))
+                .expect("room");
         }
-        let open = Open(recorder, "session.mcap".into());
-        let thread =
-            spawn(open, entries_out, buffers, network_out, flags.clone(), bell).expect("thread");
+        let scene = Arc::new(Scene {
+            name: String::new(),
+            source_hash: String::new(),
+            params: Default::default(),
+            tools: vec![],
+            objects: vec![],
+        });
+        let narrator = Narrator {
+            events: Events::new(&scene, &Exercise::free("free", 1.0)),
+            scene,
+        };
+        let open = Open(recorder, "session.mcap".into(), narrator);
+        let thread = spawn(
+            open,
+            entries_out,
+            Returned { snapshots, looks },
+            network_out,
+            flags.clone(),
+            bell,
+        )
+        .expect("thread");
         while !Flags::is_up(&flags.record_failed) {
             std::thread::sleep(POLL);
         }

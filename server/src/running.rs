@@ -5,16 +5,16 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use rtrb::{Producer, RingBuffer};
-use sulcus_core::State;
+use sulcus_core::{State, Vec3};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Event};
 use sulcus_proto::newest::ArrivalCounts;
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
-use crate::handoff::{Bell, EDGES, Edge, Flags, PoseIn, ROWS, SNAPSHOTS, WrenchOut};
+use crate::handoff::{Bell, EDGES, Edge, Flags, LOOKS, PoseIn, ROWS, SNAPSHOTS, WrenchOut};
 use crate::metrics::Metrics;
-use crate::recording::{self, EVENTS, FromNetwork, Plan, Report};
+use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
 use crate::simulation::Simulation;
 
 /// Events of one session, bytes of kind and content: a recording is for the hand, not for whatever a
@@ -92,14 +92,17 @@ impl Running {
             let (wrenches_in, wrenches) = triple_buffer(&WrenchOut::default());
             let (edges, edges_out) = RingBuffer::new(EDGES);
             let (entries, entries_out) = RingBuffer::new(ROWS);
-            let (mut buffers, buffers_out) = RingBuffer::new(SNAPSHOTS);
+            let (mut snapshots, buffers_out) = RingBuffer::new(SNAPSHOTS);
             let bytes = State::bytes_len(&config.scene);
-            while buffers.push(Vec::with_capacity(bytes)).is_ok() {}
+            while snapshots.push(Vec::with_capacity(bytes)).is_ok() {}
+            let look = recorder.narrator().look().clone();
+            let (mut looks, looks_out) = RingBuffer::new(LOOKS);
+            while looks.push(vec![Vec3::zeros(); look.len()]).is_ok() {}
             let (to_recorder, from_network) = sync_channel(EVENTS);
             let recorder = recording::spawn(
                 recorder,
                 entries_out,
-                buffers,
+                Returned { snapshots, looks },
                 from_network,
                 flags.clone(),
                 bell.clone(),
@@ -113,6 +116,8 @@ impl Running {
                 flags: flags.clone(),
                 entries,
                 buffers: buffers_out,
+                look,
+                looks: looks_out,
                 detail: config.detail,
                 real_time: config.real_time,
             };

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use rtrb::{Consumer, Producer, PushError};
-use sulcus_core::{NoProbe, Scene, State, TickOutput, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
 use sulcus_proto::{WrenchDatagram, limits};
 use sulcus_sessions::Row;
+use sulcus_sessions::events::Look;
 use triple_buffer::{Input, Output};
 
 use crate::detail::{Chooser, Detail};
@@ -32,6 +33,10 @@ pub(crate) struct Simulation {
     pub entries: Producer<Entry>,
     /// Snapshot buffers that the recorder has written and gives back.
     pub buffers: Consumer<Vec<u8>>,
+    /// What is read of the shapes for the events of the exercise.
+    pub look: Look,
+    /// Buffers for that, which the recorder gives back.
+    pub looks: Consumer<Vec<Vec3>>,
     /// Level of detail of tissue.
     pub detail: Detail,
     pub real_time: bool,
@@ -162,15 +167,7 @@ impl Ticker {
         ));
         self.link.bell.ring();
         let unix_ns = self.grid.unix_ns(now_ns);
-        if self
-            .link
-            .entries
-            .push(Entry::Row(Row::new(unix_ns, &input, &output)))
-            .is_err()
-        {
-            self.metrics.rows_dropped += 1;
-        }
-        self.zones(unix_ns, &output);
+        self.record(unix_ns, &input, &output);
         if output.tick >= self.next_snapshot {
             self.next_snapshot = output.tick + SNAPSHOT_TICKS;
             self.snapshot(unix_ns);
@@ -197,18 +194,23 @@ impl Ticker {
         }
     }
 
-    /// Says which hands have become heavier in a pocket. (Should the queue be full, the row that carries it
-    /// is missing too, and that is counted.)
-    fn zones(&mut self, unix_ns: u64, output: &TickOutput) {
-        for (tool, out) in output.tools.iter().enumerate() {
-            if let Some(reading) = out.pocket.filter(|reading| reading.entered_zone) {
-                let _ = self.link.entries.push(Entry::Zone {
-                    unix_ns,
-                    tick: output.tick,
-                    tool: tool as u8,
-                    reading,
-                });
+    /// Queues the tick for the record and its events, and before it the shapes that are looked at. (Should the queue be
+    /// full, the row is missing too, and that is counted.)
+    fn record(&mut self, unix_ns: u64, input: &TickInput, output: &TickOutput) {
+        if self.link.look.is_due(output.tick)
+            && let Ok(mut centres) = self.link.looks.pop()
+        {
+            self.link.look.read(&self.workspace, &mut centres);
+            if let Err(PushError::Full(entry)) =
+                self.link.entries.push(Entry::Look(output.tick, centres))
+            {
+                // As for a snapshot.
+                std::mem::forget(entry);
             }
+        }
+        let row = Row::new(unix_ns, input, output);
+        if self.link.entries.push(Entry::Tick(row, *output)).is_err() {
+            self.metrics.rows_dropped += 1;
         }
     }
 

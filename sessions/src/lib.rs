@@ -20,6 +20,8 @@ pub mod audit;
 mod bytes;
 mod chain;
 mod cli;
+pub mod events;
+pub mod exercise;
 pub mod header;
 pub mod info;
 pub mod key;
@@ -38,6 +40,8 @@ mod walk;
 
 pub use audit::{AuditReport, AuditRow, audit_tick};
 pub use cli::run;
+pub use events::Events;
+pub use exercise::Exercise;
 pub use header::SessionHeader;
 pub use info::{Info, info};
 pub use key::{KeyError, PublicKey, StationKey};

@@ -40,12 +40,17 @@ impl Occurrence {
         }
     }
 
-    /// How much a force zone matters.
-    pub fn level_of(zone: ForceZone) -> Level {
-        match zone {
-            ForceZone::Light => Level::Info,
-            _ => Level::Warning,
-        }
+    /// How much it matters: what a teacher would speak of is a warning.
+    pub fn level(&self) -> Level {
+        let light = self.kind == FORCE_ZONE && self.data["zone"] == zone_name(ForceZone::Light);
+        let wrong = match self.kind.as_str() {
+            FORCE_ZONE => !light,
+            "angle" => self.data["right"] == false,
+            "withdrawn" => true,
+            "bleeding" => self.data["cause"] == "trauma",
+            _ => false,
+        };
+        if wrong { Level::Warning } else { Level::Info }
     }
 
     /// The occurrence in a line of the log; `None` for any other line.

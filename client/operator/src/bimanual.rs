@@ -4,7 +4,7 @@
 //! probe waits outside the pocket until the mirror has changed sides. Both handles come out of the mouth at the front, the
 //! mirror's over the tongue and the probe's over the teeth of its side.
 
-use sulcus_core::{MAX_TOOLS, Pose, Scene, Vec3};
+use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Vec3};
 
 use crate::pocket_path::NoPocket;
 use crate::retraction::{NoTongue, Retraction, RetractionParams};
@@ -36,6 +36,9 @@ pub struct Bimanual {
     passage: Option<Travel>,
     /// Share of the tour after which the tongue is let go; 1 for an operator who holds it to the end.
     until: f64,
+    /// When both hands are to be out of the mouth, seconds.
+    ends: f64,
+    time: f64,
 }
 
 /// Side of the mouth.
@@ -68,6 +71,7 @@ impl Bimanual {
         until: f64,
     ) -> Result<Self, NoExercise> {
         let probe = Tour::new(scene, tour, params)?;
+        let tour_ends = params.duration;
         let same = |a: &Visit, b: &Visit| Side::of(a.tooth) == Side::of(b.tooth);
         let mirrors = tour.chunk_by(same).map(|visits| {
             let origins = visits.iter().filter_map(|visit| probe.origin_of(visit.tooth));
@@ -88,6 +92,8 @@ impl Bimanual {
             turn: 0,
             passage: None,
             until,
+            ends: tour_ends,
+            time: 0.0,
         })
     }
 
@@ -105,6 +111,7 @@ impl Bimanual {
 
 impl Script for Bimanual {
     fn feel(&mut self, felt: &Felt) {
+        self.time += TICK_S;
         if let Some(passage) = &mut self.passage {
             if passage.step() {
                 self.passage = None;
@@ -114,6 +121,9 @@ impl Script for Bimanual {
         let (side, mirror) = &mut self.mirrors[self.turn];
         mirror.feel(felt);
         let given_up = self.tour.progress() >= self.until;
+        if self.time >= self.ends - TIDY {
+            self.tour.break_off();
+        }
         let changes = self.tour.is_outside() && self.tour.tooth().is_none_or(|t| Side::of(t) != *side);
         if changes || given_up {
             mirror.let_go();
@@ -144,7 +154,8 @@ impl Script for Bimanual {
     }
 
     fn duration_s(&self) -> f64 {
-        self.tour.duration_s() + CHANGE * self.mirrors.len() as f64
+        let most = self.tour.duration_s() + CHANGE * self.mirrors.len() as f64;
+        most.min(self.ends)
     }
 
     fn calls(&mut self) -> Vec<Call> {
@@ -156,6 +167,8 @@ impl Script for Bimanual {
     }
 }
 
+/// Time for the probe, then the mirror, to come out, seconds.
+const TIDY: f64 = 4.0;
 /// How far above the tongue the mirror changes sides, metres, and how fast, m/s.
 const OVER: f64 = 12e-3;
 const SPEED: f64 = 60e-3;

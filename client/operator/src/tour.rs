@@ -48,6 +48,8 @@ const TURN: f64 = 1.5;
 const PATIENCE: f64 = 4.0;
 /// Time constant of an eye, seconds.
 const LOOK: f64 = 0.1;
+/// Time to come out of the mouth, seconds.
+const LEAVING: f64 = 2.5;
 /// Most that a zone and an insertion take, seconds, for the length of the script.
 const MOST_ZONE: f64 = 14.0;
 const MOST_INSERTION: f64 = 8.0;
@@ -89,6 +91,9 @@ pub struct Tour {
     blur: Option<Blur>,
     calls: Vec<Call>,
     // What changes while it is performed.
+    time: f64,
+    /// Whether the time is up.
+    over: bool,
     travel: Travel,
     stroke: Stroke,
     /// Insertion, zone and stop under way.
@@ -153,6 +158,8 @@ impl Tour {
             slot,
             blur: params.misread.map(Blur::new),
             calls: Vec::new(),
+            time: 0.0,
+            over: false,
             travel: Travel::at(Pose::identity()),
             stroke: Stroke::Travel,
             now: [0; 3],
@@ -376,6 +383,18 @@ impl Tour {
         }
     }
 
+    /// The time is up: the tip comes out, and this insertion was the last one.
+    pub fn break_off(&mut self) {
+        self.over = true;
+        let begun = (self.now[0] + 1).min(self.insertions.len());
+        self.insertions.truncate(begun);
+        let inside = !matches!(self.stroke, Stroke::Travel | Stroke::Out | Stroke::Rest);
+        if inside && !self.leaving {
+            self.leaving = true;
+            self.go_to(free(self.path(), self.around));
+        }
+    }
+
     /// From over the margin to the next insertion, or away.
     fn go_away(&mut self) {
         let speed = self.params.air_speed;
@@ -410,6 +429,10 @@ impl Script for Tour {
         if self.is_done() {
             return;
         }
+        self.time += TICK_S;
+        if self.time >= self.params.duration - LEAVING {
+            self.break_off();
+        }
         if self.now[0] < self.insertions.len() {
             let place = self.path().place(self.around, self.depth, self.tilt);
             // Against the way in: what the floor pushes back with.
@@ -438,7 +461,8 @@ impl Script for Tour {
 
     fn duration_s(&self) -> f64 {
         let zones: usize = self.insertions.iter().map(|insertion| insertion.zones.len()).sum();
-        zones as f64 * MOST_ZONE + self.insertions.len() as f64 * MOST_INSERTION
+        let most = zones as f64 * MOST_ZONE + self.insertions.len() as f64 * MOST_INSERTION;
+        most.min(self.params.duration)
     }
 
     fn calls(&mut self) -> Vec<Call> {

@@ -35,6 +35,8 @@ impl Visit {
 /// How pockets are probed. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TourParams {
+    /// When the hand is to be out of the mouth, done or not, seconds. Default: when it is done.
+    pub duration: f64,
     /// Force on the floor at which a depth is read, newtons. Default 0.215: 0.20 to 0.25 N are taught.
     pub force: f64,
     /// Force at which a walking stroke turns back, newtons. Default 0.14: the floor is felt, not pressed.
@@ -76,6 +78,7 @@ pub struct TourParams {
 impl Default for TourParams {
     fn default() -> Self {
         Self {
+            duration: f64::INFINITY,
             force: 0.215,
             turn_force: 0.14,
             insert_speed: 5e-3,

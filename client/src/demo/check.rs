@@ -3,10 +3,17 @@
 use std::path::Path;
 
 use sulcus_cases::{Chart, Measures, Observer};
-use sulcus_sessions::{Recording, ReplayOptions, ReplayReport, Signature, replay_observed};
+use sulcus_core::Scene;
+use sulcus_sessions::events::Tally;
+use sulcus_sessions::events::call::{Call, READING_CALLED};
+use sulcus_sessions::{
+    Events, Exercise, Message, Occurrence, Recording, ReplayOptions, ReplayReport, Signature,
+    replay_observed,
+};
 
-use super::summary::{PocketSummary, SiteSummary, TissueSummary};
+use super::summary::{EventsSummary, PocketSummary, SiteSummary, TissueSummary};
 use super::zones::{entered, zone_line};
+use crate::calls::Called;
 use crate::progress::Steps;
 
 /// What the replay found.
@@ -19,6 +26,10 @@ pub struct Checked {
     pub zones: Vec<String>,
     /// What a probe read.
     pub chart: Chart,
+    /// How often what happened.
+    pub tally: Tally,
+    /// Depths that were called.
+    pub calls: Vec<Called>,
     /// Whether anything in the scene yields.
     yields: bool,
     /// Size of the file.
@@ -53,6 +64,11 @@ impl Checked {
         })
     }
 
+    /// What happened, in numbers.
+    pub fn events(&self) -> EventsSummary {
+        EventsSummary::new(&self.tally, self.calls.clone())
+    }
+
     /// How tissue fared; none where nothing yields.
     pub fn tissue(&self) -> Option<TissueSummary> {
         let m = &self.measures;
@@ -75,6 +91,8 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let recording = Recording::open(path)?;
     let scene = recording.scene()?;
     let (mut observer, mut chart) = (Observer::new(&scene), Chart::default());
+    let exercise = Exercise::recorded(&recording.header().exercise);
+    let mut events = Events::new(&scene, &exercise);
     let mut zones = Vec::new();
     let rows = recording.len().max(1) as f64;
     let bar = steps.bar("replaying");
@@ -85,6 +103,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         &mut |scene, input, output, ws| {
             observer.observe(scene, input, output, ws);
             chart.observe(scene, output);
+            drop(events.observe(scene, output, ws));
             zones.extend(entered(output).map(|(_, reading)| zone_line(output.tick, &reading)));
         },
     )?;
@@ -95,7 +114,23 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         measures: observer.measures(),
         zones,
         chart,
+        tally: *events.tally(),
+        calls: called(&recording, &scene)?,
         yields: scene.yields(),
         bytes,
     })
+}
+
+/// The readings called in a recording, as far as they make sense.
+fn called(recording: &Recording, scene: &Scene) -> anyhow::Result<Vec<Called>> {
+    let mut all = Vec::new();
+    for message in recording.messages() {
+        let Message::Event(event) = message? else {
+            continue;
+        };
+        let said = Occurrence::parse(&event.text).filter(|said| said.kind == READING_CALLED);
+        let call = said.and_then(|said| Call::read(&said.data, scene).ok());
+        all.extend(call.and_then(|call| Called::of(&call, scene)));
+    }
+    Ok(all)
 }

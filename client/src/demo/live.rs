@@ -21,7 +21,7 @@ use crate::progress::Steps;
 /// # Errors
 /// When the server does not start, the session ends early, or its recording cannot be read.
 pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
-    let (name, scene) = (prepared.name.clone(), prepared.scene.clone());
+    let (name, scene) = (prepared.exercise.name.clone(), prepared.scene.clone());
     let mut config = ServerConfig::new(
         prepared.scene.clone(),
         prepared.scene_bytes.clone(),
@@ -29,8 +29,8 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     )?;
     config.exercise = Exercise {
         name: name.clone(),
-        text: prepared.task.into(),
-        definition: prepared.definition(args.seed),
+        text: prepared.exercise.task.clone(),
+        definition: prepared.definition(args.seed)?,
         seed: args.seed,
     };
     config.station = "demo".into();
@@ -102,6 +102,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         recording_bytes: checked.bytes,
         pocket: checked.pocket(),
         tissue: checked.tissue(),
+        events: Some(checked.events()),
         grade: None,
     })
 }

@@ -10,9 +10,10 @@ use sulcus_core::{
 };
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
-use sulcus_sessions::{Occurrence, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+use sulcus_sessions::{Events, Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
 
 use super::zones::{entered, zone_line};
+use crate::calls::calls;
 use crate::exercise::Prepared;
 use crate::interrupt;
 use crate::progress::Steps;
@@ -52,8 +53,8 @@ pub fn run(
         .context("the clock is before 1970")?
         .as_nanos() as u64;
     let mut header = SessionHeader::new(prepared.scene_bytes.as_ref().clone());
-    header.exercise_name = prepared.name.clone();
-    header.exercise = prepared.definition(seed);
+    header.exercise_name = prepared.exercise.name.clone();
+    header.exercise = prepared.definition(seed)?;
     header.seed = seed;
     header.station = "virtual".into();
     header.started_unix_ns = started;
@@ -67,6 +68,7 @@ pub fn run(
     let mut observer = Observer::new(&scene);
     // Counts only here: the full query of all pairs comes with the check.
     observer.residual_every = u64::MAX;
+    let mut events = Events::new(&scene, &prepared.exercise);
     let bar = steps.bar("performing");
     let begin = Instant::now();
     let mut done = 0;
@@ -88,10 +90,14 @@ pub fn run(
         observer.observe(&scene, &input, &output, &ws);
         let now = started + k * 1_000_000;
         recorder.push(&Row::new(now, &input, &output))?;
-        for (tool, reading) in entered(&output) {
-            let said = Occurrence::force_zone(k, tool, &reading);
+        for said in events.observe(&scene, &output, &ws) {
+            recorder.event(now, said.level(), &said.to_string())?;
+        }
+        for call in calls(&mut prepared.operator) {
+            recorder.event(now, Level::Info, &call.at(k).to_string())?;
+        }
+        for (_, reading) in entered(&output) {
             bar.say(&zone_line(k, &reading));
-            recorder.event(now, Occurrence::level_of(reading.zone), &said.to_string())?;
         }
         if k.is_multiple_of(SNAPSHOT_TICKS) {
             recorder.snapshot(now, k, &state.to_bytes())?;

@@ -32,14 +32,15 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         &args.exercise,
         args.scene.as_deref(),
         args.duration,
+        args.habit,
         args.seed,
         args.solver.into(),
         &steps,
     )?;
-    if prepared.case.is_some() && args.duration != DemoArgs::default().duration {
+    if prepared.case.is_some() && args.duration.is_some() {
         eprintln!(
             "warning: `{}` has its own length; --duration has no effect",
-            prepared.name
+            prepared.exercise.name
         );
     }
     for warning in &prepared.warnings {
@@ -86,7 +87,7 @@ fn run_virtual(
     let checked = check::check(&ran.recording, steps)?;
     Ok(DemoSummary {
         recording: ran.recording,
-        exercise: prepared.name.clone(),
+        exercise: prepared.exercise.name.clone(),
         scene: prepared.scene.name.clone(),
         virtual_time: true,
         ticks: ran.ticks,
@@ -110,6 +111,7 @@ fn run_virtual(
         recording_bytes: checked.bytes,
         pocket: checked.pocket(),
         tissue: checked.tissue(),
+        events: Some(checked.events()),
         grade: None,
     })
 }

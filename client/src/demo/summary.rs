@@ -2,8 +2,13 @@
 
 use std::path::PathBuf;
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use sulcus_proto::Percentiles;
+use sulcus_sessions::events::Tally;
+
+use crate::calls::Called;
 
 /// One run.
 #[derive(Clone, Debug, Serialize)]
@@ -60,6 +65,8 @@ pub struct DemoSummary {
     pub pocket: Option<PocketSummary>,
     /// How tissue fared; null where nothing yields.
     pub tissue: Option<TissueSummary>,
+    /// What happened in the exercise, found in the replay.
+    pub events: Option<EventsSummary>,
     /// Null until there is grading.
     pub grade: Option<()>,
 }
@@ -109,6 +116,72 @@ pub struct TissueSummary {
     pub imbalance: f64,
     /// Contact normals that flipped.
     pub flips: u64,
+}
+
+/// What happened in the exercise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EventsSummary {
+    /// How many of each kind.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// Times that the tilt became wrong.
+    pub wrong_angles: u64,
+    /// Share of the time in which the target was visible past the tongue; null without a target.
+    pub visible_share: Option<f64>,
+    /// Mean share of the target that the tongue left free; null without a target.
+    pub mean_free: Option<f64>,
+    /// Mean share that tongue and mirror left free; null without a target.
+    pub mean_free_past_mirror: Option<f64>,
+    /// Depths that were called, in order.
+    pub calls: Vec<Called>,
+}
+
+impl EventsSummary {
+    /// From counts and calls.
+    pub fn new(tally: &Tally, calls: Vec<Called>) -> Self {
+        Self {
+            counts: tally.counts().collect(),
+            wrong_angles: tally.wrong_angles,
+            visible_share: tally.visible_share(),
+            mean_free: tally.mean_free().map(|(free, _)| free),
+            mean_free_past_mirror: tally.mean_free().map(|(_, past)| past),
+            calls,
+        }
+    }
+
+    fn lines(&self, lines: &mut Vec<String>) {
+        let count = |kind: &str| self.counts.get(kind).copied().unwrap_or(0);
+        if count("site_reached") > 0 {
+            lines.push(format!(
+                "walking       {} zones reached, floor felt {} times, {} tilts wrong, {} times withdrawn, {} bleed",
+                count("site_reached"),
+                count("floor_felt"),
+                self.wrong_angles,
+                count("withdrawn"),
+                count("bleeding")
+            ));
+        }
+        if let (Some(visible), Some(free)) = (self.visible_share, self.mean_free) {
+            lines.push(format!(
+                "sight         target visible {:.0} % of the time, {:.0} % of it free on average",
+                visible * 100.0,
+                free * 100.0
+            ));
+        }
+        if !self.calls.is_empty() {
+            let off = |call: &&Called| (f64::from(call.depth_mm) - call.truth_mm).abs() > 1.0;
+            lines.push(format!(
+                "called        {} depths, {} of them more than 1 mm off",
+                self.calls.len(),
+                self.calls.iter().filter(off).count()
+            ));
+            for call in &self.calls {
+                lines.push(format!(
+                    "              {} {:13} {} mm called, {:.1} prescribed",
+                    call.tooth, call.site, call.depth_mm, call.truth_mm
+                ));
+            }
+        }
+    }
 }
 
 impl PocketSummary {
@@ -205,6 +278,9 @@ impl DemoSummary {
         lines.push(format!("force         {:.2} N at most", self.max_force_n));
         if let Some(pocket) = &self.pocket {
             pocket.lines(&mut lines);
+        }
+        if let Some(events) = &self.events {
+            events.lines(&mut lines);
         }
         if let Some(tissue) = &self.tissue {
             lines.push(tissue.line());

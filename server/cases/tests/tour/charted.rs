@@ -49,18 +49,11 @@ impl Charted {
     }
 }
 
+/// Index, number and model of each gingiva.
 pub fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
-    let of = |(k, object): (usize, &'_ sulcus_core::Object)| {
-        let TissueModel::Gingiva(model) = &object.tissue else {
-            return None;
-        };
-        let near = |tooth: &&sulcus_core::Object| {
-            tooth.fdi != 0
-                && tooth.tissue.is_rigid()
-                && (tooth.tree.nodes()[0].centre - model.tooth.origin).norm() < 8e-3
-        };
-        let _ = model;
-        Some((k, scene.objects.iter().find(near)?.fdi))
+    let of = |(k, object): (usize, &'_ sulcus_core::Object)| match &object.tissue {
+        TissueModel::Gingiva(_) => Some((k, object.fdi)),
+        _ => None,
     };
     let found: Vec<(usize, u8)> = scene.objects.iter().enumerate().filter_map(of).collect();
     found

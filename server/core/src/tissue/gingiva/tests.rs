@@ -523,31 +523,32 @@ fn prescriptions_out_of_range_are_refused_by_name() {
     assert_eq!(told(&|m| m.proximal = 80f64.to_radians()), None);
     assert_eq!(told(&|m| m.proximal = 20f64.to_radians()), None);
     assert_eq!(told(&|m| m.sites[3].depth = 20e-3), None);
-    let wrong: [(&dyn Fn(&mut Gingiva), &[&str]); 6] = [
+    type Change = fn(&mut Gingiva);
+    let wrong: [(Change, &[&str]); 6] = [
         (
-            &|m| m.proximal = 81f64.to_radians(),
+            |m| m.proximal = 81f64.to_radians(),
             &["proximal", "20 to 80 deg"],
         ),
-        (&|m| m.proximal = f64::NAN, &["proximal", "NaN"]),
+        (|m| m.proximal = f64::NAN, &["proximal", "NaN"]),
         (
-            &|m| m.sites[2].depth = 0.021,
+            |m| m.sites[2].depth = 0.021,
             &["depth", "21 mm at distobuccal", "0 to 20 mm"],
         ),
         (
-            &|m| m.sites[0].depth = f64::NAN,
+            |m| m.sites[0].depth = f64::NAN,
             &["depth", "NaN mm at mesiobuccal"],
         ),
         (
-            &|m| m.sites[5].recession = -0.011,
+            |m| m.sites[5].recession = -0.011,
             &["recession", "mesiolingual", "-10 to 20 mm"],
         ),
         (
-            &|m| m.sites[4].recession = f64::INFINITY,
+            |m| m.sites[4].recession = f64::INFINITY,
             &["recession", "inf mm at lingual"],
         ),
     ];
     for (change, words) in wrong {
-        let told = told(change).expect("refused");
+        let told = told(&change).expect("refused");
         assert!(words.iter().all(|word| told.contains(word)), "{told}");
     }
 }

@@ -1,0 +1,147 @@
+//! What an exercise's values may be.
+
+use super::{Exercise, ExerciseError, Kind};
+
+/// Most entries of the tour.
+const MOST_ZONES: usize = 64;
+
+impl Exercise {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// Names the first field out of range, with the value found and what is expected.
+    pub fn validate(&self) -> Result<(), ExerciseError> {
+        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
+        if self.name.is_empty() || self.name.len() > 64 || !self.name.chars().all(known) {
+            return wrong(
+                "name",
+                format!("`{}`", self.name),
+                "1 to 64 letters, digits, `-`, `_` or `/`",
+            );
+        }
+        for (field, text, most) in [
+            ("about", &self.about, 1024),
+            ("task", &self.task, 16 * 1024),
+            ("scene", &self.scene, 256),
+        ] {
+            if text.len() > most {
+                return wrong(
+                    field,
+                    format!("{} bytes long", text.len()),
+                    format!("at most {most} bytes"),
+                );
+            }
+        }
+        within("duration_s", self.duration_s, 0.1, 86_400.0, "s")?;
+        if self.zones.len() > MOST_ZONES {
+            return wrong(
+                "zone",
+                format!("{} entries", self.zones.len()),
+                format!("at most {MOST_ZONES}"),
+            );
+        }
+        for (k, zones) in self.zones.iter().enumerate() {
+            fdi(&format!("zone[{k}].tooth"), zones.tooth)?;
+            if zones.sites.is_empty() || zones.sites.len() > 6 {
+                let found = format!("{} of them", zones.sites.len());
+                return wrong(&format!("zone[{k}].sites"), found, "1 to 6 sites");
+            }
+        }
+        if self.zones.is_empty() && matches!(self.kind, Kind::Probing | Kind::Bimanual) {
+            return wrong(
+                "zone",
+                "missing",
+                "at least one tooth with its sites, for this kind",
+            );
+        }
+        let probing = &self.probing;
+        band("probing.force_n", probing.force_n, 0.01, 5.0, "N")?;
+        band(
+            "probing.proximal_tilt_deg",
+            probing.proximal_tilt_deg,
+            0.0,
+            60.0,
+            "deg",
+        )?;
+        within(
+            "probing.mid_tilt_deg",
+            probing.mid_tilt_deg,
+            1.0,
+            60.0,
+            "deg",
+        )?;
+        within("probing.step_mm", probing.step_mm, 0.1, 5.0, "mm")?;
+        match &self.target {
+            None if self.kind == Kind::Bimanual => wrong(
+                "target",
+                "missing",
+                "a tooth, an eye and a share, for this kind",
+            ),
+            None => Ok(()),
+            Some(target) => {
+                fdi("target.tooth", target.tooth)?;
+                for x in target.eye_mm {
+                    within("target.eye_mm", x, -1000.0, 1000.0, "mm")?;
+                }
+                within("target.visible", target.visible, 0.05, 1.0, "")
+            }
+        }
+    }
+}
+
+fn wrong(
+    field: &str,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> Result<(), ExerciseError> {
+    Err(ExerciseError::Field {
+        field: field.into(),
+        found: found.into(),
+        expected: expected.into(),
+    })
+}
+
+/// A number in a range; a NaN is in none.
+fn within(field: &str, x: f64, low: f64, high: f64, unit: &str) -> Result<(), ExerciseError> {
+    if (low..=high).contains(&x) {
+        return Ok(());
+    }
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    wrong(
+        field,
+        format!("{x}{unit}"),
+        format!("{low} to {high}{unit}"),
+    )
+}
+
+fn band(
+    field: &str,
+    [from, to]: [f64; 2],
+    low: f64,
+    high: f64,
+    unit: &str,
+) -> Result<(), ExerciseError> {
+    within(field, from, low, high, unit)?;
+    within(field, to, low, high, unit)?;
+    if from < to {
+        Ok(())
+    } else {
+        wrong(
+            field,
+            format!("[{from}, {to}]"),
+            "the lower bound before the upper",
+        )
+    }
+}
+
+/// A permanent tooth: quadrant 1 to 4, then 1 to 8.
+fn fdi(field: &str, tooth: u8) -> Result<(), ExerciseError> {
+    if (1..=4).contains(&(tooth / 10)) && (1..=8).contains(&(tooth % 10)) {
+        return Ok(());
+    }
+    wrong(field, tooth.to_string(), "an FDI number, 11 to 48")
+}

@@ -1,0 +1,82 @@
+//! How single values are written in an exercise's file.
+
+/// Sites by their names.
+pub mod site_names {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use sulcus_core::tissue::gingiva::Site;
+
+    pub fn serialize<S: Serializer>(sites: &[Site], to: S) -> Result<S::Ok, S::Error> {
+        let names: Vec<&str> = sites.iter().map(|site| site.name()).collect();
+        names.serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Site>, D::Error> {
+        let names = Vec::<String>::deserialize(from)?;
+        let site = |name: &String| {
+            Site::from_name(name).ok_or_else(|| {
+                let all = Site::ALL.map(Site::name).join(", ");
+                D::Error::custom(format!("sites is `{name}`, expected one of: {all}"))
+            })
+        };
+        names.iter().map(site).collect()
+    }
+}
+
+/// A seed as a number, or as text where it is larger than TOML's numbers.
+pub mod seed {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        Number(u64),
+        Text(String),
+    }
+
+    pub fn serialize<S: Serializer>(seed: &Option<u64>, to: S) -> Result<S::Ok, S::Error> {
+        match seed {
+            None => to.serialize_none(),
+            Some(seed) => match i64::try_from(*seed) {
+                Ok(number) => to.serialize_i64(number),
+                Err(_) => to.serialize_str(&seed.to_string()),
+            },
+        }
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u64>, D::Error> {
+        let wrong = |found: &dyn std::fmt::Display| {
+            D::Error::custom(format!(
+                "seed is {found}, expected a whole number from 0 to 2^64 - 1"
+            ))
+        };
+        match Written::deserialize(from) {
+            Ok(Written::Number(number)) => Ok(Some(number)),
+            Ok(Written::Text(text)) => text.parse().map(Some).map_err(|_| wrong(&text)),
+            Err(_) => Err(wrong(&"something else")),
+        }
+    }
+}
+
+/// Lists of a fixed length: what is more is not left out in silence.
+pub mod exactly {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer, const N: usize>(
+        numbers: &[f64; N],
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        numbers.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
+        from: D,
+    ) -> Result<[f64; N], D::Error> {
+        let numbers = Vec::<f64>::deserialize(from)?;
+        <[f64; N]>::try_from(numbers).map_err(|numbers| {
+            D::Error::custom(format!("found {} numbers, expected {N}", numbers.len()))
+        })
+    }
+}
