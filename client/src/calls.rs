@@ -5,10 +5,14 @@ use sulcus_operator::Operator;
 use sulcus_proto::control::Event;
 use sulcus_sessions::events::call::{Call, READING_CALLED};
 
-/// What the operator has called since it was asked last. (The simulated ones call nothing yet.)
+/// What the operator has called since it was asked last.
 pub fn calls(operator: &mut Operator) -> Vec<Call> {
-    let _ = operator;
-    Vec::new()
+    let call = |said: sulcus_operator::Call| Call {
+        tooth: said.tooth,
+        site: said.site,
+        depth_mm: said.depth_mm,
+    };
+    operator.calls().into_iter().map(call).collect()
 }
 
 /// A call as a client's message; `tick` is that of the newest wrench.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use sulcus_core::optimise::SolverKind;
+use sulcus_operator::Habit;
 
 /// Periodontal training with touch: the student's side.
 ///
@@ -57,6 +58,9 @@ pub struct DemoArgs {
     /// List the exercises and stop
     #[arg(long)]
     pub list_exercises: bool,
+    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
+    #[arg(long, value_name = "NAME")]
+    pub habit: Option<Habit>,
     /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a tongue
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
@@ -96,6 +100,9 @@ pub struct RunArgs {
     /// What the simulated operator performs: an exercise by name, or a file of one (ending in .toml)
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
+    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
+    #[arg(long, value_name = "NAME")]
+    pub habit: Option<Habit>,
     /// Scene that the simulated operator knows, when it is not the exercise's own; must be the server's
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,

@@ -1,7 +1,7 @@
-//! What a haptic device is to the client: once per millisecond it takes a wrench and gives poses.
+//! What a haptic device is to the client: once per millisecond it takes what the simulation shows and gives poses.
 
-use sulcus_core::{MAX_TOOLS, ToolInput, Wrench};
-use sulcus_operator::Operator;
+use sulcus_core::{MAX_TOOLS, ToolInput};
+use sulcus_operator::{Operator, Shown};
 use sulcus_sessions::events::call::Call;
 
 use crate::calls::calls;
@@ -11,8 +11,9 @@ use crate::calls::calls;
 pub trait Device: Send {
     /// Name, for the server's log and the recording.
     fn name(&self) -> &str;
-    /// Displays `felt` for one millisecond, then reads where the hands are.
-    fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS];
+    /// Displays the wrenches for one millisecond, then reads where the hands are. (The graphic poses are what the person at
+    /// the device sees.)
+    fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS];
     /// Depths that were called since this was asked last. Most devices hear nothing.
     fn calls(&mut self) -> Vec<Call> {
         Vec::new()
@@ -26,8 +27,8 @@ impl Device for Simulated {
     fn name(&self) -> &str {
         "simulated"
     }
-    fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
-        self.0.step(felt)
+    fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
+        self.0.step(shown)
     }
     fn calls(&mut self) -> Vec<Call> {
         calls(&mut self.0)

@@ -7,7 +7,8 @@ use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::Timespec;
 use serde::Serialize;
 use sulcus_core::math::norm;
-use sulcus_core::{MAX_TOOLS, TickInput, ToolInput, Vec3, Wrench};
+use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
+use sulcus_operator::{Shown, drawn};
 use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
 
 use crate::calls::event;
@@ -109,10 +110,21 @@ pub fn run(
         displayed = felt;
         report.last_tick = newest.map_or(report.last_tick, |packet| packet.datagram.tick);
 
+        // The newest picture stays on the screen while the force is gated.
+        let shown = Shown {
+            wrenches: felt,
+            graphics: std::array::from_fn(|t| {
+                let sent = newest?.datagram.tools[t].graphic;
+                drawn(&RawPose {
+                    position: sent.position,
+                    orientation: sent.orientation,
+                })
+            }),
+        };
         // A real device moves on while the system sleeps; so does the simulated one.
         let mut input = TickInput::IDLE;
         for _ in 0..=late {
-            input.tools = device.exchange(&felt);
+            input.tools = device.exchange(&shown);
             if let Some(disturb) = disturb {
                 disturb(report.periods, &mut input);
             }

@@ -8,10 +8,12 @@ use sulcus_cases::Case;
 use sulcus_cases::table::Driver;
 use sulcus_core::Scene;
 use sulcus_core::optimise::SolverKind;
+use sulcus_operator::bimanual::Bimanual;
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::probing::{Probing, ProbingParams};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
-use sulcus_operator::{HandParams, Operator, Script};
+use sulcus_operator::tour::Tour;
+use sulcus_operator::tour_params::{TourParams, Visit};
+use sulcus_operator::{Habit, HandParams, Operator, Script};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::exercise::Kind;
 use sulcus_sessions::{Events, Exercise};
@@ -51,9 +53,39 @@ impl Prepared {
     }
 }
 
-/// The script of an exercise in a scene: which of the simulated hands performs it, and how.
-fn script(scene: &Scene, exercise: &Exercise) -> anyhow::Result<Box<dyn Script + Send>> {
+/// The script of an exercise in a scene: which of the simulated hands performs it, and how; with a bad habit, if any.
+///
+/// # Errors
+/// When the scene lacks what the exercise wants, or the habit has nothing to do with it.
+pub fn script(
+    scene: &Scene,
+    exercise: &Exercise,
+    habit: Option<Habit>,
+    seed: u64,
+) -> anyhow::Result<Box<dyn Script + Send>> {
     let duration = exercise.duration_s;
+    let probes = matches!(exercise.kind, Kind::Probing | Kind::Bimanual);
+    if let Some(habit) = habit.filter(|_| !probes) {
+        bail!("habit `{habit}` is one of probing, and exercise `{}` is not", exercise.name);
+    }
+    let mut tour: Vec<Visit> = exercise
+        .zones
+        .iter()
+        .map(|zones| Visit {
+            tooth: zones.tooth,
+            sites: zones.sites.clone(),
+        })
+        .collect();
+    let task = &exercise.probing;
+    let mut params = TourParams {
+        duration,
+        force: task.force_n[0] + 0.3 * (task.force_n[1] - task.force_n[0]),
+        advance: task.step_mm * 1e-3,
+        ..TourParams::default()
+    };
+    if let Some(habit) = habit {
+        habit.spoil(&mut params, &mut tour, seed);
+    }
     Ok(match exercise.kind {
         Kind::Crown => {
             let params = CrownParams {
@@ -62,16 +94,7 @@ fn script(scene: &Scene, exercise: &Exercise) -> anyhow::Result<Box<dyn Script +
             };
             Box::new(Crown::new(scene, None, params)?)
         }
-        Kind::Probing => {
-            let params = ProbingParams {
-                duration,
-                force: exercise.probing.force_n[0],
-                advance: exercise.probing.step_mm * 1e-3,
-                ..ProbingParams::default()
-            };
-            let tooth = exercise.tour().next().map(|(tooth, _)| tooth);
-            Box::new(Probing::new(scene, tooth, params)?)
-        }
+        Kind::Probing => Box::new(Tour::new(scene, &tour, params)?),
         Kind::Retraction => {
             let params = RetractionParams {
                 duration,
@@ -79,10 +102,14 @@ fn script(scene: &Scene, exercise: &Exercise) -> anyhow::Result<Box<dyn Script +
             };
             Box::new(Retraction::new(scene, params)?)
         }
-        Kind::Bimanual | Kind::Free => bail!(
-            "no simulated operator performs exercise `{}` yet: its kind is {:?}",
-            exercise.name,
-            exercise.kind
+        Kind::Bimanual => {
+            let until = if habit == Some(Habit::LetsTongueGo) { 0.5 } else { 1.0 };
+            let mirror = RetractionParams::default();
+            Box::new(Bimanual::new(scene, &tour, params, mirror, until)?)
+        }
+        Kind::Free => bail!(
+            "no simulated operator performs exercise `{}`: its kind is free",
+            exercise.name
         ),
     })
 }
@@ -143,6 +170,7 @@ pub fn prepare(
     name: &str,
     scene_file: Option<&Path>,
     duration_s: Option<f64>,
+    habit: Option<Habit>,
     seed: u64,
     solver: SolverKind,
     steps: &Steps,
@@ -158,6 +186,9 @@ pub fn prepare(
             };
             if scene_file.is_some() {
                 bail!("exercise `{name}` brings its own scene: leave --scene out");
+            }
+            if let Some(habit) = habit {
+                bail!("habit `{habit}` is one of probing, and `{name}` is a hard case");
             }
             hard = Some(case);
             // Where a hand would hide a figure the table moves the tool itself; here a person watches,
@@ -183,7 +214,7 @@ pub fn prepare(
             };
             let compiled = compile(scene_file, otherwise, steps)?;
             warnings = compiled.warnings;
-            let script = script(&compiled.scene, &exercise)?;
+            let script = script(&compiled.scene, &exercise, habit, seed)?;
             (compiled.scene, script, HandParams::default())
         };
     scene.params.solver = solver;

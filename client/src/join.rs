@@ -33,6 +33,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
         &args.exercise,
         args.scene.as_deref(),
         args.duration,
+        args.habit,
         args.seed,
         solver,
         &steps,

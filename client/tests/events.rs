@@ -18,7 +18,7 @@ use sulcus_core::{
     MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace,
     Wrench, tick,
 };
-use sulcus_operator::Operator;
+use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::events::call::{Call, READING_CALLED};
 use sulcus_sessions::exercise::Target;
@@ -28,7 +28,7 @@ use sulcus_sessions::{
 
 fn prepared(seconds: f64, seed: u64) -> Prepared {
     let solver = SolverKind::ActiveSet;
-    exercise::prepare("probing", None, Some(seconds), seed, solver, &Steps).unwrap()
+    exercise::prepare("probing", None, Some(seconds), None, seed, solver, &Steps).unwrap()
 }
 
 /// What a recording's log tells, but for what the client said.
@@ -113,9 +113,9 @@ impl Device for Calling {
     fn name(&self) -> &str {
         "calling"
     }
-    fn exchange(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
+    fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
         self.1 += 1;
-        self.0.step(felt)
+        self.0.step(shown)
     }
     fn calls(&mut self) -> Vec<Call> {
         let call = |tooth| Call {
@@ -268,7 +268,7 @@ fn from_a_snapshot_on_the_same_events_follow_and_a_tick_costs_little() {
 #[test]
 fn exercises_are_found_by_name_or_file_and_what_cannot_be_is_said() {
     let told = |name: &str, scene: Option<&Path>| {
-        let prepared = exercise::prepare(name, scene, None, 1, SolverKind::ActiveSet, &Steps);
+        let prepared = exercise::prepare(name, scene, None, None, 1, SolverKind::ActiveSet, &Steps);
         prepared.err().unwrap().to_string()
     };
     assert!(

@@ -30,11 +30,16 @@ impl ToolFrame {
         }
     }
 
+    /// Where the basis lies in the world when the tool points along `pointing`, the handle leaning towards `side`.
+    pub fn axes(&self, pointing: &Vec3, side: &Vec3) -> Mat3 {
+        let across = (side - pointing * pointing.dot(side)).normalize();
+        Mat3::from_columns(&[*pointing, across, pointing.cross(&across)])
+    }
+
     /// Device pose that puts the tip at `tip`, pointing along `pointing`, the handle leaning
     /// towards `side`.
     pub fn at(&self, tip: &Vec3, pointing: &Vec3, side: &Vec3) -> Pose {
-        let across = (side - pointing * pointing.dot(side)).normalize();
-        let world = Mat3::from_columns(&[*pointing, across, pointing.cross(&across)]);
+        let world = self.axes(pointing, side);
         let rotation = nalgebra_rotation(&(world * self.basis.transpose()));
         Pose::new(tip - rotation * self.tip, rotation)
     }

@@ -7,20 +7,31 @@
 //!
 //! SI units, world axes.
 
+pub mod bands;
+pub mod bimanual;
 pub mod crown;
 mod frame;
+pub mod habit;
 pub mod hand;
+mod lean;
 pub mod pocket_path;
-pub mod probing;
 pub mod retraction;
 pub mod script;
+mod shaft;
 mod sounding;
+mod stops;
+pub mod tour;
+pub mod tour_params;
+mod travel;
 pub mod tremor;
+mod wall;
 
-use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Wrench};
+use sulcus_core::math::normalised;
+use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Vec3};
 
 pub use hand::{Hand, HandParams};
-pub use script::Script;
+pub use habit::Habit;
+pub use script::{Call, Felt, Script, Shown};
 
 /// A person with up to two hands, performing a script.
 pub struct Operator {
@@ -48,14 +59,24 @@ impl Operator {
         (self.script.duration_s() * 1e3) as u64
     }
 
-    /// Advances one millisecond under the wrenches felt (about each device point, world axes) and
-    /// returns the poses that the devices report.
-    pub fn step(&mut self, felt: &[Wrench; MAX_TOOLS]) -> [ToolInput; MAX_TOOLS] {
+    /// The depths called since this was last asked.
+    pub fn calls(&mut self) -> Vec<Call> {
+        self.script.calls()
+    }
+
+    /// Whether the script has nothing left to do before its time is up.
+    pub fn is_done(&self) -> bool {
+        self.script.is_done()
+    }
+
+    /// Advances one millisecond under what the simulation shows, and returns the poses that the devices report.
+    pub fn step(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
         let t = self.tick as f64 * sulcus_core::TICK_S;
         self.tick += 1;
-        let held: [Option<Pose>; MAX_TOOLS] =
-            std::array::from_fn(|slot| self.hands[slot].as_ref().map(Hand::device));
-        self.script.feel(felt, &held);
+        self.script.feel(&Felt {
+            shown: *shown,
+            hands: std::array::from_fn(|slot| self.hands[slot].as_ref().map(Hand::device)),
+        });
         let targets = self.script.targets(t);
         std::array::from_fn(|slot| {
             let Some(target) = targets[slot] else {
@@ -64,7 +85,7 @@ impl Operator {
             };
             let seed = self.seed.wrapping_mul(2).wrapping_add(slot as u64);
             let hand = self.hands[slot].get_or_insert_with(|| Hand::new(self.params, target, seed));
-            let pose = hand.step(&target, &felt[slot]);
+            let pose = hand.step(&target, &shown.wrenches[slot]);
             present(&pose)
         })
     }
@@ -77,4 +98,14 @@ pub fn present(pose: &Pose) -> ToolInput {
         present: true,
         ..ToolInput::ABSENT
     }
+}
+
+/// A graphic pose as the wire carries it; `None` where it is none.
+pub fn drawn(raw: &RawPose) -> Option<Pose> {
+    let sound = |x: &f32| x.is_finite();
+    let position = Vec3::from(raw.position.map(f64::from));
+    let [w, x, y, z] = raw.orientation.map(f64::from);
+    let length = (w * w + x * x + y * y + z * z).sqrt();
+    let sound = raw.position.iter().all(sound) && (0.5..2.0).contains(&length);
+    sound.then(|| Pose::new(position, normalised(w, x, y, z)))
 }

@@ -1,45 +1,62 @@
-//! The way into a pocket: the tooth's wall, the gingival margin over it, and how a probe has to lean to
-//! stay on the wall without the crown in its way. Laid on the spheres of a scene.
+//! The way into a pocket: where the tip lies on a tooth's surface below the gingival margin, all round, and how the
+//! probe leans there so that its shaft passes the tooth's own crown and its neighbours.
+//!
+//! Places are given as an angle about the tooth's axis (radians from mesial over buccal) and a depth below the margin at
+//! that angle (metres, along the axis), as `ToothFrame::cylindrical` and the pocket's readings give them.
 
-use sulcus_core::math::norm;
-use sulcus_core::{Object, Pose, Scene, Tool, Vec3};
+use sulcus_core::math::exp_rotation;
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::tissue::gingiva::{Gingiva, Prescribed, ToothFrame};
+use sulcus_core::{Object, Pose, Scene, Vec3};
 
 use crate::frame::ToolFrame;
-use crate::sounding::{bearing_vector, first_touch, tip_radius};
+pub use crate::lean::Manner;
+use crate::lean::{Leans, up};
+use crate::shaft::{Obstacles, Shaft};
+use crate::sounding::tip_radius;
+use crate::wall::Wall;
 
 /// Why there is no way into a pocket.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoPocket(pub String);
 
-/// Bearings and heights at which the tooth is sounded.
-const BEARINGS: usize = 72;
-const BEARING_STEP: f64 = 360.0 / BEARINGS as f64;
-const HEIGHT_STEP: f64 = 0.25e-3;
+/// How far the handle leans out to the cheek for one part that it leans out of the mouth.
+const TO_CHEEK: f64 = 0.4;
+/// Height over which the way down is looked at, metres.
+const STRETCH: f64 = 0.2e-3;
 
-/// Ways into the pocket of one tooth for one tool. Bearings are degrees from x (anterior) over y (the patient's
-/// left), world axes.
+/// Ways into the pocket of one tooth for one tool.
 #[derive(Clone, Debug)]
 pub struct PocketPath {
+    /// FDI number of the tooth.
+    pub fdi: u8,
     /// Slot of the tool.
     pub slot: usize,
     /// How far inside the tooth's surface the tip is meant to be, so that its side stays on it, metres.
     pub hug: f64,
+    /// What is seen of the gingiva: where its margin is and its zones, not how deep it is.
+    gingiva: Gingiva,
     tool: ToolFrame,
-    tooth: Sounded,
-    /// Radius of the shaft by distance from the tip.
-    shaft: Vec<(f64, f64)>,
-    left: bool,
+    tip: f64,
+    wall: Wall,
+    /// Buccal side and lingual side.
+    leans: [Leans; 2],
+    /// Where the handle leans: out of the mouth.
+    side: Vec3,
 }
 
-/// The tooth's surface and the margin around it.
-#[derive(Clone, Debug)]
-struct Sounded {
-    axis: Vec3,
-    bottom: f64,
-    /// Distance from the axis at which the tip's centre touches, by bearing and height above `bottom`.
-    radius: Vec<Vec<f64>>,
-    margin: [f64; BEARINGS],
+/// The tip at a place of the pocket.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The very tip, world axes, metres.
+    pub tip: Vec3,
+    /// Unit vector up along the working end.
+    pub up: Vec3,
+    /// Unit vector along the tooth's surface, downwards: the way in.
+    pub inwards: Vec3,
+    /// Unit vector away from the tooth's axis.
+    pub outward: Vec3,
 }
 
 impl PocketPath {
@@ -47,14 +64,26 @@ impl PocketPath {
     /// first tool.
     ///
     /// # Errors
-    /// When the scene has no tooth or nothing that yields around it.
-    pub fn new(scene: &Scene, fdi: Option<u8>, hug: f64) -> Result<Self, NoPocket> {
+    /// When the scene has no such tooth, or no gingiva around it.
+    pub fn new(
+        scene: &Scene,
+        fdi: Option<u8>,
+        hug: f64,
+        manner: Manner,
+    ) -> Result<Self, NoPocket> {
         let wanted = |object: &&Object| fdi.map_or(object.fdi != 0, |fdi| object.fdi == fdi);
         let is_tooth = |object: &&Object| object.tissue.is_rigid() && wanted(object);
         let tooth = scene.objects.iter().find(is_tooth).ok_or_else(|| {
+            let which = fdi.map_or(String::new(), |fdi| format!(" {fdi}"));
             NoPocket(format!(
-                "scene `{}` has no tooth to probe (a rigid object with an FDI number)",
+                "scene `{}` has no tooth{which} to probe (a rigid object with an FDI number)",
                 scene.name
+            ))
+        })?;
+        let gingiva = gingiva_of(scene, tooth).ok_or_else(|| {
+            NoPocket(format!(
+                "scene `{}` has no gingiva around tooth `{}`",
+                scene.name, tooth.name
             ))
         })?;
         let slot = scene
@@ -63,186 +92,136 @@ impl PocketPath {
             .position(|tool| !tool.bands.is_empty())
             .unwrap_or(0);
         let tool = &scene.tools[slot];
-        Ok(Self {
+        let frame = ToolFrame::of(tool);
+        let gingiva = Gingiva {
+            params: gingiva.params,
+            tooth: gingiva.tooth,
+            margin: gingiva.margin.clone(),
+            proximal: gingiva.proximal,
+            sites: [Prescribed::default(); 6],
+            places: Vec::new(),
+            level: gingiva.level,
+        };
+        let tip = tip_radius(tool);
+        let wall = Wall::of(tooth, &gingiva.tooth, tip);
+        let side = Vec3::x() + gingiva.tooth.buccal * TO_CHEEK;
+        let mut path = Self {
+            fdi: tooth.fdi,
             slot,
             hug,
-            tool: ToolFrame::of(tool),
-            tooth: Sounded::of(scene, tooth, tool)?,
-            shaft: shaft_of(tool),
-            left: matches!(tooth.fdi / 10, 0 | 2 | 3 | 6 | 7),
-        })
-    }
-
-    /// World bearing of a bearing from mesial over buccal. (Mesial of a posterior tooth is anterior; buccal is to
-    /// the patient's left on the left side of the mouth.)
-    pub fn bearing(&self, site: f64) -> f64 {
-        if self.left { site } else { 360.0 - site }
-    }
-
-    /// Whether there is a margin at a bearing.
-    pub fn is_open(&self, bearing: f64) -> bool {
-        self.tooth.margin_at(bearing).is_finite()
-    }
-
-    /// Distance from the tooth's axis to the tip's centre where it touches the tooth at a depth below the margin.
-    pub fn radius(&self, bearing: f64, depth: f64) -> f64 {
-        let z = self.tooth.margin_at(bearing) - depth;
-        self.tooth.radius_at(bearing, z)
-    }
-
-    /// Device pose at a bearing and a depth below the margin, tilted by `tilt` radians away from the tooth, and set
-    /// off by `off`.
-    pub fn pose(&self, bearing: f64, depth: f64, tilt: f64, off: Vec3) -> Pose {
-        let (tip, pointing) = self.place(bearing, depth, tilt);
-        self.tool
-            .at(&(tip + off), &pointing, &bearing_vector(bearing))
-    }
-
-    /// Tip and the direction out of it for a bearing (degrees), a depth below the margin, and a tilt away from the tooth.
-    pub fn place(&self, bearing: f64, depth: f64, tilt: f64) -> (Vec3, Vec3) {
-        let out = bearing_vector(bearing);
-        let z = self.tooth.margin_at(bearing) - depth;
-        let r = self.tooth.radius_at(bearing, z) - self.hug;
-        let lean = self.lean(bearing, r, z);
-        // The tip stays where it is; the shaft tilts in the plane through the tooth's axis.
-        let angle = lean + tilt;
-        let up = Vec3::z() * libm::cos(angle) + out * libm::sin(angle);
-        let tip = Vec3::new(self.tooth.axis.x, self.tooth.axis.y, z) + out * r;
-        (tip, -up)
-    }
-
-    /// Smallest outward lean, radians, with which the shaft clears the crown above a tip at `r` and `z`.
-    fn lean(&self, bearing: f64, r: f64, z: f64) -> f64 {
-        let least = self.shaft[0].1;
-        let mut lean: f64 = 0.0;
-        for (along, radius) in &self.shaft[1..] {
-            let above = z + along;
-            if above > self.tooth.top() {
-                break;
-            }
-            let needed = self.tooth.radius_at(bearing, above) + (radius - least) - r;
-            lean = lean.max(libm::atan2(needed - self.hug, *along));
-        }
-        lean
-    }
-}
-
-impl Sounded {
-    fn of(scene: &Scene, tooth: &Object, tool: &Tool) -> Result<Self, NoPocket> {
-        let spheres: Vec<_> = tooth
-            .tree
-            .shape_at(tooth.level)
-            .map(|(_, node)| node.sphere())
-            .collect();
-        let huge = Vec3::repeat(f64::INFINITY);
-        let (low, high) = spheres.iter().fold((huge, -huge), |(low, high), s| {
-            let r = Vec3::repeat(s.radius);
-            (low.inf(&(s.centre - r)), high.sup(&(s.centre + r)))
-        });
-        let mut axis = (low + high) * 0.5;
-        axis.z = 0.0;
-        let gingiva = gingiva_around(scene, &axis).ok_or_else(|| {
-            NoPocket(format!(
-                "scene `{}` has no gingiva around tooth `{}` (an object that yields)",
-                scene.name, tooth.name
-            ))
-        })?;
-        let tip_radius = tip_radius(tool);
-        let heights = ((high.z - low.z) / HEIGHT_STEP).ceil() as usize + 1;
-        let mut radius = Vec::with_capacity(BEARINGS);
-        for b in 0..BEARINGS {
-            let out = bearing_vector(b as f64 * BEARING_STEP);
-            let at = |k: usize| {
-                let centre = Vec3::new(axis.x, axis.y, low.z + k as f64 * HEIGHT_STEP);
-                spheres
-                    .iter()
-                    .filter_map(|s| first_touch(&centre, &out, &s.centre, s.radius + tip_radius))
-                    .fold(0.0, f64::max)
-            };
-            radius.push((0..heights).map(at).collect());
-        }
-        let mut sounded = Self {
-            axis,
-            bottom: low.z,
-            radius,
-            margin: [f64::NEG_INFINITY; BEARINGS],
+            tool: frame,
+            tip,
+            wall,
+            leans: [Leans::none(), Leans::none()],
+            side,
+            gingiva,
         };
-        // The margin is the highest gingiva close to the tooth.
-        for (_, node) in gingiva.tree.shape_at(gingiva.level) {
-            let from = node.centre - axis;
-            let bearing = libm::atan2(from.y, from.x).to_degrees().rem_euclid(360.0);
-            let distance = libm::hypot(from.x, from.y) - node.contact_radius;
-            if distance > sounded.radius_at(bearing, node.centre.z) + 1.5e-3 {
-                continue;
-            }
-            let b = (bearing / BEARING_STEP).round() as usize;
-            for near in [b + BEARINGS - 1, b, b + 1] {
-                let margin = &mut sounded.margin[near % BEARINGS];
-                *margin = margin.max(node.centre.z + node.contact_radius);
-            }
+        let shaft = Shaft::of(tool, &frame);
+        let all = Obstacles::near(scene, &path.gingiva.tooth.origin, 15e-3);
+        path.leans = [1.0, -1.0].map(|sign| {
+            Leans::search(sign, manner, |around, depth, tilts, less| {
+                let ball = path.ball(around, depth, 0.0);
+                let mut near = all.above(&ball, &path.gingiva.tooth.axis);
+                tilts.iter().copied().find(|tilt| {
+                    let up = path.up(*tilt);
+                    let axes = frame.axes(&-up, &path.side);
+                    near.passes(&shaft, &(ball - up * tip), &axes, less)
+                })
+            })
+        });
+        Ok(path)
+    }
+
+    /// The tooth's own directions.
+    pub fn tooth(&self) -> &ToothFrame {
+        &self.gingiva.tooth
+    }
+
+    /// What is seen of the gingiva: its margin and its zones. Its depths are not known here.
+    pub fn gingiva(&self) -> &Gingiva {
+        &self.gingiva
+    }
+
+    /// Shallowest depth at which the tip has room at an angle; none where the shaft does not pass.
+    pub fn ceiling(&self, around: f64) -> Option<f64> {
+        self.leans_of(around).ceiling_at(around.abs())
+    }
+
+    /// How far a point is below the margin, and at which angle.
+    pub fn seen(&self, point: &Vec3) -> (f64, f64) {
+        let (around, height) = self.gingiva.tooth.cylindrical(point);
+        (around, self.gingiva.margin_at(around) - height)
+    }
+
+    /// Distance from the tooth's axis to the middle of the tip's ball where it touches the tooth.
+    pub fn radius(&self, around: f64, depth: f64) -> f64 {
+        let height = self.gingiva.margin_at(around) - depth + self.tip;
+        self.wall.radius_at(around, height)
+    }
+
+    /// Depth, negative, at which the tip is above everything of this tooth.
+    pub fn over(&self, around: f64) -> f64 {
+        self.gingiva.margin_at(around) - self.wall.top()
+    }
+
+    /// The tip at an angle and a depth below the margin there, tilted by `tilt` radians away from the tooth.
+    pub fn place(&self, around: f64, depth: f64, tilt: f64) -> Place {
+        let outward = self.wall.outward(around);
+        let ball = self.ball(around, depth, self.hug);
+        let straight = self.up(self.leans_of(around).at(around.abs(), depth));
+        let about = self.gingiva.tooth.axis.cross(&outward);
+        let up = exp_rotation(&(about * tilt)) * straight;
+        let below = self.ball(around, depth + STRETCH, self.hug);
+        Place {
+            tip: ball - up * self.tip,
+            up,
+            inwards: (below - ball).normalize(),
+            outward,
         }
-        Ok(sounded)
     }
 
-    fn top(&self) -> f64 {
-        self.bottom + (self.radius[0].len() - 1) as f64 * HEIGHT_STEP
+    /// Device pose at an angle and a depth below the margin, tilted by `tilt` radians away from the tooth, and set off by
+    /// `off`.
+    pub fn pose(&self, around: f64, depth: f64, tilt: f64, off: Vec3) -> Pose {
+        let place = self.place(around, depth, tilt);
+        self.tool.at(&(place.tip + off), &-place.up, &self.side)
     }
 
-    /// Distance from the axis at which the tip's centre touches.
-    fn radius_at(&self, bearing: f64, z: f64) -> f64 {
-        let rows = self.radius[0].len();
-        let row = ((z - self.bottom) / HEIGHT_STEP).clamp(0.0, (rows - 1) as f64);
-        let (k, f) = (row.floor() as usize, row - row.floor());
-        around(bearing, |b| {
-            self.radius[b][k] * (1.0 - f) + self.radius[b][(k + 1).min(rows - 1)] * f
-        })
+    /// Middle of the tip's ball, `hug` inside where it touches the tooth.
+    fn ball(&self, around: f64, depth: f64, hug: f64) -> Vec3 {
+        let frame = &self.gingiva.tooth;
+        let height = self.gingiva.margin_at(around) - depth + self.tip;
+        let radius = self.wall.radius_at(around, height) - hug;
+        frame.origin + frame.axis * height + self.wall.outward(around) * radius
     }
 
-    fn margin_at(&self, bearing: f64) -> f64 {
-        around(bearing, |b| self.margin[b])
+    fn up(&self, tilt: [f64; 2]) -> Vec3 {
+        let frame = &self.gingiva.tooth;
+        up(&frame.axis, &frame.mesial, &frame.buccal, tilt)
+    }
+
+    fn leans_of(&self, around: f64) -> &Leans {
+        &self.leans[usize::from(around < 0.0)]
     }
 }
 
-/// Linear between the bearings that were sounded.
-fn around(bearing: f64, value: impl Fn(usize) -> f64) -> f64 {
-    let at = bearing.rem_euclid(360.0) / BEARING_STEP;
-    let (b, f) = (at.floor() as usize % BEARINGS, at - at.floor());
-    value(b) * (1.0 - f) + value((b + 1) % BEARINGS) * f
-}
-
-/// The yielding object whose middle is nearest to a tooth's axis.
-fn gingiva_around<'a>(scene: &'a Scene, axis: &Vec3) -> Option<&'a Object> {
-    let middle = |object: &Object| {
-        let root = &object.tree.nodes()[0].centre;
-        let from = root - axis;
-        norm(&Vec3::new(from.x, from.y, 0.0))
+/// The gingiva with the tooth's number, else the one whose tooth has its origin nearest to this one's middle.
+fn gingiva_of<'a>(scene: &'a Scene, tooth: &Object) -> Option<&'a Gingiva> {
+    let all = scene.objects.iter().filter_map(|object| {
+        let TissueModel::Gingiva(model) = &object.tissue else {
+            return None;
+        };
+        Some((object.fdi, &**model))
+    });
+    let middle = tooth.tree.nodes()[0].centre;
+    let rank = |(fdi, model): &(u8, &Gingiva)| {
+        let others = *fdi != tooth.fdi;
+        (others, (model.tooth.origin - middle).norm())
     };
-    scene
-        .objects
-        .iter()
-        .filter(|object| !object.tissue.is_rigid())
-        .min_by(|a, b| middle(a).total_cmp(&middle(b)))
-}
-
-/// Largest radius of the working end by distance from the tip, every half millimetre: how far its surface is
-/// from the straight line out of the tip.
-fn shaft_of(tool: &Tool) -> Vec<(f64, f64)> {
-    const STEP: f64 = 0.5e-3;
-    let back = -tool.tip_axis;
-    let mut shaft: Vec<(f64, f64)> = (0..32).map(|k| (f64::from(k) * STEP, 0.0)).collect();
-    for (_, node) in tool.tree.shape_at(tool.level) {
-        let from = node.centre - tool.tip;
-        let along = from.dot(&back);
-        let k = (along / STEP).round();
-        if k >= 0.0 && k < shaft.len() as f64 {
-            let off = norm(&(from - back * along)) + node.contact_radius;
-            let radius = &mut shaft[k as usize].1;
-            *radius = radius.max(off);
-        }
-    }
-    // No sphere at a distance means no more than beside it.
-    for k in 1..shaft.len() {
-        shaft[k].1 = shaft[k].1.max(shaft[k - 1].1);
-    }
-    shaft
+    let nearest = all.min_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })?;
+    // A gingiva with another tooth's number is that one's.
+    (nearest.0 == tooth.fdi || nearest.0 == 0).then_some(nearest.1)
 }

@@ -4,10 +4,10 @@
 //! The hand goes by what it sees and feels: it presses until the disc is as far in as it means to hold it, or
 //! until the tongue resists more than a gentle hand would press.
 
-use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, TICK_S, Tool, Vec3, Wrench};
+use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, TICK_S, Tool, Vec3};
 
 use crate::frame::ToolFrame;
-use crate::script::{Script, smoothstep};
+use crate::script::{Felt, Script, smoothstep};
 
 /// How a tongue is held aside. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct RetractionParams {
     pub press_speed: f64,
     /// How far the tongue is pushed aside. Default 4 mm.
     pub aside: f64,
-    /// How long it is held, seconds. Default 1.5.
+    /// How long it is held, seconds; infinite: until told ([`Retraction::let_go`]). Default 1.5.
     pub hold: f64,
     /// How far the disc slides to each side along the tongue. Default 5 mm.
     pub slide: f64,
@@ -33,6 +33,9 @@ pub struct RetractionParams {
     pub slide_speed: f64,
     /// How often it is done at most. Default: until the time is up.
     pub times: u32,
+    /// The place that is to be free, world, metres: the tongue is held on that side of it, and as far back. Default: the
+    /// side of the first tooth, a little in front of the tongue's middle.
+    pub work: Option<Vec3>,
 }
 
 impl Default for RetractionParams {
@@ -48,6 +51,7 @@ impl Default for RetractionParams {
             slide: 5e-3,
             slide_speed: 8e-3,
             times: u32::MAX,
+            work: None,
         }
     }
 }
@@ -71,6 +75,9 @@ const MOST_PRESS: f64 = 40e-3;
 const ASIDE_SPEED: f64 = 6e-3;
 const LET_GO_SPEED: f64 = 80e-3;
 
+/// Stretch of the tongue that can be held, as shares of its length from behind.
+const WORKABLE: [f64; 2] = [0.4, 0.75];
+
 /// What the hand is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -89,7 +96,6 @@ pub struct Retraction {
     params: RetractionParams,
     slot: usize,
     tool: ToolFrame,
-    stiffness: f64,
     /// Disc's centre in the tool's frame.
     disc: Vec3,
     /// Where the disc's centre is when its face first touches, world.
@@ -103,6 +109,8 @@ pub struct Retraction {
     thickness: f64,
     // What changes while it is performed.
     time: f64,
+    /// When it goes away, seconds.
+    leaves: f64,
     phase: Phase,
     force: f64,
     /// How often it let go.
@@ -145,9 +153,8 @@ impl Retraction {
         // The flank towards the teeth, else the left one.
         let middle = tongue.tree.nodes()[0].centre;
         let tooth = scene.objects.iter().find(|object| object.fdi != 0);
-        let side = tooth.map_or(1.0, |tooth| {
-            (tooth.tree.nodes()[0].centre.y - middle.y).signum()
-        });
+        let tooth = tooth.map(|tooth| tooth.tree.nodes()[0].centre);
+        let side = params.work.or(tooth).map_or(1.0, |work| (work.y - middle.y).signum());
         let (sine, cosine) = (libm::sin(params.flank), libm::cos(params.flank));
         let inward = Vec3::new(0.0, -side * sine, -cosine);
         let sideways = Vec3::new(0.0, -side * cosine, sine);
@@ -157,7 +164,7 @@ impl Retraction {
         let disc = tool.working_point;
         let reach = (tool.tip - disc).norm();
         let thickness = face_height(tool, &disc, &-frame.basis.column(1).into_owned(), reach);
-        let touch = touching(tongue, &inward, reach, side * sine).ok_or_else(|| {
+        let touch = touching(tongue, &inward, reach, side * sine, params.work).ok_or_else(|| {
             NoTongue(format!(
                 "the mirror would not meet `{}` from above: is z up, and is it a tongue?",
                 tongue.name
@@ -167,7 +174,6 @@ impl Retraction {
             params,
             slot,
             tool: frame,
-            stiffness: tool.stiffness_n_per_m,
             disc,
             touch,
             inward,
@@ -176,6 +182,7 @@ impl Retraction {
             reach,
             thickness,
             time: 0.0,
+            leaves: params.duration - TRANSIT,
             phase: Phase::Press,
             force: 0.0,
             done: 0,
@@ -196,6 +203,21 @@ impl Retraction {
         // The tool's tip is the disc's far edge; its face looks away from the handle's side.
         let edge = centre + self.along * self.reach;
         self.tool.at(&edge, &self.along, &-self.inward)
+    }
+
+    /// Slot of the mirror.
+    pub fn slot(&self) -> usize {
+        self.slot
+    }
+
+    /// Whether the tongue is held aside.
+    pub fn holds(&self) -> bool {
+        matches!(self.phase, Phase::Hold(_) | Phase::Slide(_))
+    }
+
+    /// Lets go now, and goes away.
+    pub fn let_go(&mut self) {
+        self.leaves = self.leaves.min(self.time);
     }
 
     /// One millisecond of the phase under way.
@@ -242,25 +264,26 @@ impl Retraction {
 }
 
 impl Script for Retraction {
-    fn feel(&mut self, felt: &[Wrench; MAX_TOOLS], hands: &[Option<Pose>; MAX_TOOLS]) {
+    fn feel(&mut self, felt: &Felt) {
         self.time += TICK_S;
-        let back = -felt[self.slot].force.dot(&self.inward);
+        let wrench = &felt.shown.wrenches[self.slot];
+        let back = -wrench.force.dot(&self.inward);
         self.force += (back - self.force) * (TICK_S / FEEL);
-        if let Some(hand) = hands[self.slot] {
-            // The disc on the screen lags behind the hand by the coupling's stretch.
-            let disc = hand.transform(&self.disc) + felt[self.slot].force / self.stiffness;
-            self.seen = (disc - self.touch).dot(&self.inward);
+        if let Some(graphic) = felt.shown.graphics[self.slot] {
+            self.seen = (graphic.transform(&self.disc) - self.touch).dot(&self.inward);
         }
-        let leaves = self.params.duration - TRANSIT;
-        if self.time > TRANSIT && self.time < leaves {
+        if self.time > TRANSIT && self.time < self.leaves {
             self.go_on();
-        } else if self.time >= leaves {
+        } else if self.time >= self.leaves {
+            self.phase = Phase::LetGo;
             self.meant[0] = (self.meant[0] - LET_GO_SPEED * TICK_S).max(-OFF);
         }
     }
 
-    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
-        let leaving = smoothstep((t - self.params.duration + 0.5 * TRANSIT) / (0.5 * TRANSIT));
+    fn targets(&self, _: f64) -> [Option<Pose>; MAX_TOOLS] {
+        // By its own clock: another script may start it late.
+        let t = (self.time - TICK_S).max(0.0);
+        let leaving = smoothstep((t - self.leaves - 0.5 * TRANSIT) / (0.5 * TRANSIT));
         let away = (1.0 - smoothstep(t / TRANSIT) + leaving).min(1.0);
         let [deep, aside, along] = self.meant;
         let mut targets = [None; MAX_TOOLS];
@@ -270,6 +293,10 @@ impl Script for Retraction {
 
     fn duration_s(&self) -> f64 {
         self.params.duration
+    }
+
+    fn is_done(&self) -> bool {
+        self.time >= self.leaves + TRANSIT
     }
 }
 
@@ -284,7 +311,13 @@ fn face_height(tool: &Tool, disc: &Vec3, face: &Vec3, reach: f64) -> f64 {
 
 /// Where a flat disc of radius `reach` that comes along `inward` first meets the tongue, `side` of the way to
 /// its left flank: the middle of its face.
-fn touching(tongue: &Object, inward: &Vec3, reach: f64, side: f64) -> Option<Vec3> {
+fn touching(
+    tongue: &Object,
+    inward: &Vec3,
+    reach: f64,
+    side: f64,
+    work: Option<Vec3>,
+) -> Option<Vec3> {
     let leaves = || tongue.tree.shape_at(tongue.level).map(|(_, node)| node);
     let huge = Vec3::repeat(f64::INFINITY);
     let (low, high) = leaves().fold((huge, -huge), |(low, high), node| {
@@ -292,8 +325,12 @@ fn touching(tongue: &Object, inward: &Vec3, reach: f64, side: f64) -> Option<Vec
     });
     // A little in front of the middle: the root behind is stiff, the tip too thin for the disc. A flank lies
     // off the middle.
+    let share = work.map_or(0.6, |work| {
+        let share = (work.x - low.x) / (high.x - low.x);
+        share.clamp(WORKABLE[0], WORKABLE[1])
+    });
     let aim = Vec3::new(
-        0.5 * (low.x + high.x) + 0.1 * (high.x - low.x),
+        low.x + share * (high.x - low.x),
         0.5 * (low.y + high.y) + 0.45 * side * (high.y - low.y),
         0.5 * (low.z + high.z),
     );

@@ -1,20 +1,74 @@
 //! Where a hand means to be over time.
 
-use sulcus_core::{MAX_TOOLS, Pose, Wrench};
+use sulcus_core::tissue::gingiva::Site;
+use sulcus_core::{MAX_TOOLS, Pose, TickOutput, Wrench};
+
+/// What the simulation gives a person in one millisecond: forces on the hands, a picture on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Wrenches about the device points, world axes.
+    pub wrenches: [Wrench; MAX_TOOLS],
+    /// Graphic poses (`world_from_tool`) as drawn; `None` while nothing has been drawn yet.
+    pub graphics: [Option<Pose>; MAX_TOOLS],
+}
+
+impl Shown {
+    /// Before the first tick.
+    pub const NOTHING: Self = Self {
+        wrenches: [Wrench::ZERO; MAX_TOOLS],
+        graphics: [None; MAX_TOOLS],
+    };
+}
+
+impl From<&TickOutput> for Shown {
+    fn from(output: &TickOutput) -> Self {
+        Self {
+            wrenches: std::array::from_fn(|t| output.tools[t].wrench),
+            graphics: std::array::from_fn(|t| Some(output.tools[t].graphic)),
+        }
+    }
+}
+
+/// A depth that the operator says aloud.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Call {
+    /// FDI number of the tooth.
+    pub tooth: u8,
+    /// Which of its sites.
+    pub site: Site,
+    /// Whole millimetres.
+    pub depth_mm: u8,
+}
+
+/// What an operator perceives in one millisecond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// What the simulation shows.
+    pub shown: Shown,
+    /// Where the hands are (device poses); `None` where no hand holds the tool.
+    pub hands: [Option<Pose>; MAX_TOOLS],
+}
 
 /// A scripted intention: a function of time, and, where a script goes by what it feels, of that.
 pub trait Script {
-    /// Takes in, once per millisecond and before [`Script::targets`], what the hands feel (wrenches about the
-    /// device points, world axes) and where they are (device poses; `None` where no hand holds the tool).
-    /// Most scripts do not care.
-    fn feel(&mut self, felt: &[Wrench; MAX_TOOLS], hands: &[Option<Pose>; MAX_TOOLS]) {
-        let _ = (felt, hands);
+    /// Takes in, once per millisecond and before [`Script::targets`], what the operator perceives. Most scripts do not
+    /// care.
+    fn feel(&mut self, felt: &Felt) {
+        let _ = felt;
     }
     /// Device poses (`world_from_tool`) that the hands mean to reach at `t` seconds; `None` where no
     /// hand holds the tool.
     fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS];
-    /// Length, seconds.
+    /// Length, seconds; for a script that goes by what it feels the most that it takes.
     fn duration_s(&self) -> f64;
+    /// The depths called since this was last asked.
+    fn calls(&mut self) -> Vec<Call> {
+        Vec::new()
+    }
+    /// Whether there is nothing left to do before [`Script::duration_s`].
+    fn is_done(&self) -> bool {
+        false
+    }
 }
 
 /// A script from a closure for the first tool: what tests and hard cases want.

@@ -6,8 +6,9 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use anyhow::Context;
 use sulcus_cases::Observer;
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
+    NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
 };
+use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::{Events, Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
 
@@ -63,7 +64,7 @@ pub fn run(
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     recorder.snapshot(started, 0, &state.to_bytes())?;
     let (mut cpu, mut wall) = (histogram(), histogram());
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     let mut observer = Observer::new(&scene);
     // Counts only here: the full query of all pairs comes with the check.
     observer.residual_every = u64::MAX;
@@ -77,7 +78,7 @@ pub fn run(
         }
         done = k;
         let mut input = TickInput::IDLE;
-        input.tools = prepared.operator.step(&felt);
+        input.tools = prepared.operator.step(&shown);
         if let Some(case) = prepared.case {
             (case.disturb)(k - 1, &mut input);
         }
@@ -85,7 +86,7 @@ pub fn run(
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
         cpu.saturating_record(thread_cpu_ns() - cpu_0);
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
-        felt = as_sent(&output);
+        shown = as_sent(&output);
         observer.observe(&scene, &input, &output, &ws);
         let now = started + k * 1_000_000;
         recorder.push(&Row::new(now, &input, &output))?;
@@ -121,14 +122,17 @@ pub fn run(
     })
 }
 
-/// The wrenches as the wire would carry them: f32, widened.
-fn as_sent(output: &TickOutput) -> [Wrench; MAX_TOOLS] {
+/// What the wire would carry: f32, widened.
+fn as_sent(output: &TickOutput) -> Shown {
     let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
-    std::array::from_fn(|t| {
-        let wrench = &output.tools[t].wrench;
-        Wrench {
-            force: narrow(&wrench.force),
-            torque: narrow(&wrench.torque),
-        }
-    })
+    Shown {
+        wrenches: std::array::from_fn(|t| {
+            let wrench = &output.tools[t].wrench;
+            Wrench {
+                force: narrow(&wrench.force),
+                torque: narrow(&wrench.torque),
+            }
+        }),
+        graphics: std::array::from_fn(|t| drawn(&RawPose::from(&output.tools[t].graphic))),
+    }
 }

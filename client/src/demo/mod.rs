@@ -32,6 +32,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         &args.exercise,
         args.scene.as_deref(),
         args.duration,
+        args.habit,
         args.seed,
         args.solver.into(),
         &steps,

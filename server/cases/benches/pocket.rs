@@ -8,10 +8,10 @@ use std::path::Path;
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_cases::pocket::{Way, gingiva_of};
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, Wrench, tick,
+    NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick,
 };
 use sulcus_operator::script::{OneTool, smoothstep};
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::{BuildOptions, compile_file};
 
 /// Angles of the sites, degrees, and their depths, metres.
@@ -73,13 +73,13 @@ fn inputs(scene: &Scene, degrees: f64, depth: f64) -> Vec<TickInput> {
     };
     let mut operator = Operator::new(Box::new(script), HandParams::default(), 7);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     (0..operator.ticks())
         .map(|_| {
             let mut input = TickInput::IDLE;
-            input.tools = operator.step(&felt);
+            input.tools = operator.step(&shown);
             let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-            felt = std::array::from_fn(|t| out.tools[t].wrench);
+            shown = Shown::from(&out);
             input
         })
         .collect()

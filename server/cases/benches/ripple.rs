@@ -9,9 +9,9 @@ mod shapes;
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_cases::ripple::{Shape, slide};
 use sulcus_cases::scenes;
-use sulcus_core::{MAX_TOOLS, NoProbe, State, TickInput, Vec3, Workspace, Wrench, tick};
+use sulcus_core::{NoProbe, State, TickInput, Vec3, Workspace, tick};
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::blend::{BlendOptions, blend_error, calibrate};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
@@ -64,13 +64,13 @@ fn crown() {
         let mut operator =
             Operator::new(Box::new(script.expect("a tooth")), HandParams::default(), 1);
         let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-        let mut felt = [Wrench::ZERO; MAX_TOOLS];
+        let mut shown = Shown::NOTHING;
         let inputs: Vec<TickInput> = (0..operator.ticks())
             .map(|_| {
                 let mut input = TickInput::IDLE;
-                input.tools = operator.step(&felt);
+                input.tools = operator.step(&shown);
                 let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-                felt = std::array::from_fn(|t| out.tools[t].wrench);
+                shown = Shown::from(&out);
                 input
             })
             .collect();

@@ -1,9 +1,9 @@
 //! Runs a case of the table.
 
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Params, Scene, State, TickInput, TickOutput, Workspace, Wrench, tick,
+    MAX_TOOLS, NoProbe, Params, Scene, State, TickInput, TickOutput, Workspace, tick,
 };
-use sulcus_operator::{Operator, present};
+use sulcus_operator::{Felt, Operator, Shown, present};
 
 use crate::measure::{Measures, Observer};
 use crate::table::{Case, Driver};
@@ -45,16 +45,16 @@ pub fn run_on(
     change(&mut scene);
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut observer = Observer::new(&scene);
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     let mut margin = f64::INFINITY;
     let ticks = script.duration_s() * 1e3;
     let mut hands = [None; MAX_TOOLS];
     for k in 0..ticks as u64 {
         let mut input = TickInput::IDLE;
         input.tools = match &mut operator {
-            Some(operator) => operator.step(&felt),
+            Some(operator) => operator.step(&shown),
             None => {
-                script.feel(&felt, &hands);
+                script.feel(&Felt { shown, hands });
                 hands = script.targets(k as f64 * sulcus_core::TICK_S);
                 hands.map(|target| match target {
                     Some(pose) => present(&pose),
@@ -67,7 +67,7 @@ pub fn run_on(
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
         each(&scene, &before, &output, &state);
         observer.observe(&scene, &input, &output, &ws);
-        felt = std::array::from_fn(|t| output.tools[t].wrench);
+        shown = Shown::from(&output);
         margin = margin.min((case.margin)(&scene, &output));
     }
     let measures = observer.measures();

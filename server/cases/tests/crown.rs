@@ -7,9 +7,9 @@ use sulcus_cases::{Measures, Observer};
 use sulcus_core::math::norm;
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::output::status;
-use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, Wrench, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, Vec3, Workspace, tick};
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::blend::{BlendOptions, calibrate};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
@@ -69,14 +69,14 @@ fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
     );
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut observer = Observer::new(scene);
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     for k in 0..operator.ticks() {
         let mut input = TickInput::IDLE;
-        input.tools = operator.step(&felt);
+        input.tools = operator.step(&shown);
         let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
         observer.observe(scene, &input, &out, &ws);
         check_books(scene, &state, &ws, &out, k);
-        felt = std::array::from_fn(|t| out.tools[t].wrench);
+        shown = Shown::from(&out);
     }
     observer.measures()
 }

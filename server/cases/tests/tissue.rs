@@ -6,7 +6,7 @@ use sulcus_core::math::norm;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Pose, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick,
 };
-use sulcus_operator::pocket_path::PocketPath;
+use sulcus_operator::pocket_path::{Manner, PocketPath};
 use sulcus_operator::present;
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 
@@ -89,7 +89,7 @@ fn what_is_kept_of_tongue_and_gingiva_never_shows() {
     });
     assert!(touched > 1000, "{touched}");
     let scene = pocket("0.4");
-    let path = PocketPath::new(&scene, None, 1e-4).expect("a pocket");
+    let path = PocketPath::new(&scene, None, 1e-4, Manner::Taught).expect("a pocket");
     let touched = kept_as_plain(&scene, 2500, |k| {
         let t = k as f64 * sulcus_core::TICK_S;
         let depth = if (1.5..1.8).contains(&t) {
@@ -97,7 +97,7 @@ fn what_is_kept_of_tongue_and_gingiva_never_shows() {
         } else {
             -4e-3 + 6e-3 * (t / 0.7).min(1.0)
         };
-        let bearing = path.bearing(90.0 + 15.0 * libm::sin(6.0 * t));
+        let bearing = f64::to_radians(90.0 + 15.0 * libm::sin(6.0 * t));
         input.tools[0] =
             present(&path.pose(bearing, depth, 0.1 * libm::sin(9.0 * t), Vec3::zeros()));
         input
@@ -149,8 +149,8 @@ fn two_mirrors_on_opposite_flanks_are_pushed_apart_alike() {
 #[test]
 fn probes_on_opposite_sides_of_a_tooth_feel_as_if_alone() {
     let (one, two) = (pocket("0.4"), twice(pocket("0.4")));
-    let path = PocketPath::new(&one, None, 1e-4).expect("a pocket");
-    let sides = [90.0, 270.0].map(|site| path.bearing(site));
+    let path = PocketPath::new(&one, None, 1e-4, Manner::Taught).expect("a pocket");
+    let sides = [90.0, -90.0].map(f64::to_radians);
     let pose = |side: f64, t: f64| {
         let depth = -2e-3 + 6.3e-3 * (t / 1.2).min(1.0);
         Some(path.pose(side, depth, 0.0, Vec3::zeros()))
@@ -170,8 +170,8 @@ fn probes_on_opposite_sides_of_a_tooth_feel_as_if_alone() {
 fn torque_in_a_pocket_changes_sign_with_the_turning_direction() {
     for width in ["0.4", "0.5", "0.65", "0.8"] {
         let scene = pocket(width);
-        let path = PocketPath::new(&scene, None, 1e-4).expect("a pocket");
-        let bearing = path.bearing(90.0);
+        let path = PocketPath::new(&scene, None, 1e-4, Manner::Taught).expect("a pocket");
+        let bearing = 90f64.to_radians();
         let torque = |turn: f64| {
             let out = lead(&scene, 2000, |t| {
                 let depth = -2e-3 + 6e-3 * (t / 1.2).min(1.0);

@@ -10,10 +10,10 @@
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, Wrench, tick,
+    NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick,
 };
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::BuiltIn;
 use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
 
@@ -69,13 +69,13 @@ fn inputs(scene: &Scene, seconds: f64) -> Vec<TickInput> {
     .expect("a tooth");
     let mut operator = Operator::new(Box::new(crown), HandParams::default(), 1);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     (0..operator.ticks())
         .map(|_| {
             let mut input = TickInput::IDLE;
-            input.tools = operator.step(&felt);
+            input.tools = operator.step(&shown);
             let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-            felt = std::array::from_fn(|t| out.tools[t].wrench);
+            shown = Shown::from(&out);
             input
         })
         .collect()

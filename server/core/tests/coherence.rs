@@ -5,7 +5,7 @@
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::*;
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::{BuildOptions, compile_default};
 
 #[test]
@@ -23,13 +23,13 @@ fn a_crown_session_has_the_same_hashes_with_and_without_memory() {
     };
     let crown = Crown::new(&scene, None, params).expect("a tooth");
     let mut operator = Operator::new(Box::new(crown), HandParams::default(), 7);
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     let mut states = [(); 3].map(|()| State::new(&scene));
     let (mut kept, mut plain) = (Workspace::new(&scene), Workspace::plain(&scene));
     let (mut contact, ticks) = (0, operator.ticks());
     for k in 0..ticks {
         let mut input = TickInput::IDLE;
-        input.tools = operator.step(&felt);
+        input.tools = operator.step(&shown);
         let [first, second, third] = &mut states;
         let out = tick(&scene, first, &mut kept, &input, &mut NoProbe);
         let traversed = tick(&scene, second, &mut plain, &input, &mut NoProbe);
@@ -38,7 +38,7 @@ fn a_crown_session_has_the_same_hashes_with_and_without_memory() {
         let forgetful = tick(&scene, third, &mut fresh, &input, &mut NoProbe);
         assert_eq!(out, forgetful, "tick {k}");
         contact += u64::from(out.tools[0].active > 0);
-        felt = std::array::from_fn(|t| out.tools[t].wrench);
+        shown = Shown::from(&out);
     }
     assert!(contact > 800, "in contact in {contact} of {ticks} ticks");
     let work = kept.work();

@@ -2,15 +2,15 @@
 
 use sulcus_core::{Scene, Vec3};
 use sulcus_operator::Script;
-use sulcus_operator::pocket_path::PocketPath;
+use sulcus_operator::pocket_path::{Manner, PocketPath};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
 
 use super::{Bounds, Case, Driver, no_margin, undisturbed};
 use crate::tissue_scenes::{bar, organ, pocket, stiff, tongue, twice};
 
-/// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, degrees.
-const BUCCAL: f64 = 90.0;
+/// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, radians.
+const BUCCAL: f64 = std::f64::consts::FRAC_PI_2;
 /// How far the tip hugs the tooth's wall.
 const HUG: f64 = 1e-4;
 /// Depth of the pockets here.
@@ -19,18 +19,17 @@ const DEEP: f64 = 4e-3;
 const TURN: f64 = 0.1745;
 
 fn path(scene: &Scene) -> PocketPath {
-    PocketPath::new(scene, None, HUG).expect("a tooth with gingiva")
+    PocketPath::new(scene, None, HUG, Manner::Taught).expect("a tooth with gingiva")
 }
 
 /// Down the pocket to its floor, turned to and fro by 10 degrees in the plane through the tooth's axis, and out.
 fn insert_and_turn(scene: &Scene) -> Box<dyn Script + Send> {
     let path = path(scene);
-    let bearing = path.bearing(BUCCAL);
     let pose = move |t: f64| {
         let down = smoothstep((t - 0.2) / 1.6) - smoothstep((t - 6.2) / 1.6);
         let turning = smoothstep((t - 2.0) / 0.2) - smoothstep((t - 6.0) / 0.2);
         let tilt = TURN * libm::sin(std::f64::consts::PI * (t - 2.0)) * turning;
-        path.pose(bearing, -2e-3 + (DEEP + 2.1e-3) * down, tilt, Vec3::zeros())
+        path.pose(BUCCAL, -2e-3 + (DEEP + 2.1e-3) * down, tilt, Vec3::zeros())
     };
     Box::new(OneTool {
         pose,
@@ -286,7 +285,7 @@ pub(super) const CASES: &[Case] = &[
                         * libm::sin(3.0 * t)
                         * smoothstep((t - 1.5) / 0.2)
                         * (1.0 - smoothstep((t - 3.5) / 0.2));
-                    let bearing = path.bearing(site);
+                    let bearing = site.to_radians();
                     Some(path.pose(bearing, -2e-3 + 6e-3 * down, tilt, Vec3::zeros()))
                 };
                 [pose(75.0, 0.2), pose(105.0, 0.8)]
@@ -305,14 +304,13 @@ pub(super) const CASES: &[Case] = &[
         about: "20 mm in one tick from above the pocket to beyond its floor, held, and out again",
         driver: Driver::Kinematic(|scene| {
             let path = path(scene);
-            let bearing = path.bearing(BUCCAL);
             let pose = move |t: f64| {
                 let depth = if (0.3..1.5).contains(&t) {
                     6e-3
                 } else {
                     -14e-3
                 };
-                path.pose(bearing, depth, 0.0, Vec3::zeros())
+                path.pose(BUCCAL, depth, 0.0, Vec3::zeros())
             };
             Box::new(OneTool {
                 pose,
@@ -339,13 +337,12 @@ pub(super) const CASES: &[Case] = &[
         about: "the hand from wall to wall of the pocket and back in every tick: contacts come and go, nothing grows",
         driver: Driver::Kinematic(|scene| {
             let path = path(scene);
-            let bearing = path.bearing(BUCCAL);
             let pose = move |t: f64| {
                 let down = smoothstep((t - 0.2) / 1.0) - smoothstep((t - 3.0) / 1.0);
                 let odd = (t / sulcus_core::TICK_S).round() as u64 % 2 == 1;
                 let off = if odd { 3e-4 } else { -3e-4 } * down;
                 let out = Vec3::new(0.0, 1.0, 0.0);
-                path.pose(bearing, -2e-3 + 5.5e-3 * down, 0.0, out * off)
+                path.pose(BUCCAL, -2e-3 + 5.5e-3 * down, 0.0, out * off)
             };
             Box::new(OneTool {
                 pose,
@@ -369,10 +366,9 @@ pub(super) const CASES: &[Case] = &[
         about: "a minute at rest on the floor of the pocket: nothing drifts",
         driver: Driver::Kinematic(|scene| {
             let path = path(scene);
-            let bearing = path.bearing(BUCCAL);
             let pose = move |t: f64| {
                 let depth = -2e-3 + (DEEP + 2.2e-3) * smoothstep(t);
-                path.pose(bearing, depth, 0.0, Vec3::zeros())
+                path.pose(BUCCAL, depth, 0.0, Vec3::zeros())
             };
             Box::new(OneTool {
                 pose,

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use sulcus_core::{MAX_TOOLS, TickInput, Vec3, Wrench};
+use sulcus_core::{TickInput, Vec3};
 use sulcus_operator::script::{OneTool, smoothstep};
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 
 use crate::run::{Run, SITES, go_in, model, scene_with, way};
 
@@ -72,12 +72,12 @@ fn a_hand_in_closed_loop_goes_in_bobs_and_leaves_without_a_kick() {
         };
         let mut operator = Operator::new(Box::new(script), HandParams::default(), 3);
         let mut run = Run::new(&scene);
-        let mut felt = [Wrench::ZERO; MAX_TOOLS];
+        let mut shown = Shown::NOTHING;
         for _ in 0..operator.ticks() {
             let mut input = TickInput::IDLE;
-            input.tools = operator.step(&felt);
+            input.tools = operator.step(&shown);
             let out = run.step(&input);
-            felt = std::array::from_fn(|t| out.tools[t].wrench);
+            shown = Shown::from(&out);
         }
         let m = run.measures();
         println!(

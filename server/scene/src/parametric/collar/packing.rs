@@ -17,7 +17,7 @@ const CLOSEST: f64 = 0.42;
 const WIDER: f64 = 1.03;
 /// Radii of the spheres of the wall and of the floor, mm.
 const WALL: [f64; 2] = [0.2, 0.7];
-const FLOOR: f64 = 0.45;
+const FLOOR: f64 = 0.9;
 /// Radii of spheres that are not met in the pocket, mm.
 const OUTSIDE: [f64; 2] = [0.4, 1.4];
 /// Distance between those, as a multiple of the columns'.
@@ -105,7 +105,7 @@ fn dent(radius: f64, apart: f64) -> f64 {
 fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
     let (floor, crest) = (collar.floor(around), collar.crest(around));
     // The floor, from tooth to wall.
-    let middle = collar.inner(around, floor) - 0.5 * collar.sizes.width;
+    let middle = collar.inner(around, floor) - 0.8 * collar.sizes.width;
     let top = floor + 0.5 * dent(FLOOR, apart);
     put(collar, around, middle, top - FLOOR, FLOOR, true, packed);
     // The wall; every other column is set off by half a row.

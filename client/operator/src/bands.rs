@@ -1,0 +1,148 @@
+//! What an eye reads off the bands of a probe at the gingival margin.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use sulcus_core::scene::Band;
+use sulcus_core::{Pose, Tool, Vec3};
+
+use crate::pocket_path::PocketPath;
+
+/// Farthest from the tip that a probe is looked at, metres, and how finely.
+const LENGTH: f64 = 20e-3;
+const STEP: f64 = 0.1e-3;
+/// Parts of the space between two marks that an eye tells apart.
+const PARTS: f64 = 4.0;
+/// Marks no farther apart than this are not interpolated between, metres.
+const CLOSE: f64 = 1.01e-3;
+
+/// Length of the working end below the margin as drawn: from the tip to where the working end's line crosses the margin,
+/// which is looked up at each point's own angle. Metres; 0 with the tip above it.
+pub fn below_margin(path: &PocketPath, tool: &Tool, graphic: &Pose) -> f64 {
+    let tip = graphic.transform(&tool.tip);
+    let up: Vec3 = graphic.orientation * -tool.tip_axis;
+    let depth = |s: f64| path.seen(&(tip + up * s)).1;
+    let mut before = depth(0.0);
+    if before <= 0.0 {
+        return 0.0;
+    }
+    let mut s = 0.0;
+    while s < LENGTH {
+        let next = depth(s + STEP);
+        if next <= 0.0 {
+            return s + STEP * before / (before - next);
+        }
+        (s, before) = (s + STEP, next);
+    }
+    LENGTH
+}
+
+/// Whole millimetres that a person reads for a length below the margin (metres) off these bands. Marks are the bands'
+/// ends and the tip. Where marks are a millimetre apart or less, the nearest mark is called; in a wider space a person
+/// judges quarters of it, and calls the whole millimetre nearest to that; beyond the last mark, the last mark.
+pub fn read(bands: &[Band], length: f64) -> u8 {
+    let marks = marks(bands);
+    let above = marks.iter().position(|mark| *mark >= length);
+    let at = match above {
+        None => marks[marks.len() - 1],
+        Some(0) => marks[0],
+        Some(k) => {
+            let (low, high) = (marks[k - 1], marks[k]);
+            let share = (length - low) / (high - low);
+            let parts = if high - low <= CLOSE { 1.0 } else { PARTS };
+            low + (high - low) * (share * parts).round() / parts
+        }
+    };
+    (at * 1e3).round() as u8
+}
+
+/// The tip and the ends of all bands, metres from the tip, ascending.
+fn marks(bands: &[Band]) -> Vec<f64> {
+    let mut marks: Vec<f64> = bands.iter().flat_map(|band| [band.from, band.to]).collect();
+    marks.push(0.0);
+    marks.sort_by(f64::total_cmp);
+    marks.dedup_by(|a, b| *a - *b < 1e-6);
+    marks
+}
+
+/// An eye that takes one mark for another.
+#[derive(Clone, Debug)]
+pub struct Blur {
+    chance: ChaCha8Rng,
+}
+
+impl Blur {
+    /// Mistakes that come from `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            chance: ChaCha8Rng::seed_from_u64(seed ^ 0x6d61_726b),
+        }
+    }
+
+    /// What is called instead of `right`: of five calls two are right, two are a millimetre off, and one takes a dark band
+    /// for the next one of the same look.
+    pub fn call(&mut self, bands: &[Band], right: u8) -> u8 {
+        let mut dark = bands.iter().filter(|band| band.dark).map(|band| band.to);
+        let apart = match (dark.next(), dark.next()) {
+            (Some(first), Some(second)) => ((second - first) * 1e3).round() as u8,
+            _ => 2,
+        };
+        match self.chance.next_u64() % 5 {
+            0 => right + 1,
+            1 => right.saturating_sub(1),
+            2 if right > apart => right - apart,
+            2 => right + apart,
+            _ => right,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bands(marks: &[(f64, f64, bool)]) -> Vec<Band> {
+        let band = |&(from, to, dark): &(f64, f64, bool)| Band {
+            from: from * 1e-3,
+            to: to * 1e-3,
+            dark,
+        };
+        marks.iter().map(band).collect()
+    }
+
+    #[test]
+    fn a_unc_15_is_read_to_the_nearest_mark() {
+        let each: Vec<_> = (0..15).map(|k| (f64::from(k), f64::from(k + 1), k % 5 == 4)).collect();
+        let unc = bands(&each);
+        let read = [0.0, 0.4, 0.6, 3.4, 3.6, 9.9, 14.6, 18.0].map(|mm| read(&unc, mm * 1e-3));
+        assert_eq!(read, [0, 0, 1, 3, 4, 10, 15, 15]);
+    }
+
+    #[test]
+    fn sparse_marks_are_judged_in_quarters() {
+        // Williams: 1 2 3 5 7 8 9 10.
+        let ends = [0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 8.0, 9.0, 10.0];
+        let williams: Vec<_> = ends.windows(2).map(|w| (w[0], w[1], false)).collect();
+        let read_w = [3.2, 3.6, 4.1, 4.4, 4.8].map(|mm| read(&bands(&williams), mm * 1e-3));
+        assert_eq!(read_w, [3, 4, 4, 4, 5]);
+        let who = bands(&[(0.0, 0.5, true), (3.5, 5.5, true), (8.5, 11.5, true)]);
+        let read_who = [0.2, 2.0, 3.4, 4.4, 5.4, 7.0, 12.0].map(|mm| read(&who, mm * 1e-3));
+        assert_eq!(read_who, [0, 2, 4, 5, 6, 7, 12]);
+    }
+
+    #[test]
+    fn a_blurred_eye_is_wrong_as_often_as_said_and_the_seed_decides() {
+        let each: Vec<_> = (0..15).map(|k| (f64::from(k), f64::from(k + 1), k % 5 == 4)).collect();
+        let unc = bands(&each);
+        let calls = |seed| {
+            let mut eye = Blur::new(seed);
+            (0..500).map(|_| eye.call(&unc, 4)).collect::<Vec<u8>>()
+        };
+        assert_eq!(calls(3), calls(3));
+        assert_ne!(calls(3), calls(4));
+        let count = |mm: u8| calls(3).iter().filter(|call| **call == mm).count();
+        for (mm, share) in [(4, 0.4), (3, 0.2), (5, 0.2), (9, 0.2)] {
+            let counted = count(mm) as f64 / 500.0;
+            assert!((counted - share).abs() < 0.06, "{mm}: {counted}");
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! The `bimanual` exercise: the mirror holds the tongue aside at the side of the working tooth while the probe makes its tour.
+//!
+//! The mirror comes first: the probe waits until the tongue is held. Where the tour goes over to the other side of the mouth the
+//! probe waits outside the pocket until the mirror has changed sides. Both handles come out of the mouth at the front, the
+//! mirror's over the tongue and the probe's over the teeth of its side.
+
+use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Vec3};
+
+use crate::pocket_path::NoPocket;
+use crate::retraction::{NoTongue, Retraction, RetractionParams};
+use crate::script::{Call, Felt, Script};
+use crate::tour::Tour;
+use crate::tour_params::{TourParams, Visit};
+use crate::travel::Travel;
+
+/// Why the exercise cannot be performed in a scene.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoExercise {
+    /// The probe's part.
+    #[error(transparent)]
+    Pocket(#[from] NoPocket),
+    /// The mirror's part.
+    #[error(transparent)]
+    Tongue(#[from] NoTongue),
+}
+
+/// The script.
+#[derive(Clone, Debug)]
+pub struct Bimanual {
+    tour: Tour,
+    /// For each side that is visited, in turn.
+    mirrors: Vec<(Side, Retraction)>,
+    /// Which mirror's turn it is.
+    turn: usize,
+    /// The mirror's way from one side to the other.
+    passage: Option<Travel>,
+    /// Share of the tour after which the tongue is let go; 1 for an operator who holds it to the end.
+    until: f64,
+    /// When both hands are to be out of the mouth, seconds.
+    ends: f64,
+    time: f64,
+}
+
+/// Side of the mouth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    fn of(fdi: u8) -> Self {
+        if matches!(fdi / 10, 2 | 3) {
+            Side::Left
+        } else {
+            Side::Right
+        }
+    }
+}
+
+impl Bimanual {
+    /// Probes `tour` while the tongue is held, for the share `until` of the tour (1: to its end).
+    ///
+    /// # Errors
+    /// When the scene lacks a tooth of the tour, its gingiva, a tongue or a mirror.
+    pub fn new(
+        scene: &Scene,
+        tour: &[Visit],
+        params: TourParams,
+        mirror: RetractionParams,
+        until: f64,
+    ) -> Result<Self, NoExercise> {
+        let probe = Tour::new(scene, tour, params)?;
+        let tour_ends = params.duration;
+        let same = |a: &Visit, b: &Visit| Side::of(a.tooth) == Side::of(b.tooth);
+        let mirrors = tour.chunk_by(same).map(|visits| {
+            let origins = visits.iter().filter_map(|visit| probe.origin_of(visit.tooth));
+            let middle = origins.clone().sum::<Vec3>() / origins.count().max(1) as f64;
+            let params = RetractionParams {
+                duration: f64::INFINITY,
+                hold: f64::INFINITY,
+                times: 1,
+                work: Some(middle),
+                ..mirror
+            };
+            Ok((Side::of(visits[0].tooth), Retraction::new(scene, params)?))
+        });
+        let mirrors = mirrors.collect::<Result<_, NoTongue>>()?;
+        Ok(Self {
+            tour: probe,
+            mirrors,
+            turn: 0,
+            passage: None,
+            until,
+            ends: tour_ends,
+            time: 0.0,
+        })
+    }
+
+    /// Where the mirror's hand means to be by its own script.
+    fn mirror(&self) -> Option<Pose> {
+        let mirror = &self.mirrors[self.turn].1;
+        mirror.targets(0.0)[mirror.slot()]
+    }
+
+    /// Whether the tongue is held aside.
+    pub fn holds(&self) -> bool {
+        self.mirrors[self.turn].1.holds()
+    }
+}
+
+impl Script for Bimanual {
+    fn feel(&mut self, felt: &Felt) {
+        self.time += TICK_S;
+        if let Some(passage) = &mut self.passage {
+            if passage.step() {
+                self.passage = None;
+            }
+            return;
+        }
+        let (side, mirror) = &mut self.mirrors[self.turn];
+        mirror.feel(felt);
+        let given_up = self.tour.progress() >= self.until;
+        if self.time >= self.ends - TIDY {
+            self.tour.break_off();
+        }
+        let changes = self.tour.is_outside() && self.tour.tooth().is_none_or(|t| Side::of(t) != *side);
+        if changes || given_up {
+            mirror.let_go();
+        }
+        if changes && mirror.is_done() && self.turn + 1 < self.mirrors.len() && !self.tour.is_done() {
+            let before = self.mirror();
+            self.turn += 1;
+            self.passage = before.zip(self.mirror()).map(|(from, to)| {
+                let over = |pose: &Pose| Pose::new(pose.position + Vec3::z() * OVER, pose.orientation);
+                let mut passage = Travel::at(from);
+                passage.then(over(&from), SPEED);
+                passage.then(over(&to), SPEED);
+                passage.then(to, SPEED);
+                passage
+            });
+            return;
+        }
+        if given_up || self.tour.tooth().is_none() || mirror_ready(&self.mirrors[self.turn], &self.tour) {
+            self.tour.feel(felt);
+        }
+    }
+
+    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
+        let mut targets = self.tour.targets(t);
+        let mirror = &self.mirrors[self.turn].1;
+        targets[mirror.slot()] = self.passage.as_ref().map(Travel::pose).or(self.mirror());
+        targets
+    }
+
+    fn duration_s(&self) -> f64 {
+        let most = self.tour.duration_s() + CHANGE * self.mirrors.len() as f64;
+        most.min(self.ends)
+    }
+
+    fn calls(&mut self) -> Vec<Call> {
+        self.tour.calls()
+    }
+
+    fn is_done(&self) -> bool {
+        self.tour.is_done() && self.mirrors[self.turn].1.is_done()
+    }
+}
+
+/// Time for the probe, then the mirror, to come out, seconds.
+const TIDY: f64 = 4.0;
+/// How far above the tongue the mirror changes sides, metres, and how fast, m/s.
+const OVER: f64 = 12e-3;
+const SPEED: f64 = 60e-3;
+/// Most that it takes to hold a tongue and to let it go, seconds.
+const CHANGE: f64 = 15.0;
+
+/// Whether the probe may go on: the tongue is held at the side where the tour is.
+fn mirror_ready((side, mirror): &(Side, Retraction), tour: &Tour) -> bool {
+    mirror.holds() && tour.tooth().is_some_and(|tooth| Side::of(tooth) == *side)
+}

@@ -1,0 +1,88 @@
+//! Named ways to do it badly.
+
+use std::str::FromStr;
+
+/// A bad habit of an operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Habit {
+    /// Presses about 0.6 N.
+    HeavyHand,
+    /// Upright at proximal sites, tilted by 27 degrees at the middle of a side.
+    WrongAngle,
+    /// Leaves out the distolingual zones and every third of the others.
+    SkipsSites,
+    /// Turns back at the first resistance, reads in passing, takes bigger steps.
+    Impatient,
+    /// Lets the mirror go in the middle of the tour.
+    LetsTongueGo,
+    /// Six single insertions at the line angles, withdrawn in between.
+    SpotProbes,
+    /// Takes one mark for another.
+    Misreads,
+}
+
+impl Habit {
+    /// All of them.
+    pub const ALL: [Habit; 7] = [
+        Habit::HeavyHand,
+        Habit::WrongAngle,
+        Habit::SkipsSites,
+        Habit::Impatient,
+        Habit::LetsTongueGo,
+        Habit::SpotProbes,
+        Habit::Misreads,
+    ];
+
+    /// Name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Habit::HeavyHand => "heavy-hand",
+            Habit::WrongAngle => "wrong-angle",
+            Habit::SkipsSites => "skips-sites",
+            Habit::Impatient => "impatient",
+            Habit::LetsTongueGo => "lets-tongue-go",
+            Habit::SpotProbes => "spot-probes",
+            Habit::Misreads => "misreads",
+        }
+    }
+}
+
+impl std::fmt::Display for Habit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// There is no habit of that name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("habit is `{0}`, expected one of: {names}", names = names())]
+pub struct UnknownHabit(pub String);
+
+fn names() -> String {
+    Habit::ALL.map(Habit::name).join(", ")
+}
+
+impl FromStr for Habit {
+    type Err = UnknownHabit;
+
+    fn from_str(name: &str) -> Result<Self, UnknownHabit> {
+        let found = Self::ALL.into_iter().find(|habit| habit.name() == name);
+        found.ok_or_else(|| UnknownHabit(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_go_both_ways_and_the_error_lists_them() {
+        for habit in Habit::ALL {
+            assert_eq!(habit.name().parse(), Ok(habit));
+        }
+        let error = "heavy".parse::<Habit>().expect_err("no such habit");
+        let said = error.to_string();
+        assert!(said.contains("`heavy`"), "{said}");
+        assert!(Habit::ALL.iter().all(|habit| said.contains(habit.name())), "{said}");
+    }
+}
