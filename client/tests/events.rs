@@ -218,13 +218,13 @@ fn from_a_snapshot_on_the_same_events_follow_and_a_tick_costs_little() {
     let mut events = Events::new(&scene, &exercise);
     assert!(events.missing().is_empty(), "{:?}", events.missing());
     assert!(events.look().len() > 50);
-    let (mut felt, mut inputs, mut told) = ([Wrench::ZERO; MAX_TOOLS], Vec::new(), Vec::new());
+    let (mut shown, mut inputs, mut told) = (Shown::NOTHING, Vec::new(), Vec::new());
     let (mut kept, mut plain, mut looks) = (None, Vec::new(), Vec::new());
     for k in 1..=8000u64 {
         let mut input = TickInput::IDLE;
-        input.tools = operator.step(&felt);
+        input.tools = operator.step(&shown);
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-        felt = [0, 1].map(|t| output.tools[t].wrench);
+        shown = Shown::from(&output);
         inputs.push(input);
         let begin = Instant::now();
         told.extend(events.observe(&scene, &output, &ws));

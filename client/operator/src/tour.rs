@@ -4,6 +4,8 @@
 //! The hand goes by what it feels and the eye by what it sees: neither knows how deep a pocket is. The path is laid on the
 //! teeth's own spheres, and the margin is what is seen of the gingiva.
 
+use std::f64::consts::TAU;
+
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Tool, Vec3};
 
@@ -28,6 +30,11 @@ const SHALLOW: f64 = 0.6;
 /// Farthest that the hand means the tip to be from where it is seen, metres, and how fast it makes up for it, 1/s.
 const STUCK: f64 = 0.7e-3;
 const HOLD: f64 = 12.0;
+/// Fastest that the handle swings while the tip is in a pocket, m/s.
+const HANDLE_SPEED: f64 = 40e-3;
+/// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
+const KEEP: f64 = 6.0;
+const MOST_ASIDE: f64 = 1.2e-3;
 /// Speed at which the hand gives way to a floor that comes up, m/s.
 const GIVE: f64 = 8e-3;
 /// How fast a way up ends, 1/s.
@@ -107,6 +114,8 @@ pub struct Tour {
     around: f64,
     depth: f64,
     tilt: f64,
+    /// How far the hand means the tip to be aside of there, radians, to make up for what pushes it aside.
+    aside: f64,
     /// What resists the way in, newtons, and what of that is the walls': least felt on this way down. Where the eye sees the tip below the margin, and how long a part of the working
     /// end is.
     force: f64,
@@ -169,6 +178,7 @@ impl Tour {
             around,
             depth: -ABOVE,
             tilt: 0.0,
+            aside: 0.0,
             force: 0.0,
             walls: 0.0,
             seen: 0.0,
@@ -221,7 +231,8 @@ impl Tour {
     /// Where the hand means to be in and at the pocket.
     fn meant(&self) -> Pose {
         let off = Vec3::zeros();
-        self.path().pose(self.around, self.depth, self.tilt, off)
+        let around = self.around + self.aside;
+        self.path().pose(around, self.depth, self.tilt, off)
     }
 
     /// Over the crown at an angle; `times` as far as usual.
@@ -276,12 +287,14 @@ impl Tour {
                     let speed = if self.felt.is_empty() { p.insert_speed } else { p.walk_speed };
                     // The more it feels the slower it goes.
                     let share = (1.2 - self.floor_force() / enough).clamp(0.2, 1.0);
-                    self.depth += speed * share * TICK_S;
+                    let down = speed * share * TICK_S;
+                    self.depth += down * self.paced(0.0, down);
                 }
             }
             Stroke::Up(held, to) => {
                 let near = NEAR * (self.seen - held) + 1e-3;
-                self.depth -= p.bob_speed.min(near) * TICK_S;
+                let up = p.bob_speed.min(near) * TICK_S;
+                self.depth -= up * self.paced(0.0, -up);
                 if self.seen <= held || self.depth <= held - STUCK {
                     self.stroke = Stroke::On(held, to);
                 }
@@ -289,6 +302,7 @@ impl Tour {
             Stroke::On(held, to) => {
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let (step, way) = (p.bob_speed * TICK_S / radius, to - self.around);
+                let step = step * self.paced(step * way.signum(), 0.0);
                 // The walls lift the tip; where the floor comes up it is let be lifted.
                 let hit = self.force > p.turn_force;
                 let pull = if hit {
@@ -325,6 +339,17 @@ impl Tour {
             }
             Stroke::Rest => {}
         }
+    }
+
+    /// The share of a step (radians along the tooth, metres down) that the hand can make: the handle swings far where the
+    /// probe has to turn, and a hand that follows late there pulls the tip away.
+    fn paced(&self, along: f64, down: f64) -> f64 {
+        let at = |around: f64, depth: f64| {
+            let off = Vec3::zeros();
+            self.path().pose(around, depth, self.tilt, off).position
+        };
+        let way = at(self.around + along, self.depth + down) - at(self.around, self.depth);
+        (HANDLE_SPEED * TICK_S / way.norm().max(1e-9)).min(1.0)
     }
 
     /// The floor was felt at a stop: what comes next.
@@ -439,7 +464,17 @@ impl Script for Tour {
             let along = -felt.shown.wrenches[self.slot].force.dot(&place.inwards);
             self.force += (along - self.force) * (TICK_S / FEEL);
             if let Some(graphic) = &felt.shown.graphics[self.slot] {
-                self.seen = self.path().seen(&graphic.transform(&self.tool.tip)).1;
+                let (at, seen) = self.path().seen(&graphic.transform(&self.tool.tip));
+                self.seen = seen;
+                // The floor slopes; the hand keeps the tip where it means to be.
+                let turned = at - self.around;
+                let off = turned - TAU * (turned / TAU).round();
+                let radius = self.path().radius(self.around, self.depth).max(1e-3);
+                let most = MOST_ASIDE / radius;
+                self.aside = match self.stroke {
+                    Stroke::Travel | Stroke::Out => 0.0,
+                    _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
+                };
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (TICK_S / LOOK);
             }
