@@ -152,10 +152,11 @@ impl Default for DemoArgs {
         Self {
             virtual_time: false,
             duration: None,
-            exercise: "crown".into(),
+            exercise: "bimanual".into(),
             list_exercises: false,
             scene: None,
             seed: 1,
+            habit: None,
             solver: SolverArg::ActiveSet,
             recordings: "recordings".into(),
             json: false,

@@ -41,7 +41,7 @@ fn sounded(object: &Object, model: &Gingiva, around: f64) -> f64 {
         let off = ball.centre - frame.origin;
         let across = off - frame.axis * off.dot(&frame.axis);
         let turn = libm::atan2(across.dot(&frame.buccal), across.dot(&frame.mesial)) - around;
-        (turn - 2.0 * PI * libm::floor(turn / (2.0 * PI) + 0.5)).abs() < 0.2 && (ball.radius - 0.45e-3).abs() < 1e-9
+        (turn - 2.0 * PI * libm::floor(turn / (2.0 * PI) + 0.5)).abs() < 0.2 && (ball.radius - 0.9e-3).abs() < 1e-9
     };
     let near: Vec<f64> = balls
         .iter()
