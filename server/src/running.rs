@@ -93,7 +93,7 @@ impl Running {
             let (edges, edges_out) = RingBuffer::new(EDGES);
             let (entries, entries_out) = RingBuffer::new(ROWS);
             let (mut buffers, buffers_out) = RingBuffer::new(SNAPSHOTS);
-            let bytes = State::bytes_len(&config.scene);
+            let bytes = State::most_bytes(&config.scene);
             while buffers.push(Vec::with_capacity(bytes)).is_ok() {}
             let (to_recorder, from_network) = sync_channel(EVENTS);
             let recorder = recording::spawn(
