@@ -1,7 +1,7 @@
 //! Time of a tick in a mouth full of teeth: the probe in a pocket, the mirror on the tongue, two hands in closed loop for 10 s.
 //! Thread CPU time of all ticks in percentiles and by stage, with teeth at level 3 and 4, and with 4 teeth against 14.
 //!
-//! `cargo bench -p sulcus-cases --bench mouth`
+//! `cargo bench -p sulcus-cases --bench mouth`, or with `-- 14 3` behind it for 14 teeth at level 3 alone.
 
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_cases::row::{hands, row};
@@ -102,6 +102,39 @@ fn measure(name: &str, scene: &Scene, inputs: &[TickInput]) {
             }
         }
     }
+    if std::env::var("WORST").is_ok() {
+        let mut order: Vec<usize> = (0..whole.len()).collect();
+        order.sort_by_key(|k| std::cmp::Reverse(whole[*k]));
+        let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
+        let mut lines = vec![String::new(); whole.len()];
+        for (k, input) in inputs.iter().enumerate() {
+            let b = ws.work();
+            let out = tick(scene, &mut state, &mut ws, input, &mut NoProbe);
+            let a = ws.work();
+            lines[k] = format!(
+                "tick {k} {} us stages {:?} q {} lists {} tested {} bounds {} | passes {} {} rows {} {} active {} {}",
+                whole[k] / 1000,
+                [0, 1, 2, 3, 4].map(|s: usize| stages[s][k] / 1000),
+                a.queries - b.queries,
+                a.lists - b.lists,
+                a.tested - b.tested,
+                a.bounds - b.bounds,
+                out.tools[0].substeps,
+                out.tools[1].substeps,
+                out.tools[0].rows,
+                out.tools[1].rows,
+                out.tools[0].active,
+                out.tools[1].active
+            );
+        }
+        for k in order
+            .iter()
+            .take(25)
+            .chain(order.iter().skip(40).step_by(10).take(10))
+        {
+            println!("{}", lines[*k]);
+        }
+    }
     println!("{name:28} {}", line(&mut whole));
     for (stage, times) in Stage::ALL.iter().zip(&mut stages) {
         println!("{:>28} {}", format!("{stage:?}"), line(times));
@@ -126,7 +159,13 @@ fn main() {
         "{:28} {:>7} {:>7} {:>7} {:>8}",
         "", "p50", "p99", "p99.9", "max"
     );
+    let numbers: Vec<usize> = std::env::args()
+        .filter_map(|arg| arg.parse().ok())
+        .collect();
     for (teeth, level) in [(14, 3), (4, 3), (14, 4), (4, 4)] {
+        if !numbers.is_empty() && numbers != [teeth, usize::from(level)] {
+            continue;
+        }
         let scene = row(teeth, level);
         let (inputs, contact) = inputs(&scene);
         println!("ticks in contact: {contact:?} of {}", inputs.len());

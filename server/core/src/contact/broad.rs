@@ -16,12 +16,13 @@ use crate::tree::Node;
 use crate::{MAX_TOOLS, Scene};
 
 /// What is closer than this and the farthest that a pass looks is near, metres. Larger: fewer descents, more of what is
-/// near; that takes a look at a list of neighbours, an empty one mostly.
-const MARGIN: f64 = 1e-3;
+/// near, for which lists of neighbours are made (a list takes ten times as long as a bound, and holds for 0.05 mm).
+const MARGIN: f64 = 1.5e-4;
 /// Path after which what is near is looked at again, metres.
-const AGAIN: f64 = 2e-3;
-/// Turn that a bound holds for: sum of Frobenius norms of differences of rotation matrices.
-const TURN: f64 = 0.1;
+const AGAIN: f64 = 3e-4;
+/// Turns that a bound may hold for, the first that leaves the object far: sum of Frobenius norms of differences of rotation
+/// matrices. (A tenth of a radian at the far end of a handle is a centimetre, a tooth's width.)
+const TURNS: [f64; 3] = [0.1, 0.02, 4e-3];
 /// Most pairs of nodes tested for one bound; what takes more is taken to be near.
 const MOST_TESTS: usize = 400;
 /// Size of a pair's balls, as a share of the distance between them, up to which they are not opened.
@@ -54,10 +55,8 @@ struct OfTool {
 #[derive(Debug)]
 pub(crate) struct Broad {
     tools: [OfTool; MAX_TOOLS],
-    /// Per object: the farthest that a pass looks beyond its surface, metres.
-    farthest: Vec<f64>,
-    /// The same without what blending adds.
-    most: f64,
+    /// Per object: how much farther than elsewhere a pass looks there, where spheres are blended, metres.
+    farther: Vec<f64>,
     all: Vec<u16>,
     stack: Vec<(u32, u32, f64)>,
 }
@@ -65,7 +64,6 @@ pub(crate) struct Broad {
 impl Broad {
     pub fn new(scene: &Scene) -> Self {
         let objects = scene.objects.len();
-        let most = scene.params.predict_max;
         let of_tool = |_| OfTool {
             at: Vec3::zeros(),
             rotation: Mat3::identity(),
@@ -92,8 +90,7 @@ impl Broad {
         };
         Self {
             tools: std::array::from_fn(of_tool),
-            farthest: (0..objects).map(|k| most + blend(k)).collect(),
-            most,
+            farther: (0..objects).map(blend).collect(),
             all: (0..objects as u16).collect(),
             stack: Vec::with_capacity(MOST_TESTS + 8),
         }
@@ -132,9 +129,10 @@ impl Broad {
         (d, longest): (Distance, f64),
         displaced: impl Fn(usize) -> f64,
     ) -> &[u16] {
-        if predictor.is_plain() || !(d.base <= self.most && d.at(longest) <= self.most + ROUNDING) {
+        if predictor.is_plain() {
             return &self.all;
         }
+        let d = d.at(longest);
         let slot = usize::from(tool.slot);
         let of_tool = &mut self.tools[slot];
         let posed = &predictor.posed;
@@ -149,7 +147,7 @@ impl Broad {
             (of_tool.gone.path, of_tool.gone.turn, of_tool.next) = (0.0, 0.0, None);
         }
         let gone = of_tool.gone;
-        let holds = |end: &End| gone.path <= end.path && gone.turn <= end.turn;
+        let holds = |end: &End| gone.path + d <= end.path && gone.turn <= end.turn;
         if of_tool.next.as_ref().is_some_and(holds) {
             return &self.tools[slot].near;
         }
@@ -163,9 +161,8 @@ impl Broad {
             if fresh || !holds(&of_tool.known[k].0) {
                 // Not all at once next time.
                 let spread = 0.75 + 0.5 * (k as f64 * 0.618_033_988_75).fract();
-                let turn = TURN * spread;
                 let nodes = (object.tree.nodes(), object.level);
-                let enough = self.farthest[k] + displaced(k) + MARGIN;
+                let enough = d + self.farther[k] + displaced(k) + MARGIN;
                 let Predictor {
                     posed,
                     levers,
@@ -173,12 +170,25 @@ impl Broad {
                     ..
                 } = &mut *predictor;
                 let levers = &levers[slot];
-                let (bound, tests) =
-                    clearance(tool, posed, levers, nodes, (turn, enough), &mut self.stack);
-                work.bounds += 1;
-                work.tested += tests;
+                let (mut bound, mut turn) = (None, 0.0);
+                for most in TURNS {
+                    turn = most * spread;
+                    let skin = (turn, enough);
+                    let (found, tests) =
+                        clearance(tool, posed, levers, nodes, skin, &mut self.stack);
+                    work.bounds += 1;
+                    work.tested += tests;
+                    bound = found;
+                    if bound.is_some() {
+                        break;
+                    }
+                }
+                if bound.is_none() {
+                    turn = TURNS[1] * spread;
+                }
                 let near = bound.is_none();
-                let path = bound.map_or(AGAIN * spread, |bound| bound - enough + MARGIN - ROUNDING);
+                let path =
+                    d + bound.map_or(AGAIN * spread, |bound| bound - enough + MARGIN - ROUNDING);
                 let end = End {
                     path: gone.path + path,
                     turn: gone.turn + turn,
