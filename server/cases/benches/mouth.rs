@@ -102,39 +102,6 @@ fn measure(name: &str, scene: &Scene, inputs: &[TickInput]) {
             }
         }
     }
-    if std::env::var("WORST").is_ok() {
-        let mut order: Vec<usize> = (0..whole.len()).collect();
-        order.sort_by_key(|k| std::cmp::Reverse(whole[*k]));
-        let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-        let mut lines = vec![String::new(); whole.len()];
-        for (k, input) in inputs.iter().enumerate() {
-            let b = ws.work();
-            let out = tick(scene, &mut state, &mut ws, input, &mut NoProbe);
-            let a = ws.work();
-            lines[k] = format!(
-                "tick {k} {} us stages {:?} q {} lists {} tested {} bounds {} | passes {} {} rows {} {} active {} {}",
-                whole[k] / 1000,
-                [0, 1, 2, 3, 4].map(|s: usize| stages[s][k] / 1000),
-                a.queries - b.queries,
-                a.lists - b.lists,
-                a.tested - b.tested,
-                a.bounds - b.bounds,
-                out.tools[0].substeps,
-                out.tools[1].substeps,
-                out.tools[0].rows,
-                out.tools[1].rows,
-                out.tools[0].active,
-                out.tools[1].active
-            );
-        }
-        for k in order
-            .iter()
-            .take(25)
-            .chain(order.iter().skip(40).step_by(10).take(10))
-        {
-            println!("{}", lines[*k]);
-        }
-    }
     println!("{name:28} {}", line(&mut whole));
     for (stage, times) in Stage::ALL.iter().zip(&mut stages) {
         println!("{:>28} {}", format!("{stage:?}"), line(times));

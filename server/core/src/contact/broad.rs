@@ -23,8 +23,9 @@ const AGAIN: f64 = 3e-4;
 /// Turns that a bound may hold for, the first that leaves the object far: sum of Frobenius norms of differences of rotation
 /// matrices. (A tenth of a radian at the far end of a handle is a centimetre, a tooth's width.)
 const TURNS: [f64; 3] = [0.1, 0.02, 4e-3];
-/// Most pairs of nodes tested for one bound; what takes more is taken to be near.
-const MOST_TESTS: usize = 256;
+/// Most pairs of nodes tested for one bound; what takes more is taken to be near. (At 256 three descents of four with a mirror's
+/// handle among teeth ended here, and three times as many lists were made.)
+const MOST_TESTS: usize = 2000;
 /// Size of a pair's balls, in units of the distance between them, up to which they are not opened: a bound need not be sharp,
 /// and at 0.5 most descents took more tests than there is time for.
 const SMALL: f64 = 2.0;
@@ -180,7 +181,8 @@ impl Broad {
                     work.bounds += 1;
                     work.tested += tests;
                     bound = found;
-                    if bound.is_some() {
+                    // (What takes too long with one turn does with the next.)
+                    if bound.is_some() || tests > MOST_TESTS as u64 {
                         break;
                     }
                 }
