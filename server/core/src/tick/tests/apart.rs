@@ -93,7 +93,7 @@ fn tools_that_touch_different_things_have_the_same_answer_apart_and_together() {
     let mut apart = (State::new(&scene), Workspace::new(&scene));
     let mut joint = (State::new(&scene), Workspace::together(&scene));
     let (mut touched, mut most) = (0, 0.0);
-    for k in 0..1500 {
+    for k in 0..3000 {
         let input = both(k, 0.02);
         // From one state: small differences must not add up.
         joint.0 = apart.0.clone();
