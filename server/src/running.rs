@@ -93,7 +93,7 @@ impl Running {
             let (edges, edges_out) = RingBuffer::new(EDGES);
             let (entries, entries_out) = RingBuffer::new(ROWS);
             let (mut snapshots, buffers_out) = RingBuffer::new(SNAPSHOTS);
-            let bytes = State::bytes_len(&config.scene);
+            let bytes = State::most_bytes(&config.scene);
             while snapshots.push(Vec::with_capacity(bytes)).is_ok() {}
             let look = recorder.narrator().look().clone();
             let (mut looks, looks_out) = RingBuffer::new(LOOKS);

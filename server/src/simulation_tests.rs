@@ -121,7 +121,7 @@ fn bench(rows: usize) -> Bench {
     let (entries_in, entries) = RingBuffer::new(rows);
     let (mut buffers, buffers_out) = RingBuffer::new(1);
     buffers
-        .push(Vec::with_capacity(State::bytes_len(&scene)))
+        .push(Vec::with_capacity(State::most_bytes(&scene)))
         .expect("room");
     let look = Look::new(&scene);
     let (mut looks, looks_out) = RingBuffer::new(16);

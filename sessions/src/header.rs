@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::key::PublicKey;
 
 /// Version of the recording's layout. Another version is refused, never guessed at.
-pub const FORMAT_VERSION: &str = "2";
+pub const FORMAT_VERSION: &str = "3";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
 /// Name of the compiled scene's attachment.

@@ -59,6 +59,8 @@ pub(crate) struct Solid {
     /// Centre and radius: the core's, where the spheres are blended.
     pub leaves: Vec<(Vec3, f64)>,
     centres: Vec<Vec3>,
+    /// Whether the leaves are where they are at rest.
+    at_rest: bool,
     /// Blend length, metres; 0 where they are hard.
     blend: f64,
     /// Box of the leaves.
@@ -91,6 +93,7 @@ impl Solid {
             centres: rest.clone(),
             rest,
             yields: !object.tissue.is_rigid(),
+            at_rest: true,
             leaves,
             blend,
             low,
@@ -100,9 +103,15 @@ impl Solid {
 
     /// Brings the leaves to where the last tick left them.
     fn deform(&mut self, ws: &Workspace) {
-        if !self.yields || !ws.centres_of(self.object, &self.ids, &mut self.centres) {
+        if !self.yields {
             return;
         }
+        let at_rest = ws.shape_of(self.object).iter().all(|x| *x == 0.0);
+        if at_rest && self.at_rest {
+            return;
+        }
+        self.at_rest = at_rest;
+        ws.centres_of(self.object, &self.ids, &mut self.centres);
         for (leaf, centre) in self.leaves.iter_mut().zip(&self.centres) {
             leaf.0 = *centre;
         }
@@ -167,6 +176,10 @@ fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3,
     let (low, high) = box_of(placed);
     let mut depth: f64 = 0.0;
     for solid in solids {
+        let margin = FAR * solid.blend;
+        if (0..3).any(|k| solid.low[k] - margin > high[k] || solid.high[k] + margin < low[k]) {
+            continue;
+        }
         for (c, r) in &solid.leaves {
             if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
                 continue;

@@ -23,6 +23,7 @@
 pub mod blend;
 pub mod contact;
 mod gaps;
+mod groups;
 mod haptic;
 pub mod input;
 pub mod math;

@@ -1,5 +1,9 @@
 //! Everything that outlives a tick, every warm start included; saved and restored exactly.
 
+mod tissues;
+
+pub use tissues::Tissues;
+
 use crate::math::{Pose, Vec3, Wrench, norm, normalised};
 use crate::params::within;
 use crate::{MAX_TOOLS, Scene};
@@ -38,18 +42,24 @@ pub struct State {
     /// Load by each tool on each object, tool-major: force and torque about the world's origin.
     pub loads: Vec<Wrench>,
     /// State of all tissues, object after object.
-    pub tissue: Vec<f64>,
+    pub tissue: Tissues,
 }
 
 /// Why bytes are not a state of this scene.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
+    /// Another version of the layout.
+    #[error("state has version {found}, expected {STATE_VERSION}")]
+    Version {
+        /// Version found.
+        found: u16,
+    },
     /// Wrong length.
-    #[error("state has {found} bytes, this scene's has {expected}")]
+    #[error("state has {found} bytes, what they say takes {expected} in this scene")]
     Length {
         /// Bytes found.
         found: usize,
-        /// Bytes expected.
+        /// Bytes expected, as far as was read.
         expected: usize,
     },
     /// A number that no tick can produce.
@@ -62,6 +72,8 @@ pub enum StateError {
     },
 }
 
+/// Version of the layout of [`State::to_bytes`].
+pub const STATE_VERSION: u16 = 2;
 /// Bytes of one tool: two poses, a flag, a count, the ramp, two wrenches, an axis.
 const TOOL_BYTES: usize = 2 * 7 * 8 + 1 + 2 + 8 + 2 * 6 * 8 + 3 * 8;
 
@@ -89,18 +101,23 @@ impl State {
             hash: 0,
             tools: std::array::from_fn(parked),
             loads: vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
-            tissue: vec![0.0; tissue_len(scene)],
+            tissue: Tissues::new(scene),
         }
     }
 
-    /// Length of the bytes of a state of `scene`.
-    pub fn bytes_len(scene: &Scene) -> usize {
-        16 + MAX_TOOLS * TOOL_BYTES
-            + scene.tools.len() * scene.objects.len() * 48
-            + tissue_len(scene) * 8
+    /// Most bytes that a state of `scene` takes: when nothing is at rest.
+    pub fn most_bytes(scene: &Scene) -> usize {
+        let tissues = Tissues::new(scene);
+        18 + MAX_TOOLS * TOOL_BYTES
+            + scene.tools.len() * scene.objects.len() * 49
+            + tissues.parts()
+            + tissues.len() * 8
     }
 
-    /// Exact little-endian bytes.
+    /// Exact bytes, little-endian: version (u16), tick and hash (u64); per tool slot its poses, ramp, wrenches and axis
+    /// (f64); per tool and object a byte, 0 where there is no load, else 1 and the load (six f64); per object that
+    /// yields a byte, 0 at rest, else 1 and its numbers (f64); per tool slot whether it has entered (a byte) and its bad
+    /// ticks (u16). So what nobody touches takes a byte, and each state has one way to be written.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.write_bytes(&mut bytes);
@@ -109,25 +126,35 @@ impl State {
 
     /// Appends the exact bytes; allocates only when `bytes` lacks capacity.
     pub fn write_bytes(&self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&STATE_VERSION.to_le_bytes());
         bytes.extend_from_slice(&self.tick.to_le_bytes());
         bytes.extend_from_slice(&self.hash.to_le_bytes());
-        let mut put = |x: f64| bytes.extend_from_slice(&x.to_bits().to_le_bytes());
         for tool in &self.tools {
             for pose in [&tool.haptic, &tool.graphic] {
-                pose.position.iter().for_each(|x| put(*x));
+                pose.position.iter().for_each(|x| put(*x, bytes));
                 let q = &pose.orientation;
-                [q.w, q.i, q.j, q.k].into_iter().for_each(&mut put);
+                [q.w, q.i, q.j, q.k].iter().for_each(|x| put(*x, bytes));
             }
-            put(tool.gain);
+            put(tool.gain, bytes);
             for wrench in [&tool.sent, &tool.raw] {
-                put_wrench(wrench, &mut put);
+                put_wrench(wrench, bytes);
             }
-            tool.twist_axis.iter().for_each(|x| put(*x));
+            tool.twist_axis.iter().for_each(|x| put(*x, bytes));
         }
         for load in &self.loads {
-            put_wrench(load, &mut put);
+            let none = is_plain_zero(load);
+            bytes.push(u8::from(!none));
+            if !none {
+                put_wrench(load, bytes);
+            }
         }
-        self.tissue.iter().for_each(|x| put(*x));
+        for slot in 0..self.tissue.parts() {
+            let at_rest = self.tissue.at_rest(slot);
+            bytes.push(u8::from(!at_rest));
+            if !at_rest {
+                self.tissue.of(slot).iter().for_each(|x| put(*x, bytes));
+            }
+        }
         for tool in &self.tools {
             bytes.push(u8::from(tool.entered));
             bytes.extend_from_slice(&tool.bad_ticks.to_le_bytes());
@@ -137,19 +164,16 @@ impl State {
     /// Inverse of [`State::to_bytes`] for the same scene.
     ///
     /// # Errors
-    /// When the length is not this scene's, or a number is one that no tick can produce.
+    /// When the version or the length is another, or a number is one that no tick can produce.
     pub fn from_bytes(scene: &Scene, bytes: &[u8]) -> Result<Self, StateError> {
-        let expected = Self::bytes_len(scene);
-        if bytes.len() != expected {
-            return Err(StateError::Length {
-                found: bytes.len(),
-                expected,
-            });
-        }
         let mut reader = Reader { bytes, at: 0 };
+        let version = u16::from_le_bytes(reader.take()?);
+        if version != STATE_VERSION {
+            return Err(StateError::Version { found: version });
+        }
         let mut state = Self::new(scene);
-        state.tick = reader.word();
-        state.hash = reader.word();
+        state.tick = u64::from_le_bytes(reader.take()?);
+        state.hash = u64::from_le_bytes(reader.take()?);
         for tool in &mut state.tools {
             tool.haptic = reader.pose()?;
             tool.graphic = reader.pose()?;
@@ -160,24 +184,41 @@ impl State {
         }
         check_ranges(scene, &state)?;
         for load in &mut state.loads {
-            *load = reader.wrench()?;
-        }
-        for x in &mut state.tissue {
-            *x = reader.number()?;
-        }
-        for tool in &mut state.tools {
-            tool.entered = match bytes[reader.at] {
-                0 => false,
-                1 => true,
-                _ => {
+            let offset = reader.at;
+            if reader.flag()? {
+                *load = reader.wrench()?;
+                if is_plain_zero(load) {
                     return Err(StateError::Value {
-                        offset: reader.at,
-                        what: "a flag that is neither 0 nor 1",
+                        offset,
+                        what: "a load of zero that is not left out",
                     });
                 }
-            };
-            tool.bad_ticks = u16::from_le_bytes([bytes[reader.at + 1], bytes[reader.at + 2]]);
-            reader.at += 3;
+            }
+        }
+        for slot in 0..state.tissue.parts() {
+            let offset = reader.at;
+            if reader.flag()? {
+                for x in state.tissue.of_mut(slot) {
+                    *x = reader.number()?;
+                }
+                state.tissue.settle(slot);
+                if state.tissue.at_rest(slot) {
+                    return Err(StateError::Value {
+                        offset,
+                        what: "a tissue at rest that is not left out",
+                    });
+                }
+            }
+        }
+        for tool in &mut state.tools {
+            tool.entered = reader.flag()?;
+            tool.bad_ticks = u16::from_le_bytes(reader.take()?);
+        }
+        if reader.at != bytes.len() {
+            return Err(StateError::Length {
+                found: bytes.len(),
+                expected: reader.at,
+            });
         }
         Ok(state)
     }
@@ -209,21 +250,19 @@ fn check_ranges(scene: &Scene, state: &State) -> Result<(), StateError> {
     Ok(())
 }
 
-fn put_wrench(wrench: &Wrench, put: &mut impl FnMut(f64)) {
-    wrench
-        .force
-        .iter()
-        .chain(wrench.torque.iter())
-        .for_each(|x| put(*x));
+fn put(x: f64, bytes: &mut Vec<u8>) {
+    bytes.extend_from_slice(&x.to_bits().to_le_bytes());
 }
 
-/// Numbers of tissue state in a scene.
-pub(crate) fn tissue_len(scene: &Scene) -> usize {
-    scene
-        .objects
-        .iter()
-        .map(|object| object.tissue.state_len(&object.tree))
-        .sum()
+fn put_wrench(wrench: &Wrench, bytes: &mut Vec<u8>) {
+    let numbers = wrench.force.iter().chain(wrench.torque.iter());
+    numbers.for_each(|x| put(*x, bytes));
+}
+
+/// Whether all numbers of a wrench are zero without a sign, as in [`Wrench::ZERO`].
+fn is_plain_zero(wrench: &Wrench) -> bool {
+    let numbers = wrench.force.iter().chain(wrench.torque.iter());
+    numbers.fold(0, |bits, x| bits | x.to_bits()) == 0
 }
 
 struct Reader<'a> {
@@ -232,16 +271,33 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn word(&mut self) -> u64 {
-        let mut word = [0; 8];
-        word.copy_from_slice(&self.bytes[self.at..self.at + 8]);
-        self.at += 8;
-        u64::from_le_bytes(word)
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], StateError> {
+        let end = self.at + N;
+        let taken = self.bytes.get(self.at..end);
+        let taken = taken.and_then(|taken| taken.try_into().ok());
+        let taken = taken.ok_or(StateError::Length {
+            found: self.bytes.len(),
+            expected: end,
+        })?;
+        self.at = end;
+        Ok(taken)
+    }
+
+    fn flag(&mut self) -> Result<bool, StateError> {
+        let offset = self.at;
+        match self.take()? {
+            [0] => Ok(false),
+            [1] => Ok(true),
+            _ => Err(StateError::Value {
+                offset,
+                what: "a flag that is neither 0 nor 1",
+            }),
+        }
     }
 
     fn number(&mut self) -> Result<f64, StateError> {
         let offset = self.at;
-        let x = f64::from_bits(self.word());
+        let x = f64::from_bits(u64::from_le_bytes(self.take()?));
         if x.is_finite() {
             Ok(x)
         } else {

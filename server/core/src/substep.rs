@@ -1,6 +1,5 @@
-//! One tool, or both where anything in the scene yields, brought to where they can go: predict, optimise, move, look
-//! again, until the step is small and every true gap is closed to rounding. (Both together also while they touch nothing in
-//! common: tissue goes to one target, the answer to all loads.)
+//! One group of tools brought to where it can go: predict, optimise, move, look again, until the step is small and every
+//! true gap is closed to rounding. Which tools are a group, and which tissues belong to it, is said in `groups`.
 //!
 //! The trust region holds the motion of the graphic tool plus that of the tissue under the
 //! prediction distance, so nothing is passed through between two passes at any speed: the
@@ -19,7 +18,7 @@ use crate::output::status;
 use crate::rows::{bend, keep_smallest_gaps, write_lines};
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
-use crate::tick::{Pass, Workspace};
+use crate::tick::{Held, Pass, Workspace, hands};
 use crate::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
@@ -65,136 +64,305 @@ impl Reached {
     };
 }
 
-/// Moves the tools of `group` (slots, ascending) as far as this tick allows.
-pub(crate) fn advance<P: StageProbe>(
-    scene: &Scene,
-    state: &mut State,
-    ws: &mut Workspace,
-    group: &[usize],
-    wanted: &[Wanted; MAX_TOOLS],
-    probe: &mut P,
-) -> [Reached; MAX_TOOLS] {
-    let params = &scene.params;
-    let mut reached = [Reached::NOTHING; MAX_TOOLS];
-    let mut status_bits = 0;
-    let first = place(group);
-    let mut converged = false;
-    let (moved, turned) = group.iter().fold((0.0, 0.0), |(moved, turned), &t| {
-        (fmax(moved, wanted[t].moved), fmax(turned, wanted[t].turned))
-    });
-    let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
-    let yields = ws.yielding.iter().any(|yielding| !yielding.still);
-    let gain = params.predict_gain * if yields { YIELDS } else { 1.0 };
-    // A turn moves spheres by their levers: what is near the tip need not look as far as the shaft.
-    let distance_for = |moved: f64, turned: f64, floor: f64| {
+/// What a tick is about, beside its state.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub scene: &'a Scene,
+    pub wanted: &'a [Wanted; MAX_TOOLS],
+    pub held: &'a Held,
+    pub detail: u8,
+}
+
+/// One group of tools in a tick.
+pub(crate) struct Run<'a> {
+    /// Slots, ascending.
+    group: &'a [usize],
+    /// Which of the workspace's passes it uses.
+    first: usize,
+    /// Farthest that a sphere of a tool is from its working point, metres.
+    longest: f64,
+    /// Prediction distance per metre of motion.
+    gain: f64,
+    /// Prediction distance of this pass, and what the next ones look at least.
+    d: Distance,
+    floor: f64,
+    passes: u8,
+    status: u16,
+    converged: bool,
+    reached: [Reached; MAX_TOOLS],
+}
+
+/// Another group has a tissue that this one needs.
+#[derive(Debug)]
+pub(crate) struct Shared;
+
+impl<'a> Run<'a> {
+    pub fn new(asked: &Asked<'_>, ws: &Workspace, group: &'a [usize]) -> Self {
+        let params = &asked.scene.params;
+        let mut run = Self {
+            group,
+            first: group.first().copied().unwrap_or(0),
+            longest: group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t])),
+            gain: params.predict_gain * YIELDS,
+            d: Distance::from(0.0),
+            floor: params.predict_min,
+            passes: 0,
+            status: 0,
+            converged: false,
+            reached: [Reached::NOTHING; MAX_TOOLS],
+        };
+        run.d = run.first_distance(asked);
+        run
+    }
+
+    /// How far the first pass looks.
+    fn first_distance(&self, asked: &Asked<'_>) -> Distance {
+        let moved = self.group.iter().map(|&t| asked.wanted[t].moved);
+        let turned = self.group.iter().map(|&t| asked.wanted[t].turned);
+        let most = |all: f64, one| fmax(all, one);
+        self.distance(asked, moved.fold(0.0, most), turned.fold(0.0, most))
+    }
+
+    /// How far a pass looks that may move by `moved` (metres) and turn by `turned`. A turn moves spheres by their levers: what
+    /// is near the tip need not look as far as the shaft.
+    fn distance(&self, asked: &Asked<'_>, moved: f64, turned: f64) -> Distance {
+        let params = &asked.scene.params;
         let base = fclamp(
-            gain * moved + params.predict_bias,
-            floor,
+            self.gain * moved + params.predict_bias,
+            self.floor,
             params.predict_max,
         );
-        let most = (params.predict_max - base) / fmax(longest, 1e-9);
+        let most = (params.predict_max - base) / fmax(self.longest, 1e-9);
         Distance {
             base,
             turn: fmin(params.predict_gain * turned, most),
         }
-    };
-    let mut floor = params.predict_min;
-    let mut d = distance_for(moved, turned, floor);
-    let mut passes = 0;
-    while passes < params.max_substeps {
-        passes += 1;
+    }
+
+    /// Takes over every tissue out of its rest that a tool is near enough to look at in the first pass, or that could come
+    /// back onto a tool at once.
+    ///
+    /// # Errors
+    /// When another group has it.
+    pub fn claim(
+        &mut self,
+        asked: &Asked<'_>,
+        state: &State,
+        ws: &mut Workspace,
+    ) -> Result<(), Shared> {
+        let scene = asked.scene;
+        for &t in self.group {
+            if ws.awake.is_empty() {
+                break;
+            }
+            let posed = posed(scene, state, t);
+            ws.predictor.begin(&posed);
+            for at in 0..ws.awake.len() {
+                let Workspace {
+                    predictor,
+                    broad,
+                    yielding,
+                    slots,
+                    zeros,
+                    awake,
+                    owners,
+                    any,
+                    levers,
+                    ..
+                } = &mut *ws;
+                let slot = awake[at];
+                let (object, relaxing) = (yielding[slot].object, yielding[slot].relaxing);
+                if yielding[slot].still || owners[slot] == Some(self.first) {
+                    continue;
+                }
+                let d = Distance {
+                    base: fmax(self.d.base, relaxing / scene.params.trust),
+                    turn: self.d.turn,
+                };
+                let displaced =
+                    |k: usize| slots[k].map_or(0.0, |slot| yielding[slot].displaced(zeros));
+                let near = broad.near(scene, predictor, &posed, (d, levers[t]), displaced);
+                if near.binary_search(&(object as u16)).is_err() {
+                    continue;
+                }
+                any.begin(1, Overflow::Stop);
+                let found = yielding[slot].predict(scene, predictor, &posed, d, any);
+                if found.is_err() || !any.as_slice().is_empty() {
+                    own(ws, slot, self.first)?;
+                }
+            }
+        }
+        if ws.passes[self.first].tissues.is_empty() {
+            self.gain = asked.scene.params.predict_gain;
+            self.d = self.first_distance(asked);
+        }
+        Ok(())
+    }
+
+    /// Predicts the contacts of the next pass, and takes over every tissue among them.
+    ///
+    /// # Errors
+    /// When another group has one.
+    pub fn look<P: StageProbe>(
+        &mut self,
+        asked: &Asked<'_>,
+        state: &State,
+        ws: &mut Workspace,
+        probe: &mut P,
+    ) -> Result<(), Shared> {
+        let (scene, first) = (asked.scene, self.first);
+        self.passes += 1;
         probe.begin(Stage::Collide);
         loop {
-            let (used, cut) = collide(scene, state, ws, group, d);
+            let (used, cut) = collide(scene, state, ws, self.group, self.d);
             write_lines(scene, ws, first, used);
-            d = used;
+            self.d = used;
             let full = ws.passes[first].lines.len() > scene.most_rows();
             if cut || full {
-                status_bits |= status::CONTACTS_FULL;
+                self.status |= status::CONTACTS_FULL;
             }
             if !full {
                 break;
             }
-            if d.at(longest) <= SMALLEST_PREDICTION {
+            if self.d.at(self.longest) <= SMALLEST_PREDICTION {
                 keep_smallest_gaps(ws, first, scene.most_rows());
                 break;
             }
             // The same way out as a full list of contacts: look less far.
-            d = d.shorter(longest);
+            self.d = self.d.shorter(self.longest);
         }
+        let mut next = 0;
+        while let Some(contact) = ws.passes[first].contacts.as_slice().get(next) {
+            let object = contact.object;
+            let rest = &ws.passes[first].contacts.as_slice()[next..];
+            next += rest.partition_point(|contact| contact.object == object);
+            let Some(slot) = ws.slots[usize::from(object)] else {
+                continue;
+            };
+            own(ws, slot, first)?;
+            let yielding = &mut ws.yielding[slot];
+            if !yielding.was_asked() {
+                let hands = hands(scene, state, asked.held, asked.detail);
+                let moved = yielding.ask(state, slot, &hands);
+                ws.broad.object_moved(yielding.object, moved);
+                ws.awake.push(slot);
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves the pass and moves; whether another look is due.
+    pub fn go<P: StageProbe>(
+        &mut self,
+        asked: &Asked<'_>,
+        state: &mut State,
+        ws: &mut Workspace,
+        probe: &mut P,
+    ) -> bool {
+        let (scene, first) = (asked.scene, self.first);
+        let params = &scene.params;
         probe.begin(Stage::Optimise);
-        let target = optimise(scene, state, ws, group, wanted);
+        let target = optimise(scene, state, ws, self.group, asked.wanted);
         let Some(Answer {
             steps: step,
             settled,
         }) = target
         else {
             // An unusable answer is never applied: pose and load stay as they are.
-            status_bits |= status::SOLVER_FAILED;
+            self.status |= status::SOLVER_FAILED;
             ws.passes[first].applied = None;
-            break;
+            return false;
         };
         let tissue_motion = yield_target(ws, first);
         let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
-        for &t in group {
+        for &t in self.group {
             let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
             (moved, turned) = (fmax(moved, v), fmax(turned, w));
             motion = fmax(motion, v + w * ws.levers[t]);
             // Motion and allowance both grow linearly with the lever: what holds at both ends holds between.
             for lever in [0.0, ws.levers[t]] {
-                let (motion, allowed) = (v + w * lever, params.trust * d.at(lever));
+                let (motion, allowed) = (v + w * lever, params.trust * self.d.at(lever));
                 if motion > allowed {
                     share = fmin(share, allowed / motion);
                 }
             }
         }
-        apply(scene, state, ws, group, &step, share);
+        apply(scene, state, ws, self.group, &step, share);
         ws.passes[first].applied = Some(share);
         // What turns about the working point moves a little farther than its lever says.
         let gone = Distance {
             base: 1.01 * share * moved,
             turn: 1.01 * share * turned,
         };
-        for tool in &mut reached {
+        for tool in &mut self.reached {
             tool.min_gap = f64::INFINITY;
         }
-        let deepest = true_gaps(scene, state, ws, first, (d, gone), &mut reached);
+        let deepest = true_gaps(scene, state, ws, first, (self.d, gone), &mut self.reached);
         let free = ws.passes[first].contacts.as_slice().is_empty();
         let small = motion <= params.converged_step || free;
         if share == 1.0 && small && settled && deepest >= -params.converged_gap {
-            converged = true;
-            break;
+            self.converged = true;
+            return false;
         }
         // A tick that needs many passes must not be held by how little each of them sees.
-        floor = fmin(WIDENING * floor, fmax(params.predict_min, WIDEST));
-        d = distance_for(moved * (1.0 - share), turned * (1.0 - share), floor);
+        self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
+        self.d = self.distance(asked, moved * (1.0 - share), turned * (1.0 - share));
+        self.passes < params.max_substeps
     }
-    if !converged && status_bits & status::SOLVER_FAILED == 0 {
-        status_bits |= status::EXHAUSTED;
+
+    /// How it went, for the tools of the group.
+    pub fn finish(mut self, ws: &Workspace, all: &mut [Reached; MAX_TOOLS]) {
+        let failed = self.status & status::SOLVER_FAILED != 0;
+        if !self.converged && !failed {
+            self.status |= status::EXHAUSTED;
+        }
+        let pass = &ws.passes[self.first];
+        for &t in self.group {
+            let ours = || {
+                let loads = pass.rows.iter().zip(&pass.solution.lambda);
+                loads.filter(|(row, _)| usize::from(row.tool) == t)
+            };
+            let reached = &mut self.reached[t];
+            reached.rows = ours().count() as u16;
+            // Multipliers that were not applied load nothing.
+            reached.active = if failed {
+                0
+            } else {
+                ours().filter(|(_, load)| **load > 0.0).count() as u16
+            };
+            reached.status = self.status;
+            reached.substeps = self.passes;
+            reached.converged = self.converged;
+            all[t] = *reached;
+        }
     }
-    let failed = status_bits & status::SOLVER_FAILED != 0;
-    for &t in group {
-        let pass = &ws.passes[first];
-        let ours = || {
-            let loads = pass.rows.iter().zip(&pass.solution.lambda);
-            loads.filter(|(row, _)| usize::from(row.tool) == t)
-        };
-        reached[t].rows = ours().count() as u16;
-        // Multipliers that were not applied load nothing.
-        reached[t].active = if failed {
-            0
-        } else {
-            ours().filter(|(_, load)| **load > 0.0).count() as u16
-        };
-        reached[t].status = status_bits;
-        reached[t].substeps = passes;
-        reached[t].converged = converged;
-    }
-    reached
 }
 
-/// Which of the workspace's passes a group uses: its first tool's. Where nobody holds a tool, tissue
-/// alone moves, in the first.
+/// Notes that the tissue in `slot` belongs to the group that uses the pass `first`.
+fn own(ws: &mut Workspace, slot: usize, first: usize) -> Result<(), Shared> {
+    match ws.owners[slot] {
+        Some(owner) if owner == first => Ok(()),
+        Some(_) => Err(Shared),
+        None => {
+            ws.owners[slot] = Some(first);
+            ws.passes[first].tissues.push(slot);
+            Ok(())
+        }
+    }
+}
+
+fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
+    let tool = &scene.tools[t];
+    PosedTool {
+        nodes: tool.tree.nodes(),
+        pose: &state.tools[t].graphic,
+        level: tool.level,
+        working_point: &tool.working_point,
+        slot: t as u8,
+    }
+}
+
+/// Which of the workspace's passes a group uses: its first tool's.
 fn place(group: &[usize]) -> usize {
     group.first().copied().unwrap_or(0)
 }
@@ -216,7 +384,17 @@ fn collide(
     let mut cut = false;
     // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
     let mut share = 1.0;
-    let contacts = &mut ws.passes[place(group)].contacts;
+    let Workspace {
+        predictor,
+        broad,
+        yielding,
+        slots,
+        zeros,
+        passes,
+        levers,
+        ..
+    } = ws;
+    let contacts = &mut passes[place(group)].contacts;
     'again: loop {
         let overflow = if d.base > SMALLEST_PREDICTION || d.turn > 0.0 {
             Overflow::Stop
@@ -224,38 +402,31 @@ fn collide(
             Overflow::KeepSmallestGaps
         };
         contacts.begin(limit, overflow);
-        let mut blended = false;
         for &t in group {
-            let tool = &scene.tools[t];
-            let posed = PosedTool {
-                nodes: tool.tree.nodes(),
-                pose: &state.tools[t].graphic,
-                level: tool.level,
-                working_point: &tool.working_point,
-                slot: t as u8,
-            };
-            ws.predictor.begin(&posed);
-            for (k, object) in scene.objects.iter().enumerate() {
-                let blend = scene.blend_of(k);
-                blended |= blend > 0.0;
+            let posed = posed(scene, state, t);
+            predictor.begin(&posed);
+            let displaced = |k: usize| slots[k].map_or(0.0, |slot| yielding[slot].displaced(zeros));
+            for &k in broad.near(scene, predictor, &posed, (d, levers[t]), displaced) {
+                let at = usize::from(k);
+                let (object, blend) = (&scene.objects[at], scene.blend_of(at));
                 let mut within = d;
                 if blend > 0.0 {
                     within.base += share * reach(blend) * blend;
                 }
-                let predictor = &mut ws.predictor;
-                let found = match ws.slots[k] {
+                let found = match slots[at] {
                     None => {
-                        let object = (k as u16, object.tree.nodes(), object.level);
+                        let object = (k, object.tree.nodes(), object.level);
                         predictor.predict(&posed, object, within, contacts)
                     }
                     Some(slot) => {
-                        ws.yielding[slot].predict(scene, predictor, &posed, within, contacts)
+                        yielding[slot].predict(scene, predictor, &posed, within, contacts)
                     }
                 };
                 if found.is_err() {
                     cut = true;
                     let most = d.at(longest);
-                    if blended && share > 0.0 && most <= 2.0 * scene.params.predict_min {
+                    let blended = || (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
+                    if share > 0.0 && most <= 2.0 * scene.params.predict_min && blended() {
                         share = if share > 0.1 { 0.5 * share } else { 0.0 };
                     } else {
                         d = d.shorter(longest);
@@ -313,19 +484,20 @@ fn optimise(
             bias,
         });
     }
-    let tissue = fill_tissue(scene, ws, first);
+    let tissue = fill_tissue(ws, first);
     if tissue {
         ws.passes[first].find_bearing();
     }
     let Pass {
         rows,
         solution,
+        gram,
         first: begin,
         ..
     } = &mut ws.passes[first];
     let problem = Problem {
         rows,
-        tissue: tissue.then(|| &ws.gram[..rows.len() * rows.len()]),
+        tissue: tissue.then(|| &gram[..rows.len() * rows.len()]),
         contact_compliance: scene.params.contact_compliance,
         first: if tissue { begin } else { &[] },
         max_iterations: usize::from(scene.params.max_iterations),
@@ -376,8 +548,10 @@ fn apply(
     steps: &Steps,
     share: f64,
 ) {
-    for yielding in &mut ws.yielding {
-        yielding.advance(share);
+    for &slot in &ws.passes[place(group)].tissues {
+        let yielding = &mut ws.yielding[slot];
+        let moved = yielding.advance(share);
+        ws.broad.object_moved(yielding.object, moved);
     }
     let objects = scene.objects.len();
     for &t in group {
@@ -403,6 +577,11 @@ fn apply(
             .iter_mut()
             .zip(&*targets)
         {
+            if *target == Wrench::ZERO && *load == Wrench::ZERO {
+                // (Of one sign, so that it takes no room.)
+                *load = Wrench::ZERO;
+                continue;
+            }
             let target = target.moved(&at);
             load.force += (target.force - load.force) * share;
             load.torque += (target.torque - load.torque) * share;

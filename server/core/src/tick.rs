@@ -4,7 +4,9 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
 use crate::blend::{Blender, Groups, Line, MAX_SEEDS, Member};
+use crate::contact::broad::Broad;
 use crate::contact::{Contact, ContactList, Overflow, Predictor, Work};
+use crate::groups::advance;
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
 use crate::math::{Pose, Vec3, Wrench, log_rotation, norm};
@@ -13,8 +15,9 @@ use crate::output::{PocketReading, TickOutput, ToolOutput, status};
 use crate::scene::Scene;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
-use crate::substep::{Reached, Wanted, advance};
+use crate::substep::{Asked, Reached, Wanted};
 use crate::tissue::{Hand, Hands, Site, SiteLoad, TissueModel};
+use crate::tree::Sphere;
 use crate::wrench::{Conditions, limited};
 use crate::yielding::Yielding;
 
@@ -29,9 +32,10 @@ const TOUCHING: f64 = 1e-6;
 #[derive(Debug)]
 pub struct Workspace {
     pub(crate) predictor: Predictor,
+    /// What each tool can come near at all.
+    pub(crate) broad: Broad,
     /// Per tool, or in the first tool's place where both share one problem.
     pub(crate) passes: [Pass; MAX_TOOLS],
-    pub(crate) gram: Vec<f64>,
     pub(crate) active_set: ActiveSet,
     pub(crate) blender: Blender,
     /// Gaps of the rows, to choose among them.
@@ -43,6 +47,20 @@ pub struct Workspace {
     pub(crate) yielding: Vec<Yielding>,
     /// For each object its place in `yielding`.
     pub(crate) slots: Vec<Option<usize>>,
+    /// Places in `yielding` of what was asked in this tick: all that is not at rest, or has a tool near.
+    pub(crate) awake: Vec<usize>,
+    /// Whose pass each of `yielding` belongs to in this tick.
+    pub(crate) owners: Vec<Option<usize>>,
+    /// What ends a query at the first pair.
+    pub(crate) any: ContactList,
+    /// As many zeros as the longest configuration has numbers.
+    pub(crate) zeros: Vec<f64>,
+    /// Graphic poses and loads as the tick began.
+    pub(crate) before: ([Pose; MAX_TOOLS], Vec<Wrench>),
+    /// Whether both tools always share one problem: for tests.
+    pub(crate) together: bool,
+    /// Places in `yielding` of the pockets, and the balls outside of which no tip reads them.
+    pockets: Vec<(usize, Sphere)>,
     tick_loads: Vec<SiteLoad>,
     /// Largest distance of a sphere from the working point, per tool, metres.
     pub(crate) levers: [f64; MAX_TOOLS],
@@ -67,14 +85,23 @@ pub(crate) struct Pass {
     pub bearing: Vec<(u16, u32, u8, u32)>,
     /// Rows of these contacts in this pass; in a tick's first pass, which knows of no other, those that touch.
     pub first: Vec<u32>,
-    /// Whether the matrix of tissue compliance belongs to this pass.
+    /// Compliance of the tissue in the rows' directions, row by row; none in a scene where nothing yields.
+    pub gram: Vec<f64>,
+    /// Whether it belongs to this pass.
     pub tissue: bool,
+    /// Places in [`Workspace::yielding`] of the tissues that this group's tools came near in this tick.
+    pub tissues: Vec<usize>,
     /// Share of its answer that was applied; none where the solver had no usable one.
     pub applied: Option<f64>,
 }
 
 impl Pass {
-    fn with_capacity(rows: usize, blended: bool, tool_nodes: usize) -> Self {
+    fn with_capacity(
+        (rows, dense): (usize, usize),
+        blended: bool,
+        tool_nodes: usize,
+        tissues: usize,
+    ) -> Self {
         Self {
             contacts: ContactList::with_capacity(rows),
             lines: Vec::with_capacity(rows),
@@ -85,7 +112,9 @@ impl Pass {
             solution: Solution::with_capacity(rows),
             bearing: Vec::with_capacity(rows),
             first: Vec::with_capacity(rows),
+            gram: vec![0.0; dense * dense],
             tissue: false,
+            tissues: Vec::with_capacity(tissues),
             applied: Some(1.0),
         }
     }
@@ -101,6 +130,7 @@ impl Pass {
         self.solution.lambda.clear();
         self.bearing.clear();
         self.tissue = false;
+        self.tissues.clear();
     }
 
     /// Remembers which contacts' rows bear load.
@@ -177,19 +207,29 @@ impl Workspace {
                 .get(t)
                 .map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point))
         };
+        let tissues = yielding.len();
+        // Only tissue needs the dense matrix.
+        let sizes = (rows, if tissues == 0 { 0 } else { dense });
+        let pockets = yielding.iter().enumerate();
+        let pockets = pockets.filter_map(|(slot, of)| Some((slot, of.model.pocket()?)));
+        let longest = yielding.iter().map(|yielding| yielding.shape.len()).max();
         Self {
             predictor: Predictor::new(scene),
-            passes: std::array::from_fn(|_| Pass::with_capacity(rows, blended, tool_nodes)),
+            broad: Broad::new(scene),
+            passes: std::array::from_fn(|_| {
+                Pass::with_capacity(sizes, blended, tool_nodes, tissues)
+            }),
             blender: Blender::with_capacity(if blended { rows } else { 0 }),
-            // Only tissue needs the dense matrix.
-            gram: vec![
-                0.0;
-                if yielding.is_empty() {
-                    0
-                } else {
-                    dense * dense
-                }
-            ],
+            pockets: pockets.collect(),
+            awake: Vec::with_capacity(tissues),
+            owners: vec![None; tissues],
+            any: ContactList::with_capacity(1),
+            zeros: vec![0.0; longest.unwrap_or(0)],
+            before: (
+                [Pose::identity(); MAX_TOOLS],
+                vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
+            ),
+            together: false,
             active_set: if yielding.is_empty() {
                 ActiveSet::rigid_only(rows)
             } else {
@@ -205,7 +245,7 @@ impl Workspace {
             tick_loads: Vec::with_capacity(if yielding.is_empty() { 0 } else { rows }),
             yielding,
             levers: std::array::from_fn(lever),
-            bytes: Vec::with_capacity(TickInput::BYTES + State::bytes_len(scene)),
+            bytes: Vec::with_capacity(TickInput::BYTES + State::most_bytes(scene)),
         }
     }
 
@@ -227,7 +267,7 @@ impl Workspace {
             let m = pass.rows.len();
             let problem = Problem {
                 rows: &pass.rows,
-                tissue: pass.tissue.then(|| &self.gram[..m * m]),
+                tissue: pass.tissue.then(|| &pass.gram[..m * m]),
                 contact_compliance,
                 first: &[],
                 max_iterations,
@@ -241,6 +281,14 @@ impl Workspace {
     pub fn plain(scene: &Scene) -> Self {
         Self {
             predictor: Predictor::plain(scene),
+            ..Self::new(scene)
+        }
+    }
+
+    /// The same, except that both tools always share one problem: slower, and the same to rounding. For tests.
+    pub fn together(scene: &Scene) -> Self {
+        Self {
+            together: true,
             ..Self::new(scene)
         }
     }
@@ -334,25 +382,17 @@ pub fn tick<P: StageProbe>(
         n_present += 1;
     }
 
-    free_step(
+    let held = held(&present[..n_present], &wanted);
+    begin(scene, state, ws, &held, input.detail);
+    let asked = Asked {
         scene,
-        state,
-        ws,
-        &held(&present[..n_present], &wanted),
-        input.detail,
-    );
-    let mut reached = [Reached::NOTHING; MAX_TOOLS];
-    if ws.yielding.is_empty() {
-        // Rigid: nothing couples the tools, each has its own problem.
-        for &t in &present[..n_present] {
-            reached[t] = advance(scene, state, ws, &[t], &wanted, probe)[t];
-        }
-    } else {
-        reached = advance(scene, state, ws, &present[..n_present], &wanted, probe);
-    }
+        wanted: &wanted,
+        held: &held,
+        detail: input.detail,
+    };
+    let reached = advance(&asked, state, ws, &present[..n_present], probe);
 
     probe.begin(Stage::Apply);
-    let held = held(&present[..n_present], &wanted);
     let (readings, fault) = commit(scene, state, ws, &held, input.detail);
     let mut outputs = [idle_output(state, 0), idle_output(state, 1)];
     for t in 0..tools {
@@ -393,13 +433,13 @@ fn idle_output(state: &State, t: usize) -> ToolOutput {
 }
 
 /// Haptic poses of the hands that hold something, by slot.
-type Held = [Option<Pose>; MAX_TOOLS];
+pub(crate) type Held = [Option<Pose>; MAX_TOOLS];
 
 fn held(present: &[usize], wanted: &[Wanted; MAX_TOOLS]) -> Held {
     std::array::from_fn(|t| present.contains(&t).then(|| wanted[t].haptic))
 }
 
-fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {
+pub(crate) fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {
     let objects = scene.objects.len();
     Hands {
         tools: std::array::from_fn(|t| {
@@ -414,11 +454,19 @@ fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Han
     }
 }
 
-/// Where each yielding thing is and would be without contact.
-fn free_step(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: u8) {
+/// Where each yielding thing is and would be without contact. What was at rest and stays there is not looked at.
+fn begin(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: u8) {
     let hands = hands(scene, state, held, detail);
-    for yielding in &mut ws.yielding {
-        yielding.free_step(state, &hands);
+    ws.awake.clear();
+    for (slot, yielding) in ws.yielding.iter_mut().enumerate() {
+        if yielding.may_sleep(state, slot) {
+            continue;
+        }
+        let moved = yielding.begin(state, slot, &hands);
+        ws.broad.object_moved(yielding.object, moved);
+        if yielding.was_asked() {
+            ws.awake.push(slot);
+        }
     }
 }
 
@@ -431,46 +479,61 @@ fn commit(
     held: &Held,
     detail: u8,
 ) -> ([Option<PocketReading>; MAX_TOOLS], bool) {
-    let (mut readings, mut fault) = ([None; MAX_TOOLS], false);
+    let mut fault = false;
     // The state's tissue is written while the rest of it is looked at.
     let mut all = std::mem::take(&mut state.tissue);
     let hands = hands(scene, state, held, detail);
-    for yielding in &mut ws.yielding {
-        let k = yielding.object;
+    for &slot in &ws.awake {
+        let yielding = &mut ws.yielding[slot];
+        if yielding.still {
+            continue;
+        }
         ws.tick_loads.clear();
-        let answered = ws.passes.iter().all(|pass| pass.applied.is_some());
-        for pass in &ws.passes {
+        // What no tool came near bears nothing.
+        let pass = ws.owners[slot].map(|owner| &ws.passes[owner]);
+        let answered = pass.is_none_or(|pass| pass.applied.is_some());
+        if let Some(pass) = pass {
             let applied = pass.applied.unwrap_or(0.0);
-            let ours = pass
-                .loaded()
-                .filter(|(contact, load)| usize::from(contact.object) == k && *load > 0.0);
+            let ours = pass.loaded().filter(|(contact, load)| {
+                usize::from(contact.object) == yielding.object && *load > 0.0
+            });
             ws.tick_loads.extend(ours.map(|(contact, load)| SiteLoad {
                 sphere: contact.object_sphere,
                 tool: contact.tool,
                 force: contact.normal * (-load * applied),
             }));
         }
-        let tissue = &mut all[yielding.state.clone()];
-        if !yielding.still {
-            yielding.model.commit(
-                &yielding.shape,
-                answered.then_some(ws.tick_loads.as_slice()),
-                &hands,
-                tissue,
-            );
-        }
-        if !tissue.iter().all(|x| x.is_finite()) {
-            tissue.fill(0.0);
+        yielding.model.commit(
+            &yielding.shape,
+            answered.then_some(ws.tick_loads.as_slice()),
+            &hands,
+            all.of_mut(slot),
+        );
+        if !all.settle(slot) {
             fault = true;
+            yielding.forget();
+            ws.broad.forget();
         }
-        for (t, reading) in readings.iter_mut().enumerate() {
-            let found = yielding.model.reading(t, &hands, tissue);
+    }
+    let mut readings = [None; MAX_TOOLS];
+    for (t, reading) in readings.iter_mut().enumerate() {
+        let Some(hand) = &hands.tools[t] else {
+            continue;
+        };
+        let tip = hand.graphic.transform(&hand.tool.tip);
+        for (slot, ball) in &ws.pockets {
+            let from = tip - ball.centre;
+            if from.dot(&from) > ball.radius * ball.radius {
+                continue;
+            }
+            let yielding = &ws.yielding[*slot];
+            let found = yielding.model.reading(t, &hands, all.of(*slot));
             let deeper = |new: &PocketReading| {
                 reading.is_none_or(|old: PocketReading| new.depth > old.depth)
             };
             if let Some(new) = found.filter(deeper) {
                 *reading = Some(PocketReading {
-                    object: k as u16,
+                    object: yielding.object as u16,
                     ..new
                 });
             }

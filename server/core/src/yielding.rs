@@ -1,10 +1,8 @@
 //! Tissue in a tick: where it is, its part of the problem, and where it goes under the answer.
 
-use std::ops::Range;
-
 use crate::blend::Line;
 use crate::contact::soft::SoftNeighbours;
-use crate::contact::{Contact, ContactList, ContactsFull, Distance, PosedTool, Predictor};
+use crate::contact::{ContactList, ContactsFull, Distance, PosedTool, Predictor};
 use crate::math::{Vec3, fmax};
 use crate::rows::runs;
 use crate::state::State;
@@ -20,16 +18,21 @@ pub(crate) struct Yielding {
     pub object: usize,
     /// Its model, made ready.
     pub model: Box<dyn Tissue>,
-    /// Its part of [`State::tissue`].
-    pub state: Range<usize>,
     /// Present configuration.
     pub shape: Vec<f64>,
     /// Configuration at the end of the tick if nothing touched it.
     pub free: Vec<f64>,
-    /// Configuration under the multipliers.
+    /// Configuration under the multipliers, and how far the spheres would go there, metres.
     target: Vec<f64>,
+    to_target: f64,
     /// Whether it is at rest, would stay there and is not touched: then it costs nothing.
     pub still: bool,
+    /// Whether the model was asked in this tick: not while the state is at rest and nobody comes near.
+    asked: bool,
+    /// Whether it must be asked in any case.
+    goes_by_hands: bool,
+    /// How far its spheres would go to the free configuration, metres.
+    pub relaxing: f64,
     /// Nodes at the present shape, if `fitted`; not kept while still.
     nodes: Vec<Node>,
     fitted: bool,
@@ -42,20 +45,20 @@ pub(crate) struct Yielding {
 impl Yielding {
     /// All that yields in `scene`, in the order of its objects.
     pub fn all(scene: &Scene) -> Vec<Self> {
-        let mut begin = 0;
         let ready = scene.objects.iter().enumerate().filter_map(|(k, object)| {
-            let first = begin;
-            begin += object.tissue.state_len(&object.tree);
             let model = object.tissue.ready(&object.tree, object.level)?;
             let (len, nodes) = (model.shape_len(), object.tree.nodes());
             Some(Self {
                 object: k,
+                goes_by_hands: model.goes_by_hands(),
                 model,
-                state: first..begin,
                 shape: vec![0.0; len],
                 free: vec![0.0; len],
                 target: vec![0.0; len],
+                to_target: 0.0,
                 still: true,
+                asked: false,
+                relaxing: 0.0,
                 nodes: nodes.to_vec(),
                 fitted: false,
                 near: std::array::from_fn(|t| {
@@ -68,13 +71,67 @@ impl Yielding {
         ready.collect()
     }
 
-    /// Asks the model where it is and would be.
-    pub fn free_step(&mut self, state: &State, hands: &Hands<'_>) {
-        let state = &state.tissue[self.state.clone()];
+    /// Whether a tick with `state` in slot `slot` may leave it alone, as the one before did.
+    #[inline]
+    pub fn may_sleep(&self, state: &State, slot: usize) -> bool {
+        !self.asked && !self.goes_by_hands && state.tissue.at_rest(slot)
+    }
+
+    /// Where it is as a tick begins; returns how far its spheres moved from where this workspace had them, metres.
+    pub fn begin(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
+        if self.goes_by_hands || !state.tissue.at_rest(slot) {
+            return self.ask(state, slot, hands);
+        }
+        // (An unasked one has been put to rest before.)
+        if !self.asked {
+            return 0.0;
+        }
+        std::mem::swap(&mut self.shape, &mut self.target);
+        self.shape.fill(0.0);
+        self.free.fill(0.0);
+        (self.still, self.asked, self.fitted, self.relaxing) = (true, false, false, 0.0);
+        self.model.motion(&self.target, &self.shape)
+    }
+
+    /// Asks the model where it is and would be; returns how far its spheres moved from where this workspace had them.
+    pub fn ask(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
+        std::mem::swap(&mut self.shape, &mut self.target);
+        let state = state.tissue.of(slot);
         self.still = self
             .model
             .free_step(state, hands, &mut self.shape, &mut self.free);
+        (self.asked, self.fitted) = (true, false);
+        self.relaxing = if self.still {
+            0.0
+        } else {
+            self.model.motion(&self.shape, &self.free)
+        };
+        self.model.motion(&self.target, &self.shape)
+    }
+
+    /// Whether the model was asked in this tick.
+    pub fn was_asked(&self) -> bool {
+        self.asked
+    }
+
+    /// How far any sphere is from where it rests, metres; `zeros` are as many as a configuration has, or more.
+    pub fn displaced(&self, zeros: &[f64]) -> f64 {
+        if self.still {
+            0.0
+        } else {
+            self.model.motion(&zeros[..self.shape.len()], &self.shape)
+        }
+    }
+
+    /// Goes all the way to where it would be without contact.
+    pub fn relax(&mut self) {
+        self.shape.copy_from_slice(&self.free);
         self.fitted = false;
+    }
+
+    /// Nothing that was found at an earlier shape counts any more.
+    pub fn forget(&mut self) {
+        self.near.iter_mut().for_each(SoftNeighbours::forget);
     }
 
     /// Brings the nodes to the present shape.
@@ -139,39 +196,42 @@ impl Yielding {
         centre[0]
     }
 
-    /// Goes a share of the way to where the multipliers press it.
-    pub fn advance(&mut self, share: f64) {
-        if !self.still {
-            for (shape, target) in self.shape.iter_mut().zip(&self.target) {
-                *shape += share * (target - *shape);
-            }
-            self.fitted = false;
+    /// Goes a share of the way to where the multipliers press it; returns how far its spheres moved at most, metres.
+    pub fn advance(&mut self, share: f64) -> f64 {
+        if self.still {
+            return 0.0;
         }
+        for (shape, target) in self.shape.iter_mut().zip(&self.target) {
+            *shape += share * (target - *shape);
+        }
+        self.fitted = false;
+        share * self.to_target
     }
 }
 
 /// The tissue's part of the problem: compliance and the way from the free shape. False when
 /// nothing touched yields.
-pub(crate) fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bool {
+pub(crate) fn fill_tissue(ws: &mut Workspace, first: usize) -> bool {
     let Pass {
         contacts,
         lines,
         rows,
         tissue,
+        gram,
         ..
     } = &mut ws.passes[first];
     let contacts = contacts.as_slice();
     let about = |line: &Line| &contacts[line.contact as usize];
-    let touched = |c: &Contact| !scene.objects[usize::from(c.object)].tissue.is_rigid();
-    if ws.yielding.is_empty() || !contacts.iter().any(touched) {
-        *tissue = false;
+    let slot_of = |object: u16| ws.slots[usize::from(object)];
+    let mut touched = runs(contacts, |contact| contact.object);
+    *tissue = touched.any(|run| slot_of(contacts[run.start].object).is_some());
+    if !*tissue {
         return false;
     }
-    *tissue = true;
     let m = rows.len();
-    ws.gram[..m * m].fill(0.0);
+    gram[..m * m].fill(0.0);
     for run in runs(lines, |line| about(line).object) {
-        let Some(slot) = ws.slots[usize::from(about(&lines[run.start]).object)] else {
+        let Some(slot) = slot_of(about(&lines[run.start]).object) else {
             continue;
         };
         let yielding = &mut ws.yielding[slot];
@@ -180,7 +240,7 @@ pub(crate) fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bo
             .extend(lines[run.clone()].iter().map(|line| about(line).site()));
         yielding
             .model
-            .add_gram(&ws.sites, &mut Gram::new(&mut ws.gram, m, run.start));
+            .add_gram(&ws.sites, &mut Gram::new(gram, m, run.start));
         if yielding.still {
             // Where it is is where it would be.
             continue;
@@ -204,17 +264,23 @@ pub(crate) fn fill_tissue(scene: &Scene, ws: &mut Workspace, first: usize) -> bo
     true
 }
 
-/// Finds the configurations under the multipliers; returns the largest motion to there.
+/// Finds the configurations of the group's tissues under the multipliers; returns the largest motion to there, which each
+/// tissue keeps for [`Yielding::advance`].
 pub(crate) fn yield_target(ws: &mut Workspace, first: usize) -> f64 {
+    let pass = &ws.passes[first];
     let mut motion = 0.0;
-    for yielding in &mut ws.yielding {
+    for &slot in &pass.tissues {
+        let yielding = &mut ws.yielding[slot];
+        let object = yielding.object;
         ws.sites.clear();
         ws.site_loads.clear();
-        for (contact, load) in ws.passes[first].loaded() {
-            if usize::from(contact.object) == yielding.object {
-                ws.sites.push(contact.site());
-                ws.site_loads.push(load);
-            }
+        // Contacts are sorted by object.
+        let contacts = pass.contacts.as_slice();
+        let begin = contacts.partition_point(|contact| usize::from(contact.object) < object);
+        let ours = contacts.iter().zip(&pass.shares).skip(begin);
+        for (contact, load) in ours.take_while(|ours| usize::from(ours.0.object) == object) {
+            ws.sites.push(contact.site());
+            ws.site_loads.push(*load);
         }
         if yielding.still {
             if !ws.site_loads.iter().any(|load| *load > 0.0) {
@@ -227,10 +293,12 @@ pub(crate) fn yield_target(ws: &mut Workspace, first: usize) -> f64 {
             shape,
             free,
             target,
+            to_target,
             ..
         } = yielding;
         model.apply(&ws.sites, &ws.site_loads, free, target);
-        motion = fmax(motion, model.motion(shape, target));
+        *to_target = model.motion(shape, target);
+        motion = fmax(motion, *to_target);
     }
     motion
 }

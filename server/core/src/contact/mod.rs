@@ -5,11 +5,12 @@
 //! more than `d` before the next pass, no pair outside the list can touch. The tick's trust
 //! region keeps that promise, which makes this a continuous collision detection.
 //!
-//! The plain way is to traverse both trees anew in every pass (`dual`). What was near is kept while the tool
+//! The plain way is to traverse both trees anew in every pass (`dual`). What a tool cannot come near is left out (`broad`). What was near is kept while the tool
 //! stays near: for what is rigid the families of spheres (`neighbours`), found by `front` in a layout for it
 //! (`packs`), for what yields the pairs of spheres (`soft`; by `front`, too, or where its spheres are large
 //! by `coarse`). Which of the ways answered never shows in the answer.
 
+pub(crate) mod broad;
 mod coarse;
 mod dual;
 mod front;

@@ -10,7 +10,7 @@ use super::front::Search;
 use super::packs::{Felt, Packs};
 use super::predictor::{Lever, Posed, PosedTool};
 use super::{ContactList, ContactsFull, Distance};
-use crate::math::{Mat3, Vec3, fmax, norm};
+use crate::math::{Mat3, Vec3, fclamp, fmax, norm};
 use crate::tree::Node;
 
 /// Most pairs in a list.
@@ -21,6 +21,10 @@ pub(super) const CAPACITY: usize = 4096;
 const TRANSLATION: f64 = 5e-5;
 /// Turn that a list allows for: largest Frobenius norm of a difference of rotation matrices.
 const TURN: f64 = 8.5e-3;
+/// A tool that has gone farther than a list allows for when that is asked for again is fast: the next one allows for this share of
+/// how far it went, at most so many times what it does else. Otherwise a fast hand takes a list in every pass.
+const FAST: f64 = 0.7;
+const FASTEST: f64 = 4.0;
 /// Most tool spheres that one family is tested against before its contacts are written; where more
 /// are near, the contacts need sorting.
 const RUN: usize = 192;
@@ -108,12 +112,28 @@ impl Neighbours {
         d: Distance,
         (search, places): (&mut Search, &mut [u32]),
     ) -> u64 {
+        let (mut further, mut turn) = (TRANSLATION, TURN);
+        if self.levels.is_some() {
+            let moved = norm(&(posed.working_point - self.working_point));
+            let turned = (posed.rotation - self.rotation).norm_squared().sqrt();
+            further = fclamp(FAST * moved, TRANSLATION, FASTEST * TRANSLATION);
+            turn = fclamp(FAST * turned, TURN, FASTEST * TURN);
+        }
         (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
         self.levels = Some((tool.level, level));
-        (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
-        let slack = slack(self.reach, self.turn);
-        let (usable, tested) = search.run(tool, posed, (packs, level), levers, slack, self.most);
-        self.usable = usable;
+        let mut tested = 0;
+        loop {
+            (self.reach, self.turn) = (d.base + further, d.turn + turn);
+            let slack = slack(self.reach, self.turn);
+            let found = search.run(tool, posed, (packs, level), levers, slack, self.most);
+            self.usable = found.0;
+            tested += found.1;
+            // What is too much for a fast tool may have room as it is else.
+            if self.usable || (further == TRANSLATION && turn == TURN) {
+                break;
+            }
+            (further, turn) = (TRANSLATION, TURN);
+        }
         self.pairs.clear();
         self.spheres.clear();
         for key in search.keys() {

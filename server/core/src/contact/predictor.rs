@@ -36,6 +36,8 @@ pub struct Work {
     pub lists: u64,
     /// Queries that no list could answer.
     pub unlisted: u64,
+    /// Bounds of the distance of a tool and an object found anew.
+    pub bounds: u64,
 }
 
 /// Contact prediction for one scene. What it keeps from query to query saves work and never

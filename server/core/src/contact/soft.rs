@@ -70,6 +70,11 @@ impl SoftNeighbours {
         }
     }
 
+    /// The list holds for nothing any more.
+    pub fn forget(&mut self) {
+        self.level = None;
+    }
+
     /// Whether the list is whole; where it is not, only a traversal can tell.
     pub fn usable(&self) -> bool {
         self.usable

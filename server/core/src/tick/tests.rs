@@ -6,6 +6,7 @@ use crate::tissue::{TissueModel, tests::Winkler};
 use crate::tree::{Sphere, SphereTree};
 use crate::*;
 
+mod apart;
 mod soft_bed;
 
 /// A straight rod of spheres along z, radius 0.25 mm at the tip, whose frame is at the device.

@@ -4,7 +4,8 @@
 //! ([`Tissue`]): tables computed once when the scene loads, and scratch. What outlives a tick is numbers in
 //! [`crate::State`]; all of them zero is the rest.
 //!
-//! Per tick a tissue is asked, in this order: [`Tissue::free_step`] (where is it, and where would it be
+//! A tissue whose state is all zero and that nobody touches is not asked at all, unless it [`Tissue::goes_by_hands`]. Otherwise
+//! it is asked per tick, in this order: [`Tissue::free_step`] (where is it, and where would it be
 //! without contact), then per collision pass [`Tissue::centres`] (where its spheres are now),
 //! [`Tissue::add_gram`] (how far each contact row moves for a unit load on each other row) and
 //! [`Tissue::apply`] (its configuration under the multipliers). The configuration that the tick
@@ -26,7 +27,7 @@ use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, Wrench, fmax};
 use crate::output::PocketReading;
 use crate::scene::Tool;
-use crate::tree::SphereTree;
+use crate::tree::{Sphere, SphereTree};
 use printed::{PrintedGingiva, PrintedSkeleton, ReadyGingiva, ReadySkeleton};
 
 /// One contact row as the tissue sees it.
@@ -134,8 +135,16 @@ pub trait Tissue: Debug + Send {
         hands: &Hands<'_>,
         state: &mut [f64],
     );
-    /// What the tool in `slot` reads here at the end of a tick, if this is a pocket and the tool is in it.
-    /// (A pocket that is at rest and untouched is not committed, but read.)
+    /// Whether [`Tissue::free_step`] may answer anything but the rest while the state is zero, for what the hands do.
+    fn goes_by_hands(&self) -> bool {
+        false
+    }
+    /// Ball, world axes, outside of which no tip reads anything; none where nothing is ever read.
+    fn pocket(&self) -> Option<Sphere> {
+        None
+    }
+    /// What the tool in `slot` reads here at the end of a tick, if this is a pocket and the tool's tip is in it, and in
+    /// [`Tissue::pocket`]. (A pocket that is at rest and untouched is not committed, but read.)
     fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
         let _ = (slot, hands, state);
         None

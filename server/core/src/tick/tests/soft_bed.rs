@@ -13,7 +13,7 @@ fn spheres(n: i32, spacing: f64) -> Vec<Sphere> {
         .collect()
 }
 
-fn bed(n: i32) -> Object {
+pub(super) fn bed(n: i32) -> Object {
     let compliance = Mat3::from_diagonal(&Vec3::new(0.001, 0.001, 0.004));
     Object {
         tree: SphereTree::over_leaves(&spheres(n, 2.5e-4)).expect("valid"),

@@ -10,7 +10,7 @@ use crate::TICK_S;
 use crate::math::{Vec3, fclamp, fmax};
 use crate::output::PocketReading;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
-use crate::tree::SphereTree;
+use crate::tree::{Sphere, SphereTree};
 
 /// A node that does not yield.
 const NONE: u32 = u32::MAX;
@@ -262,6 +262,13 @@ impl Tissue for Ready {
             })
         });
         pocket::remember(&self.model.params, &pressed, memory);
+    }
+
+    fn pocket(&self) -> Option<Sphere> {
+        Some(Sphere {
+            centre: self.rest[0],
+            radius: self.bound,
+        })
     }
 
     fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {

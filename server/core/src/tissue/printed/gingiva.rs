@@ -267,6 +267,11 @@ impl Tissue for ReadyGingiva {
         3 * self.followers.movers.len()
     }
 
+    fn goes_by_hands(&self) -> bool {
+        // The loads of the method as printed come from the haptic tool.
+        true
+    }
+
     fn free_step(
         &mut self,
         state: &[f64],

@@ -400,6 +400,11 @@ impl Tissue for ReadySkeleton {
         6 * self.followers.movers.len() + 1
     }
 
+    fn goes_by_hands(&self) -> bool {
+        // The loads of the method as printed come from the haptic tool.
+        true
+    }
+
     fn free_step(
         &mut self,
         state: &[f64],
