@@ -154,6 +154,7 @@ impl Default for DemoArgs {
             duration: None,
             exercise: "crown".into(),
             list_exercises: false,
+            habit: None,
             scene: None,
             seed: 1,
             solver: SolverArg::ActiveSet,

@@ -57,8 +57,8 @@ pub struct TourParams {
     pub read: f64,
     /// Whether a zone's deepest place is gone back to and read; else each zone is read where the walk through it ends.
     pub returns: bool,
-    /// How far inside the tooth's surface the hand means the tip to be, so that its side stays on it. Default 0.1 mm: about
-    /// 0.02 N.
+    /// How far inside the tooth's surface the hand means the tip to be, so that its side stays on it. Default 0.25 mm: about
+    /// 0.05 N.
     pub hug: f64,
     /// How near to the mesial and distal midlines the walk goes, metres. Default 0.85 mm: in the col under the contact (8 to 10
     /// degrees from the midline of a molar, 25 of an incisor).
@@ -89,7 +89,7 @@ impl Default for TourParams {
             advance: 1e-3,
             read: 1.0,
             returns: true,
-            hug: 0.1e-3,
+            hug: 0.25e-3,
             col: 0.85e-3,
             manner: Manner::Taught,
             tilt: 0.0,
