@@ -31,7 +31,7 @@ const SHALLOW: f64 = 0.6;
 const STUCK: f64 = 0.7e-3;
 const HOLD: f64 = 12.0;
 /// Fastest that the handle swings while the tip is in a pocket, m/s.
-const HANDLE_SPEED: f64 = 40e-3;
+const HANDLE_SPEED: f64 = 50e-3;
 /// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
 const KEEP: f64 = 6.0;
 const MOST_ASIDE: f64 = 1.2e-3;
@@ -46,7 +46,7 @@ const CORRECTION: f64 = 0.05;
 /// A reading counts while the force is so near to what is meant, share.
 const STEADY: f64 = 0.15;
 /// Most that walls are taken to push back with, newtons.
-const MOST_WALLS: f64 = 0.1;
+const MOST_WALLS: f64 = 0.2;
 /// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
 const CAUGHT: f64 = 3.0;
 /// Fastest change of tilt, rad/s.
