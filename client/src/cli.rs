@@ -154,6 +154,7 @@ impl Default for DemoArgs {
             duration: None,
             exercise: "bimanual".into(),
             list_exercises: false,
+            habit: None,
             scene: None,
             seed: 1,
             habit: None,

@@ -66,7 +66,10 @@ pub fn script(
     let duration = exercise.duration_s;
     let probes = matches!(exercise.kind, Kind::Probing | Kind::Bimanual);
     if let Some(habit) = habit.filter(|_| !probes) {
-        bail!("habit `{habit}` is one of probing, and exercise `{}` is not", exercise.name);
+        bail!(
+            "habit `{habit}` is one of probing, and exercise `{}` is not",
+            exercise.name
+        );
     }
     let mut tour: Vec<Visit> = exercise
         .zones
@@ -103,7 +106,11 @@ pub fn script(
             Box::new(Retraction::new(scene, params)?)
         }
         Kind::Bimanual => {
-            let until = if habit == Some(Habit::LetsTongueGo) { 0.5 } else { 1.0 };
+            let until = if habit == Some(Habit::LetsTongueGo) {
+                0.5
+            } else {
+                1.0
+            };
             let mirror = RetractionParams::default();
             Box::new(Bimanual::new(scene, &tour, params, mirror, until)?)
         }

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use sulcus_client::demo::{check, lockstep};
 use sulcus_client::exercise::{self, Prepared};
 use sulcus_client::progress::Steps;
-use sulcus_operator::probing::{Probing, ProbingParams};
+use sulcus_core::tissue::gingiva::Site;
+use sulcus_operator::tour::Tour;
+use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_operator::{HandParams, Operator};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::{Message, Occurrence, Recording, StationKey, occurrence::FORCE_ZONE};
@@ -16,14 +18,18 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
     let scene = exercise::compile(None, BuiltIn::Pocket, &Steps)
         .expect("built in")
         .scene;
-    let params = ProbingParams {
-        duration: 6.0,
+    let params = TourParams {
+        duration: 12.0,
         force,
-        // Where the scene's six depths are given: a zone's prescribed depth is that of its deepest place.
-        sites: [145.0, 90.0, 35.0],
-        ..ProbingParams::default()
+        turn_force: 0.65 * force,
+        ..TourParams::default()
     };
-    let script = Probing::new(&scene, None, params).expect("a pocket");
+    // (The distal midline of this scene lies deeper than its distobuccal site.)
+    let tour = [Visit {
+        tooth: 36,
+        sites: vec![Site::MesioBuccal, Site::Buccal],
+    }];
+    let script = Tour::new(&scene, &tour, params).expect("a pocket");
     let operator = Operator::new(Box::new(script), HandParams::default(), 5);
     let mut prepared = Prepared {
         exercise: exercise::find("probing").expect("built in"),

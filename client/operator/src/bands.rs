@@ -111,7 +111,9 @@ mod tests {
 
     #[test]
     fn a_unc_15_is_read_to_the_nearest_mark() {
-        let each: Vec<_> = (0..15).map(|k| (f64::from(k), f64::from(k + 1), k % 5 == 4)).collect();
+        let each: Vec<_> = (0..15)
+            .map(|k| (f64::from(k), f64::from(k + 1), k % 5 == 4))
+            .collect();
         let unc = bands(&each);
         let read = [0.0, 0.4, 0.6, 3.4, 3.6, 9.9, 14.6, 18.0].map(|mm| read(&unc, mm * 1e-3));
         assert_eq!(read, [0, 0, 1, 3, 4, 10, 15, 15]);
@@ -131,7 +133,9 @@ mod tests {
 
     #[test]
     fn a_blurred_eye_is_wrong_as_often_as_said_and_the_seed_decides() {
-        let each: Vec<_> = (0..15).map(|k| (f64::from(k), f64::from(k + 1), k % 5 == 4)).collect();
+        let each: Vec<_> = (0..15)
+            .map(|k| (f64::from(k), f64::from(k + 1), k % 5 == 4))
+            .collect();
         let unc = bands(&each);
         let calls = |seed| {
             let mut eye = Blur::new(seed);

@@ -74,7 +74,9 @@ impl Bimanual {
         let tour_ends = params.duration;
         let same = |a: &Visit, b: &Visit| Side::of(a.tooth) == Side::of(b.tooth);
         let mirrors = tour.chunk_by(same).map(|visits| {
-            let origins = visits.iter().filter_map(|visit| probe.origin_of(visit.tooth));
+            let origins = visits
+                .iter()
+                .filter_map(|visit| probe.origin_of(visit.tooth));
             let middle = origins.clone().sum::<Vec3>() / origins.count().max(1) as f64;
             let params = RetractionParams {
                 duration: f64::INFINITY,
@@ -124,15 +126,18 @@ impl Script for Bimanual {
         if self.time >= self.ends - TIDY {
             self.tour.break_off();
         }
-        let changes = self.tour.is_outside() && self.tour.tooth().is_none_or(|t| Side::of(t) != *side);
+        let changes =
+            self.tour.is_outside() && self.tour.tooth().is_none_or(|t| Side::of(t) != *side);
         if changes || given_up {
             mirror.let_go();
         }
-        if changes && mirror.is_done() && self.turn + 1 < self.mirrors.len() && !self.tour.is_done() {
+        if changes && mirror.is_done() && self.turn + 1 < self.mirrors.len() && !self.tour.is_done()
+        {
             let before = self.mirror();
             self.turn += 1;
             self.passage = before.zip(self.mirror()).map(|(from, to)| {
-                let over = |pose: &Pose| Pose::new(pose.position + Vec3::z() * OVER, pose.orientation);
+                let over =
+                    |pose: &Pose| Pose::new(pose.position + Vec3::z() * OVER, pose.orientation);
                 let mut passage = Travel::at(from);
                 passage.then(over(&from), SPEED);
                 passage.then(over(&to), SPEED);
@@ -141,7 +146,10 @@ impl Script for Bimanual {
             });
             return;
         }
-        if given_up || self.tour.tooth().is_none() || mirror_ready(&self.mirrors[self.turn], &self.tour) {
+        if given_up
+            || self.tour.tooth().is_none()
+            || mirror_ready(&self.mirrors[self.turn], &self.tour)
+        {
             self.tour.feel(felt);
         }
     }

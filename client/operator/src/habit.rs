@@ -83,6 +83,9 @@ mod tests {
         let error = "heavy".parse::<Habit>().expect_err("no such habit");
         let said = error.to_string();
         assert!(said.contains("`heavy`"), "{said}");
-        assert!(Habit::ALL.iter().all(|habit| said.contains(habit.name())), "{said}");
+        assert!(
+            Habit::ALL.iter().all(|habit| said.contains(habit.name())),
+            "{said}"
+        );
     }
 }

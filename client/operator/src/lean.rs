@@ -159,7 +159,9 @@ fn filled(found: &[[Option<[f64; 2]>; ROWS]]) -> Vec<[[f64; 2]; ROWS]> {
             Some(full)
         })
         .collect();
-    let known: Vec<usize> = (0..columns.len()).filter(|c| columns[*c].is_some()).collect();
+    let known: Vec<usize> = (0..columns.len())
+        .filter(|c| columns[*c].is_some())
+        .collect();
     for c in 0..columns.len() {
         if columns[c].is_none() {
             let nearest = known.iter().min_by_key(|k| k.abs_diff(c));

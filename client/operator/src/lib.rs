@@ -29,8 +29,8 @@ mod wall;
 use sulcus_core::math::normalised;
 use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Vec3};
 
-pub use hand::{Hand, HandParams};
 pub use habit::Habit;
+pub use hand::{Hand, HandParams};
 pub use script::{Call, Felt, Script, Shown};
 
 /// A person with up to two hands, performing a script.

@@ -65,12 +65,7 @@ impl PocketPath {
     ///
     /// # Errors
     /// When the scene has no such tooth, or no gingiva around it.
-    pub fn new(
-        scene: &Scene,
-        fdi: Option<u8>,
-        hug: f64,
-        manner: Manner,
-    ) -> Result<Self, NoPocket> {
+    pub fn new(scene: &Scene, fdi: Option<u8>, hug: f64, manner: Manner) -> Result<Self, NoPocket> {
         let wanted = |object: &&Object| fdi.map_or(object.fdi != 0, |fdi| object.fdi == fdi);
         let is_tooth = |object: &&Object| object.tissue.is_rigid() && wanted(object);
         let tooth = scene.objects.iter().find(is_tooth).ok_or_else(|| {

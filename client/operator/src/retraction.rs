@@ -154,7 +154,10 @@ impl Retraction {
         let middle = tongue.tree.nodes()[0].centre;
         let tooth = scene.objects.iter().find(|object| object.fdi != 0);
         let tooth = tooth.map(|tooth| tooth.tree.nodes()[0].centre);
-        let side = params.work.or(tooth).map_or(1.0, |work| (work.y - middle.y).signum());
+        let side = params
+            .work
+            .or(tooth)
+            .map_or(1.0, |work| (work.y - middle.y).signum());
         let (sine, cosine) = (libm::sin(params.flank), libm::cos(params.flank));
         let inward = Vec3::new(0.0, -side * sine, -cosine);
         let sideways = Vec3::new(0.0, -side * cosine, sine);
@@ -164,12 +167,13 @@ impl Retraction {
         let disc = tool.working_point;
         let reach = (tool.tip - disc).norm();
         let thickness = face_height(tool, &disc, &-frame.basis.column(1).into_owned(), reach);
-        let touch = touching(tongue, &inward, reach, side * sine, params.work).ok_or_else(|| {
-            NoTongue(format!(
-                "the mirror would not meet `{}` from above: is z up, and is it a tongue?",
-                tongue.name
-            ))
-        })? - inward * thickness;
+        let touch =
+            touching(tongue, &inward, reach, side * sine, params.work).ok_or_else(|| {
+                NoTongue(format!(
+                    "the mirror would not meet `{}` from above: is z up, and is it a tongue?",
+                    tongue.name
+                ))
+            })? - inward * thickness;
         Ok(Self {
             params,
             slot,

@@ -88,9 +88,8 @@ impl Obstacles {
                 .shape_at(object.level)
                 .map(|(_, node)| (node.centre, node.contact_radius))
         });
-        let near = |(centre, radius): &(Vec3, f64)| {
-            (centre - middle).norm() < reach + LENGTH + radius
-        };
+        let near =
+            |(centre, radius): &(Vec3, f64)| (centre - middle).norm() < reach + LENGTH + radius;
         Self(balls.filter(near).collect())
     }
 

@@ -41,7 +41,10 @@ pub fn zones(path: &PocketPath, sites: &[Site], walk: &Walk) -> Vec<Zone> {
         let sign = if site.is_buccal() { 1.0 } else { -1.0 };
         // From mesial, 0 to pi; where the zone begins depends on where the hand comes from.
         let (from, to) = match site.is_mesial() {
-            Some(true) => (proximal - BORDER, inmost(path, sign, true, walk.col, proximal)),
+            Some(true) => (
+                proximal - BORDER,
+                inmost(path, sign, true, walk.col, proximal),
+            ),
             Some(false) => (
                 PI - proximal + BORDER,
                 PI - inmost(path, sign, false, walk.col, proximal),
@@ -51,7 +54,9 @@ pub fn zones(path: &PocketPath, sites: &[Site], walk: &Walk) -> Vec<Zone> {
                 let neighbour = k.checked_sub(1).and_then(|before| sites.get(before));
                 let after_mesial = neighbour.is_some_and(|site| site.is_mesial() == Some(true));
                 let before_distal = neighbour.is_none()
-                    && sites.get(k + 1).is_some_and(|site| site.is_mesial() == Some(false));
+                    && sites
+                        .get(k + 1)
+                        .is_some_and(|site| site.is_mesial() == Some(false));
                 if after_mesial || before_distal {
                     (mesial, distal)
                 } else {
@@ -74,7 +79,13 @@ pub fn zones(path: &PocketPath, sites: &[Site], walk: &Walk) -> Vec<Zone> {
 
 /// Nearest to the midline that the tip can come with its shaft clear of the neighbours, but no nearer than `col`.
 fn inmost(path: &PocketPath, sign: f64, mesial: bool, col: f64, proximal: f64) -> f64 {
-    let from_mesial = |from_midline: f64| if mesial { from_midline } else { PI - from_midline };
+    let from_mesial = |from_midline: f64| {
+        if mesial {
+            from_midline
+        } else {
+            PI - from_midline
+        }
+    };
     let open = |from_midline: f64| path.ceiling(sign * from_mesial(from_midline)).is_some();
     let radius = path.radius(from_mesial(0.0), MEASURED_AT);
     let col = libm::asin((col / radius).clamp(0.0, 1.0));
@@ -92,7 +103,9 @@ fn spread(path: &PocketPath, sign: f64, from: f64, to: f64, advance: f64) -> Vec
     let angles: Vec<f64> = (0..=pieces)
         .map(|k| from + (to - from) * k as f64 / pieces as f64)
         .collect();
-    let lengths = angles.windows(2).map(|pair| (tip(pair[1]) - tip(pair[0])).norm());
+    let lengths = angles
+        .windows(2)
+        .map(|pair| (tip(pair[1]) - tip(pair[0])).norm());
     let sums: Vec<f64> = std::iter::once(0.0)
         .chain(lengths.scan(0.0, |sum, length| {
             *sum += length;

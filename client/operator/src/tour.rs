@@ -31,7 +31,7 @@ const SHALLOW: f64 = 0.6;
 const STUCK: f64 = 0.7e-3;
 const HOLD: f64 = 12.0;
 /// Fastest that the handle swings while the tip is in a pocket, m/s.
-const HANDLE_SPEED: f64 = 40e-3;
+const HANDLE_SPEED: f64 = 50e-3;
 /// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
 const KEEP: f64 = 6.0;
 const MOST_ASIDE: f64 = 1.2e-3;
@@ -46,7 +46,7 @@ const CORRECTION: f64 = 0.05;
 /// A reading counts while the force is so near to what is meant, share.
 const STEADY: f64 = 0.15;
 /// Most that walls are taken to push back with, newtons.
-const MOST_WALLS: f64 = 0.1;
+const MOST_WALLS: f64 = 0.2;
 /// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
 const CAUGHT: f64 = 3.0;
 /// Fastest change of tilt, rad/s.
@@ -274,17 +274,29 @@ impl Tour {
                 if self.travel.step() {
                     let all = self.insertions.len();
                     self.walls = f64::INFINITY;
-                    self.stroke = if self.now[0] < all { Stroke::Down } else { Stroke::Rest };
+                    self.stroke = if self.now[0] < all {
+                        Stroke::Down
+                    } else {
+                        Stroke::Rest
+                    };
                 }
             }
             Stroke::Down => {
                 self.walls = self.walls.min(self.force);
-                let enough = if self.returning { 0.95 * p.force } else { p.turn_force };
+                let enough = if self.returning {
+                    0.95 * p.force
+                } else {
+                    p.turn_force
+                };
                 let floor = self.seen > IN_POCKET && self.floor_force() >= enough;
                 if floor || self.force >= CAUGHT * enough || self.depth >= p.deepest {
                     self.reached();
                 } else {
-                    let speed = if self.felt.is_empty() { p.insert_speed } else { p.walk_speed };
+                    let speed = if self.felt.is_empty() {
+                        p.insert_speed
+                    } else {
+                        p.walk_speed
+                    };
                     // The more it feels the slower it goes.
                     let share = (1.2 - self.floor_force() / enough).clamp(0.2, 1.0);
                     let down = speed * share * TICK_S;
@@ -318,7 +330,11 @@ impl Tour {
                 } else {
                     self.around = to;
                     self.walls = f64::INFINITY;
-                    self.stroke = if self.leaving { Stroke::Out } else { Stroke::Down };
+                    self.stroke = if self.leaving {
+                        Stroke::Out
+                    } else {
+                        Stroke::Down
+                    };
                 }
             }
             Stroke::Read(left, tried) => {
@@ -495,7 +511,11 @@ impl Script for Tour {
     }
 
     fn duration_s(&self) -> f64 {
-        let zones: usize = self.insertions.iter().map(|insertion| insertion.zones.len()).sum();
+        let zones: usize = self
+            .insertions
+            .iter()
+            .map(|insertion| insertion.zones.len())
+            .sum();
         let most = zones as f64 * MOST_ZONE + self.insertions.len() as f64 * MOST_INSERTION;
         most.min(self.params.duration)
     }

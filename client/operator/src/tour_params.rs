@@ -41,11 +41,11 @@ pub struct TourParams {
     pub force: f64,
     /// Force at which a walking stroke turns back, newtons. Default 0.14: the floor is felt, not pressed.
     pub turn_force: f64,
-    /// Speed of the first way down, m/s. Default 5 mm/s.
+    /// Speed of the first way down, m/s. Default 6 mm/s.
     pub insert_speed: f64,
-    /// Speed of the way down of a bob, m/s. Default 7 mm/s.
+    /// Speed of the way down of a bob, m/s. Default 9 mm/s.
     pub walk_speed: f64,
-    /// Speed of the way up, and along the tooth, m/s. Default 10 mm/s.
+    /// Speed of the way up, and along the tooth, m/s. Default 12 mm/s.
     pub bob_speed: f64,
     /// Speed through the air, m/s. Default 60 mm/s.
     pub air_speed: f64,
@@ -57,8 +57,8 @@ pub struct TourParams {
     pub read: f64,
     /// Whether a zone's deepest place is gone back to and read; else each zone is read where the walk through it ends.
     pub returns: bool,
-    /// How far inside the tooth's surface the hand means the tip to be, so that its side stays on it. Default 0.1 mm: about
-    /// 0.02 N.
+    /// How far inside the tooth's surface the hand means the tip to be, so that its side stays on it. Default 0.25 mm: about
+    /// 0.05 N.
     pub hug: f64,
     /// How near to the mesial and distal midlines the walk goes, metres. Default 0.85 mm: in the col under the contact (8 to 10
     /// degrees from the midline of a molar, 25 of an incisor).
@@ -81,15 +81,15 @@ impl Default for TourParams {
             duration: f64::INFINITY,
             force: 0.215,
             turn_force: 0.14,
-            insert_speed: 5e-3,
-            walk_speed: 7e-3,
-            bob_speed: 10e-3,
+            insert_speed: 6e-3,
+            walk_speed: 9e-3,
+            bob_speed: 12e-3,
             air_speed: 60e-3,
             bob: 1.2e-3,
             advance: 1e-3,
             read: 1.0,
             returns: true,
-            hug: 0.1e-3,
+            hug: 0.25e-3,
             col: 0.85e-3,
             manner: Manner::Taught,
             tilt: 0.0,
@@ -101,7 +101,7 @@ impl Default for TourParams {
 }
 
 /// How far from the midline the line angle is, metres: where an upright probe goes down beside a neighbour.
-const LINE_ANGLE: f64 = 3e-3;
+const LINE_ANGLE: f64 = 3.3e-3;
 
 impl Habit {
     /// What the habit makes of a tour; `seed` decides mistakes.

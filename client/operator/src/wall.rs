@@ -29,13 +29,13 @@ impl Wall {
             .map(|(_, node)| node.sphere())
             .collect();
         let height = |centre: &Vec3| (centre - frame.origin).dot(&frame.axis);
-        let (low, high) = spheres.iter().fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(low, high), s| {
-                let z = height(&s.centre);
-                (low.min(z - s.radius), high.max(z + s.radius))
-            },
-        );
+        let (low, high) =
+            spheres
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
+                    let z = height(&s.centre);
+                    (low.min(z - s.radius), high.max(z + s.radius))
+                });
         let rows = ((high - low) / HEIGHT_STEP).ceil() as usize + 1;
         let mut wall = Self {
             frame: *frame,
@@ -48,9 +48,8 @@ impl Wall {
                 let sounded: Vec<f64> = (0..ANGLES)
                     .map(|k| {
                         let out = wall.outward(k as f64 * STEP);
-                        let touches = |s: &Sphere| {
-                            first_touch(&centre, &out, &s.centre, s.radius + tip)
-                        };
+                        let touches =
+                            |s: &Sphere| first_touch(&centre, &out, &s.centre, s.radius + tip);
                         spheres.iter().filter_map(touches).fold(0.0, f64::max)
                     })
                     .collect();
@@ -93,9 +92,14 @@ fn bridged(radius: &[f64]) -> Vec<f64> {
         .collect();
     (0..ANGLES)
         .map(|k| {
-            let lines = reach.iter().enumerate().map(|(j, reach)| (reach, apart(k, j)));
+            let lines = reach
+                .iter()
+                .enumerate()
+                .map(|(j, reach)| (reach, apart(k, j)));
             let facing = lines.filter(|(_, cosine)| *cosine > 0.2);
-            facing.fold(f64::INFINITY, |least, (reach, cosine)| least.min(reach / cosine))
+            facing.fold(f64::INFINITY, |least, (reach, cosine)| {
+                least.min(reach / cosine)
+            })
         })
         .collect()
 }

@@ -5,9 +5,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
 use sulcus_cases::Observer;
-use sulcus_core::{
-    NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
-};
+use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::{Events, Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};

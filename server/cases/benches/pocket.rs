@@ -7,9 +7,7 @@ use std::path::Path;
 
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_cases::pocket::{Way, gingiva_of};
-use sulcus_core::{
-    NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick,
-};
+use sulcus_core::{NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick};
 use sulcus_operator::script::{OneTool, smoothstep};
 use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::{BuildOptions, compile_file};

@@ -9,9 +9,7 @@
 
 use rustix::time::{ClockId, clock_gettime};
 use sulcus_core::optimise::SolverKind;
-use sulcus_core::{
-    NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick,
-};
+use sulcus_core::{NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick};
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::BuiltIn;

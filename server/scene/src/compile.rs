@@ -188,7 +188,11 @@ fn compile(
     let mut hasher = blake3::Hasher::new();
     hasher.update(text.as_bytes());
     // (Teeth are counted as if all were there.)
-    let teeth = if source.mouth.is_some() { LOWER.len() } else { 0 };
+    let teeth = if source.mouth.is_some() {
+        LOWER.len()
+    } else {
+        0
+    };
     let parts = source.tools.len() + source.objects.len() + teeth;
     let mut compiler = Compiler {
         path,

@@ -281,7 +281,10 @@ pub fn parse(text: &str, file: &Path) -> Result<SceneFile, FileError> {
 ///
 /// # Errors
 /// One sentence with file, line, what stands there and what was expected.
-pub(crate) fn from_toml<T: serde::de::DeserializeOwned>(text: &str, file: &Path) -> Result<T, FileError> {
+pub(crate) fn from_toml<T: serde::de::DeserializeOwned>(
+    text: &str,
+    file: &Path,
+) -> Result<T, FileError> {
     toml::from_str(text).map_err(|error| {
         let at = error.span().map_or(0, |span| span.start.min(text.len()));
         let line = text[..at].matches('\n').count() + 1;
@@ -298,4 +301,3 @@ pub(crate) fn from_toml<T: serde::de::DeserializeOwned>(text: &str, file: &Path)
         }
     })
 }
-

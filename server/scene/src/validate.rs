@@ -8,7 +8,9 @@ use std::path::Path;
 
 use sulcus_core::MAX_TOOLS;
 
-use crate::file::{FileError, ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind};
+use crate::file::{
+    FileError, ObjectEntry, ObjectKind, SceneFile, TissueEntry, ToolEntry, ToolKind,
+};
 use crate::parametric::Mirror;
 use tissue::{gingiva, skeleton, surface, tongue_dimensions};
 use tooth::tooth;

@@ -9,5 +9,5 @@ mod scene;
 pub(crate) use camera::{Camera, MOUTH, SIDES};
 pub(crate) use colour::{GREY, diverging, hex, ivory};
 pub(crate) use image::{Image, data_uri};
-pub(crate) use scene::Still;
 pub(crate) use raster::{Fragments, draw_mesh, draw_spheres};
+pub(crate) use scene::Still;

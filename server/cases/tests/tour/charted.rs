@@ -109,9 +109,17 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
             let p = tool.pocket;
             println!(
                 "{:.2} tip {:.2} {:.2} {:.2} F {:.3} pocket {:?}",
-                k as f64 * 1e-3, tip.x, tip.y, tip.z,
+                k as f64 * 1e-3,
+                tip.x,
+                tip.y,
+                tip.z,
                 tool.raw_wrench.force.norm(),
-                p.map(|p| (p.object, (p.around.to_degrees() * 10.0).round() / 10.0, (p.depth * 1e5).round() / 100.0, (p.floor_force * 1e3).round()))
+                p.map(|p| (
+                    p.object,
+                    (p.around.to_degrees() * 10.0).round() / 10.0,
+                    (p.depth * 1e5).round() / 100.0,
+                    (p.floor_force * 1e3).round()
+                ))
             );
         }
         if let Some(pocket) = tool.pocket {
@@ -132,7 +140,9 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
             if pocket.floor_force > 0.1 {
                 read.on_floor += 1e-3;
                 let up = tool.graphic.orientation * -scene.tools[slot].tip_axis;
-                read.tilt = read.tilt.max(up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos());
+                read.tilt = read
+                    .tilt
+                    .max(up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos());
             }
         }
         inside = tool.pocket.is_some();
@@ -155,7 +165,11 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
 
 /// A table for people.
 pub fn print(charted: &Charted) {
-    for read in charted.reads.iter().filter(|read| read.time > 0.0 || read.called.is_some()) {
+    for read in charted
+        .reads
+        .iter()
+        .filter(|read| read.time > 0.0 || read.called.is_some())
+    {
         println!(
             "{} {:13} prescribed {:.2} reached {:.2} ({:+.2}) called {:?} most {:.3} N, {:.1} s below the margin, {:.1} s on the floor, {} entries, tilt {:.0} deg",
             read.tooth,
@@ -173,6 +187,10 @@ pub fn print(charted: &Charted) {
     }
     println!(
         "{:.1} s, done {}, {} entries, {} calls, {} exhausted",
-        charted.time, charted.done, charted.entries, charted.calls.len(), charted.exhausted
+        charted.time,
+        charted.done,
+        charted.entries,
+        charted.calls.len(),
+        charted.exhausted
     );
 }

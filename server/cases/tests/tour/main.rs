@@ -1,89 +1,198 @@
-//! The simulated operator probes whole teeth: well, and badly in named ways.
+//! The simulated operator probes whole teeth of a generated patient: well, and badly in named ways.
 
 mod charted;
 
-use charted::{perform, print};
+use charted::{Charted, perform, print};
 use sulcus_core::Scene;
 use sulcus_core::tissue::gingiva::Site;
+use sulcus_operator::bimanual::Bimanual;
+use sulcus_operator::habit::Habit;
+use sulcus_operator::pocket_path::{Manner, PocketPath};
+use sulcus_operator::retraction::RetractionParams;
 use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
-use sulcus_scene::{BuildOptions, compile_text};
+use sulcus_scene::{BuildOptions, compile_file, compile_text};
 
-/// The teeth `fdis` of a generated patient, with a probe.
-fn mouth(seed: u64, fdis: &[u8]) -> Scene {
-    let text = format!(
-        r#"
+/// Tooth that is probed here, between its neighbours.
+const TOOTH: u8 = 36;
+
+/// The teeth 35 to 37 of a patient, with a probe: proximal depths well above the mid ones.
+fn part() -> Scene {
+    let text = r#"
 name = "part of a mouth"
 [mouth]
 condition = "periodontitis"
-seed = {seed}
-teeth = {fdis:?}
+seed = 1
+teeth = [35, 36, 37]
 [[tool]]
 name = "probe"
 kind = "periodontal_probe"
 level = 3
 levels = 4
 park_mm = [0.0, 0.0, 140.0]
-"#
-    );
-    compile_text(&text, "part.toml".as_ref(), &BuildOptions::cached(), &|_, _| {})
-        .expect("compiles")
-        .scene
-}
-
-#[test]
-fn a_whole_tooth_is_charted() {
-    let scene = if std::env::var("LONE").is_ok() {
-        sulcus_cases::tissue_scenes::changed(sulcus_scene::BuiltIn::Pocket, &[("depths_mm", "[5.0, 2.5, 4.0, 4.0, 2.0, 5.0]")])
-    } else { mouth(1, &[35, 36, 37]) };
-    let begin = std::time::Instant::now();
-    let tour = Tour::new(&scene, &[Visit::whole(36)], TourParams::default()).expect("a tooth");
-    println!("planned in {:?}", begin.elapsed());
-    for path in tour.paths() {
-        for degrees in (-180..=180).step_by(8) {
-            let around = f64::from(degrees).to_radians();
-            let tilts: Vec<String> = [-2e-3, 0.0, 2e-3, 4e-3, 6e-3]
-                .iter()
-                .map(|depth| {
-                    let place = path.place(around, *depth, 0.0);
-                    let frame = path.tooth();
-                    format!(
-                        "{:.0}/{:.0}",
-                        libm::atan2(place.up.dot(&frame.mesial), place.up.dot(&frame.axis)).to_degrees(),
-                        libm::atan2(place.up.dot(&frame.buccal), place.up.dot(&frame.axis)).to_degrees()
-                    )
-                })
-                .collect();
-            println!("{degrees:4} ceiling {:?} tilts {tilts:?}", path.ceiling(around).map(|c| c * 1e3));
-        }
-    }
-    let charted = perform(&scene, Box::new(tour), 0, 7);
-    print(&charted);
-    assert!(charted.done);
-    assert_eq!(charted.calls.len(), 6);
-    for site in Site::ALL {
-        let read = charted.of(36, site);
-        assert!((read.reached - read.prescribed).abs() <= 0.3e-3, "{read:?}");
-    }
-}
-
-#[test]
-#[ignore = "long: the whole mouth"]
-fn a_whole_mouth_is_charted() {
-    let compiled = sulcus_scene::compile_file(
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/mouth.toml").as_ref(),
+"#;
+    compile_text(
+        text,
+        "part.toml".as_ref(),
         &BuildOptions::cached(),
         &|_, _| {},
-    );
-    let scene = compiled.expect("compiles").scene;
-    let mut teeth: Vec<u8> = scene.objects.iter().filter(|o| o.fdi != 0 && o.tissue.is_rigid()).map(|o| o.fdi).collect();
-    if let Ok(only) = std::env::var("TEETH") {
-        teeth.retain(|fdi| only.split(',').any(|t| t == fdi.to_string()));
+    )
+    .expect("compiles")
+    .scene
+}
+
+/// Probes the tooth, with a habit or well.
+fn probed(scene: &Scene, habit: Option<Habit>) -> Charted {
+    let (mut params, mut tour) = (TourParams::default(), vec![Visit::whole(TOOTH)]);
+    if let Some(habit) = habit {
+        habit.spoil(&mut params, &mut tour, 3);
     }
-    let tour: Vec<Visit> = teeth.into_iter().map(Visit::whole).collect();
-    let begin = std::time::Instant::now();
-    let script = sulcus_operator::bimanual::Bimanual::new(&scene, &tour, TourParams::default(), Default::default(), 1.0).expect("a mouth");
-    println!("planned in {:?}", begin.elapsed());
-    let charted = perform(&scene, Box::new(script), 0, 7);
+    let tour = Tour::new(scene, &tour, params).expect("a tooth with gingiva");
+    let charted = perform(scene, Box::new(tour), 0, 7);
+    println!("{}:", habit.map_or("good", Habit::name));
     print(&charted);
+    assert!(charted.done);
+    charted
+}
+
+#[test]
+fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
+    let scene = part();
+    let good = probed(&scene, None);
+    assert_eq!(good.calls.len(), 6);
+    for site in Site::ALL {
+        let read = good.of(TOOTH, site);
+        assert!((read.reached - read.prescribed).abs() <= 0.3e-3, "{read:?}");
+        let called = f64::from(read.called.expect("called"));
+        assert!((called - read.prescribed * 1e3).abs() <= 1.0, "{read:?}");
+        assert!(read.most_force < 0.4, "{read:?}");
+    }
+    assert!(good.time < 6.0 * 7.2, "{} s", good.time);
+    let most = |charted: &Charted| {
+        charted
+            .reads
+            .iter()
+            .fold(0.0, |most, read| read.most_force.max(most))
+    };
+
+    let heavy = probed(&scene, Some(Habit::HeavyHand));
+    assert!(most(&heavy) > 0.5, "{}", most(&heavy));
+
+    let upright = probed(&scene, Some(Habit::WrongAngle));
+    for site in Site::ALL.into_iter().filter(|site| site.is_proximal()) {
+        let read = upright.of(TOOTH, site);
+        let beside = if site.is_buccal() {
+            Site::Buccal
+        } else {
+            Site::Lingual
+        };
+        if read.prescribed - upright.of(TOOTH, beside).prescribed >= 1e-3 {
+            assert!(read.reached <= read.prescribed - 0.5e-3, "{read:?}");
+        }
+    }
+    assert!(
+        upright.of(TOOTH, Site::Buccal).tilt > good.of(TOOTH, Site::Buccal).tilt + 0.25,
+        "{:?}",
+        upright.of(TOOTH, Site::Buccal)
+    );
+
+    let skips = probed(&scene, Some(Habit::SkipsSites));
+    assert!(skips.of(TOOTH, Site::DistoLingual).called.is_none());
+    assert_eq!(skips.calls.len(), 4);
+
+    let impatient = probed(&scene, Some(Habit::Impatient));
+    assert!(impatient.time < 0.7 * good.time);
+    assert!(most(&impatient) < most(&good));
+
+    let spots = probed(&scene, Some(Habit::SpotProbes));
+    assert_eq!(spots.calls.len(), 6);
+    assert!(spots.entries > good.entries);
+
+    let misreads = probed(&scene, Some(Habit::Misreads));
+    let wrong = Site::ALL
+        .into_iter()
+        .filter(|site| misreads.of(TOOTH, *site).called != good.of(TOOTH, *site).called);
+    assert!(wrong.count() >= 2);
+}
+
+#[test]
+fn the_shaft_leans_to_its_own_side_and_never_jumps() {
+    let scene = part();
+    let path = PocketPath::new(&scene, Some(TOOTH), 0.0, Manner::Taught).expect("a tooth");
+    let frame = *path.tooth();
+    for sign in [1.0, -1.0] {
+        let mut last: Option<sulcus_core::Vec3> = None;
+        for degrees in 8..=172 {
+            let up = path
+                .place(sign * f64::from(degrees).to_radians(), 3e-3, 0.0)
+                .up;
+            assert!(up.dot(&frame.buccal) * sign > -0.1, "{degrees}: {up:?}");
+            assert!(up.dot(&frame.axis) > 0.65, "{degrees}: {up:?}");
+            if let Some(last) = last {
+                let turn = up.dot(&last).clamp(-1.0, 1.0).acos().to_degrees();
+                assert!(
+                    turn < 4.0,
+                    "{turn} degrees between {degrees} and the one before"
+                );
+            }
+            last = Some(up);
+        }
+    }
+    // Beside a neighbour the taught way goes farther in than an upright one.
+    let upright = PocketPath::new(&scene, Some(TOOTH), 0.0, Manner::Upright).expect("a tooth");
+    let inmost =
+        |path: &PocketPath| (0..60).find(|d| path.ceiling(f64::from(*d).to_radians()).is_some());
+    assert!(
+        inmost(&path) < inmost(&upright),
+        "{:?} {:?}",
+        inmost(&path),
+        inmost(&upright)
+    );
+}
+
+/// All teeth of the mouth with both hands; `TEETH=36,37` probes only those, `HABIT=name` badly.
+#[test]
+#[ignore = "minutes: the whole mouth"]
+fn a_whole_mouth_is_charted() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/mouth.toml");
+    let compiled = compile_file(file.as_ref(), &BuildOptions::cached(), &|_, _| {});
+    let scene = compiled.expect("compiles").scene;
+    let only = std::env::var("TEETH").ok();
+    let wanted = |fdi: u8| {
+        only.as_ref()
+            .is_none_or(|only| only.split(',').any(|t| t == fdi.to_string()))
+    };
+    let teeth = scene
+        .objects
+        .iter()
+        .filter(|object| object.tissue.is_rigid());
+    let teeth = teeth
+        .map(|tooth| tooth.fdi)
+        .filter(|fdi| *fdi != 0 && wanted(*fdi));
+    let mut tour: Vec<Visit> = teeth.map(Visit::whole).collect();
+    let mut params = TourParams::default();
+    let habit: Option<Habit> = std::env::var("HABIT")
+        .ok()
+        .map(|name| name.parse().expect("a habit"));
+    if let Some(habit) = habit {
+        habit.spoil(&mut params, &mut tour, 3);
+    }
+    let zones: usize = tour.iter().map(|visit| visit.sites.len()).sum();
+    let until = if habit == Some(Habit::LetsTongueGo) {
+        0.5
+    } else {
+        1.0
+    };
+    let script = Bimanual::new(&scene, &tour, params, RetractionParams::default(), until);
+    let charted = perform(&scene, Box::new(script.expect("a mouth")), 0, 7);
+    print(&charted);
+    assert!(charted.done);
+    assert_eq!(charted.calls.len(), zones);
+    let within = |read: &&charted::Read| {
+        read.called.is_some() && (read.reached - read.prescribed).abs() <= 0.3e-3
+    };
+    println!(
+        "{} of {zones} within 0.3 mm",
+        charted.reads.iter().filter(within).count()
+    );
 }

@@ -3,7 +3,9 @@
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Node, Object, SphereTree, TreeError};
 
-use super::{JAW_TOP, MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing};
+use super::{
+    JAW_TOP, MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing,
+};
 use crate::build::TreeOptions;
 use crate::carry::carriers;
 use crate::compile::BuildError;
@@ -60,7 +62,10 @@ impl Compiler<'_> {
             })
         });
         objects.push(self.jaw(&arch)?);
-        for tooth in arch.iter().filter(|tooth| patient.missing.contains(&tooth.fdi)) {
+        for tooth in arch
+            .iter()
+            .filter(|tooth| patient.missing.contains(&tooth.fdi))
+        {
             objects.push(self.healed(entry, tooth)?);
         }
         for (tooth, made) in all.iter().zip(made) {
@@ -102,7 +107,9 @@ impl Compiler<'_> {
         let base = JAW_TOP - tooth.frame.origin.z * 1e3;
         let mesh = healed(ends, tooth.faces(entry.wall_mm), base);
         let frame = tooth.frame;
-        self.mucosa(&format!("healed ridge {}", tooth.fdi), 2, mesh, |mesh| placed_mesh(&mesh, &frame))
+        self.mucosa(&format!("healed ridge {}", tooth.fdi), 2, mesh, |mesh| {
+            placed_mesh(&mesh, &frame)
+        })
     }
 
     fn mucosa(

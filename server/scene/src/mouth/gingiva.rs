@@ -37,12 +37,19 @@ pub(crate) fn placed_gingiva(
         // A coarser node takes the place of the leaf that is nearest to it; it does not yield.
         let leaf = leaf_of(&node.sphere()).unwrap_or_else(|| {
             let off = |p: &Packed| (p.sphere.centre - node.centre).norm();
-            packed.iter().fold(&packed[0], |best, p| if off(p) < off(best) { p } else { best })
+            packed.iter().fold(
+                &packed[0],
+                |best, p| if off(p) < off(best) { p } else { best },
+            )
         });
         places.push(Place {
             away: turned(frame, &leaf.away),
             on_surface: to_world(frame, &leaf.on_surface),
-            spread: if leaf.floor { 0.0 } else { spread(&packed, leaf) },
+            spread: if leaf.floor {
+                0.0
+            } else {
+                spread(&packed, leaf)
+            },
             height: leaf.height,
             floor: leaf.floor,
         });
@@ -60,7 +67,9 @@ pub(crate) fn placed_gingiva(
     let model = Gingiva {
         params,
         tooth: *frame,
-        margin: (0..ANGLES).map(|k| collar.sulcus.margin(angle(k)) * 1e-3).collect(),
+        margin: (0..ANGLES)
+            .map(|k| collar.sulcus.margin(angle(k)) * 1e-3)
+            .collect(),
         proximal: collar.sulcus.proximal(),
         sites,
         places,
@@ -79,7 +88,11 @@ fn spread(packed: &[Packed], leaf: &Packed) -> f64 {
     let nearest = others.fold(f64::INFINITY, |nearest, other| {
         nearest.min((other.on_surface - leaf.on_surface).norm())
     });
-    if nearest.is_finite() { nearest.min(0.1) } else { 0.0 }
+    if nearest.is_finite() {
+        nearest.min(0.1)
+    } else {
+        0.0
+    }
 }
 
 fn tree(packed: &[Packed]) -> Result<SphereTree, TreeError> {

@@ -104,14 +104,15 @@ impl Standing {
 /// All lower teeth in the order of [`LOWER`]. The right side's shapes are the left side's.
 pub(crate) fn standing() -> Vec<Standing> {
     let teeth: Vec<Tooth> = (31..=37).filter_map(Tooth::lower).collect();
-    let shapes: Vec<(Tooth, TriMesh, Sections, [Vec3; 2])> = crate::parallel::map(teeth.len(), |k| {
-        let shape = teeth[k].clone();
-        let mesh = shape.mesh();
-        let low = JAW_TOP - arch::OCCLUSAL + shape.crown_height_mm() - 1.0;
-        let sections = Sections::of(&mesh, low, shape.crown_height_mm() + 0.5);
-        let contacts = shape.contacts();
-        (shape, mesh, sections, contacts)
-    });
+    let shapes: Vec<(Tooth, TriMesh, Sections, [Vec3; 2])> =
+        crate::parallel::map(teeth.len(), |k| {
+            let shape = teeth[k].clone();
+            let mesh = shape.mesh();
+            let low = JAW_TOP - arch::OCCLUSAL + shape.crown_height_mm() - 1.0;
+            let sections = Sections::of(&mesh, low, shape.crown_height_mm() + 0.5);
+            let contacts = shape.contacts();
+            (shape, mesh, sections, contacts)
+        });
     let footprints = |side: u8| -> Vec<Footprint> {
         let all = shapes.iter().zip(1..);
         all.map(|((shape, _, _, contacts), k)| Footprint {
@@ -143,7 +144,9 @@ pub(crate) fn standing() -> Vec<Standing> {
 
 /// Why a patient's gingiva cannot be laid out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`recession_mm` of tooth {fdi}, {site} is {found}, expected at least {least:.1}: higher up there is no room for a papilla under the contact point")]
+#[error(
+    "`recession_mm` of tooth {fdi}, {site} is {found}, expected at least {least:.1}: higher up there is no room for a papilla under the contact point"
+)]
 pub struct NoRoom {
     /// The tooth.
     pub fdi: u8,
@@ -215,4 +218,3 @@ pub(crate) fn patient(
         }
     }
 }
-

@@ -142,7 +142,9 @@ mod tests {
 
     #[test]
     fn an_ellipsoid_has_its_radii_and_two_legs_have_no_notch() {
-        let ball = |p: &Vec3| ((p.x / 4.0).powi(2) + (p.y / 3.0).powi(2) + (p.z / 6.0).powi(2)).sqrt() - 1.0;
+        let ball = |p: &Vec3| {
+            ((p.x / 4.0).powi(2) + (p.y / 3.0).powi(2) + (p.z / 6.0).powi(2)).sqrt() - 1.0
+        };
         let (low, high) = (Vec3::repeat(-7.0), Vec3::repeat(7.0));
         let mesh = polygonise(&ball, low, high, 0.25).placed(1e-3, Vec3::zeros());
         let sections = Sections::of(&mesh, -5.0, 5.0);

@@ -29,7 +29,11 @@ pub(super) fn patient(patient: &Patient) -> Checked {
             return wrong("`fdi` of a [[tooth]]".into(), fdi, expected);
         }
         if patient.teeth[..k].iter().any(|earlier| earlier.fdi == fdi) {
-            return wrong("`fdi` of a [[tooth]]".into(), format!("{fdi} twice"), "each once");
+            return wrong(
+                "`fdi` of a [[tooth]]".into(),
+                format!("{fdi} twice"),
+                "each once",
+            );
         }
         if patient.missing.contains(&fdi) {
             let found = "both in `missing` and charted";
@@ -55,18 +59,29 @@ fn tooth(tooth: &ToothChart) -> Checked {
         }
         if depth + recession > MOST_LOSS {
             return wrong(
-                format!("`depth_mm` plus `recession_mm` of tooth {fdi}, {}", site.name()),
+                format!(
+                    "`depth_mm` plus `recession_mm` of tooth {fdi}, {}",
+                    site.name()
+                ),
                 format!("{} mm", depth + recession),
                 "an attachment loss of at most 9 mm",
             );
         }
     }
     if !(0.0..=1.0).contains(&tooth.inflammation) {
-        return wrong(format!("`inflammation` of tooth {fdi}"), tooth.inflammation, "0 to 1");
+        return wrong(
+            format!("`inflammation` of tooth {fdi}"),
+            tooth.inflammation,
+            "0 to 1",
+        );
     }
     let worst = tooth.furcation.buccal.max(tooth.furcation.lingual);
     if worst > 3 {
-        return wrong(format!("`furcation` of tooth {fdi}"), worst, "0 to 3 (Hamp)");
+        return wrong(
+            format!("`furcation` of tooth {fdi}"),
+            worst,
+            "0 to 3 (Hamp)",
+        );
     }
     if worst > 0 && fdi % 10 < 6 {
         return wrong(
@@ -76,7 +91,11 @@ fn tooth(tooth: &ToothChart) -> Checked {
         );
     }
     if tooth.mobility > 3 {
-        return wrong(format!("`mobility` of tooth {fdi}"), tooth.mobility, "0 to 3 (Miller)");
+        return wrong(
+            format!("`mobility` of tooth {fdi}"),
+            tooth.mobility,
+            "0 to 3 (Miller)",
+        );
     }
     Ok(())
 }

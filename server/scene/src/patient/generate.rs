@@ -96,8 +96,14 @@ fn share_papillae(teeth: &mut [ToothChart]) {
             if left.fdi / 10 == 4 { 2 } else { 0 },
         ];
         let sides = [
-            (&mut right.recession_mm.buccal, &mut left.recession_mm.buccal),
-            (&mut right.recession_mm.lingual, &mut left.recession_mm.lingual),
+            (
+                &mut right.recession_mm.buccal,
+                &mut left.recession_mm.buccal,
+            ),
+            (
+                &mut right.recession_mm.lingual,
+                &mut left.recession_mm.lingual,
+            ),
         ];
         for (a, b) in sides {
             let shared = a[towards_left].min(b[towards_right]);
@@ -132,9 +138,16 @@ fn tooth(fdi: u8, condition: Condition, severity: f64, random: &mut Random) -> T
             };
             (depth, (loss - depth).clamp(HIGHEST, 2.0))
         } else if condition == Condition::Gingivitis {
-            (whole(2.0, if proximal { 4.0 } else { 3.0 }, random), HIGHEST)
+            (
+                whole(2.0, if proximal { 4.0 } else { 3.0 }, random),
+                HIGHEST,
+            )
         } else {
-            let depth = if proximal { whole(2.0, 3.0, random) } else { whole(1.0, 2.0, random) };
+            let depth = if proximal {
+                whole(2.0, 3.0, random)
+            } else {
+                whole(1.0, 2.0, random)
+            };
             (depth, if proximal { HIGHEST } else { -2.0 })
         };
         bleeding[k] = random.unit() < share_bleeding * if depths[k] >= 4.0 { 1.4 } else { 1.0 };
@@ -142,7 +155,11 @@ fn tooth(fdi: u8, condition: Condition, severity: f64, random: &mut Random) -> T
     let loss = |site: Site| depths[site as usize] + recessions[site as usize];
     let degree = |site: Site| {
         let beyond = loss(site) - FURCATION;
-        if molar && beyond >= 0.0 { 1 + u8::from(beyond >= 1.5) } else { 0 }
+        if molar && beyond >= 0.0 {
+            1 + u8::from(beyond >= 1.5)
+        } else {
+            0
+        }
     };
     let furcation = Furcations {
         buccal: degree(Site::Buccal),
@@ -156,6 +173,10 @@ fn tooth(fdi: u8, condition: Condition, severity: f64, random: &mut Random) -> T
         bleeding: Sides::from_round(bleeding),
         inflammation: (inflammation * 10.0).round() / 10.0,
         furcation,
-        mobility: if worst >= 7.0 { 2 } else { u8::from(worst >= 5.0) },
+        mobility: if worst >= 7.0 {
+            2
+        } else {
+            u8::from(worst >= 5.0)
+        },
     }
 }

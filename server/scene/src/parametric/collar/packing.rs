@@ -75,7 +75,11 @@ fn columns(collar: &Collar, apart: f64) -> Vec<f64> {
     let place = |k: usize| {
         let around = TAU * k as f64 / FINE as f64;
         let r = collar.inner(around, collar.floor(around)) - 0.5 * collar.sizes.width;
-        Vec3::new(r * libm::cos(around), r * libm::sin(around), collar.floor(around))
+        Vec3::new(
+            r * libm::cos(around),
+            r * libm::sin(around),
+            collar.floor(around),
+        )
     };
     let mut length = vec![0.0];
     for k in 0..FINE {
@@ -121,9 +125,19 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
         } else {
             1.0
         };
-        let radius = (0.5 * thick * shared).min(crest - z + 0.1).clamp(WALL[0], WALL[1]);
+        let radius = (0.5 * thick * shared)
+            .min(crest - z + 0.1)
+            .clamp(WALL[0], WALL[1]);
         let inset = 0.5 * (dent(radius, apart) + dent(radius, step));
-        put(collar, around, inner - inset + radius, z, radius, false, packed);
+        put(
+            collar,
+            around,
+            inner - inset + radius,
+            z,
+            radius,
+            false,
+            packed,
+        );
     }
 }
 

@@ -62,7 +62,9 @@ fn corners(collar: &Collar, z: f64) -> Vec<f64> {
 
 /// Angles all round, some of them at the corners.
 fn angles(collar: &Collar) -> Vec<f64> {
-    let mut angles: Vec<f64> = (0..ANGLES).map(|k| TAU * k as f64 / ANGLES as f64).collect();
+    let mut angles: Vec<f64> = (0..ANGLES)
+        .map(|k| TAU * k as f64 / ANGLES as f64)
+        .collect();
     for corner in corners(collar, REFERENCE) {
         let nearest = (corner / TAU * ANGLES as f64).round() as usize % ANGLES;
         angles[nearest] = corner;
@@ -77,17 +79,17 @@ fn followed(collar: &Collar, around: f64, z: f64) -> f64 {
     if n == 0 {
         return around;
     }
-    let after = from.iter().position(|corner| around <= *corner).unwrap_or(n);
+    let after = from
+        .iter()
+        .position(|corner| around <= *corner)
+        .unwrap_or(n);
     let before = (after + n - 1) % n;
     let turn = |angles: &[f64], k: usize| {
         // Round the whole circle.
         angles[k % n] + if k >= n { TAU } else { 0.0 }
     };
     let (low, high) = if after == 0 {
-        (
-            [from[before] - TAU, to[before] - TAU],
-            [from[0], to[0]],
-        )
+        ([from[before] - TAU, to[before] - TAU], [from[0], to[0]])
     } else {
         (
             [from[before], to[before]],
@@ -112,7 +114,10 @@ fn profile(collar: &Collar, around: f64) -> Vec<Vec3> {
     // A fillet between floor and wall.
     let fillet = (0.5 * collar.sizes.width).min(0.4 * (crest - floor));
     put(collar.inner(around, floor) - fillet, floor);
-    let (foot, top) = (floor + fillet, (crest - 0.25 * collar.sizes.crest).max(floor + fillet));
+    let (foot, top) = (
+        floor + fillet,
+        (crest - 0.25 * collar.sizes.crest).max(floor + fillet),
+    );
     for k in 0..WALL {
         let z = foot + (top - foot) * k as f64 / (WALL - 1) as f64;
         put(collar.inner(around, z), z);
