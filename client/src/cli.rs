@@ -157,7 +157,6 @@ impl Default for DemoArgs {
             habit: None,
             scene: None,
             seed: 1,
-            habit: None,
             solver: SolverArg::ActiveSet,
             recordings: "recordings".into(),
             json: false,

@@ -110,9 +110,9 @@ impl<F: Fn(f64) -> [Option<Pose>; MAX_TOOLS]> Script for TwoTools<F> {
 pub struct Both<A, B>(pub A, pub B);
 
 impl<A: Script, B: Script> Script for Both<A, B> {
-    fn feel(&mut self, felt: &[Wrench; MAX_TOOLS], hands: &[Option<Pose>; MAX_TOOLS]) {
-        self.0.feel(felt, hands);
-        self.1.feel(felt, hands);
+    fn feel(&mut self, felt: &Felt) {
+        self.0.feel(felt);
+        self.1.feel(felt);
     }
     fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
         let (first, second) = (self.0.targets(t), self.1.targets(t));

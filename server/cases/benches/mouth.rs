@@ -4,13 +4,15 @@
 //! `cargo bench -p sulcus-cases --bench mouth`, or with `-- 14 3` behind it for 14 teeth at level 3 alone.
 
 use rustix::time::{ClockId, clock_gettime};
-use sulcus_cases::row::{hands, row};
+use sulcus_cases::mouth::{hands, mouth};
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, Wrench, tick,
+    MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick,
 };
-use sulcus_operator::{HandParams, Operator};
+use sulcus_operator::{HandParams, Operator, Shown};
 
 const SECONDS: f64 = 10.0;
+/// A patient with all teeth.
+const PATIENT: u64 = 1;
 /// Times that the same inputs are run: each tick counts with its fastest, which leaves out what other processes do to a
 /// shared machine's caches, and nothing of the tick's own.
 const RUNS: usize = 5;
@@ -59,13 +61,13 @@ fn inputs(scene: &Scene) -> (Vec<TickInput>, [usize; MAX_TOOLS]) {
     let script = hands(scene, SECONDS);
     let mut operator = Operator::new(Box::new(script), HandParams::default(), 7);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut felt = [Wrench::ZERO; MAX_TOOLS];
+    let mut shown = Shown::NOTHING;
     let mut contact = [0; MAX_TOOLS];
     let inputs = (0..operator.ticks()).map(|_| {
         let mut input = TickInput::IDLE;
-        input.tools = operator.step(&felt);
+        input.tools = operator.step(&shown);
         let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-        felt = std::array::from_fn(|t| out.tools[t].wrench);
+        shown = Shown::from(&out);
         for (contact, tool) in contact.iter_mut().zip(&out.tools) {
             *contact += usize::from(tool.active > 0);
         }
@@ -133,7 +135,7 @@ fn main() {
         if !numbers.is_empty() && numbers != [teeth, usize::from(level)] {
             continue;
         }
-        let scene = row(teeth, level);
+        let scene = mouth(PATIENT, teeth == 4, level);
         let (inputs, contact) = inputs(&scene);
         println!("ticks in contact: {contact:?} of {}", inputs.len());
         measure(&format!("{teeth} teeth, level {level}"), &scene, &inputs);

@@ -12,7 +12,7 @@ pub mod one_dof;
 pub mod pocket;
 mod residual;
 pub mod ripple;
-pub mod row;
+pub mod mouth;
 pub mod run;
 pub mod scenes;
 mod sway;
