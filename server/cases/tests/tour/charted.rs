@@ -9,6 +9,9 @@ use sulcus_operator::{HandParams, Operator, Shown};
 /// Force up to which a depth counts as read with a light hand, newtons.
 pub const LIGHT: f64 = 0.26;
 
+/// Ticks outside that make a withdrawal.
+const WITHDRAWN: u32 = 300;
+
 /// One zone of one tooth.
 #[derive(Clone, Copy, Debug)]
 pub struct Read {
@@ -95,7 +98,8 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
         entries: 0,
         exhausted: 0,
     };
-    let mut inside = false;
+    // Ticks since it was last in a pocket: a bob that comes out of a shallow sulcus is no withdrawal.
+    let mut outside = WITHDRAWN;
     let trace = std::env::var("TRACE").is_ok();
     for k in 0..operator.ticks() {
         let mut input = TickInput::IDLE;
@@ -132,8 +136,8 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
             let read = &mut reads[6 * index + model.site_at(pocket.around) as usize];
             read.time += 1e-3;
             read.most_force = read.most_force.max(pocket.floor_force);
-            read.entries += u32::from(!inside);
-            charted.entries += u32::from(!inside);
+            read.entries += u32::from(outside >= WITHDRAWN);
+            charted.entries += u32::from(outside >= WITHDRAWN);
             if pocket.floor_force <= LIGHT {
                 read.reached = read.reached.max(pocket.depth);
             }
@@ -145,7 +149,7 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
                     .max(up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos());
             }
         }
-        inside = tool.pocket.is_some();
+        outside = if tool.pocket.is_some() { 0 } else { outside + 1 };
         for call in operator.calls() {
             let is = |read: &&mut Read| read.tooth == call.tooth && read.site == call.site;
             if let Some(read) = reads.iter_mut().find(is) {
