@@ -21,7 +21,7 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  sulcus-client                                   the demo: 20 s, recorded and replayed
+  sulcus-client                                   the demo: both hands in a whole mouth, a minute, recorded and replayed
   sulcus-client demo --virtual --duration 60      the same in virtual time, as fast as it goes
   sulcus-client demo --scene server/scenes/crown.toml --json
   sulcus-client demo --exercise probing           one tooth's pocket, in real time
@@ -53,7 +53,7 @@ pub struct DemoArgs {
     pub duration: Option<f64>,
     /// What to perform: an exercise by name (`--list-exercises`), a file of one (ending in .toml), or a hard case as
     /// `hard/NAME`
-    #[arg(long, value_name = "NAME", default_value = "crown")]
+    #[arg(long, value_name = "NAME", default_value = "bimanual")]
     pub exercise: String,
     /// List the exercises and stop
     #[arg(long)]

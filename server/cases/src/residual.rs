@@ -60,7 +60,7 @@ pub(crate) struct Solid {
     pub leaves: Vec<(Vec3, f64)>,
     centres: Vec<Vec3>,
     /// Whether the leaves are where they are at rest.
-    at_rest: bool,
+    pub at_rest: bool,
     /// Blend length, metres; 0 where they are hard.
     blend: f64,
     /// Box of the leaves.
@@ -68,6 +68,8 @@ pub(crate) struct Solid {
     high: Vec3,
 }
 
+/// Spheres of a tool that are looked at together.
+const TOGETHER: usize = 16;
 /// Blend lengths beyond which a sphere weighs under a ten-thousandth of a millionth.
 const FAR: f64 = 23.0;
 
@@ -118,14 +120,13 @@ impl Solid {
         (self.low, self.high) = box_of(&self.leaves);
     }
 
-    /// Depth of a ball below the blended surface, metres; 0 or less outside of it.
-    fn blended_depth(&self, centre: &Vec3, radius: f64) -> f64 {
+    /// Depth of a ball below the blended surface that `leaves` make, metres: all leaves that are near enough to matter; 0 or less outside of it.
+    fn blended_depth(&self, leaves: &[(Vec3, f64)], centre: &Vec3, radius: f64) -> f64 {
         let margin = radius + FAR * self.blend;
         if (0..3).any(|k| centre[k] + margin < self.low[k] || centre[k] - margin > self.high[k]) {
             return 0.0;
         }
-        let seen: Vec<(f64, f64, Vec3)> = self
-            .leaves
+        let seen: Vec<(f64, f64, Vec3)> = leaves
             .iter()
             .filter(|(c, r)| (centre - c).norm_squared() < (r + margin) * (r + margin))
             .map(|(c, r)| {
@@ -175,27 +176,43 @@ fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3,
     );
     let (low, high) = box_of(placed);
     let mut depth: f64 = 0.0;
+    let (mut near, mut makes): (Vec<(Vec3, f64)>, Vec<(Vec3, f64)>) = Default::default();
     for solid in solids {
         let margin = FAR * solid.blend;
         if (0..3).any(|k| solid.low[k] - margin > high[k] || solid.high[k] + margin < low[k]) {
             continue;
         }
-        for (c, r) in &solid.leaves {
-            if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
-                continue;
-            }
-            for (centre, radius) in placed.iter() {
-                let reach = r + radius;
-                let between = centre - c;
-                let squared = between.norm_squared();
-                if squared < reach * reach {
-                    depth = depth.max(reach - squared.sqrt());
+        near.clear();
+        let beside = |(c, r): &&(Vec3, f64)| {
+            (0..3).all(|k| c[k] + r >= low[k] && c[k] - r <= high[k])
+        };
+        near.extend(solid.leaves.iter().filter(beside));
+        // Spheres that follow each other lie together: a box round a few of them spares most pairs.
+        for few in placed.chunks(TOGETHER) {
+            let (low, high) = box_of(few);
+            for (c, r) in &near {
+                if (0..3).any(|k| c[k] + r < low[k] || c[k] - r > high[k]) {
+                    continue;
+                }
+                for (centre, radius) in few {
+                    let reach = r + radius;
+                    let between = centre - c;
+                    let squared = between.norm_squared();
+                    if squared < reach * reach {
+                        depth = depth.max(reach - squared.sqrt());
+                    }
                 }
             }
-        }
-        if solid.blend > 0.0 {
-            for (centre, radius) in placed.iter() {
-                depth = depth.max(solid.blended_depth(centre, *radius));
+            if solid.blend > 0.0 {
+                let beside = |(c, r): &&(Vec3, f64)| {
+                    let reach = r + margin;
+                    (0..3).all(|k| c[k] + reach >= low[k] && c[k] - reach <= high[k])
+                };
+                makes.clear();
+                makes.extend(solid.leaves.iter().filter(beside));
+                for (centre, radius) in few {
+                    depth = depth.max(solid.blended_depth(&makes, centre, *radius));
+                }
             }
         }
     }

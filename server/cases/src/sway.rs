@@ -41,13 +41,14 @@ impl Sway {
         }
         self.now = 0.0;
         for (k, solid) in solids.iter().enumerate().filter(|(_, solid)| solid.yields) {
-            let moved = solid
-                .leaves
-                .iter()
-                .zip(&solid.rest)
-                .fold(0.0, |most: f64, (leaf, rest)| {
+            let leaves = solid.leaves.iter().zip(&solid.rest);
+            let moved = if solid.at_rest {
+                0.0
+            } else {
+                leaves.fold(0.0, |most: f64, (leaf, rest)| {
                     most.max(norm(&(leaf.0 - rest)))
-                });
+                })
+            };
             self.now = self.now.max(moved);
             if self.loaded[k] {
                 self.let_go[k] = None;
