@@ -18,7 +18,11 @@ const NEAR: [u8; 4] = [34, 35, 36, 37];
 /// # Panics
 /// When the shipped scene does not compile: a fault of this function.
 pub fn mouth(seed: u64, four: bool, level: u8) -> Scene {
-    let teeth = if four { format!("\nteeth = {NEAR:?}") } else { String::new() };
+    let teeth = if four {
+        format!("\nteeth = {NEAR:?}")
+    } else {
+        String::new()
+    };
     let text = BuiltIn::Mouth
         .text()
         .replacen("seed = 1", &format!("seed = {seed}{teeth}"), 1)

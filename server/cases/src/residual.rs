@@ -183,9 +183,8 @@ fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3,
             continue;
         }
         near.clear();
-        let beside = |(c, r): &&(Vec3, f64)| {
-            (0..3).all(|k| c[k] + r >= low[k] && c[k] - r <= high[k])
-        };
+        let beside =
+            |(c, r): &&(Vec3, f64)| (0..3).all(|k| c[k] + r >= low[k] && c[k] - r <= high[k]);
         near.extend(solid.leaves.iter().filter(beside));
         // Spheres that follow each other lie together: a box round a few of them spares most pairs.
         for few in placed.chunks(TOGETHER) {

@@ -17,10 +17,13 @@ fn mouth(seed: u64) -> Compiled {
 }
 
 fn gingivae(scene: &Scene) -> impl Iterator<Item = (&Object, &Gingiva)> {
-    scene.objects.iter().filter_map(|object| match &object.tissue {
-        TissueModel::Gingiva(model) => Some((object, &**model)),
-        _ => None,
-    })
+    scene
+        .objects
+        .iter()
+        .filter_map(|object| match &object.tissue {
+            TissueModel::Gingiva(model) => Some((object, &**model)),
+            _ => None,
+        })
 }
 
 /// Height over the tooth's origin at which a tip of 0.5 mm that comes down the pocket meets the floor at rest, metres: the
@@ -41,7 +44,8 @@ fn sounded(object: &Object, model: &Gingiva, around: f64) -> f64 {
         let off = ball.centre - frame.origin;
         let across = off - frame.axis * off.dot(&frame.axis);
         let turn = libm::atan2(across.dot(&frame.buccal), across.dot(&frame.mesial)) - around;
-        (turn - 2.0 * PI * libm::floor(turn / (2.0 * PI) + 0.5)).abs() < 0.2 && (ball.radius - 0.9e-3).abs() < 1e-9
+        (turn - 2.0 * PI * libm::floor(turn / (2.0 * PI) + 0.5)).abs() < 0.2
+            && (ball.radius - 0.9e-3).abs() < 1e-9
     };
     let near: Vec<f64> = balls
         .iter()
@@ -64,10 +68,19 @@ fn fourteen_teeth_stand_in_their_gingivae_and_the_chart_is_in_the_scene() {
     let compiled = mouth(3);
     let patient = generate(3, Condition::Periodontitis);
     assert_eq!(compiled.patient.as_deref(), Some(&*patient.to_toml()));
-    let there: Vec<u8> = LOWER.into_iter().filter(|fdi| !patient.missing.contains(fdi)).collect();
-    let teeth = compiled.scene.objects.iter().filter(|o| o.fdi != 0 && o.tissue.is_rigid());
+    let there: Vec<u8> = LOWER
+        .into_iter()
+        .filter(|fdi| !patient.missing.contains(fdi))
+        .collect();
+    let teeth = compiled
+        .scene
+        .objects
+        .iter()
+        .filter(|o| o.fdi != 0 && o.tissue.is_rigid());
     assert_eq!(teeth.map(|tooth| tooth.fdi).collect::<Vec<_>>(), there);
-    let fdis: Vec<u8> = gingivae(&compiled.scene).map(|(object, _)| object.fdi).collect();
+    let fdis: Vec<u8> = gingivae(&compiled.scene)
+        .map(|(object, _)| object.fdi)
+        .collect();
     assert_eq!(fdis, there);
     for (object, model) in gingivae(&compiled.scene) {
         let chart = patient.tooth(object.fdi).expect("charted");
@@ -121,18 +134,31 @@ fn upright_at_the_line_angle_there_is_less_than_under_the_contact() {
     let compiled = mouth(2);
     let mut compared = 0;
     for (object, model) in gingivae(&compiled.scene) {
-        for (site, middle) in [(Site::MesioBuccal, Site::Buccal), (Site::DistoLingual, Site::Lingual)] {
+        for (site, middle) in [
+            (Site::MesioBuccal, Site::Buccal),
+            (Site::DistoLingual, Site::Lingual),
+        ] {
             let (deep, shallow) = (model.prescribed(site).depth, model.prescribed(middle).depth);
             if deep - shallow < 0.9e-3 {
                 continue;
             }
             let side = if site.is_buccal() { 1.0 } else { -1.0 };
             let line = model.proximal - 0.1;
-            let around = side * if site.is_mesial() == Some(true) { line } else { PI - line };
+            let around = side
+                * if site.is_mesial() == Some(true) {
+                    line
+                } else {
+                    PI - line
+                };
             let sink = model.params.sink() / model.params.firmness();
             let there = model.margin_at(around) - sounded(object, model, around) + sink;
             // (The margin, too, is lower there.)
-            assert!(there < deep - 0.5e-3, "{} {}: {there}", object.name, site.name());
+            assert!(
+                there < deep - 0.5e-3,
+                "{} {}: {there}",
+                object.name,
+                site.name()
+            );
             compared += 1;
         }
     }
@@ -169,12 +195,18 @@ fn a_missing_tooth_leaves_a_healed_ridge_and_no_neighbour() {
     let mut patient = Patient::healthy("without a first molar");
     patient.missing.push(36);
     std::fs::write(folder.path().join("p.toml"), patient.to_toml()).expect("written");
-    let text = BuiltIn::Mouth.text().replace("condition = \"periodontitis\"", "patient = \"p.toml\"\nteeth = [35, 37]");
+    let text = BuiltIn::Mouth.text().replace(
+        "condition = \"periodontitis\"",
+        "patient = \"p.toml\"\nteeth = [35, 37]",
+    );
     let file = folder.path().join("mouth.toml");
     let scene = sulcus_scene::compile_text(&text, &file, &BuildOptions::cached(), &|_, _| ());
     let scene = scene.expect("a scene").scene;
     let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();
-    assert!(names.contains(&"healed ridge 36") && !names.contains(&"tooth 36"), "{names:?}");
+    assert!(
+        names.contains(&"healed ridge 36") && !names.contains(&"tooth 36"),
+        "{names:?}"
+    );
     assert!(names.contains(&"gingiva 37") && !names.contains(&"tooth 34"));
 }
 
@@ -183,7 +215,9 @@ fn a_margin_without_room_for_a_papilla_is_refused_with_tooth_and_site() {
     let folder = tempfile::tempdir().expect("temporary directory");
     let text = "name = \"a\"\n[[tooth]]\nfdi = 36\nrecession_mm.buccal = [-4, -2, -2]\nrecession_mm.lingual = [-2, -2, -2]\n";
     std::fs::write(folder.path().join("p.toml"), text).expect("written");
-    let scene = BuiltIn::Mouth.text().replace("condition = \"periodontitis\"", "patient = \"p.toml\"");
+    let scene = BuiltIn::Mouth
+        .text()
+        .replace("condition = \"periodontitis\"", "patient = \"p.toml\"");
     let file = folder.path().join("mouth.toml");
     let error = sulcus_scene::compile_text(&scene, &file, &BuildOptions::cached(), &|_, _| ());
     let error = error.expect_err("no room").to_string();
@@ -197,12 +231,24 @@ fn a_margin_without_room_for_a_papilla_is_refused_with_tooth_and_site() {
 #[test]
 fn the_right_side_is_the_left_one_in_a_mirror() {
     let folder = tempfile::tempdir().expect("temporary directory");
-    std::fs::write(folder.path().join("p.toml"), Patient::healthy("even").to_toml()).expect("written");
-    let text = BuiltIn::Mouth.text().replace("condition = \"periodontitis\"", "patient = \"p.toml\"");
+    std::fs::write(
+        folder.path().join("p.toml"),
+        Patient::healthy("even").to_toml(),
+    )
+    .expect("written");
+    let text = BuiltIn::Mouth
+        .text()
+        .replace("condition = \"periodontitis\"", "patient = \"p.toml\"");
     let file = folder.path().join("mouth.toml");
     let scene = sulcus_scene::compile_text(&text, &file, &BuildOptions::cached(), &|_, _| ());
     let scene = scene.expect("a scene").scene;
-    let of = |name: &str| scene.objects.iter().find(|o| o.name == name).expect("there");
+    let of = |name: &str| {
+        scene
+            .objects
+            .iter()
+            .find(|o| o.name == name)
+            .expect("there")
+    };
     for k in 1..=7 {
         let (left, right) = (of(&format!("tooth 3{k}")), of(&format!("tooth 4{k}")));
         for (l, r) in left.tree.nodes().iter().zip(right.tree.nodes()) {
