@@ -42,8 +42,11 @@ fn a_crown_session_has_the_same_hashes_with_and_without_memory() {
     }
     assert!(contact > 800, "in contact in {contact} of {ticks} ticks");
     let work = kept.work();
-    assert_eq!((work.unlisted, work.queries), (0, plain.work().queries));
-    assert!(work.lists * 3 < work.queries, "{work:?}");
+    // (Without memory every object is asked in every pass: as often as there are occasions for a list.)
+    let occasions = plain.work().queries;
+    assert_eq!(work.unlisted, 0);
+    assert!(work.queries < occasions, "{work:?} of {occasions}");
+    assert!(work.lists * 3 < occasions, "{work:?} of {occasions}");
     assert!(
         work.tested * 2 < plain.work().tested,
         "{work:?} against {:?}",
