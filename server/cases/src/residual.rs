@@ -176,7 +176,7 @@ fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3,
     );
     let (low, high) = box_of(placed);
     let mut depth: f64 = 0.0;
-    let (mut near, mut makes): (Vec<(Vec3, f64)>, Vec<(Vec3, f64)>) = Default::default();
+    let (mut near, mut makes) = (Vec::new(), Vec::new());
     for solid in solids {
         let margin = FAR * solid.blend;
         if (0..3).any(|k| solid.low[k] - margin > high[k] || solid.high[k] + margin < low[k]) {

@@ -115,7 +115,7 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     // The wall; every other column is set off by half a row.
     let rows = ((crest - floor) / apart).round().max(1.0);
     let step = (crest - floor) / rows;
-    let shift = if k % 2 == 0 { 0.25 } else { 0.75 };
+    let shift = if k.is_multiple_of(2) { 0.25 } else { 0.75 };
     for row in 0..rows as usize {
         let z = floor + step * (row as f64 + shift);
         let inner = collar.inner(around, z);
@@ -159,7 +159,7 @@ fn outside(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<
     let base = collar.sizes.base;
     let rows = ((floor - 0.5 - base) / BELOW).round().max(1.0);
     let step = (floor - 0.5 - base) / rows;
-    let shift = if k % 2 == 0 { 0.35 } else { 0.65 };
+    let shift = if k.is_multiple_of(2) { 0.35 } else { 0.65 };
     for row in 0..rows as usize {
         let z = base + step * (row as f64 + shift);
         let inner = collar.sections.radius(around, z) - 0.2;
