@@ -149,7 +149,11 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
                     .max(up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos());
             }
         }
-        outside = if tool.pocket.is_some() { 0 } else { outside + 1 };
+        outside = if tool.pocket.is_some() {
+            0
+        } else {
+            outside + 1
+        };
         for call in operator.calls() {
             let is = |read: &&mut Read| read.tooth == call.tooth && read.site == call.site;
             if let Some(read) = reads.iter_mut().find(is) {
