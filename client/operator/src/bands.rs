@@ -38,7 +38,8 @@ pub fn below_margin(path: &PocketPath, tool: &Tool, graphic: &Pose) -> f64 {
 
 /// Whole millimetres that a person reads for a length below the margin (metres) off these bands. Marks are the bands'
 /// ends and the tip. Where marks are a millimetre apart or less, the nearest mark is called; in a wider space a person
-/// judges quarters of it, and calls the whole millimetre nearest to that; beyond the last mark, the last mark.
+/// judges quarters of it, and calls the whole millimetre nearest to that, halves up as is taught; beyond the last mark, the
+/// last mark.
 pub fn read(bands: &[Band], length: f64) -> u8 {
     let marks = marks(bands);
     let above = marks.iter().position(|mark| *mark >= length);
@@ -125,7 +126,7 @@ mod tests {
         let ends = [0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 8.0, 9.0, 10.0];
         let williams: Vec<_> = ends.windows(2).map(|w| (w[0], w[1], false)).collect();
         let read_w = [3.2, 3.6, 4.1, 4.4, 4.8].map(|mm| read(&bands(&williams), mm * 1e-3));
-        assert_eq!(read_w, [3, 4, 4, 4, 5]);
+        assert_eq!(read_w, [3, 4, 4, 5, 5]);
         let who = bands(&[(0.0, 0.5, true), (3.5, 5.5, true), (8.5, 11.5, true)]);
         let read_who = [0.2, 2.0, 3.4, 4.4, 5.4, 7.0, 12.0].map(|mm| read(&who, mm * 1e-3));
         assert_eq!(read_who, [0, 2, 4, 5, 6, 7, 12]);

@@ -8,7 +8,7 @@ use crate::frame::ToolFrame;
 /// Length of the tool, from its tip, that is kept clear, metres.
 const LENGTH: f64 = 25e-3;
 /// Room between tool and teeth, metres: at the tip, which is meant to touch, and from [`FREE`] on.
-const ROOM: [f64; 2] = [-0.08e-3, 0.12e-3];
+const ROOM: [f64; 2] = [-0.08e-3, 0.13e-3];
 /// Length of tool that one bead stands for, metres.
 const PIECE: f64 = 0.6e-3;
 /// Distance from the tip from which on the shaft is to be free of the teeth, metres.
