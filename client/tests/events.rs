@@ -15,8 +15,7 @@ use sulcus_client::progress::Steps;
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace,
-    Wrench, tick,
+    MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace, tick,
 };
 use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
