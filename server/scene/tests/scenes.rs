@@ -14,6 +14,7 @@ fn quick() -> BuildOptions {
     BuildOptions {
         cache: None,
         deepest: Some(2),
+        ..BuildOptions::default()
     }
 }
 
@@ -214,6 +215,7 @@ fn a_scene_from_the_cache_is_the_same_scene() {
     let options = BuildOptions {
         cache: Some(cache.clone()),
         deepest: Some(2),
+        ..BuildOptions::default()
     };
     let built = compile_default(&options, &|_, _| ()).expect("compiles");
     let kept: Vec<_> = fs::read_dir(&cache)
@@ -249,6 +251,7 @@ fn a_scene_from_the_cache_is_the_same_scene() {
         &BuildOptions {
             cache: Some(blocked),
             deepest: Some(1),
+            ..BuildOptions::default()
         },
         &|_, _| (),
     )

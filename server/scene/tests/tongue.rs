@@ -19,6 +19,7 @@ fn compile(text: &str) -> Result<Compiled, String> {
     let options = BuildOptions {
         cache: None,
         deepest: Some(2),
+        ..BuildOptions::default()
     };
     compile_file(Path::new(&file), &options, &|_, _| ()).map_err(|error| error.to_string())
 }
