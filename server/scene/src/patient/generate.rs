@@ -131,7 +131,11 @@ fn tooth(fdi: u8, condition: Condition, severity: f64, random: &mut Random) -> T
         };
         (depths[k], recessions[k]) = if sick {
             let loss = whole(2.0, 2.0 + 4.5 * severity, random);
-            let depth = if proximal {
+            let across = depths[5 - k];
+            let depth = if proximal && across > 0.0 {
+                // The same col from the other side.
+                (across + whole(-1.0, 1.0, random)).clamp(3.0, 7.0)
+            } else if proximal {
                 whole(4.0, 3.0 + 4.0 * severity, random)
             } else {
                 whole(2.0, 2.0 + 2.5 * severity, random)

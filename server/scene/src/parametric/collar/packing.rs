@@ -17,7 +17,12 @@ const CLOSEST: f64 = 0.42;
 const WIDER: f64 = 1.03;
 /// Radii of the spheres of the wall and of the floor, mm.
 const WALL: [f64; 2] = [0.2, 0.7];
-const FLOOR: f64 = 0.9;
+const FLOOR: f64 = 0.45;
+/// How far the two spheres of the floor lie inside the tooth's outline and the wall, mm.
+const INTO_TOOTH: f64 = 0.15;
+const INTO_WALL: f64 = 0.05;
+/// Length over which the slope of the floor is taken, mm.
+const SLOPE_STEP: f64 = 0.1;
 /// Radii of spheres that are not met in the pocket, mm.
 const OUTSIDE: [f64; 2] = [0.4, 1.4];
 /// Distance between those, as a multiple of the columns'.
@@ -108,10 +113,19 @@ fn dent(radius: f64, apart: f64) -> f64 {
 
 fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
     let (floor, crest) = (collar.floor(around), collar.crest(around));
-    // The floor, from tooth to wall.
-    let middle = collar.inner(around, floor) - 0.8 * collar.sizes.width;
-    let top = floor + 0.5 * dent(FLOOR, apart);
-    put(collar, around, middle, top - FLOOR, FLOOR, true, packed);
+    // The floor: one sphere at the tooth, so that no groove under the outline leads past it, and one at the wall. They lie under
+    // the floor along its normal: straight down they would fill a narrow pocket from its sides.
+    let at = collar.sections.radius(around, floor).max(0.5);
+    let slope = {
+        let step = SLOPE_STEP / at;
+        (collar.floor(around + step) - collar.floor(around - step)) / (2.0 * SLOPE_STEP)
+    };
+    let length = (1.0 + slope * slope).sqrt();
+    let there = around + slope / length * FLOOR / at;
+    let z = floor - FLOOR / length + 0.5 * dent(FLOOR, apart);
+    for r in [at - INTO_TOOTH, collar.inner(around, floor) - INTO_WALL] {
+        put(collar, there, r, z, FLOOR, true, packed);
+    }
     // The wall; every other column is set off by half a row.
     let rows = ((crest - floor) / apart).round().max(1.0);
     let step = (crest - floor) / rows;
@@ -155,18 +169,21 @@ fn outside(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<
         }
         z -= apart;
     }
-    // What is attached below.
+    // What is attached below, under the lowest floor that a sphere can reach: never up into the pocket.
     let base = collar.sizes.base;
-    let rows = ((floor - 0.5 - base) / BELOW).round().max(1.0);
-    let step = (floor - 0.5 - base) / rows;
+    let at = collar.sections.radius(around, floor).max(1.0);
+    let low = (-3..=3)
+        .map(|k| collar.floor(around + f64::from(k) / 3.0 * OUTSIDE[1] / at))
+        .fold(floor, f64::min);
+    let rows = ((low - 0.5 - base) / BELOW).round().max(1.0);
+    let step = (low - 0.5 - base) / rows;
     let shift = if k.is_multiple_of(2) { 0.35 } else { 0.65 };
     for row in 0..rows as usize {
         let z = base + step * (row as f64 + shift);
         let inner = collar.sections.radius(around, z) - 0.2;
         let outer = collar.outer(around, z, crest);
         let radius = (0.5 * (outer - inner)).clamp(OUTSIDE[0], OUTSIDE[1]);
-        // Never up into the pocket.
-        let radius = radius.min(floor - z + 0.2);
+        let radius = radius.min(low - z);
         put(collar, around, outer - radius, z, radius, false, packed);
     }
 }
