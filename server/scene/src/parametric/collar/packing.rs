@@ -21,6 +21,8 @@ const FLOOR: f64 = 0.45;
 /// How far the two spheres of the floor lie inside the tooth's outline and the wall, mm.
 const INTO_TOOTH: f64 = 0.15;
 const INTO_WALL: f64 = 0.05;
+/// How far outside the wall's surface a third one lies, mm: the wall gives way, and a tip that follows it must find a floor.
+const UNDER_WALL: f64 = 0.45;
 /// Length over which the slope of the floor is taken, mm.
 const SLOPE_STEP: f64 = 0.1;
 /// Radii of spheres that are not met in the pocket, mm.
@@ -113,7 +115,7 @@ fn dent(radius: f64, apart: f64) -> f64 {
 
 fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
     let (floor, crest) = (collar.floor(around), collar.crest(around));
-    // The floor: one sphere at the tooth, so that no groove under the outline leads past it, and one at the wall. They lie under
+    // The floor: one sphere at the tooth, so that no groove under the outline leads past it, one at the wall and one under it. They lie under
     // the floor along its normal: straight down they would fill a narrow pocket from its sides.
     let at = collar.sections.radius(around, floor).max(0.5);
     let slope = {
@@ -123,7 +125,8 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     let length = (1.0 + slope * slope).sqrt();
     let there = around + slope / length * FLOOR / at;
     let z = floor - FLOOR / length + 0.5 * dent(FLOOR, apart);
-    for r in [at - INTO_TOOTH, collar.inner(around, floor) - INTO_WALL] {
+    let wall = collar.inner(around, floor);
+    for r in [at - INTO_TOOTH, wall - INTO_WALL, wall + UNDER_WALL] {
         put(collar, there, r, z, FLOOR, true, packed);
     }
     // The wall; every other column is set off by half a row.
