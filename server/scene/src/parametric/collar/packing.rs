@@ -15,6 +15,8 @@ const MOST: usize = 512;
 /// Smallest distance between columns that is tried, mm, and by how much it grows from try to try.
 const CLOSEST: f64 = 0.42;
 const WIDER: f64 = 1.03;
+/// Distance between rows of the wall, as a multiple of the columns': a probe lies along it.
+const HIGHER: f64 = 1.2;
 /// Radii of the spheres of the wall and of the floor, mm.
 const WALL: [f64; 2] = [0.2, 0.7];
 const FLOOR: f64 = 0.45;
@@ -23,6 +25,9 @@ const INTO_TOOTH: f64 = 0.15;
 const INTO_WALL: f64 = 0.05;
 /// How far outside the wall's surface a third one lies, mm: the wall gives way, and a tip that follows it must find a floor.
 const UNDER_WALL: f64 = 0.45;
+/// How far under the floor the layer below it begins, and the radius of its spheres, mm: farther than a reading's force sinks.
+const UNDER: f64 = 0.55;
+const DEEP: f64 = 0.8;
 /// Length over which the slope of the floor is taken, mm.
 const SLOPE_STEP: f64 = 0.1;
 /// Radii of spheres that are not met in the pocket, mm.
@@ -129,8 +134,20 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     for r in [at - INTO_TOOTH, wall - INTO_WALL, wall + UNDER_WALL] {
         put(collar, there, r, z, FLOOR, true, packed);
     }
+    // A tip that is pressed between two columns meets a layer below, half a column on.
+    let half = 0.5 * apart / at;
+    let below = collar.floor(around + half) - UNDER - DEEP;
+    put(
+        collar,
+        around + half,
+        at + 0.5 * collar.sizes.width,
+        below,
+        DEEP,
+        true,
+        packed,
+    );
     // The wall; every other column is set off by half a row.
-    let rows = ((crest - floor) / apart).round().max(1.0);
+    let rows = ((crest - floor) / (HIGHER * apart)).round().max(1.0);
     let step = (crest - floor) / rows;
     let shift = if k.is_multiple_of(2) { 0.25 } else { 0.75 };
     for row in 0..rows as usize {
