@@ -125,8 +125,8 @@ fn what_is_wrong_is_named() {
         ),
         (
             BIMANUAL,
-            "[10.0, 25.0]",
-            "[10.0, 25.0, 3.0]",
+            "[10.0, 32.0]",
+            "[10.0, 32.0, 3.0]",
             &["proximal_tilt_deg", "found 3 numbers, expected 2"],
         ),
         (
