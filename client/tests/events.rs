@@ -81,17 +81,15 @@ fn a_session_in_virtual_time_tells_what_its_replay_tells() {
         (recorded.name.as_str(), recorded.seed, recorded.duration_s),
         ("probing", Some(3), 12.0)
     );
-    // The floor is felt where it is.
-    let chart: Vec<(String, f64)> = told
-        .iter()
-        .filter(|one| one.kind == "left_site")
-        .filter_map(|one| {
-            Some((
-                one.data["site"].as_str()?.to_owned(),
-                one.data["deepest_mm"].as_f64()?,
-            ))
-        })
-        .collect();
+    // The floor is felt where it is, by the deepest visit of each site: one that only crosses its border is shallower.
+    let mut chart: std::collections::BTreeMap<String, f64> = std::collections::BTreeMap::new();
+    for one in told.iter().filter(|one| one.kind == "left_site") {
+        if let (Some(site), Some(mm)) = (one.data["site"].as_str(), one.data["deepest_mm"].as_f64())
+        {
+            let deepest = chart.entry(site.to_owned()).or_insert(mm);
+            *deepest = deepest.max(mm);
+        }
+    }
     assert!(!chart.is_empty());
     for (site, mm) in chart {
         let prescribed = if site == "buccal" { 2.0 } else { 3.0 };
