@@ -5,7 +5,7 @@ use std::ops::{Deref, Range};
 use crate::Scene;
 
 /// Numbers of all tissues, object after object, and for each object that yields whether all of its numbers are zero. That
-/// flag is part of the state and always true to the numbers: whoever changes them goes through [`Tissues::settle`].
+/// flag is part of the state and always true to the numbers: whoever changes them goes through `Tissues::settle`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tissues {
     numbers: Vec<f64>,
@@ -66,7 +66,7 @@ impl Tissues {
         &self.numbers[self.parts[slot].range.clone()]
     }
 
-    /// Numbers of the yielding object `slot`, to be changed: [`Tissues::settle`] must follow.
+    /// Numbers of the yielding object `slot`, to be changed: `Tissues::settle` must follow.
     pub(crate) fn of_mut(&mut self, slot: usize) -> &mut [f64] {
         &mut self.numbers[self.parts[slot].range.clone()]
     }
