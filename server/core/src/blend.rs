@@ -45,8 +45,9 @@ const IMPLIED: f64 = 1e-3;
 /// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
 /// one stands alone, hardly inset, and the other deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
-/// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some.
-pub const MAX_SEEDS: usize = 8;
+/// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some. Seeds come by their own
+/// core's gap, not by that of the surface, so what has no room here may be what is touched: [`Blender::rows`] says so.
+pub const MAX_SEEDS: usize = 12;
 
 /// How many blend lengths above the smallest core gap a sphere still counts: there its share,
 /// `exp(-reach)` of the blend length, comes to 20 nm; there may be dozens.
@@ -365,22 +366,22 @@ impl Blender {
         least
     }
 
-    /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members.
+    /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members; whether these are all that there
+    /// are.
     pub fn rows(
         &mut self,
         blend: f64,
         limit: f64,
         row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
-    ) {
+    ) -> bool {
         // Within the limit the tool may come in this pass to any wall, not only to the nearest.
         let kept = limit + blend * self.logs[self.pairs.len()];
         let Some(smallest) = self.weigh(blend, kept) else {
-            return;
+            return true;
         };
         // Not even the surface of the nearest?
-        if self.gap_of(&self.pairs[0], smallest, blend) < limit + OTHER_SEEDS * blend {
-            self.seeds(smallest, blend, limit, row);
-        }
+        self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
+            || self.seeds(smallest, blend, limit, row)
     }
 
     fn seeds(
@@ -389,7 +390,7 @@ impl Blender {
         blend: f64,
         limit: f64,
         mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
-    ) {
+    ) -> bool {
         let n = self.pairs.len();
         // By gap, then by contact: which rows imply which depends on nothing else.
         self.pairs
@@ -402,8 +403,8 @@ impl Blender {
             let seed = self.pairs[j];
             // A seed so far up has its own core out of reach whatever else is near: where the surface is
             // within reach, nearer spheres make it, and have their rows.
-            if seeds == MAX_SEEDS || seed.gap - most >= limit {
-                return;
+            if seed.gap - most >= limit {
+                return true;
             }
             // What this row would hold beyond a row before it.
             let mut beyond = f64::INFINITY;
@@ -428,6 +429,9 @@ impl Blender {
             let gap = smallest - blend * libm::log(sum);
             if beyond <= IMPLIED * sum || gap >= limit {
                 continue;
+            }
+            if seeds == MAX_SEEDS {
+                return false;
             }
             for (k, share) in self.shares.iter_mut().enumerate() {
                 if *share < 1.0 {
@@ -460,6 +464,7 @@ impl Blender {
                 });
             row(line, &mut members);
         }
+        true
     }
 }
 

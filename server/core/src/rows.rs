@@ -34,8 +34,9 @@ pub(crate) fn runs<T>(
 }
 
 /// Writes what each row is about: a contact, or on a blended object a seed with its members. In the
-/// order of the contacts' objects; tool sphere by tool sphere on a blended one.
-pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) {
+/// order of the contacts' objects; tool sphere by tool sphere on a blended one. Whether every tool sphere had room for
+/// all of its rows.
+pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) -> bool {
     let Pass {
         contacts,
         lines,
@@ -47,6 +48,7 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
     lines.clear();
     members.clear();
     groups.clear();
+    let mut all = true;
     let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
         let k = usize::from(contacts[run.start].object);
@@ -78,7 +80,7 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
                 let gap = contact.gap + inset(contact);
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
-            blender.rows(blend, d, |mut line, shares| {
+            all &= blender.rows(blend, d, |mut line, shares| {
                 line.first = members.len() as u32;
                 members.extend(shares);
                 line.members = members.len() as u32 - line.first;
@@ -86,6 +88,7 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
             });
         }
     }
+    all
 }
 
 /// Leaves out the rows with the largest gaps until `most` are left; false when all were kept.

@@ -215,9 +215,9 @@ impl<'a> Run<'a> {
         probe.begin(Stage::Collide);
         loop {
             let (used, cut) = collide(scene, state, ws, self.group, self.d);
-            write_lines(scene, ws, first, used);
+            let all = write_lines(scene, ws, first, used);
             self.d = used;
-            let full = ws.passes[first].lines.len() > scene.most_rows();
+            let full = !all || ws.passes[first].lines.len() > scene.most_rows();
             if cut || full {
                 self.status |= status::CONTACTS_FULL;
             }

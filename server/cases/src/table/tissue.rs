@@ -1,6 +1,6 @@
 //! Hard cases among what yields: pockets, a soft tongue, two tools on one tissue, soft next to hard.
 
-use sulcus_core::{Scene, Vec3};
+use sulcus_core::{Pose, Scene, Vec3};
 use sulcus_operator::Script;
 use sulcus_operator::pocket_path::{Manner, PocketPath};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
@@ -20,6 +20,15 @@ const TURN: f64 = 0.1745;
 
 fn path(scene: &Scene) -> PocketPath {
     PocketPath::new(scene, None, HUG, Manner::Taught).expect("a tooth with gingiva")
+}
+
+/// 20 mm away, in one tick there, held, and in one tick back; `pose` by how far away, metres.
+fn jump_in_and_out(pose: impl Fn(f64) -> Pose + Send + 'static) -> Box<dyn Script + Send> {
+    let pose = move |t: f64| pose(if (0.3..1.5).contains(&t) { 0.0 } else { 20e-3 });
+    Box::new(OneTool {
+        pose,
+        duration_s: 4.0,
+    })
 }
 
 /// Down the pocket to its floor, turned to and fro by 10 degrees in the plane through the tooth's axis, and out.
@@ -304,18 +313,18 @@ pub(super) const CASES: &[Case] = &[
         about: "20 mm in one tick from above the pocket to beyond its floor, held, and out again",
         driver: Driver::Kinematic(|scene| {
             let path = path(scene);
-            let pose = move |t: f64| {
-                let depth = if (0.3..1.5).contains(&t) {
-                    6e-3
-                } else {
-                    -14e-3
-                };
-                path.pose(BUCCAL, depth, 0.0, Vec3::zeros())
-            };
-            Box::new(OneTool {
-                pose,
-                duration_s: 4.0,
-            })
+            let up = path.place(BUCCAL, 6e-3, 0.0).up;
+            jump_in_and_out(move |away| path.pose(BUCCAL, 6e-3, 0.0, up * away))
+        }),
+        bounds: TELEPORT,
+        ..POCKET
+    },
+    Case {
+        name: "pit-teleport",
+        about: "the same from over the crown, turning on the way: the tip ends in the pit between the cusps, 5 N deep",
+        driver: Driver::Kinematic(|scene| {
+            let path = path(scene);
+            jump_in_and_out(move |away| path.pose(BUCCAL, 6e-3 - away, 0.0, Vec3::zeros()))
         }),
         bounds: TELEPORT,
         ..POCKET

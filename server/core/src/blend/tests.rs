@@ -206,3 +206,35 @@ proptest! {
         prop_assert!(least <= core + 1e-15);
     }
 }
+
+/// In a fissure a tip had more rows than there was room for, and the one that it was 1.9 um deep in was not among them: ticks
+/// there never converged.
+#[test]
+fn more_walls_than_there_is_room_for_are_told() {
+    // Walls all round, one a little farther than the other.
+    let walls = |count: usize| -> Vec<(Vec3, f64)> {
+        (0..count)
+            .map(|k| {
+                let turn = std::f64::consts::TAU * k as f64 / count as f64;
+                let away = 2e-3 + 1e-8 * k as f64;
+                (
+                    Vec3::new(away * libm::cos(turn), away * libm::sin(turn), 0.0),
+                    1.75e-3,
+                )
+            })
+            .collect()
+    };
+    // So thin that neighbours on the circle are walls of their own.
+    let blend = 2e-6;
+    for (count, all) in [(MAX_SEEDS, true), (MAX_SEEDS + 1, false)] {
+        let mut seen = 0;
+        let told = pairs(&Vec3::zeros(), &walls(count)).rows(blend, 1e-5, |_, _| seen += 1);
+        assert_eq!((told, seen), (all, MAX_SEEDS), "{count} walls");
+    }
+    // Nearer only: fewer walls, and room for all of them.
+    let near = walls(MAX_SEEDS + 1);
+    let at = Vec3::new(3e-6, 0.0, 0.0);
+    let mut seen = 0;
+    assert!(pairs(&at, &near).rows(blend, -1e-6, |_, _| seen += 1));
+    assert!(seen > 0 && seen < MAX_SEEDS);
+}
