@@ -1,12 +1,117 @@
 //! Whether one solid is inside another, by their meshes: no sphere of any tree is asked.
 
 use sulcus_core::math::norm;
-use sulcus_core::{Pose, Vec3};
+use sulcus_core::{DisplayMesh, Object, Pose, Tool, Vec3};
+use sulcus_scene::blend::blend_error;
 use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::error::level_error;
 use sulcus_scene::mesh::TriMesh;
 
-/// Points all over a mesh's triangles, no farther apart than `spacing` metres, neighbours one after the other.
-pub fn points_of(mesh: &TriMesh, spacing: f64) -> Vec<Vec3> {
+/// Points on a tool, in balls within balls: most of them are never looked at.
+#[derive(Clone, Debug)]
+pub struct Points {
+    points: Vec<Vec3>,
+    /// Breadth first: two halves of ball `k` are `2 k + 1` and `2 k + 2`.
+    balls: Vec<Ball>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    centre: Vec3,
+    radius: f64,
+    first: usize,
+    count: usize,
+}
+
+/// Points in the smallest balls.
+const FEW: usize = 4;
+
+impl Points {
+    /// Points all over a mesh's triangles (tool frame, metres), no farther apart than `spacing`, as far as `kept` wants them.
+    ///
+    /// # Panics
+    /// When none is wanted.
+    pub fn of(mesh: &TriMesh, spacing: f64, kept: impl Fn(&Vec3) -> bool) -> Self {
+        let mut points = all_over(mesh, spacing);
+        points.retain(kept);
+        assert!(!points.is_empty(), "no point of the tool is wanted");
+        let mut balls: Vec<Ball> = Vec::new();
+        let mut parts = vec![(0, points.len())];
+        // As deep as the whole tree, so that places in it follow from their number.
+        while parts.iter().any(|(_, count)| *count > FEW) || balls.is_empty() {
+            let mut halves = Vec::with_capacity(2 * parts.len());
+            for (first, count) in parts {
+                let part = &mut points[first..first + count];
+                balls.push(ball(part, first));
+                let (low, high) = bounds(part);
+                let axis = (high - low).imax();
+                part.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+                halves.push((first, count / 2));
+                halves.push((first + count / 2, count - count / 2));
+            }
+            parts = halves;
+        }
+        for (first, count) in parts {
+            balls.push(ball(&points[first..first + count], first));
+        }
+        Self { points, balls }
+    }
+
+    /// The points.
+    pub fn all(&self) -> &[Vec3] {
+        &self.points
+    }
+
+    /// How deep the deepest point is inside `solid` (world) with the tool at `pose` (`world_from_tool`), metres: exact; negative
+    /// where all are outside, by how far the nearest is. Where that is no more than `known`, `known`.
+    pub fn deepest_inside(&self, solid: &MeshDistance, pose: &Pose, known: f64) -> f64 {
+        let mut deepest = known;
+        let mut open = vec![0];
+        while let Some(k) = open.pop() {
+            let Some(ball) = self.balls.get(k).filter(|ball| ball.count > 0) else {
+                continue;
+            };
+            // A distance changes by no more than the way gone.
+            let inside = |at: &Vec3| -solid.signed(&pose.transform(at));
+            if inside(&ball.centre) + ball.radius <= deepest {
+                continue;
+            }
+            if 2 * k + 1 < self.balls.len() {
+                open.extend([2 * k + 1, 2 * k + 2]);
+                continue;
+            }
+            for point in &self.points[ball.first..ball.first + ball.count] {
+                deepest = deepest.max(inside(point));
+            }
+        }
+        deepest
+    }
+}
+
+fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    let huge = Vec3::repeat(f64::INFINITY);
+    points
+        .iter()
+        .fold((huge, -huge), |(low, high), p| (low.inf(p), high.sup(p)))
+}
+
+fn ball(points: &[Vec3], first: usize) -> Ball {
+    let (low, high) = bounds(points);
+    let centre = if points.is_empty() {
+        Vec3::zeros()
+    } else {
+        (low + high) * 0.5
+    };
+    let distances = points.iter().map(|point| norm(&(point - centre)));
+    Ball {
+        centre,
+        radius: distances.fold(0.0, f64::max),
+        first,
+        count: points.len(),
+    }
+}
+
+fn all_over(mesh: &TriMesh, spacing: f64) -> Vec<Vec3> {
     let mut points = Vec::new();
     for t in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(t);
@@ -22,22 +127,28 @@ pub fn points_of(mesh: &TriMesh, spacing: f64) -> Vec<Vec3> {
     points
 }
 
-/// How deep the deepest of `points` (tool frame, metres) is inside `solid` (world) with the tool at `pose` (`world_from_tool`), metres:
-/// exact for the points; negative where all are outside, by how far the nearest is.
-pub fn deepest_inside(solid: &MeshDistance, points: &[Vec3], pose: &Pose) -> f64 {
-    let mut least = f64::INFINITY;
-    let mut last: Option<(Vec3, f64)> = None;
-    for point in points {
-        let at = pose.transform(point);
-        // A distance changes by no more than the way gone: most points cannot be the nearest.
-        if last.is_some_and(|(from, clear)| clear - norm(&(at - from)) >= least) {
-            continue;
-        }
-        let signed = solid.signed(&at);
-        least = least.min(signed);
-        last = Some((at, signed));
-    }
-    -least
+/// The solid that an object is shown as, for parts whose picture is the very mesh that their tree was made of (to a nanometre, in
+/// which it is kept).
+pub fn solid_of(mesh: &DisplayMesh) -> MeshDistance {
+    MeshDistance::new(TriMesh {
+        vertices: mesh
+            .vertices
+            .iter()
+            .map(|p| Vec3::new(p[0].into(), p[1].into(), p[2].into()))
+            .collect(),
+        triangles: mesh.triangles.clone(),
+    })
+}
+
+/// Most that `tool`, whose surface is `of_tool`, may be inside a blended object whose surface is `solid`, metres: the stated errors of
+/// both trees at the levels in contact, for a tip of 0.25 mm.
+pub fn allowed_inside(
+    (object, solid): (&Object, &MeshDistance),
+    (tool, of_tool): (&Tool, &MeshDistance),
+) -> f64 {
+    let of_object = blend_error(&object.tree, object.level, solid, 2.5e-4).max;
+    let of_tool = level_error(&tool.tree, tool.level, of_tool).max_gap_mm;
+    (of_object + of_tool) * 1e-3
 }
 
 #[cfg(test)]
@@ -50,15 +161,18 @@ mod tests {
     #[test]
     fn a_ball_that_dips_into_a_box_is_as_deep_as_it_was_put() {
         let solid = MeshDistance::new(cuboid(Vec3::new(0.01, 0.01, 0.01)));
-        let points = points_of(&icosphere(1e-3, 4), 1e-4);
+        let points = Points::of(&icosphere(1e-3, 4), 1e-4, |_| true);
         let turn = exp_rotation(&Vec3::new(0.3, -1.0, 0.5));
         for depth in [-2e-3, -1e-4, 0.0, 1e-4, 5e-4] {
             let pose = Pose::new(Vec3::new(1e-3, -2e-3, 0.011 - depth), turn);
-            let found = deepest_inside(&solid, &points, &pose);
+            let found = points.deepest_inside(&solid, &pose, f64::NEG_INFINITY);
             // A ball of triangles is smaller by their sagitta, up to 3 um.
             assert!((found - depth).abs() < 4e-6, "{depth:e} {found:e}");
-            let all = points.iter().map(|p| -solid.signed(&pose.transform(p)));
+            let all = points.all().iter();
+            let all = all.map(|p| -solid.signed(&pose.transform(p)));
             assert_eq!(found, all.fold(f64::NEG_INFINITY, f64::max));
+            // What is known already is not looked for again.
+            assert_eq!(points.deepest_inside(&solid, &pose, 1e-3), 1e-3);
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod scenes;
 mod sway;
 pub mod table;
 pub mod tissue_scenes;
+pub mod toured;
 
 pub use chart::Chart;
 pub use measure::{Measures, Observer};

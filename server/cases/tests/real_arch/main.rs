@@ -4,15 +4,13 @@ mod scene;
 mod stroll;
 mod ways;
 
-use sulcus_cases::inside::{deepest_inside, points_of};
+use sulcus_cases::inside::{Points, allowed_inside};
 use sulcus_cases::{Observer, find};
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{NoProbe, Pose, State, TickInput, ToolInput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::script::smoothstep;
 use sulcus_operator::{Hand, HandParams, present};
-use sulcus_scene::blend::blend_error;
 use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::error::level_error;
 use sulcus_scene::parametric::Probe;
 
 use stroll::Stroll;
@@ -45,15 +43,6 @@ fn the_pocket_of_tooth_36_is_found_by_sounding_the_meshes() {
     assert!(off > 10, "{off}");
 }
 
-/// Most that the probe may be inside a tooth, metres: the stated errors of both trees at the level in contact.
-fn allowed(scene: &sulcus_core::Scene, tooth: &MeshDistance, fdi: u8, tool: &MeshDistance) -> f64 {
-    let object = &scene.objects[scene::object(scene, &format!("tooth {fdi}"))];
-    let of_tooth = blend_error(&object.tree, object.level, tooth, 2.5e-4).max;
-    let of_tool = level_error(&scene.tools[0].tree, scene.tools[0].level, tool).max_gap_mm;
-    println!("tooth {fdi}: stated error {of_tooth:.4} mm, the tool's {of_tool:.4} mm");
-    (of_tooth + of_tool) * 1e-3
-}
-
 #[test]
 fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     let Some(scene) = scene::scene() else { return };
@@ -68,8 +57,7 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     let probe = Probe::default().touching_mesh();
     let tool = &scene.tools[0];
     // What can come near a tooth.
-    let mut points = points_of(&probe, 2e-4);
-    points.retain(|point| (point - tool.tip).norm() < 14e-3);
+    let points = Points::of(&probe, 2e-4, |point| (point - tool.tip).norm() < 14e-3);
 
     let mut stroll = Stroll::new(ways.to_vec());
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
@@ -92,10 +80,9 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
             on_wall = on_wall.max(state.loads[tooth].force.norm());
         }
         ticks += 1;
-        if ticks % 10 == 0 && out.tools[0].converged {
+        if ticks % 10 == 0 {
             for (deepest, (_, mesh)) in deepest.iter_mut().zip(&teeth) {
-                let inside = deepest_inside(mesh, &points, &out.tools[0].graphic);
-                *deepest = deepest.max(inside);
+                *deepest = points.deepest_inside(mesh, &out.tools[0].graphic, *deepest);
             }
         }
         assert!(ticks < 40_000);
@@ -121,8 +108,10 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
     assert_eq!(stroll.readings.len(), 4);
     println!("{on_wall:.2} N on the tooth's wall");
     assert!(on_wall > 0.3);
+    let surface = MeshDistance::new(probe.clone());
     for ((fdi, mesh), inside) in teeth.iter().zip(deepest) {
-        let most = allowed(scene, mesh, *fdi, &MeshDistance::new(probe.clone()));
+        let object = &scene.objects[scene::object(scene, &format!("tooth {fdi}"))];
+        let most = allowed_inside((object, mesh), (tool, &surface));
         println!(
             "tooth {fdi}: deepest {:.4} mm inside, allowed {:.4} mm",
             inside * 1e3,
@@ -147,8 +136,8 @@ fn an_explorer_from_a_mesh_rests_on_the_crown_and_is_never_inside() {
     let tooth = scene::mesh(scene::file_of(36)).expect("a tooth");
     let explorer = scene::mesh("dental_probe").expect("an explorer");
     let tool = &scene.tools[0];
-    let mut points = points_of(explorer.mesh(), 3e-4);
-    points.retain(|point| (point - tool.tip).norm() < 30e-3);
+    let near = |point: &Vec3| (point - tool.tip).norm() < 30e-3;
+    let points = Points::of(explorer.mesh(), 3e-4, near);
     let (low, high) = tooth.mesh().bounds();
     let crown = Vec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), high.z);
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
@@ -169,12 +158,13 @@ fn an_explorer_from_a_mesh_rests_on_the_crown_and_is_never_inside() {
         let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
         observer.observe(&scene, &input, &out, &ws);
         felt = out.tools[0].wrench;
-        if k % 10 == 0 && out.tools[0].converged {
-            deepest = deepest.max(deepest_inside(&tooth, &points, &out.tools[0].graphic));
+        if k % 10 == 0 {
+            deepest = points.deepest_inside(&tooth, &out.tools[0].graphic, deepest);
         }
     }
     let m = observer.measures();
-    let most = allowed(&scene, &tooth, 36, &explorer);
+    let object = &scene.objects[scene::object(&scene, "tooth 36")];
+    let most = allowed_inside((object, &tooth), (tool, &explorer));
     println!(
         "explorer: deepest {:.3} mm inside, allowed {:.3} mm; {m:#?}",
         deepest * 1e3,

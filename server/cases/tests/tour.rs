@@ -1,17 +1,14 @@
 //! The simulated operator probes whole teeth of a generated patient: well, and badly in named ways.
 
-mod charted;
-
-use charted::{Charted, perform, print};
+use sulcus_cases::mouth::{examine, mouth};
+use sulcus_cases::toured::{Toured, perform};
 use sulcus_core::Scene;
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_operator::bimanual::Bimanual;
 use sulcus_operator::habit::Habit;
 use sulcus_operator::pocket_path::{Manner, PocketPath};
-use sulcus_operator::retraction::RetractionParams;
 use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
-use sulcus_scene::{BuildOptions, compile_file, compile_text};
+use sulcus_scene::{BuildOptions, compile_text};
 
 /// Tooth that is probed here, between its neighbours.
 const TOOTH: u8 = 36;
@@ -42,17 +39,16 @@ park_mm = [0.0, 0.0, 140.0]
 }
 
 /// Probes the tooth, with a habit or well.
-fn probed(scene: &Scene, habit: Option<Habit>) -> Charted {
+fn probed(scene: &Scene, habit: Option<Habit>) -> Toured {
     let (mut params, mut tour) = (TourParams::default(), vec![Visit::whole(TOOTH)]);
     if let Some(habit) = habit {
         habit.spoil(&mut params, &mut tour, 3);
     }
     let tour = Tour::new(scene, &tour, params).expect("a tooth with gingiva");
-    let charted = perform(scene, Box::new(tour), 0, 7);
-    println!("{}:", habit.map_or("good", Habit::name));
-    print(&charted);
-    assert!(charted.done);
-    charted
+    let toured = perform(scene, Box::new(tour), (0, 7), |_| {});
+    println!("{}:\n{toured}", habit.map_or("good", Habit::name));
+    assert!(toured.done);
+    toured
 }
 
 #[test]
@@ -68,8 +64,8 @@ fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
         assert!(read.most_force < 0.4, "{read:?}");
     }
     assert!(good.time < 6.0 * 7.2, "{} s", good.time);
-    let most = |charted: &Charted| {
-        charted
+    let most = |toured: &Toured| {
+        toured
             .reads
             .iter()
             .fold(0.0, |most, read| read.most_force.max(most))
@@ -150,49 +146,41 @@ fn the_shaft_leans_to_its_own_side_and_never_jumps() {
     );
 }
 
-/// All teeth of the mouth with both hands; `TEETH=36,37` probes only those, `HABIT=name` badly.
+/// Two patients, all of their teeth, both hands, in virtual time.
 #[test]
-#[ignore = "minutes: the whole mouth"]
-fn a_whole_mouth_is_charted() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/mouth.toml");
-    let compiled = compile_file(file.as_ref(), &BuildOptions::cached(), &|_, _| {});
-    let scene = compiled.expect("compiles").scene;
-    let only = std::env::var("TEETH").ok();
-    let wanted = |fdi: u8| {
-        only.as_ref()
-            .is_none_or(|only| only.split(',').any(|t| t == fdi.to_string()))
-    };
-    let teeth = scene
-        .objects
-        .iter()
-        .filter(|object| object.tissue.is_rigid());
-    let teeth = teeth
-        .map(|tooth| tooth.fdi)
-        .filter(|fdi| *fdi != 0 && wanted(*fdi));
-    let mut tour: Vec<Visit> = teeth.map(Visit::whole).collect();
-    let mut params = TourParams::default();
-    let habit: Option<Habit> = std::env::var("HABIT")
-        .ok()
-        .map(|name| name.parse().expect("a habit"));
-    if let Some(habit) = habit {
-        habit.spoil(&mut params, &mut tour, 3);
+fn a_good_operator_reaches_every_floor_of_a_whole_mouth_and_is_never_inside_a_tooth() {
+    let seeds = [1, 2];
+    let all = std::thread::scope(|scope| {
+        let runs = seeds.map(|seed| {
+            scope.spawn(move || {
+                let scene = mouth(seed, false, 3);
+                let examined = examine(&scene, &[], None);
+                (scene, examined)
+            })
+        });
+        runs.map(|run| run.join().expect("examined"))
+    });
+    for (seed, (scene, examined)) in seeds.iter().zip(&all) {
+        let toured = &examined.toured;
+        println!("patient {seed}:\n{toured}");
+        assert!(toured.done);
+        assert_eq!(toured.calls.len(), toured.reads.len());
+        assert!(toured.reads.len() >= 6 * 10);
+        let short: Vec<_> = toured.reads.iter().filter(|read| !read.holds()).collect();
+        assert!(short.is_empty(), "patient {seed}: {short:#?}");
+        for (fdi, inside, allowed) in &examined.inside {
+            println!(
+                "tooth {fdi}: deepest {:.4} mm inside, allowed {:.4} mm",
+                inside * 1e3,
+                allowed * 1e3
+            );
+            assert!(inside <= allowed, "tooth {fdi}: {inside:e} m inside");
+        }
+        assert_eq!(
+            examined.inside.len() * 6,
+            toured.reads.len(),
+            "{}",
+            scene.name
+        );
     }
-    let zones: usize = tour.iter().map(|visit| visit.sites.len()).sum();
-    let until = if habit == Some(Habit::LetsTongueGo) {
-        0.5
-    } else {
-        1.0
-    };
-    let script = Bimanual::new(&scene, &tour, params, RetractionParams::default(), until);
-    let charted = perform(&scene, Box::new(script.expect("a mouth")), 0, 7);
-    print(&charted);
-    assert!(charted.done);
-    assert_eq!(charted.calls.len(), zones);
-    let within = |read: &&charted::Read| {
-        read.called.is_some() && (read.reached - read.prescribed).abs() <= 0.3e-3
-    };
-    println!(
-        "{} of {zones} within 0.3 mm",
-        charted.reads.iter().filter(within).count()
-    );
 }

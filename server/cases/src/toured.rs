@@ -2,7 +2,7 @@
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
-use sulcus_core::{NoProbe, Scene, State, TickInput, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 use sulcus_operator::script::{Call, Script};
 use sulcus_operator::{HandParams, Operator, Shown};
 
@@ -12,40 +12,69 @@ pub const LIGHT: f64 = 0.26;
 /// Ticks outside that make a withdrawal.
 const WITHDRAWN: u32 = 300;
 
+/// Largest error of a zone's reading by a good operator, metres (issue of the whole mouth; a millimetre is what a trained
+/// hand repeats).
+pub const ALLOWED: f64 = 0.3e-3;
+
 /// One zone of one tooth.
 #[derive(Clone, Copy, Debug)]
 pub struct Read {
+    /// FDI number.
     pub tooth: u8,
+    /// The zone.
     pub site: Site,
-    /// Depth that is prescribed, and the deepest that a light hand reached, metres.
+    /// Depth that is prescribed, metres.
     pub prescribed: f64,
+    /// The deepest that a light hand reached, metres.
     pub reached: f64,
     /// Largest force on the floor, newtons.
     pub most_force: f64,
-    /// Time in the zone below the margin, and time with at least half of the force that is taught, seconds.
+    /// Time in the zone below the margin, seconds.
     pub time: f64,
+    /// Time with at least half of the force that is taught, seconds.
     pub on_floor: f64,
     /// How often the tip came into the pocket here.
     pub entries: u32,
     /// Largest angle between working end and tooth axis while on the floor, radians.
     pub tilt: f64,
+    /// What the operator called, millimetres.
     pub called: Option<u8>,
+}
+
+impl Read {
+    /// How much deeper than prescribed, metres.
+    pub fn error(&self) -> f64 {
+        self.reached - self.prescribed
+    }
+
+    /// Whether it was read, and within [`ALLOWED`].
+    pub fn holds(&self) -> bool {
+        self.called.is_some() && self.error().abs() <= ALLOWED
+    }
 }
 
 /// A tour as it went.
 #[derive(Debug)]
-pub struct Charted {
+pub struct Toured {
+    /// Every zone of the scene.
     pub reads: Vec<Read>,
+    /// In their order.
     pub calls: Vec<Call>,
-    /// Until the script was done, seconds; whether it was.
+    /// Until the script was done, seconds.
     pub time: f64,
+    /// Whether it was.
     pub done: bool,
     /// How often a tip came in from above a margin.
     pub entries: u32,
+    /// Ticks in which the probe was short of passes.
     pub exhausted: u32,
 }
 
-impl Charted {
+impl Toured {
+    /// The zone of a tooth.
+    ///
+    /// # Panics
+    /// When the scene has no gingiva of that number.
     pub fn of(&self, tooth: u8, site: Site) -> &Read {
         let is = |read: &&Read| read.tooth == tooth && read.site == site;
         self.reads.iter().find(is).expect("every zone has its row")
@@ -53,7 +82,7 @@ impl Charted {
 }
 
 /// Index, number and model of each gingiva.
-pub fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
+fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
     let of = |(k, object): (usize, &'_ sulcus_core::Object)| match &object.tissue {
         TissueModel::Gingiva(_) => Some((k, object.fdi)),
         _ => None,
@@ -68,7 +97,13 @@ pub fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
         .collect()
 }
 
-pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed: u64) -> Charted {
+/// Performs `script` with the probe in `slot` in the hand of that `seed`; `each` sees every tick.
+pub fn perform(
+    scene: &Scene,
+    script: Box<dyn Script + Send>,
+    (slot, seed): (usize, u64),
+    mut each: impl FnMut(&TickOutput),
+) -> Toured {
     let all = gingivae(scene);
     let mut reads: Vec<Read> = all
         .iter()
@@ -90,7 +125,7 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
     let mut operator = Operator::new(script, HandParams::default(), seed);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut shown = Shown::NOTHING;
-    let mut charted = Charted {
+    let mut toured = Toured {
         reads: Vec::new(),
         calls: Vec::new(),
         time: 0.0,
@@ -100,32 +135,14 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
     };
     // Ticks since it was last in a pocket: a bob that comes out of a shallow sulcus is no withdrawal.
     let mut outside = WITHDRAWN;
-    let trace = std::env::var("TRACE").is_ok();
     for k in 0..operator.ticks() {
         let mut input = TickInput::IDLE;
         input.tools = operator.step(&shown);
         let output = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
         shown = Shown::from(&output);
         let tool = &output.tools[slot];
-        charted.exhausted += u32::from(tool.status & sulcus_core::output::status::EXHAUSTED != 0);
-        if trace && k % 50 == 0 {
-            let tip = tool.graphic.transform(&scene.tools[slot].tip) * 1e3;
-            let p = tool.pocket;
-            println!(
-                "{:.2} tip {:.2} {:.2} {:.2} F {:.3} pocket {:?}",
-                k as f64 * 1e-3,
-                tip.x,
-                tip.y,
-                tip.z,
-                tool.raw_wrench.force.norm(),
-                p.map(|p| (
-                    p.object,
-                    (p.around.to_degrees() * 10.0).round() / 10.0,
-                    (p.depth * 1e5).round() / 100.0,
-                    (p.floor_force * 1e3).round()
-                ))
-            );
-        }
+        toured.exhausted += u32::from(tool.status & sulcus_core::output::status::EXHAUSTED != 0);
+        each(&output);
         if let Some(pocket) = tool.pocket {
             let (index, found) = all
                 .iter()
@@ -137,7 +154,7 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
             read.time += 1e-3;
             read.most_force = read.most_force.max(pocket.floor_force);
             read.entries += u32::from(outside >= WITHDRAWN);
-            charted.entries += u32::from(outside >= WITHDRAWN);
+            toured.entries += u32::from(outside >= WITHDRAWN);
             if pocket.floor_force <= LIGHT {
                 read.reached = read.reached.max(pocket.depth);
             }
@@ -159,46 +176,52 @@ pub fn perform(scene: &Scene, script: Box<dyn Script + Send>, slot: usize, seed:
             if let Some(read) = reads.iter_mut().find(is) {
                 read.called = Some(call.depth_mm);
             }
-            charted.calls.push(call);
+            toured.calls.push(call);
         }
-        charted.time = (k + 1) as f64 * 1e-3;
+        toured.time = (k + 1) as f64 * 1e-3;
         if operator.is_done() {
-            charted.done = true;
+            toured.done = true;
             break;
         }
     }
-    charted.reads = reads;
-    charted
+    toured.reads = reads;
+    toured
 }
 
-/// A table for people.
-pub fn print(charted: &Charted) {
-    for read in charted
-        .reads
-        .iter()
-        .filter(|read| read.time > 0.0 || read.called.is_some())
-    {
-        println!(
-            "{} {:13} prescribed {:.2} reached {:.2} ({:+.2}) called {:?} most {:.3} N, {:.1} s below the margin, {:.1} s on the floor, {} entries, tilt {:.0} deg",
-            read.tooth,
-            read.site.name(),
-            read.prescribed * 1e3,
-            read.reached * 1e3,
-            (read.reached - read.prescribed) * 1e3,
-            read.called,
-            read.most_force,
-            read.time,
-            read.on_floor,
-            read.entries,
-            read.tilt.to_degrees()
-        );
+impl std::fmt::Display for Read {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} {:13} prescribed {:5.2} reached {:5.2} ({:+.2}) mm, called {}, most {:.2} N, {:4.1} s on the floor, {} entries, tilt {:2.0} deg",
+            self.tooth,
+            self.site.name(),
+            self.prescribed * 1e3,
+            self.reached * 1e3,
+            self.error() * 1e3,
+            self.called.map_or("-".into(), |called| called.to_string()),
+            self.most_force,
+            self.on_floor,
+            self.entries,
+            self.tilt.to_degrees()
+        )
     }
-    println!(
-        "{:.1} s, done {}, {} entries, {} calls, {} exhausted",
-        charted.time,
-        charted.done,
-        charted.entries,
-        charted.calls.len(),
-        charted.exhausted
-    );
+}
+
+/// A table for people: what was touched or called.
+impl std::fmt::Display for Toured {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let touched = |read: &&Read| read.time > 0.0 || read.called.is_some();
+        for read in self.reads.iter().filter(touched) {
+            writeln!(f, "{read}")?;
+        }
+        write!(
+            f,
+            "{:.1} s, done {}, {} entries, {} calls, {} exhausted",
+            self.time,
+            self.done,
+            self.entries,
+            self.calls.len(),
+            self.exhausted
+        )
+    }
 }

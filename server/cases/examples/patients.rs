@@ -1,0 +1,93 @@
+//! How deep the good operator reaches in whole mouths, zone by zone, against what is prescribed: `patients 1 20` for the patients
+//! of seeds 1 to 20 (the default), `patients 3 3 36,37` for two teeth of one, with a habit's name after them badly.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use sulcus_cases::mouth::{Examined, examine, mouth};
+use sulcus_operator::habit::Habit;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut words = std::env::args().skip(1);
+    let mut seed = |otherwise: u64| words.next().map_or(Ok(otherwise), |word| word.parse());
+    let (from, to): (u64, u64) = (seed(1)?, seed(20)?);
+    let teeth: Vec<u8> = match words.next().as_deref() {
+        None | Some("all") => Vec::new(),
+        Some(list) => list.split(',').map(str::parse).collect::<Result<_, _>>()?,
+    };
+    let habit: Option<Habit> = words.next().map(|name| name.parse()).transpose()?;
+
+    let next = AtomicU64::new(from);
+    let done: Mutex<Vec<(u64, Examined)>> = Mutex::new(Vec::new());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed > to {
+                        break;
+                    }
+                    let examined = examine(&mouth(seed, false, 3), &teeth, habit);
+                    if from == to {
+                        println!("{}\n{:?}", examined.toured, examined.inside);
+                    }
+                    println!("{}", line(seed, &examined));
+                    done.lock()
+                        .expect("no other thread panicked")
+                        .push((seed, examined));
+                }
+            });
+        }
+    });
+    let done = done.into_inner()?;
+    let reads = || done.iter().flat_map(|(_, examined)| &examined.toured.reads);
+    let read = || reads().filter(|read| read.called.is_some());
+    let within = |most: f64| read().filter(|read| read.error().abs() <= most).count();
+    println!(
+        "all: {} of {} zones read, {} within 0.2 mm, {} within 0.3 mm, {} within 0.5 mm",
+        read().count(),
+        reads().count(),
+        within(0.2e-3),
+        reads().filter(|read| read.holds()).count(),
+        within(0.5e-3)
+    );
+    Ok(())
+}
+
+/// One patient: how many zones hold, the worst ones, and how near to the meshes' insides.
+fn line(seed: u64, examined: &Examined) -> String {
+    let toured = &examined.toured;
+    let visited = || toured.reads.iter().filter(|read| read.called.is_some());
+    let mut worst: Vec<_> = toured
+        .reads
+        .iter()
+        .filter(|read| read.time > 0.0 && !read.holds())
+        .map(|read| {
+            format!(
+                "{} {} {:+.2}",
+                read.tooth,
+                read.site.name(),
+                read.error() * 1e3
+            )
+        })
+        .collect();
+    worst.truncate(12);
+    let inside = examined
+        .inside
+        .iter()
+        .map(|(_, inside, allowed)| inside - allowed);
+    format!(
+        "patient {seed}: {} of {} within 0.3 mm ({}), mean error {:+.3} mm; {:.0} s, done {}, {} entries, heaviest {:.2} N, {} exhausted; inside a tooth {:+.3} mm of what is allowed",
+        visited().filter(|read| read.holds()).count(),
+        visited().count(),
+        worst.join(", "),
+        visited().map(|read| read.error()).sum::<f64>() / visited().count().max(1) as f64 * 1e3,
+        toured.time,
+        toured.done,
+        toured.entries,
+        visited().fold(0.0, |most: f64, read| most.max(read.most_force)),
+        toured.exhausted,
+        inside.fold(f64::NEG_INFINITY, f64::max) * 1e3
+    )
+}
