@@ -4,7 +4,7 @@
 //! The hand goes by what it feels and the eye by what it sees: neither knows how deep a pocket is. The path is laid on the
 //! teeth's own spheres, and the margin is what is seen of the gingiva.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Tool, Vec3};
@@ -49,6 +49,10 @@ const STEADY: f64 = 0.15;
 const MOST_WALLS: f64 = 0.2;
 /// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
 const CAUGHT: f64 = 3.0;
+/// A tip this far out from where it lies on the tooth is no longer between tooth and gingiva, metres.
+const SLIPPED: f64 = 0.9e-3;
+/// Nearest to the mesial or distal midline that the hand means the tip to be, radians.
+const MIDLINE: f64 = 0.02;
 /// Fastest change of tilt, rad/s.
 const TURN: f64 = 1.5;
 /// Longest that a hand tries for a steady force, in lengths of a reading.
@@ -116,11 +120,15 @@ pub struct Tour {
     tilt: f64,
     /// How far the hand means the tip to be aside of there, radians, to make up for what pushes it aside.
     aside: f64,
-    /// What resists the way in, newtons, and what of that is the walls': least felt on this way down. Where the eye sees the tip below the margin, and how long a part of the working
-    /// end is.
+    /// Where to go on once the floor is felt again, after the tip had slipped out.
+    resumes: Option<f64>,
+    /// What resists the way in, newtons.
     force: f64,
+    /// What of that is the walls': least felt on this way down.
     walls: f64,
+    /// Where the eye sees the tip below the margin.
     seen: f64,
+    /// How long a part of the working end it sees there.
     length: f64,
 }
 
@@ -179,6 +187,7 @@ impl Tour {
             depth: -ABOVE,
             tilt: 0.0,
             aside: 0.0,
+            resumes: None,
             force: 0.0,
             walls: 0.0,
             seen: 0.0,
@@ -231,8 +240,14 @@ impl Tour {
     /// Where the hand means to be in and at the pocket.
     fn meant(&self) -> Pose {
         let off = Vec3::zeros();
-        let around = self.around + self.aside;
-        self.path().pose(around, self.depth, self.tilt, off)
+        // Never over to the other side of the tooth, where the shaft leans the other way.
+        let side = self.around.signum();
+        let around = side * (side * (self.around + self.aside)).clamp(MIDLINE, PI - MIDLINE);
+        // As high as where it means the tip to be: aside of there the margin is another.
+        let gingiva = self.path().gingiva();
+        let rise = gingiva.margin_at(around) - gingiva.margin_at(self.around);
+        self.path()
+            .pose(around, self.depth + rise, self.tilt, off)
     }
 
     /// Over the crown at an angle; `times` as far as usual.
@@ -322,7 +337,10 @@ impl Tour {
                 } else {
                     HOLD * (held - self.seen)
                 };
-                self.depth = (self.depth + pull * TICK_S).clamp(held - STUCK, held + STUCK);
+                let wanted = (self.depth + pull * TICK_S).clamp(held - STUCK, held + STUCK);
+                // (A hand that pressed against a wall comes back as fast as it goes up, not at once.)
+                let most = p.bob_speed * TICK_S;
+                self.depth += (wanted - self.depth).clamp(-most, most);
                 if way.abs() > step {
                     // It waits until it is clear, or as clear as it gets.
                     let waits = hit && self.depth > held - STUCK;
@@ -349,7 +367,18 @@ impl Tour {
             }
             Stroke::Out => {
                 self.depth -= 2.0 * p.bob_speed * TICK_S;
-                if self.depth <= -ABOVE {
+                if self.depth > -ABOVE {
+                    return;
+                }
+                if self.resumes.is_some() {
+                    // Back in where there is room above.
+                    let mut travel = Travel::at(self.meant());
+                    self.around = free(self.path(), self.around);
+                    (self.aside, self.tilt) = (0.0, 0.0);
+                    travel.then(self.meant(), p.air_speed);
+                    self.travel = travel;
+                    self.stroke = Stroke::Travel;
+                } else {
                     self.go_away();
                 }
             }
@@ -370,6 +399,10 @@ impl Tour {
 
     /// The floor was felt at a stop: what comes next.
     fn reached(&mut self) {
+        if let Some(to) = self.resumes.take() {
+            self.go_to(to);
+            return;
+        }
         if self.returning {
             self.stroke = Stroke::Read(self.params.read, 0.0);
             return;
@@ -422,6 +455,26 @@ impl Tour {
             self.leaving = true;
             self.go_to(free(self.path(), self.around));
         }
+    }
+
+    /// The eye sees the tip at an angle and a distance from the tooth's axis, metres: where it has slipped out of the pocket, over
+    /// the margin, it is taken up and put in again.
+    fn see_to_it(&mut self, at: f64, radius: f64) {
+        let walking = match self.stroke {
+            Stroke::Down => !self.felt.is_empty(),
+            Stroke::Up(..) | Stroke::On(..) | Stroke::Read(..) => true,
+            Stroke::Travel | Stroke::Out | Stroke::Rest => false,
+        };
+        if !walking || radius - self.path().radius(at, self.seen) < SLIPPED {
+            return;
+        }
+        let to = match self.stroke {
+            Stroke::Up(_, to) | Stroke::On(_, to) => to,
+            _ => self.around,
+        };
+        // On the way out it just goes out.
+        self.resumes = (!self.leaving).then_some(to);
+        self.stroke = Stroke::Out;
     }
 
     /// The time is up: the tip comes out, and this insertion was the last one.
@@ -491,6 +544,7 @@ impl Script for Tour {
                     Stroke::Travel | Stroke::Out => 0.0,
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
+                self.see_to_it(at, radius_seen(self.path(), &graphic.transform(&self.tool.tip)));
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (TICK_S / LOOK);
             }
@@ -527,6 +581,12 @@ impl Script for Tour {
     fn is_done(&self) -> bool {
         self.stroke == Stroke::Rest
     }
+}
+
+/// How far a point is from the tooth's axis, metres.
+fn radius_seen(path: &PocketPath, point: &Vec3) -> f64 {
+    let from = point - path.tooth().origin;
+    (from - path.tooth().axis * from.dot(&path.tooth().axis)).norm()
 }
 
 /// The nearest angle towards the middle of the side at which the tip can go straight up and out.

@@ -11,7 +11,7 @@ use sulcus_core::{Sphere, Vec3};
 use super::Collar;
 
 /// Spheres that a level 3 can hold.
-const MOST: usize = 512;
+const MOST: usize = 1024;
 /// Smallest distance between columns that is tried, mm, and by how much it grows from try to try.
 const CLOSEST: f64 = 0.42;
 const WIDER: f64 = 1.03;
