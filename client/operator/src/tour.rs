@@ -246,8 +246,7 @@ impl Tour {
         // As high as where it means the tip to be: aside of there the margin is another.
         let gingiva = self.path().gingiva();
         let rise = gingiva.margin_at(around) - gingiva.margin_at(self.around);
-        self.path()
-            .pose(around, self.depth + rise, self.tilt, off)
+        self.path().pose(around, self.depth + rise, self.tilt, off)
     }
 
     /// Over the crown at an angle; `times` as far as usual.
@@ -544,7 +543,10 @@ impl Script for Tour {
                     Stroke::Travel | Stroke::Out => 0.0,
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
-                self.see_to_it(at, radius_seen(self.path(), &graphic.transform(&self.tool.tip)));
+                self.see_to_it(
+                    at,
+                    radius_seen(self.path(), &graphic.transform(&self.tool.tip)),
+                );
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (TICK_S / LOOK);
             }

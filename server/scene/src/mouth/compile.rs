@@ -1,16 +1,18 @@
 //! `[mouth]` of a scene file into objects.
 
 use sulcus_core::tissue::TissueModel;
+use sulcus_core::tissue::gingiva::GingivaParams;
 use sulcus_core::{Node, Object, SphereTree, TreeError};
 
 use super::{
-    JAW_TOP, MouthEntry, Standing, collar, patient, placed_gingiva, placed_mesh, standing,
+    JAW_TOP, MouthEntry, Standing, collar, meet, patient, placed_gingiva, placed_mesh, standing,
 };
 use crate::build::TreeOptions;
 use crate::carry::carriers;
 use crate::compile::BuildError;
 use crate::mesh::TriMesh;
 use crate::parametric::arch::to_world;
+use crate::parametric::collar::Collar;
 use crate::parametric::jaw::{Station, healed, jaw};
 use crate::parts::{Compiler, GINGIVA_COLOUR, TOOTH_COLOUR, gingiva_params};
 use crate::patient::{LOWER, ToothChart};
@@ -47,14 +49,18 @@ impl Compiler<'_> {
             objects.push(self.placed_tooth(entry, tooth)?);
         }
         let base = gingiva_params(&entry.gingiva);
+        let params = |k: usize| GingivaParams {
+            inflammation: charts[k].inflammation,
+            ..base
+        };
+        let collars: Result<Vec<Collar>, _> = (0..all.len())
+            .map(|k| collar(&all, k, &charts[k], entry, &params(k)))
+            .collect();
+        let mut collars = collars.map_err(|error| BuildError::Patient(error.to_string()))?;
+        meet(&mut collars, &all);
         let made = crate::parallel::map(all.len(), |k| {
-            let params = sulcus_core::tissue::gingiva::GingivaParams {
-                inflammation: charts[k].inflammation,
-                ..base
-            };
-            let collar = collar(&all, k, &charts[k], entry, &params)
-                .map_err(|error| BuildError::Patient(error.to_string()))?;
-            placed_gingiva(&collar, &charts[k], params, &all[k].frame).map_err(|source| {
+            let (collar, frame) = (&collars[k], &all[k].frame);
+            placed_gingiva(collar, &charts[k], params(k), frame).map_err(|source| {
                 BuildError::Tree {
                     part: format!("gingiva {}", all[k].fdi),
                     source: source.into(),

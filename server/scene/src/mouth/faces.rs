@@ -83,5 +83,7 @@ fn neighbour(
         contact: own(&(at - tooth.frame.origin * 1e3)),
         normal: own(&normal),
         faces,
+        end: (other.fdi, theirs),
+        floors: [f64::INFINITY; 2],
     }
 }

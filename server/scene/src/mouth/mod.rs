@@ -203,6 +203,28 @@ pub(crate) fn collar(
     })
 }
 
+/// Tells each collar how deep its neighbours' floors are where they meet. (All axes are upright.)
+pub(crate) fn meet(collars: &mut [Collar], all: &[Standing]) {
+    let floors: Vec<(u8, [[f64; 2]; 2])> = collars
+        .iter()
+        .zip(all)
+        .map(|(collar, tooth)| {
+            let up = tooth.frame.origin.z * 1e3;
+            let in_world = |end| collar.floors_at(end).map(|z| z + up);
+            (tooth.fdi, [0, 1].map(in_world))
+        })
+        .collect();
+    for (collar, tooth) in collars.iter_mut().zip(all) {
+        for neighbour in collar.neighbours.iter_mut().flatten() {
+            let (fdi, end) = neighbour.end;
+            if let Some((_, theirs)) = floors.iter().find(|(other, _)| *other == fdi) {
+                let up = tooth.frame.origin.z * 1e3;
+                neighbour.floors = theirs[end].map(|z| z - up);
+            }
+        }
+    }
+}
+
 /// The patient that an entry names, or generates from `seed`, with its file's text.
 pub(crate) fn patient(
     entry: &MouthEntry,

@@ -41,6 +41,11 @@ pub struct Neighbour {
     pub normal: [f64; 2],
     /// How far the outer face lies from the contact point along the plane, buccally and lingually, by height.
     pub faces: [Face; 2],
+    /// The neighbour's FDI number, and which of its ends stands here (0 mesial, 1 distal).
+    pub end: (u8, usize),
+    /// Height of the neighbour's floor beside the plane where it is deepest, buccally and lingually; of no concern when left at
+    /// infinity.
+    pub floors: [f64; 2],
 }
 
 impl Neighbour {
@@ -118,13 +123,28 @@ impl Collar {
         self.sections.radius(around, z) + self.sizes.width
     }
 
+    /// Height of the floor where it is deepest at an end (0 mesial, 1 distal), buccally and lingually.
+    pub fn floors_at(&self, end: usize) -> [f64; 2] {
+        let sites = self.sulcus.sites();
+        let sites = [[sites[0], sites[5]], [sites[2], sites[3]]][end];
+        sites.map(|around| self.floor(around))
+    }
+
+    /// Height of the neighbour's floor beyond the plane at an angle, if a sphere of that radius at a distance from the axis reaches
+    /// over.
+    fn beyond(&self, around: f64, r: f64, radius: f64) -> Option<f64> {
+        let most = self.plane(around, radius)?;
+        let neighbour = self.neighbours[usize::from(libm::cos(around) < 0.0)].as_ref()?;
+        (r > most).then_some(neighbour.floors[usize::from(libm::sin(around) < 0.0)])
+    }
+
     /// Height of the tissue's crest: the margin, or, under a contact, as high as there is room for tissue.
     pub fn crest(&self, around: f64) -> f64 {
         let margin = self.sulcus.margin(around);
         let floor = self.floor(around);
         let mut z = margin;
         while z > floor + 0.2 {
-            let room = self.plane(around).unwrap_or(FAR) - self.inner(around, z);
+            let room = self.plane(around, 0.0).unwrap_or(FAR) - self.inner(around, z);
             if room >= LEAST_TISSUE {
                 break;
             }
@@ -133,14 +153,15 @@ impl Collar {
         z
     }
 
-    /// Distance of the plane to a neighbour from the axis at an angle, if there is one that way.
-    fn plane(&self, around: f64) -> Option<f64> {
+    /// Farthest from the axis that the middle of a sphere of that radius can be at an angle without reaching over the plane to a
+    /// neighbour, if there is one that way.
+    fn plane(&self, around: f64, radius: f64) -> Option<f64> {
         let (sine, cosine) = (libm::sin(around), libm::cos(around));
         let distances = self.neighbours.iter().flatten().filter_map(|neighbour| {
             let [nx, ny] = neighbour.normal;
             let towards = cosine * nx + sine * ny;
             let away = neighbour.contact[0] * nx + neighbour.contact[1] * ny;
-            (towards > 1e-3).then(|| away / towards)
+            (towards > 1e-3).then(|| (away - radius) / towards)
         });
         distances.min_by(f64::total_cmp)
     }
@@ -172,7 +193,7 @@ impl Collar {
         let middle = std::f64::consts::FRAC_PI_2 * side;
         let most = outer_face(&self.sections, self.sizes.wall, middle, z);
         let end = neighbour.corner(side < 0.0, z);
-        let plane = self.plane(around).unwrap_or(FAR);
+        let plane = self.plane(around, 0.0).unwrap_or(FAR);
         let outline = |x: f64| {
             let share = ramp(x / end[0], 0.15, 1.0);
             most + (end[1] * side - most) * share

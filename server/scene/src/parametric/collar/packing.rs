@@ -2,7 +2,7 @@
 //!
 //! Columns at equal distances round the tooth. Each has one sphere under the floor and, above it, spheres whose inner side is
 //! the pocket's wall, as thick as the tissue is; every few columns there are larger ones for the outer face and for what
-//! is attached below. The distance between columns is the smallest with which all fit into a level of 512.
+//! is attached below. The distance between columns is the smallest with which all fit.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,7 +10,7 @@ use sulcus_core::{Sphere, Vec3};
 
 use super::Collar;
 
-/// Spheres that a level 3 can hold.
+/// Most spheres of a collar: with half as many a tip goes in between the columns of a deep pocket.
 const MOST: usize = 1024;
 /// Smallest distance between columns that is tried, mm, and by how much it grows from try to try.
 const CLOSEST: f64 = 0.42;
@@ -56,7 +56,7 @@ pub struct Packed {
     pub floor: bool,
 }
 
-/// The collar's spheres at level 3, at most 512.
+/// The collar's spheres, at most [`MOST`].
 pub fn pack(collar: &Collar) -> Vec<Packed> {
     let mut apart = CLOSEST;
     loop {
@@ -132,20 +132,13 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     let z = floor - FLOOR / length + 0.5 * dent(FLOOR, apart);
     let wall = collar.inner(around, floor);
     for r in [at - INTO_TOOTH, wall - INTO_WALL, wall + UNDER_WALL] {
-        put(collar, there, r, z, FLOOR, true, packed);
+        put_below(collar, there, r, z, FLOOR, packed);
     }
     // A tip that is pressed between two columns meets a layer below, half a column on.
     let half = 0.5 * apart / at;
     let below = collar.floor(around + half) - UNDER - DEEP;
-    put(
-        collar,
-        around + half,
-        at + 0.5 * collar.sizes.width,
-        below,
-        DEEP,
-        true,
-        packed,
-    );
+    let middle = at + 0.5 * collar.sizes.width;
+    put_below(collar, around + half, middle, below, DEEP, packed);
     // The wall; every other column is set off by half a row.
     let rows = ((crest - floor) / (HIGHER * apart)).round().max(1.0);
     let step = (crest - floor) / rows;
@@ -173,6 +166,27 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
             packed,
         );
     }
+}
+
+/// A sphere under the floor. Over the plane to a neighbour it lies no higher than that one's floor: a tip that goes down there would
+/// stand on it; and on this side of the plane one more is as high as it should be.
+fn put_below(collar: &Collar, around: f64, r: f64, z: f64, radius: f64, packed: &mut Vec<Packed>) {
+    let Some(floor) = collar.beyond(around, r, radius) else {
+        return put(collar, around, r, z, radius, true, packed);
+    };
+    if floor - radius < z {
+        let most = collar.plane(around, radius).unwrap_or(r);
+        put(collar, around, most, z, radius, true, packed);
+    }
+    put(
+        collar,
+        around,
+        r,
+        z.min(floor - radius),
+        radius,
+        true,
+        packed,
+    );
 }
 
 fn outside(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
