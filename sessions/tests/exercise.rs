@@ -20,7 +20,7 @@ fn the_built_in_ones_are_all_there() {
     assert_eq!(tour.len(), 9);
     assert_eq!(tour[0], (36, Site::DistoBuccal));
     assert_eq!(tour[8], (37, Site::MesioLingual));
-    assert_eq!(all[3].target.unwrap().tooth, 36);
+    assert_eq!(all[3].target.unwrap().tooth, 37);
     assert_eq!(all[1].probing, Default::default());
 }
 
