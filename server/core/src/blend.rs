@@ -46,7 +46,7 @@ const IMPLIED: f64 = 1e-3;
 /// one stands alone, hardly inset, and the other deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some. Seeds come by their own
-/// core's gap, not by that of the surface, so what has no room here may be what is touched: [`Blender::rows`] says so.
+/// core's gap, not by that of the surface, so what has no room here may be what is touched; where rows are written that is told.
 pub const MAX_SEEDS: usize = 12;
 
 /// How many blend lengths above the smallest core gap a sphere still counts: there its share,
