@@ -56,7 +56,7 @@ pub struct Packed {
     pub floor: bool,
 }
 
-/// The collar's spheres, at most [`MOST`].
+/// The collar's spheres, at most 1024.
 pub fn pack(collar: &Collar) -> Vec<Packed> {
     let mut apart = CLOSEST;
     loop {
