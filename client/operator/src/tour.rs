@@ -540,7 +540,9 @@ impl Script for Tour {
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let most = MOST_ASIDE / radius;
                 self.aside = match self.stroke {
-                    Stroke::Travel | Stroke::Out => 0.0,
+                    Stroke::Travel => 0.0,
+                    // (Let go of gently: all at once the handle would swing by millimetres.)
+                    Stroke::Out => self.aside * (1.0 - KEEP * TICK_S),
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
                 self.see_to_it(
