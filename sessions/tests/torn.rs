@@ -166,7 +166,7 @@ fn what_is_no_recording_is_told_in_one_sentence() {
     };
     let text = told(&with("format_version", "1"));
     assert!(
-        text.contains("format version `1`") && text.contains("reads `2`"),
+        text.contains("format version `1`") && text.contains("reads `3`"),
         "{text}"
     );
     assert!(told(&with("seed", "x")).contains("field `seed`"));
