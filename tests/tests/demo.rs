@@ -21,7 +21,15 @@ fn the_virtual_demo_is_recorded_and_replays_bit_for_bit() {
     let demo = place
         .run(
             Program::Client,
-            &["demo", "--virtual", "--duration", "5", "--json"],
+            &[
+                "demo",
+                "--virtual",
+                "--exercise",
+                "crown",
+                "--duration",
+                "5",
+                "--json",
+            ],
         )
         .ok()
         .json();
@@ -209,6 +217,8 @@ fn a_real_tooth_runs_through_the_demo() {
     let demo = [
         "demo",
         "--virtual",
+        "--exercise",
+        "crown",
         "--duration",
         "5",
         "--scene",

@@ -24,6 +24,8 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
             &[
                 "demo",
                 "--virtual",
+                "--exercise",
+                "crown",
                 "--duration",
                 "1",
                 "--recordings",
@@ -33,7 +35,7 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
         .ok();
     let demo = place
         .command(Program::Client.path())
-        .args(["demo", "--duration", "60", "--json"])
+        .args(["demo", "--exercise", "crown", "--duration", "60", "--json"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

@@ -43,7 +43,7 @@ fn perform(exercise: &str, seconds: &str, seed: &str) -> (Place, Value) {
 
 #[test]
 fn probing_reads_a_pocket_and_replays() {
-    let (place, demo) = perform("probing", "6", "3");
+    let (place, demo) = perform("probing", "12", "3");
     let sites = demo["pocket"]["sites"].as_array().expect("sites");
     assert!(!sites.is_empty(), "{demo}");
     let read = sites.iter().find(|site| !site["measured_mm"].is_null());
