@@ -33,6 +33,14 @@ impl Habit {
         Habit::Misreads,
     ];
 
+    /// Share of the tour after which the mirror lets the tongue go; 1 for an operator who holds it to the end.
+    pub const fn holds_until(habit: Option<Self>) -> f64 {
+        match habit {
+            Some(Habit::LetsTongueGo) => 0.5,
+            _ => 1.0,
+        }
+    }
+
     /// Name on the command line.
     pub const fn name(self) -> &'static str {
         match self {

@@ -105,24 +105,6 @@ impl<F: Fn(f64) -> [Option<Pose>; MAX_TOOLS]> Script for TwoTools<F> {
     }
 }
 
-/// Two scripts at once, one for each hand: where both have a target for a tool, the first one's counts. As long as the
-/// longer one.
-pub struct Both<A, B>(pub A, pub B);
-
-impl<A: Script, B: Script> Script for Both<A, B> {
-    fn feel(&mut self, felt: &Felt) {
-        self.0.feel(felt);
-        self.1.feel(felt);
-    }
-    fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS] {
-        let (first, second) = (self.0.targets(t), self.1.targets(t));
-        std::array::from_fn(|slot| first[slot].or(second[slot]))
-    }
-    fn duration_s(&self) -> f64 {
-        self.0.duration_s().max(self.1.duration_s())
-    }
-}
-
 /// 0 below 0, 1 above 1, smooth (zero slope at both ends) between.
 pub fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);

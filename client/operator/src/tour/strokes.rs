@@ -1,0 +1,326 @@
+//! What the hand does in and at a pocket, millisecond by millisecond: down to the floor, up, on along the tooth, a reading, out.
+
+use std::cmp::Ordering;
+use std::f64::consts::PI;
+
+use sulcus_core::{TICK_S, Vec3};
+
+use super::{ABOVE, Tour, free};
+use crate::bands;
+use crate::script::Call;
+use crate::travel::Travel;
+
+/// Forces count as a floor's from this depth seen below the margin on, metres.
+const IN_POCKET: f64 = 0.3e-3;
+/// Farthest that the hand means the tip to be from where it is seen, metres, and how fast it makes up for it, 1/s.
+const STUCK: f64 = 0.7e-3;
+const HOLD: f64 = 12.0;
+/// Fastest that the handle swings while the tip is in a pocket, m/s.
+const HANDLE_SPEED: f64 = 50e-3;
+/// Speed at which the hand gives way to a floor that comes up, m/s.
+const GIVE: f64 = 8e-3;
+/// How fast a way up ends, 1/s.
+const NEAR: f64 = 40.0;
+/// Correction of the press by the force missing, m/(N s): slower than the tremor, faster than a reading.
+const CORRECTION: f64 = 0.05;
+/// A reading counts while the force is so near to what is meant, share.
+const STEADY: f64 = 0.15;
+/// Most that walls are taken to push back with, newtons.
+const MOST_WALLS: f64 = 0.2;
+/// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
+const CAUGHT: f64 = 3.0;
+/// A tip this far out from where it lies on the tooth is no longer between tooth and gingiva, metres.
+const SLIPPED: f64 = 0.9e-3;
+/// Depths felt in bobs that differ by no more than this feel alike, metres.
+const ALIKE: f64 = 0.3e-3;
+/// Longest that a hand tries for a steady force, in lengths of a reading.
+const PATIENCE: f64 = 4.0;
+/// In a shallow sulcus the tip comes up to this share of its depth between two places.
+const SHALLOW: f64 = 0.6;
+/// A way through the air longer than this goes as high again, metres.
+const LONG_WAY: f64 = 15e-3;
+
+/// What the hand is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stroke {
+    /// Through the air to where the next insertion begins, or away.
+    Travel,
+    /// Down until the floor is felt.
+    Down,
+    /// Up until the tip is seen at a depth, then on along the tooth to an angle.
+    Up(f64, f64),
+    /// On along the tooth, at that depth as seen, to that angle.
+    On(f64, f64),
+    /// Holding the force until it stood for so many seconds; time spent trying.
+    Read(f64, f64),
+    /// Up and out of the pocket.
+    Out,
+    /// All is done.
+    Rest,
+}
+
+impl Tour {
+    /// Depth at which the way to `to` is free as far as the floor is known.
+    fn clear_to(&self, to: f64) -> f64 {
+        let (low, high) = (self.around.min(to) - 1e-6, self.around.max(to) + 1e-6);
+        let passed = self.felt.iter().filter(|(at, _)| (low..=high).contains(at));
+        let shallowest = passed.fold(self.seen, |least, (_, depth)| least.min(*depth));
+        let ceiling = self.ceiling(self.around).max(self.ceiling(to));
+        (shallowest - self.params.bob)
+            .max(SHALLOW * shallowest)
+            .max(ceiling)
+    }
+
+    /// What the hand takes for the floor's push, newtons.
+    fn floor_force(&self) -> f64 {
+        self.force - self.walls.clamp(0.0, MOST_WALLS)
+    }
+
+    /// One millisecond of the stroke under way.
+    pub(super) fn go_on(&mut self) {
+        let p = self.params;
+        match self.stroke {
+            Stroke::Travel => {
+                if self.travel.step() {
+                    let all = self.insertions.len();
+                    self.walls = f64::INFINITY;
+                    self.stroke = if self.now[0] < all {
+                        Stroke::Down
+                    } else {
+                        Stroke::Rest
+                    };
+                }
+            }
+            Stroke::Down => {
+                self.walls = self.walls.min(self.force);
+                let enough = if self.returning {
+                    0.95 * p.force
+                } else {
+                    p.turn_force
+                };
+                let floor = self.seen > IN_POCKET && self.floor_force() >= enough;
+                if floor || self.force >= CAUGHT * enough || self.depth >= p.deepest {
+                    self.reached();
+                } else {
+                    let speed = if self.felt.is_empty() {
+                        p.insert_speed
+                    } else {
+                        p.walk_speed
+                    };
+                    // The more it feels the slower it goes.
+                    let share = (1.2 - self.floor_force() / enough).clamp(0.2, 1.0);
+                    let down = speed * share * TICK_S;
+                    self.depth += down * self.paced(0.0, down);
+                }
+            }
+            Stroke::Up(held, to) => {
+                let near = NEAR * (self.seen - held) + 1e-3;
+                let up = p.bob_speed.min(near) * TICK_S;
+                self.depth -= up * self.paced(0.0, -up);
+                if self.seen <= held || self.depth <= held - STUCK {
+                    self.stroke = Stroke::On(held, to);
+                }
+            }
+            Stroke::On(held, to) => {
+                let radius = self.path().radius(self.around, self.depth).max(1e-3);
+                let (step, way) = (p.bob_speed * TICK_S / radius, to - self.around);
+                let step = step * self.paced(step * way.signum(), 0.0);
+                // The walls lift the tip; where the floor comes up it is let be lifted.
+                let hit = self.force > p.turn_force;
+                let pull = if hit {
+                    -GIVE
+                } else {
+                    HOLD * (held - self.seen)
+                };
+                let wanted = (self.depth + pull * TICK_S).clamp(held - STUCK, held + STUCK);
+                // (A hand that pressed against a wall comes back as fast as it goes up, not at once.)
+                let most = p.bob_speed * TICK_S;
+                self.depth += (wanted - self.depth).clamp(-most, most);
+                if way.abs() > step {
+                    // It waits until it is clear, or as clear as it gets.
+                    let waits = hit && self.depth > held - STUCK;
+                    self.around += if waits { 0.0 } else { step * way.signum() };
+                } else {
+                    self.around = to;
+                    self.walls = f64::INFINITY;
+                    self.stroke = if self.leaving {
+                        Stroke::Out
+                    } else {
+                        Stroke::Down
+                    };
+                }
+            }
+            Stroke::Read(left, tried) => {
+                self.depth += CORRECTION * (p.force - self.floor_force()) * TICK_S;
+                self.depth = self.depth.min(p.deepest);
+                let steady = (self.floor_force() - p.force).abs() < STEADY * p.force;
+                let left = if steady { left - TICK_S } else { left };
+                self.stroke = Stroke::Read(left, tried + TICK_S);
+                if left <= 0.0 || tried > PATIENCE * p.read {
+                    self.call();
+                }
+            }
+            Stroke::Out => {
+                self.depth -= 2.0 * p.bob_speed * TICK_S;
+                if self.depth > -ABOVE {
+                    return;
+                }
+                if self.resumes.is_some() {
+                    // Back in where there is room above.
+                    let mut travel = Travel::at(self.meant());
+                    self.around = free(self.path(), self.around);
+                    (self.aside, self.tilt) = (0.0, 0.0);
+                    travel.then(self.meant(), p.air_speed);
+                    self.travel = travel;
+                    self.stroke = Stroke::Travel;
+                } else {
+                    self.go_away();
+                }
+            }
+            Stroke::Rest => {}
+        }
+    }
+
+    /// The share of a step (radians along the tooth, metres down) that the hand can make: the handle swings far where the
+    /// probe has to turn, and a hand that follows late there pulls the tip away.
+    fn paced(&self, along: f64, down: f64) -> f64 {
+        let at = |around: f64, depth: f64| {
+            let off = Vec3::zeros();
+            self.path().pose(around, depth, self.tilt, off).position
+        };
+        let way = at(self.around + along, self.depth + down) - at(self.around, self.depth);
+        (HANDLE_SPEED * TICK_S / way.norm().max(1e-9)).min(1.0)
+    }
+
+    /// The floor was felt at a stop: what comes next.
+    fn reached(&mut self) {
+        if let Some(to) = self.resumes.take() {
+            self.go_to(to);
+            return;
+        }
+        if self.returning {
+            self.stroke = Stroke::Read(self.params.read, 0.0);
+            return;
+        }
+        let zone = self.zone();
+        let (site, walked) = (zone.site, zone.stops.len());
+        let next = zone.stops.get(self.now[2] + 1).copied();
+        self.felt.push((self.around, self.seen));
+        if let Some(next) = next {
+            self.now[2] += 1;
+            self.go_to(next);
+            return;
+        }
+        self.returning = true;
+        let gingiva = self.path().gingiva();
+        let ours = self.felt[self.felt.len() - walked..].iter();
+        let ours = ours.filter(|(around, _)| gingiva.site_at(*around) == site);
+        let ours = ours.copied().chain([(self.around, self.seen)]);
+        let deepest = ours.clone().fold(0.0, |most: f64, at| most.max(at.1));
+        // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob.
+        let from_midline = |around: f64| match site.is_mesial() {
+            Some(true) => around.abs(),
+            Some(false) => PI - around.abs(),
+            None => 0.0,
+        };
+        let rank = |at: &(f64, f64)| (from_midline(at.0), -at.1);
+        let best = ours
+            .filter(|at| at.1 >= deepest - ALIKE)
+            .min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal));
+        let best = best.map_or(self.around, |at| at.0);
+        if !self.params.returns || best == self.around {
+            self.stroke = Stroke::Down;
+        } else {
+            self.go_to(best);
+        }
+    }
+
+    /// Up, and along the tooth to an angle.
+    fn go_to(&mut self, to: f64) {
+        self.stroke = Stroke::Up(self.clear_to(to), to);
+    }
+
+    /// Calls what is read here, and goes on to the next zone or out.
+    fn call(&mut self) {
+        let right = bands::read(&self.tool.bands, self.length);
+        let depth_mm = match &mut self.blur {
+            Some(blur) => blur.call(&self.tool.bands, right),
+            None => right,
+        };
+        self.calls.push(Call {
+            tooth: self.path().fdi,
+            site: self.zone().site,
+            depth_mm,
+        });
+        self.returning = false;
+        let next = self.insertions[self.now[0]].zones.get(self.now[1] + 1);
+        if let Some(next) = next.map(|zone| zone.stops[0]) {
+            self.now = [self.now[0], self.now[1] + 1, 0];
+            self.go_to(next);
+        } else {
+            self.leaving = true;
+            self.go_to(free(self.path(), self.around));
+        }
+    }
+
+    /// The eye sees the tip at an angle and a distance from the tooth's axis, metres: where it has slipped out of the pocket, over
+    /// the margin, it is taken up and put in again.
+    pub(super) fn see_to_it(&mut self, at: f64, radius: f64) {
+        let walking = match self.stroke {
+            Stroke::Down => !self.felt.is_empty(),
+            Stroke::Up(..) | Stroke::On(..) | Stroke::Read(..) => true,
+            Stroke::Travel | Stroke::Out | Stroke::Rest => false,
+        };
+        if !walking || radius - self.path().radius(at, self.seen) < SLIPPED {
+            return;
+        }
+        let to = match self.stroke {
+            Stroke::Up(_, to) | Stroke::On(_, to) => to,
+            // (It may be on its way back already.)
+            _ => self.resumes.unwrap_or(self.around),
+        };
+        // On the way out it just goes out.
+        self.resumes = (!self.leaving).then_some(to);
+        self.stroke = Stroke::Out;
+    }
+
+    /// The time is up: the tip comes out, and this insertion was the last one.
+    pub fn break_off(&mut self) {
+        self.resumes = None;
+        let begun = (self.now[0] + 1).min(self.insertions.len());
+        self.insertions.truncate(begun);
+        let inside = !matches!(self.stroke, Stroke::Travel | Stroke::Out | Stroke::Rest);
+        if inside && !self.leaving {
+            self.leaving = true;
+            self.go_to(free(self.path(), self.around));
+        }
+    }
+
+    /// From over the margin to the next insertion, or away.
+    fn go_away(&mut self) {
+        let speed = self.params.air_speed;
+        let here = self.around;
+        let mut travel = Travel::at(self.meant());
+        travel.then(self.over(here, 1.0), speed);
+        let high = self.over(here, 2.0);
+        self.leaving = false;
+        self.felt.clear();
+        self.stroke = Stroke::Travel;
+        if self.now[0] + 1 == self.insertions.len() {
+            travel.then(high, speed);
+            self.now[0] += 1;
+        } else {
+            self.now = [self.now[0] + 1, 0, 0];
+            self.around = self.zone().stops[0];
+            (self.aside, self.tilt) = (0.0, 0.0);
+            let next = self.over(self.around, 1.0);
+            if (next.position - high.position).norm() > LONG_WAY {
+                travel.then(high, speed);
+                travel.then(self.over(self.around, 2.0), speed);
+            }
+            travel.then(next, speed);
+            travel.then(self.meant(), speed);
+        }
+        self.travel = travel;
+    }
+}
