@@ -8,9 +8,9 @@ use sulcus_operator::Habit;
 
 /// Periodontal training with touch: the student's side.
 ///
-/// Without a command it runs the demo: an embedded server on loopback, a simulated operator who
-/// probes around the crown of a molar for 20 seconds over real QUIC, the session recorded to MCAP
-/// and replayed as a check.
+/// Without a command it runs the demo: an embedded server on loopback, a simulated operator who holds the tongue
+/// aside with a mirror and probes two molars of a whole mouth over real QUIC, in 70 seconds, the session recorded to
+/// MCAP and replayed as a check.
 #[derive(Debug, Parser)]
 #[command(name = "sulcus-client", version, after_long_help = EXAMPLES)]
 pub struct Cli {
@@ -21,7 +21,7 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  sulcus-client                                   the demo: both hands in a whole mouth, a minute, recorded and replayed
+  sulcus-client                                   the demo: both hands in a whole mouth, 70 s, recorded and replayed
   sulcus-client demo --virtual --duration 60      the same in virtual time, as fast as it goes
   sulcus-client demo --scene server/scenes/crown.toml --json
   sulcus-client demo --exercise probing           one tooth's pocket, in real time
@@ -61,12 +61,12 @@ pub struct DemoArgs {
     /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
-    /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a tongue
+    /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a whole mouth
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Seed of the simulated operator's tremor
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
+    /// Seed of chance: a generated patient (when omitted the scene's own) and the hand's tremor (when omitted 1)
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     /// Solver in the tick: `active-set`, or the judge `clarabel` (slow: with --virtual)
     #[arg(long, value_enum, default_value = "active-set")]
     pub solver: SolverArg,
@@ -106,6 +106,9 @@ pub struct RunArgs {
     /// Scene that the simulated operator knows, when it is not the exercise's own; must be the server's
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
+    /// Seed of the generated patient, where the server was given one; must be the same
+    #[arg(long, value_name = "N")]
+    pub patient_seed: Option<u64>,
     /// Length of the session in seconds; the exercise's own when omitted
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
@@ -147,6 +150,13 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+impl DemoArgs {
+    /// Seed of the hand's tremor, and of the habit's mistakes.
+    pub fn hand_seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+}
+
 impl Default for DemoArgs {
     fn default() -> Self {
         Self {
@@ -156,7 +166,7 @@ impl Default for DemoArgs {
             list_exercises: false,
             habit: None,
             scene: None,
-            seed: 1,
+            seed: None,
             solver: SolverArg::ActiveSet,
             recordings: "recordings".into(),
             json: false,

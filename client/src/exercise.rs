@@ -20,6 +20,40 @@ use sulcus_sessions::{Events, Exercise};
 
 use crate::progress::Steps;
 
+/// What is to be performed, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// Name of an exercise, file of one (ending in `.toml`), or a hard case as `hard/NAME`.
+    pub exercise: &'a str,
+    /// Scene file; none: the exercise's own scene.
+    pub scene: Option<&'a Path>,
+    /// Length, seconds; none: the exercise's own.
+    pub duration_s: Option<f64>,
+    /// Performs it badly.
+    pub habit: Option<Habit>,
+    /// Seed of a generated patient; none: the scene's own.
+    pub patient_seed: Option<u64>,
+    /// Seed of the hand's tremor and of mistakes.
+    pub hand_seed: u64,
+    /// Solver in the tick.
+    pub solver: SolverKind,
+}
+
+impl<'a> Asked<'a> {
+    /// An exercise in its own scene and length, performed well.
+    pub fn of(exercise: &'a str) -> Self {
+        Self {
+            exercise,
+            scene: None,
+            duration_s: None,
+            habit: None,
+            patient_seed: None,
+            hand_seed: 1,
+            solver: SolverKind::ActiveSet,
+        }
+    }
+}
+
 /// An exercise ready to run.
 pub struct Prepared {
     /// What is asked, with the length it has here.
@@ -28,6 +62,8 @@ pub struct Prepared {
     pub scene: Arc<Scene>,
     /// The same as bytes.
     pub scene_bytes: Arc<Vec<u8>>,
+    /// Text of the scene's patient; empty where it has none.
+    pub patient: String,
     /// Who performs it.
     pub operator: Operator,
     /// The hard case behind it, if it is one.
@@ -71,9 +107,18 @@ pub fn script(
             exercise.name
         );
     }
+    if habit == Some(Habit::LetsTongueGo) && exercise.kind != Kind::Bimanual {
+        bail!(
+            "habit `lets-tongue-go` is the mirror's, and exercise `{}` has none",
+            exercise.name
+        );
+    }
+    // (What a patient lacks is left out; the warnings say so.)
+    let is_there = |fdi: u8| scene.objects.iter().any(|object| object.fdi == fdi);
     let mut tour: Vec<Visit> = exercise
         .zones
         .iter()
+        .filter(|zones| is_there(zones.tooth))
         .map(|zones| Visit {
             tooth: zones.tooth,
             sites: zones.sites.clone(),
@@ -99,18 +144,19 @@ pub fn script(
         }
         Kind::Probing => Box::new(Tour::new(scene, &tour, params)?),
         Kind::Retraction => {
+            let target = exercise.target.as_ref().and_then(|target| {
+                let tooth = scene.objects.iter().find(|o| o.fdi == target.tooth)?;
+                Some(tooth.tree.nodes()[0].centre)
+            });
             let params = RetractionParams {
                 duration,
+                work: target,
                 ..RetractionParams::default()
             };
             Box::new(Retraction::new(scene, params)?)
         }
         Kind::Bimanual => {
-            let until = if habit == Some(Habit::LetsTongueGo) {
-                0.5
-            } else {
-                1.0
-            };
+            let until = Habit::holds_until(habit);
             let mirror = RetractionParams::default();
             Box::new(Bimanual::new(scene, &tour, params, mirror, until)?)
         }
@@ -169,21 +215,15 @@ pub fn list() -> Vec<(String, String)> {
     names
 }
 
-/// Compiles the scene and makes the operator of exercise `name`.
+/// Compiles the scene and makes the operator of an exercise.
 ///
 /// # Errors
 /// When the exercise is unknown, or the scene file cannot be used.
-pub fn prepare(
-    name: &str,
-    scene_file: Option<&Path>,
-    duration_s: Option<f64>,
-    habit: Option<Habit>,
-    seed: u64,
-    solver: SolverKind,
-    steps: &Steps,
-) -> anyhow::Result<Prepared> {
+pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
+    let (name, habit) = (asked.exercise, asked.habit);
     let mut warnings = Vec::new();
     let mut hard = None;
+    let mut patient = String::new();
     let mut exercise = Exercise::free(name, 1.0);
     exercise.task = "Hold on: this is a hard case, not an exercise.".into();
     let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) =
@@ -191,7 +231,7 @@ pub fn prepare(
             let Some(case) = sulcus_cases::find(case) else {
                 bail!("{}", unknown(name))
             };
-            if scene_file.is_some() {
+            if asked.scene.is_some() {
                 bail!("exercise `{name}` brings its own scene: leave --scene out");
             }
             if let Some(habit) = habit {
@@ -214,21 +254,22 @@ pub fn prepare(
             }
         } else {
             exercise = find(name)?;
-            exercise.duration_s = duration_s.unwrap_or(exercise.duration_s);
-            let otherwise = match scene_file {
+            exercise.duration_s = asked.duration_s.unwrap_or(exercise.duration_s);
+            let otherwise = match asked.scene {
                 Some(_) => BuiltIn::Crown,
                 None => built_in_scene(&exercise)?,
             };
-            let compiled = compile(scene_file, otherwise, steps)?;
+            let compiled = compile(asked.scene, otherwise, asked.patient_seed, steps)?;
             warnings = compiled.warnings;
-            let script = script(&compiled.scene, &exercise, habit, seed)?;
+            patient = compiled.patient.unwrap_or_default();
+            let script = script(&compiled.scene, &exercise, habit, asked.hand_seed)?;
             (compiled.scene, script, HandParams::default())
         };
-    scene.params.solver = solver;
+    scene.params.solver = asked.solver;
     let scene_bytes = scene
         .to_bytes()
         .context("the scene cannot be written as bytes")?;
-    let operator = Operator::new(script, hand, seed);
+    let operator = Operator::new(script, hand, asked.hand_seed);
     if hard.is_some() {
         exercise.duration_s = (operator.ticks() as f64 * sulcus_core::TICK_S).max(0.1);
     }
@@ -243,6 +284,7 @@ pub fn prepare(
         exercise,
         scene: Arc::new(scene),
         scene_bytes: Arc::new(scene_bytes),
+        patient,
         ticks: operator.ticks(),
         operator,
         case: hard,
@@ -250,18 +292,19 @@ pub fn prepare(
     })
 }
 
-/// The scene of a file, or a built-in one.
+/// The scene of a file, or a built-in one; of another generated patient where `patient_seed` says so.
 ///
 /// # Errors
 /// When the file cannot be used; the message says what and where.
 pub fn compile(
     scene_file: Option<&Path>,
     otherwise: BuiltIn,
+    patient_seed: Option<u64>,
     steps: &Steps,
 ) -> anyhow::Result<sulcus_scene::Compiled> {
     let options = sulcus_scene::BuildOptions {
-        cache: sulcus_scene::default_cache_dir(),
-        ..Default::default()
+        seed: patient_seed,
+        ..sulcus_scene::BuildOptions::cached()
     };
     let bar = steps.bar("building the scene");
     let progress = |what: &str, share: f64| bar.set(what, share);

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use sulcus_core::optimise::SolverKind;
 use sulcus_proto::control::EndReason;
 
 use crate::cli::RunArgs;
@@ -28,16 +27,15 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     }
     let config = link_config(args)?;
     let steps = Steps;
-    let solver = SolverKind::ActiveSet;
-    let prepared = exercise::prepare(
-        &args.exercise,
-        args.scene.as_deref(),
-        args.duration,
-        args.habit,
-        args.seed,
-        solver,
-        &steps,
-    )?;
+    let asked = exercise::Asked {
+        scene: args.scene.as_deref(),
+        duration_s: args.duration,
+        habit: args.habit,
+        patient_seed: args.patient_seed,
+        hand_seed: args.seed,
+        ..exercise::Asked::of(&args.exercise)
+    };
+    let prepared = exercise::prepare(&asked, &steps)?;
     for warning in &prepared.warnings {
         eprintln!("warning: {warning}");
     }
@@ -45,7 +43,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     let hello = link.hello();
     if hello.scene_hash != prepared.scene_hash() {
         bail!(
-            "the server simulates scene `{}`, which is not the `{}` that the simulated operator knows: name the server's with --scene",
+            "the server simulates scene `{}`, which is not the `{}` that the simulated operator knows: name the server's with --scene, and the seed of its patient with --patient-seed",
             hello.scene,
             prepared.scene.name
         );

@@ -8,11 +8,10 @@ use std::time::Instant;
 use sulcus_client::calls::Called;
 use sulcus_client::demo::{check, lockstep};
 use sulcus_client::device::Device;
-use sulcus_client::exercise::{self, Prepared};
+use sulcus_client::exercise::{self, Asked, Prepared};
 use sulcus_client::link::{Link, LinkConfig};
 use sulcus_client::perform::perform;
 use sulcus_client::progress::Steps;
-use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace, tick,
@@ -26,8 +25,12 @@ use sulcus_sessions::{
 };
 
 fn prepared(seconds: f64, seed: u64) -> Prepared {
-    let solver = SolverKind::ActiveSet;
-    exercise::prepare("probing", None, Some(seconds), None, seed, solver, &Steps).unwrap()
+    let asked = Asked {
+        duration_s: Some(seconds),
+        hand_seed: seed,
+        ..Asked::of("probing")
+    };
+    exercise::prepare(&asked, &Steps).unwrap()
 }
 
 /// What a recording's log tells, but for what the client said.
@@ -183,10 +186,10 @@ fn a_live_session_tells_what_its_replay_tells_and_keeps_what_was_called() {
 
 /// The pocket's scene with the tongue beside the tooth, and a target to see.
 fn with_tongue() -> (Scene, Exercise) {
-    let mut scene = exercise::compile(None, BuiltIn::Pocket, &Steps)
+    let mut scene = exercise::compile(None, BuiltIn::Pocket, None, &Steps)
         .unwrap()
         .scene;
-    let tongue = exercise::compile(None, BuiltIn::Tongue, &Steps)
+    let tongue = exercise::compile(None, BuiltIn::Tongue, None, &Steps)
         .unwrap()
         .scene;
     for mut object in tongue.objects {
@@ -265,8 +268,11 @@ fn from_a_snapshot_on_the_same_events_follow_and_a_tick_costs_little() {
 #[test]
 fn exercises_are_found_by_name_or_file_and_what_cannot_be_is_said() {
     let told = |name: &str, scene: Option<&Path>| {
-        let prepared = exercise::prepare(name, scene, None, None, 1, SolverKind::ActiveSet, &Steps);
-        prepared.err().unwrap().to_string()
+        let asked = Asked {
+            scene,
+            ..Asked::of(name)
+        };
+        exercise::prepare(&asked, &Steps).err().unwrap().to_string()
     };
     assert!(
         told("scaling", None).contains("expected one of: crown, probing, retraction, bimanual")

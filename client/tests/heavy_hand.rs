@@ -15,7 +15,7 @@ use sulcus_sessions::{Message, Occurrence, Recording, StationKey, occurrence::FO
 
 /// Performs with `force` newtons; returns what the check found and the events of the recording.
 fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
-    let scene = exercise::compile(None, BuiltIn::Pocket, &Steps)
+    let scene = exercise::compile(None, BuiltIn::Pocket, None, &Steps)
         .expect("built in")
         .scene;
     let params = TourParams {

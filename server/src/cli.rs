@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
-use crate::commands::{scene, serve, tissue, tree};
+use crate::commands::{patient, scene, serve, tissue, tree};
 
 /// Simulates a mouth at 1 kHz for the station that connects, and compiles what is simulated.
 #[derive(Parser)]
@@ -26,6 +26,7 @@ enum Command {
     Serve(Box<serve::ServeArgs>),
     Scene(scene::SceneArgs),
     Tree(tree::TreeArgs),
+    Patient(patient::PatientArgs),
     Tissue(tissue::TissueArgs),
 }
 
@@ -68,6 +69,7 @@ where
         Command::Serve(args) => serve::run(&args),
         Command::Scene(args) => scene::run(&args),
         Command::Tree(args) => tree::run(&args),
+        Command::Patient(args) => patient::run(&args),
         Command::Tissue(args) => tissue::run(&args),
     };
     match outcome {

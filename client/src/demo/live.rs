@@ -30,10 +30,11 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     config.exercise = Exercise {
         name: name.clone(),
         text: prepared.exercise.task.clone(),
-        definition: prepared.definition(args.seed)?,
-        seed: args.seed,
+        definition: prepared.definition(args.hand_seed())?,
+        seed: args.hand_seed(),
     };
     config.station = "demo".into();
+    config.patient.clone_from(&prepared.patient);
     let server = Server::start(config)?;
     let link = Link::connect(LinkConfig::new(
         server.local_addr(),

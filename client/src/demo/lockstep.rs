@@ -53,6 +53,7 @@ pub fn run(
     let mut header = SessionHeader::new(prepared.scene_bytes.as_ref().clone());
     header.exercise_name = prepared.exercise.name.clone();
     header.exercise = prepared.definition(seed)?;
+    header.patient.clone_from(&prepared.patient);
     header.seed = seed;
     header.station = "virtual".into();
     header.started_unix_ns = started;

@@ -28,15 +28,16 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         return Ok(0);
     }
     let steps = Steps;
-    let mut prepared = exercise::prepare(
-        &args.exercise,
-        args.scene.as_deref(),
-        args.duration,
-        args.habit,
-        args.seed,
-        args.solver.into(),
-        &steps,
-    )?;
+    let asked = exercise::Asked {
+        exercise: &args.exercise,
+        scene: args.scene.as_deref(),
+        duration_s: args.duration,
+        habit: args.habit,
+        patient_seed: args.seed,
+        hand_seed: args.hand_seed(),
+        solver: args.solver.into(),
+    };
+    let mut prepared = exercise::prepare(&asked, &steps)?;
     if prepared.case.is_some() && args.duration.is_some() {
         eprintln!(
             "warning: `{}` has its own length; --duration has no effect",
@@ -83,7 +84,7 @@ fn run_virtual(
     steps: &Steps,
 ) -> anyhow::Result<DemoSummary> {
     let key = StationKey::load_or_create(&StationKey::default_path()?)?;
-    let ran = lockstep::run(prepared, args.seed, &args.recordings, key, steps)?;
+    let ran = lockstep::run(prepared, args.hand_seed(), &args.recordings, key, steps)?;
     let checked = check::check(&ran.recording, steps)?;
     Ok(DemoSummary {
         recording: ran.recording,

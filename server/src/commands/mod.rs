@@ -1,5 +1,6 @@
 //! The subcommands of `sulcus-server`, one file each.
 
+pub mod patient;
 pub mod scene;
 pub mod serve;
 pub mod tissue;

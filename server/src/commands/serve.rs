@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use sulcus_core::Scene;
@@ -30,6 +30,9 @@ pub struct ServeArgs {
     /// Scene file (TOML) or compiled scene (.scene); default: a lower molar and a probe
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
+    /// Seed of a generated patient, instead of the scene file's
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
     /// Folder for recordings, made when missing
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
@@ -71,9 +74,10 @@ pub struct ServeArgs {
 /// # Errors
 /// A scene, port, folder or value that cannot be used: one sentence.
 pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
-    let (scene, bytes) = load(args.scene.as_deref())?;
+    let (scene, bytes, patient) = load(args.scene.as_deref(), args.seed)?;
     let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
     config.listen = args.listen;
+    config.patient = patient;
     config.station.clone_from(&args.station);
     config.learner.clone_from(&args.learner);
     config.exercise = Exercise {
@@ -111,25 +115,41 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     Ok(report(&sessions, args))
 }
 
-/// A scene file or a compiled scene, and its bytes.
-fn load(path: Option<&Path>) -> anyhow::Result<(Scene, Vec<u8>)> {
+/// A scene file or a compiled scene, its bytes, and the text of its patient (empty where there is none).
+fn load(path: Option<&Path>, seed: Option<u64>) -> anyhow::Result<(Scene, Vec<u8>, String)> {
     let narrator = Narrator::default();
     let say = |stage: &str, share: f64| narrator.say(stage, share);
+    let options = BuildOptions {
+        seed,
+        ..BuildOptions::cached()
+    };
     let compiled = match path {
         Some(path) if path.extension().is_some_and(|ending| ending == "scene") => {
+            if seed.is_some() {
+                bail!(
+                    "--seed has no effect on {}: a compiled scene has its patient",
+                    path.display()
+                );
+            }
             let bytes = std::fs::read(path)
                 .with_context(|| format!("{}: cannot read the scene", path.display()))?;
             let scene = Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
-            return Ok((scene, bytes));
+            return Ok((scene, bytes, String::new()));
         }
-        Some(path) => compile_file(path, &BuildOptions::cached(), &say)?,
-        None => compile_default(&BuildOptions::cached(), &say)?,
+        Some(path) => compile_file(path, &options, &say)?,
+        None => compile_default(&options, &say)?,
     };
     for warning in &compiled.warnings {
         eprintln!("warning: {warning}");
     }
+    if seed.is_some() && compiled.patient.is_none() {
+        bail!(
+            "--seed is a patient's, and scene `{}` has none (one with `[mouth]` has)",
+            compiled.scene.name
+        );
+    }
     let bytes = compiled.scene.to_bytes()?;
-    Ok((compiled.scene, bytes))
+    Ok((compiled.scene, bytes, compiled.patient.unwrap_or_default()))
 }
 
 fn announce(server: &ServerHandle, scene: &str, json: bool) {

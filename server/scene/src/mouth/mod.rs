@@ -144,18 +144,43 @@ pub(crate) fn standing() -> Vec<Standing> {
 
 /// Why a patient's gingiva cannot be laid out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "`recession_mm` of tooth {fdi}, {site} is {found}, expected at least {least:.1}: higher up there is no room for a papilla under the contact point"
-)]
+#[error("`{key}` of tooth {fdi}, {site} is {found}, expected at least {least:.1}: {why}")]
 pub struct NoRoom {
+    /// Key in the patient file.
+    pub key: &'static str,
     /// The tooth.
     pub fdi: u8,
     /// The site.
     pub site: &'static str,
-    /// Recession found, mm.
+    /// Value found, mm.
     pub found: f64,
-    /// Least recession for which there is room, mm.
+    /// Least value for which there is room, mm.
     pub least: f64,
+    /// What there is no room for.
+    pub why: &'static str,
+}
+
+/// Least height of a pocket's wall at rest, mm.
+const LEAST_WALL: f64 = 0.05;
+
+/// Whether all of a patient's gingivae can be laid out.
+///
+/// # Errors
+/// The first site for which there is no room.
+pub fn check(patient: &Patient) -> Result<(), NoRoom> {
+    let entry = MouthEntry::default();
+    let mut all = standing();
+    all.retain(|tooth| patient.tooth(tooth.fdi).is_some());
+    for (k, tooth) in all.iter().enumerate() {
+        if let Some(chart) = patient.tooth(tooth.fdi) {
+            let params = GingivaParams {
+                inflammation: chart.inflammation,
+                ..GingivaParams::default()
+            };
+            collar(&all, k, &chart, &entry, &params)?;
+        }
+    }
+    Ok(())
 }
 
 /// The collar of the tooth at `k` among those that stand (in the order of [`LOWER`]).
@@ -170,19 +195,34 @@ pub(crate) fn collar(
     let depths = chart.depth_mm.round();
     // Where the sites are does not depend on how deep they are.
     let angles = Sulcus::new(&tooth.sections, depths, [0.0; 6]).sites();
+    // Depths are prescribed as read, whatever the tissue's firmness: the floor lies higher at rest.
+    let sink = params.sink() / params.firmness() * 1e3;
     let mut margins = [0.0; 6];
     for site in sulcus_core::tissue::gingiva::Site::ALL {
         let i = site as usize;
         let (cej, found) = (tooth.shape.cej(angles[i]), chart.recession_mm.of(site));
+        // Written so that a NaN fails.
+        if !(depths[i] >= sink + LEAST_WALL) {
+            return Err(NoRoom {
+                key: "depth_mm",
+                fdi: tooth.fdi,
+                site: site.name(),
+                found: depths[i],
+                least: sink + LEAST_WALL,
+                why: "the tissue is so soft that a reading's force sinks as far into the floor",
+            });
+        }
         margins[i] = cej - found;
         if let Some(mesial) = site.is_mesial() {
             let highest = tooth.contacts[usize::from(!mesial)].z - UNDER_CONTACT;
             if margins[i] > highest {
                 return Err(NoRoom {
+                    key: "recession_mm",
                     fdi: tooth.fdi,
                     site: site.name(),
                     found,
                     least: cej - highest,
+                    why: "higher up there is no room for a papilla under the contact point",
                 });
             }
         }
@@ -192,8 +232,7 @@ pub(crate) fn collar(
         crest: entry.crest_mm,
         wall: entry.wall_mm,
         base: JAW_TOP - tooth.frame.origin.z * 1e3,
-        // Depths are prescribed as read, whatever the tissue's firmness.
-        sink: params.sink() / params.firmness() * 1e3,
+        sink,
     };
     Ok(Collar {
         sections: tooth.sections.clone(),

@@ -1,7 +1,7 @@
 //! The collar as spheres: laid out in rows instead of fitted, because a patient's gingiva must be there in a moment.
 //!
-//! Columns at equal distances round the tooth. Each has one sphere under the floor and, above it, spheres whose inner side is
-//! the pocket's wall, as thick as the tissue is; every few columns there are larger ones for the outer face and for what
+//! Columns at equal distances round the tooth. Each has three spheres under the floor, from the tooth to under the wall, one more
+//! below between it and the next column, and above the floor spheres whose inner side is the pocket's wall, as thick as the tissue is; every few columns there are larger ones for the outer face and for what
 //! is attached below. The distance between columns is the smallest with which all fit.
 
 use std::f64::consts::{PI, TAU};
@@ -10,7 +10,8 @@ use sulcus_core::{Sphere, Vec3};
 
 use super::Collar;
 
-/// Most spheres of a collar: with half as many a tip goes in between the columns of a deep pocket.
+/// Most spheres of a collar: with half as many a tip goes in between the columns of a deep pocket; with more the tick would no
+/// longer keep the whole matrix of their falloff (8 MiB for each gingiva).
 const MOST: usize = 1024;
 /// Smallest distance between columns that is tried, mm, and by how much it grows from try to try.
 const CLOSEST: f64 = 0.42;

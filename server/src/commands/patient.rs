@@ -1,0 +1,146 @@
+//! `sulcus-server patient`: patient files generated and checked.
+
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::{Args, Subcommand};
+use sulcus_scene::mouth;
+use sulcus_scene::patient::{Condition, LOWER, Patient, Sides, ToothChart, generate};
+
+/// Make and check patient files: what a mouth's pockets are like, site by site.
+#[derive(Clone, Debug, Args)]
+pub struct PatientArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: PatientAction,
+}
+
+/// What `patient` can do.
+#[derive(Clone, Debug, Subcommand)]
+pub enum PatientAction {
+    /// Write a generated patient into a file, to be edited and named in a scene file (`patient = "FILE"` under `[mouth]`).
+    ///
+    /// Example: sulcus-server patient make --condition periodontitis --seed 7 --out patient.toml
+    Make {
+        /// healthy, gingivitis or periodontitis
+        #[arg(long, value_name = "NAME", default_value = "periodontitis")]
+        condition: Condition,
+        /// Another seed, another patient; the same one on every machine
+        #[arg(long, value_name = "N", default_value_t = 1)]
+        seed: u64,
+        /// The file; one that is there already is left alone
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+    },
+    /// Read a patient file, check it, and print its chart.
+    ///
+    /// Example: sulcus-server patient check patient.toml
+    Check {
+        /// Patient file (TOML)
+        file: PathBuf,
+    },
+}
+
+/// Runs the command; the exit code is 0.
+///
+/// # Errors
+/// If the file cannot be used or written.
+pub fn run(args: &PatientArgs) -> anyhow::Result<u8> {
+    match &args.action {
+        PatientAction::Make {
+            condition,
+            seed,
+            out,
+        } => {
+            let patient = generate(*seed, *condition);
+            let written = OpenOptions::new()
+                .write(true)
+                .create_new(true)
+                .open(out)
+                .and_then(|mut file| file.write_all(patient.to_toml().as_bytes()));
+            written.with_context(|| format!("{}: cannot write the patient", out.display()))?;
+            print!("{}", chart(&patient));
+        }
+        PatientAction::Check { file } => {
+            let (patient, _) = Patient::read(file)?;
+            mouth::check(&patient).with_context(|| file.display().to_string())?;
+            print!("{}", chart(&patient));
+        }
+    }
+    Ok(0)
+}
+
+/// The chart as text, a line for each tooth. Sides read mesio-, mid-, disto-.
+fn chart(patient: &Patient) -> String {
+    let mut text = format!(
+        "{}\ntooth  depth, mm        margin below the CEJ, mm      bleeding     inflammation  furcation\n       buccal  lingual  buccal         lingual        bucc. ling.                buccal lingual\n",
+        patient.name
+    );
+    for fdi in LOWER {
+        text += &match patient.tooth(fdi) {
+            Some(tooth) => line(&tooth),
+            None => format!("{fdi}     missing\n"),
+        };
+    }
+    text
+}
+
+fn line(tooth: &ToothChart) -> String {
+    let numbers = |sides: &Sides<f64>, width: usize| {
+        [sides.buccal, sides.lingual].map(|side| {
+            let all = side.map(|mm| format!("{mm:>width$}"));
+            all.join(" ")
+        })
+    };
+    let [depth, depth_inside] = numbers(&tooth.depth_mm, 1);
+    let [margin, margin_inside] = numbers(&tooth.recession_mm, 4);
+    let [bleeds, bleeds_inside] = [tooth.bleeding.buccal, tooth.bleeding.lingual]
+        .map(|side| side.map(|bleeds| if bleeds { '*' } else { '.' }))
+        .map(|side| side.iter().collect::<String>());
+    format!(
+        "{}     {depth:7} {depth_inside:8} {margin:14} {margin_inside:14} {bleeds:5} {bleeds_inside:5} {:12}  {:6} {}\n",
+        tooth.fdi, tooth.inflammation, tooth.furcation.buccal, tooth.furcation.lingual
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn make(out: &Path, seed: u64) -> anyhow::Result<u8> {
+        run(&PatientArgs {
+            action: PatientAction::Make {
+                condition: Condition::Periodontitis,
+                seed,
+                out: out.to_owned(),
+            },
+        })
+    }
+
+    #[test]
+    fn what_is_made_can_be_read_again_and_is_never_overwritten() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("patient.toml");
+        make(&file, 7).expect("writes");
+        let made = generate(7, Condition::Periodontitis);
+        assert_eq!(Patient::read(&file).expect("valid").0, made);
+        let told = format!("{:#}", make(&file, 8).expect_err("it is there"));
+        assert!(told.contains("patient.toml: cannot write"), "{told}");
+        assert_eq!(Patient::read(&file).expect("untouched").0, made);
+    }
+
+    #[test]
+    fn the_chart_has_a_line_for_each_tooth() {
+        let mut patient = Patient::healthy("one");
+        patient.missing.push(46);
+        let text = chart(&patient);
+        assert_eq!(text.lines().count(), 3 + LOWER.len());
+        let healthy = "36     3 2 3   3 2 3    -2.5   -2 -2.5";
+        assert!(text.contains(healthy), "{text}");
+        assert!(text.contains("46     missing"), "{text}");
+    }
+}
