@@ -19,7 +19,7 @@ pub const SOLVER_FAILED: u16 = 1 << 6;
 pub const BAD_INPUT: u16 = 1 << 7;
 /// The hand moved faster than the clamp.
 pub const SPEED_CLAMPED: u16 = 1 << 8;
-/// The contact buffer was full at least once.
+/// Contact prediction ran with a smaller distance, because contacts had no room.
 pub const CONTACTS_FULL: u16 = 1 << 9;
 /// The twist between hand and tool exceeds 90 degrees: torque no longer grows.
 pub const TWIST_SATURATED: u16 = 1 << 10;

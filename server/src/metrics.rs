@@ -116,8 +116,8 @@ fn percentiles(times_ns: &Histogram<u64>) -> Percentiles {
 
 #[cfg(test)]
 mod tests {
+    use sulcus_core::Pose;
     use sulcus_core::output::ToolOutput;
-    use sulcus_core::{Pose, Wrench};
 
     use super::*;
 
@@ -131,17 +131,9 @@ mod tests {
         };
         let mut tick = |bits, converged| {
             let tool = |status, converged| ToolOutput {
-                wrench: Wrench::ZERO,
-                raw_wrench: Wrench::ZERO,
-                graphic: Pose::identity(),
-                haptic: Pose::identity(),
                 status,
-                substeps: 0,
-                rows: 0,
-                active: 0,
-                min_gap: f64::INFINITY,
                 converged,
-                pocket: None,
+                ..ToolOutput::absent(Pose::identity())
             };
             let output = TickOutput {
                 tick: 0,

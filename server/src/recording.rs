@@ -296,26 +296,14 @@ impl Thread {
 
 #[cfg(test)]
 mod tests {
+    use sulcus_core::Pose;
     use sulcus_core::output::ToolOutput;
-    use sulcus_core::{Pose, Wrench};
 
     use super::*;
 
     /// A tick in which nobody holds anything.
     fn output(tick: u64) -> TickOutput {
-        let idle = ToolOutput {
-            wrench: Wrench::ZERO,
-            raw_wrench: Wrench::ZERO,
-            graphic: Pose::identity(),
-            haptic: Pose::identity(),
-            status: sulcus_core::output::status::ABSENT,
-            substeps: 0,
-            rows: 0,
-            active: 0,
-            min_gap: f64::INFINITY,
-            converged: true,
-            pocket: None,
-        };
+        let idle = ToolOutput::absent(Pose::identity());
         TickOutput {
             tick,
             hash: 0,

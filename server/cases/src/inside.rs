@@ -57,11 +57,6 @@ impl Points {
         Self { points, balls }
     }
 
-    /// The points.
-    pub fn all(&self) -> &[Vec3] {
-        &self.points
-    }
-
     /// How deep the deepest point is inside `solid` (world) with the tool at `pose` (`world_from_tool`), metres: exact; negative
     /// where all are outside, by how far the nearest is. Where that is no more than `known`, `known`.
     pub fn deepest_inside(&self, solid: &MeshDistance, pose: &Pose, known: f64) -> f64 {
@@ -168,7 +163,7 @@ mod tests {
             let found = points.deepest_inside(&solid, &pose, f64::NEG_INFINITY);
             // A ball of triangles is smaller by their sagitta, up to 3 um.
             assert!((found - depth).abs() < 4e-6, "{depth:e} {found:e}");
-            let all = points.all().iter();
+            let all = points.points.iter();
             let all = all.map(|p| -solid.signed(&pose.transform(p)));
             assert_eq!(found, all.fold(f64::NEG_INFINITY, f64::max));
             // What is known already is not looked for again.

@@ -15,7 +15,7 @@ use crate::inside::{Points, allowed_inside, solid_of};
 use crate::toured::{Toured, perform};
 
 /// The tooth that is probed, and its neighbours with theirs.
-pub const PROBED: u8 = 36;
+const PROBED: u8 = 36;
 const NEAR: [u8; 4] = [34, 35, 36, 37];
 
 /// The shipped mouth with a patient of that seed, all of the patient's teeth or four about the probed one, in contact at
@@ -94,11 +94,7 @@ pub fn examine(scene: &Scene, teeth: &[u8], habit: Option<Habit>) -> Examined {
     if let Some(habit) = habit {
         habit.spoil(&mut params, &mut tour, 3);
     }
-    let until = if habit == Some(Habit::LetsTongueGo) {
-        0.5
-    } else {
-        1.0
-    };
+    let until = Habit::holds_until(habit);
     let mirror = RetractionParams::default();
     let script = Bimanual::new(scene, &tour, params, mirror, until).expect("a mouth");
     let slot = scene

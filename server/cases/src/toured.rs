@@ -7,7 +7,7 @@ use sulcus_operator::script::{Call, Script};
 use sulcus_operator::{HandParams, Operator, Shown};
 
 /// Force up to which a depth counts as read with a light hand, newtons.
-pub const LIGHT: f64 = 0.26;
+const LIGHT: f64 = 0.26;
 
 /// Ticks outside that make a withdrawal.
 const WITHDRAWN: u32 = 300;
@@ -83,15 +83,10 @@ impl Toured {
 
 /// Index, number and model of each gingiva.
 fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
-    let of = |(k, object): (usize, &'_ sulcus_core::Object)| match &object.tissue {
-        TissueModel::Gingiva(_) => Some((k, object.fdi)),
-        _ => None,
-    };
-    let found: Vec<(usize, u8)> = scene.objects.iter().enumerate().filter_map(of).collect();
-    found
-        .into_iter()
-        .filter_map(|(k, fdi)| match &scene.objects[k].tissue {
-            TissueModel::Gingiva(model) => Some((k, fdi, &**model)),
+    let objects = scene.objects.iter().enumerate();
+    objects
+        .filter_map(|(k, object)| match &object.tissue {
+            TissueModel::Gingiva(model) => Some((k, object.fdi, &**model)),
             _ => None,
         })
         .collect()

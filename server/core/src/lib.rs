@@ -31,6 +31,7 @@ mod metric;
 pub mod optimise;
 pub mod output;
 pub mod params;
+mod pass;
 mod rows;
 pub mod scene;
 pub mod skin;
@@ -40,6 +41,7 @@ mod substep;
 pub mod tick;
 pub mod tissue;
 pub mod tree;
+mod workspace;
 mod wrench;
 mod yielding;
 
@@ -51,8 +53,9 @@ pub use scene::{DisplayMesh, Object, Scene, SceneError, Tool};
 pub use skin::DisplaySkin;
 pub use stage::{NoProbe, Stage, StageProbe};
 pub use state::State;
-pub use tick::{Workspace, tick};
+pub use tick::tick;
 pub use tree::{Blending, Node, Sphere, SphereTree, TreeError};
+pub use workspace::Workspace;
 
 /// Most tools one scene can hold: one for each hand.
 pub const MAX_TOOLS: usize = 2;

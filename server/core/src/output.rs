@@ -23,7 +23,8 @@ pub mod status {
     pub const BAD_INPUT: u16 = 1 << 7;
     /// The hand moved faster than the clamp: the haptic pose was limited.
     pub const SPEED_CLAMPED: u16 = 1 << 8;
-    /// The contact buffer was full at least once: contact prediction ran with a smaller distance.
+    /// The contact buffer was full at least once, or one sphere of the tool had more walls of one object about it than there
+    /// are rows for: contact prediction ran with a smaller distance.
     pub const CONTACTS_FULL: u16 = 1 << 9;
     /// The twist between hand and tool exceeds 90 degrees: torque no longer grows.
     pub const TWIST_SATURATED: u16 = 1 << 10;
@@ -101,6 +102,25 @@ pub struct ToolOutput {
     pub converged: bool,
     /// What the tool reads in a pocket, while it is in one.
     pub pocket: Option<PocketReading>,
+}
+
+impl ToolOutput {
+    /// What is said of a slot without a tool, or of one that was never held, at `pose` (`world_from_tool`).
+    pub fn absent(pose: Pose) -> Self {
+        Self {
+            wrench: Wrench::ZERO,
+            raw_wrench: Wrench::ZERO,
+            graphic: pose,
+            haptic: pose,
+            status: status::ABSENT,
+            substeps: 0,
+            rows: 0,
+            active: 0,
+            min_gap: f64::INFINITY,
+            converged: true,
+            pocket: None,
+        }
+    }
 }
 
 /// Output of one tick.

@@ -8,7 +8,8 @@ use crate::blend::{Group, Groups, Line, Pair, hollowness};
 use crate::contact::{Contact, Distance};
 use crate::math::{Vec3, norm};
 use crate::metric::Metric;
-use crate::tick::{Pass, Workspace};
+use crate::pass::Pass;
+use crate::workspace::Workspace;
 
 /// Blended gap up to which a surface is taken to be touched, metres.
 const TOUCHING: f64 = 2e-6;

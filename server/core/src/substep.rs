@@ -15,10 +15,12 @@ use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
 use crate::output::status;
+use crate::pass::Pass;
 use crate::rows::{bend, keep_smallest_gaps, write_lines};
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
-use crate::tick::{Held, Pass, Workspace, hands};
+use crate::tick::{Held, hands};
+use crate::workspace::Workspace;
 use crate::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 

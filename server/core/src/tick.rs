@@ -3,336 +3,22 @@
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::blend::{Blender, Groups, Line, MAX_SEEDS, Member};
-use crate::contact::broad::Broad;
-use crate::contact::{Contact, ContactList, Overflow, Predictor, Work};
 use crate::groups::advance;
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
-use crate::math::{Pose, Vec3, Wrench, log_rotation, norm};
-use crate::optimise::{Problem, ProblemRow, Solution, active_set::ActiveSet};
+use crate::math::{Pose, Wrench, log_rotation, norm};
 use crate::output::{PocketReading, TickOutput, ToolOutput, status};
+use crate::pass::Pass;
 use crate::scene::Scene;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::substep::{Asked, Reached, Wanted};
-use crate::tissue::{Hand, Hands, Site, SiteLoad, TissueModel};
-use crate::tree::Sphere;
+use crate::tissue::{Hand, Hands, SiteLoad};
+use crate::workspace::Workspace;
 use crate::wrench::{Conditions, limited};
-use crate::yielding::Yielding;
 
 /// Unusable poses in a row after which the tool counts as stale: the watchdog's time.
 const BAD_TICKS_STALE: u16 = 50;
-/// Gap under which a row is taken to have borne load at the end of the last tick, metres: what touched then has none,
-/// and the tick begins where that one ended.
-const TOUCHING: f64 = 1e-6;
-
-/// Scratch of a tick, sized when the scene loads. What outlives a tick in it saves work and never
-/// shows in a result: a fresh one gives the same bits.
-#[derive(Debug)]
-pub struct Workspace {
-    pub(crate) predictor: Predictor,
-    /// What each tool can come near at all.
-    pub(crate) broad: Broad,
-    /// Per tool, or in the first tool's place where both share one problem.
-    pub(crate) passes: [Pass; MAX_TOOLS],
-    pub(crate) active_set: ActiveSet,
-    pub(crate) blender: Blender,
-    /// Gaps of the rows, to choose among them.
-    pub(crate) gaps: Vec<f64>,
-    pub(crate) sites: Vec<Site>,
-    pub(crate) site_loads: Vec<f64>,
-    pub(crate) loads: Vec<Wrench>,
-    /// What can yield, in the order of the scene's objects.
-    pub(crate) yielding: Vec<Yielding>,
-    /// For each object its place in `yielding`.
-    pub(crate) slots: Vec<Option<usize>>,
-    /// Places in `yielding` of what was asked in this tick: all that is not at rest, or has a tool near.
-    pub(crate) awake: Vec<usize>,
-    /// Whose pass each of `yielding` belongs to in this tick.
-    pub(crate) owners: Vec<Option<usize>>,
-    /// What ends a query at the first pair.
-    pub(crate) any: ContactList,
-    /// As many zeros as the longest configuration has numbers.
-    pub(crate) zeros: Vec<f64>,
-    /// Graphic poses and loads as the tick began.
-    pub(crate) before: ([Pose; MAX_TOOLS], Vec<Wrench>),
-    /// Whether both tools always share one problem: for tests.
-    pub(crate) together: bool,
-    /// Places in `yielding` of the pockets, and the balls outside of which no tip reads them.
-    pockets: Vec<(usize, Sphere)>,
-    tick_loads: Vec<SiteLoad>,
-    /// Largest distance of a sphere from the working point, per tool, metres.
-    pub(crate) levers: [f64; MAX_TOOLS],
-    bytes: Vec<u8>,
-}
-
-/// Contacts, problem and answer of the last pass of one group of tools.
-#[derive(Debug)]
-pub(crate) struct Pass {
-    pub contacts: ContactList,
-    /// What each row is about.
-    pub lines: Vec<Line>,
-    /// Contacts of blended objects by tool sphere.
-    pub groups: Groups,
-    /// Members of the blended rows, row by row.
-    pub members: Vec<Member>,
-    pub rows: Vec<ProblemRow>,
-    /// What each contact bears, newtons: its row's multiplier, or its shares of those of blended rows.
-    pub shares: Vec<f64>,
-    pub solution: Solution,
-    /// Keys of the contacts whose rows bore load in the tick's last pass, sorted.
-    pub bearing: Vec<(u16, u32, u8, u32)>,
-    /// Rows of these contacts in this pass; in a tick's first pass, which knows of no other, those that touch.
-    pub first: Vec<u32>,
-    /// Compliance of the tissue in the rows' directions, row by row; none in a scene where nothing yields.
-    pub gram: Vec<f64>,
-    /// Whether it belongs to this pass.
-    pub tissue: bool,
-    /// Places in [`Workspace::yielding`] of the tissues that this group's tools came near in this tick.
-    pub tissues: Vec<usize>,
-    /// Share of its answer that was applied; none where the solver had no usable one.
-    pub applied: Option<f64>,
-}
-
-impl Pass {
-    fn with_capacity(
-        (rows, dense): (usize, usize),
-        blended: bool,
-        tool_nodes: usize,
-        tissues: usize,
-    ) -> Self {
-        Self {
-            contacts: ContactList::with_capacity(rows),
-            lines: Vec::with_capacity(rows),
-            groups: Groups::with_capacity(if blended { rows } else { 0 }, tool_nodes),
-            members: Vec::with_capacity(if blended { rows * MAX_SEEDS } else { 0 }),
-            shares: Vec::with_capacity(rows),
-            rows: Vec::with_capacity(rows),
-            solution: Solution::with_capacity(rows),
-            bearing: Vec::with_capacity(rows),
-            first: Vec::with_capacity(rows),
-            gram: vec![0.0; dense * dense],
-            tissue: false,
-            tissues: Vec::with_capacity(tissues),
-            applied: Some(1.0),
-        }
-    }
-
-    pub fn clear(&mut self) {
-        self.applied = Some(1.0);
-        self.contacts.begin(0, Overflow::Stop);
-        self.lines.clear();
-        self.groups.clear();
-        self.members.clear();
-        self.rows.clear();
-        self.shares.clear();
-        self.solution.lambda.clear();
-        self.bearing.clear();
-        self.tissue = false;
-        self.tissues.clear();
-    }
-
-    /// Remembers which contacts' rows bear load.
-    pub fn note_bearing(&mut self) {
-        self.bearing.clear();
-        let contacts = self.contacts.as_slice();
-        let loads = self.lines.iter().zip(&self.solution.lambda);
-        let bearing = loads.filter(|(_, load)| **load > 0.0);
-        self.bearing
-            .extend(bearing.map(|(line, _)| contacts[line.contact as usize].key()));
-        self.bearing.sort_unstable();
-    }
-
-    /// Finds the rows with which the solver begins: of the contacts that bore load in the last pass, or in a tick's first
-    /// that touch already.
-    pub fn find_bearing(&mut self) {
-        self.first.clear();
-        if self.bearing.is_empty() {
-            let lines = self.lines.iter().enumerate();
-            let touching = lines.filter(|(_, line)| line.gap < TOUCHING);
-            self.first.extend(touching.map(|(i, _)| i as u32));
-            return;
-        }
-        let contacts = self.contacts.as_slice();
-        for (i, line) in self.lines.iter().enumerate() {
-            let key = contacts[line.contact as usize].key();
-            if self.bearing.binary_search(&key).is_ok() {
-                self.first.push(i as u32);
-            }
-        }
-    }
-
-    /// Each contact with its load.
-    pub fn loaded(&self) -> impl Iterator<Item = (&Contact, f64)> {
-        self.contacts
-            .as_slice()
-            .iter()
-            .zip(self.shares.iter().copied())
-    }
-
-    /// Shares the multipliers out among the contacts.
-    pub fn share_out(&mut self) {
-        self.shares.clear();
-        self.shares.resize(self.contacts.as_slice().len(), 0.0);
-        for (line, lambda) in self.lines.iter().zip(&self.solution.lambda) {
-            if line.members == 0 {
-                self.shares[line.contact as usize] = *lambda;
-            } else if *lambda > 0.0 {
-                let first = line.first as usize;
-                for member in &self.members[first..first + line.members as usize] {
-                    self.shares[member.contact as usize] += member.weight * lambda;
-                }
-            }
-        }
-    }
-}
-
-impl Workspace {
-    /// Scratch for `scene`.
-    pub fn new(scene: &Scene) -> Self {
-        let yielding = Yielding::all(scene);
-        let blended = (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
-        let rows = scene.most_contacts() * scene.tools.len();
-        let dense = scene.most_rows();
-        let tool_nodes = scene
-            .tools
-            .iter()
-            .map(|tool| tool.tree.nodes().len())
-            .max()
-            .unwrap_or(0);
-        let lever = |t: usize| {
-            scene
-                .tools
-                .get(t)
-                .map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point))
-        };
-        let tissues = yielding.len();
-        // Only tissue needs the dense matrix.
-        let sizes = (rows, if tissues == 0 { 0 } else { dense });
-        let pockets = yielding.iter().enumerate();
-        let pockets = pockets.filter_map(|(slot, of)| Some((slot, of.model.pocket()?)));
-        let longest = yielding.iter().map(|yielding| yielding.shape.len()).max();
-        Self {
-            predictor: Predictor::new(scene),
-            broad: Broad::new(scene),
-            passes: std::array::from_fn(|_| {
-                Pass::with_capacity(sizes, blended, tool_nodes, tissues)
-            }),
-            blender: Blender::with_capacity(if blended { rows } else { 0 }),
-            pockets: pockets.collect(),
-            awake: Vec::with_capacity(tissues),
-            owners: vec![None; tissues],
-            any: ContactList::with_capacity(1),
-            zeros: vec![0.0; longest.unwrap_or(0)],
-            before: (
-                [Pose::identity(); MAX_TOOLS],
-                vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
-            ),
-            together: false,
-            active_set: if yielding.is_empty() {
-                ActiveSet::rigid_only(rows)
-            } else {
-                ActiveSet::with_capacity(dense)
-            },
-            gaps: Vec::with_capacity(rows),
-            sites: Vec::with_capacity(rows),
-            site_loads: Vec::with_capacity(rows),
-            loads: vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
-            slots: (0..scene.objects.len())
-                .map(|k| yielding.iter().position(|yielding| yielding.object == k))
-                .collect(),
-            tick_loads: Vec::with_capacity(if yielding.is_empty() { 0 } else { rows }),
-            yielding,
-            levers: std::array::from_fn(lever),
-            bytes: Vec::with_capacity(TickInput::BYTES + State::most_bytes(scene)),
-        }
-    }
-
-    /// Contacts of each tool's last problem, sorted, with their loads (newtons): what a test, a view or
-    /// an audit wants to know. A load is the multiplier of the contact's row; on a blended surface
-    /// the sum of its shares in the rows' multipliers. Normals times loads add up to the wrench.
-    pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
-        self.passes.iter().flat_map(Pass::loaded)
-    }
-
-    /// The last problem of each tool (or of both together) and its answer, for an independent solver to
-    /// judge.
-    pub fn last_problems(&self, scene: &Scene) -> impl Iterator<Item = (Problem<'_>, &Solution)> {
-        let contact_compliance = scene.params.contact_compliance;
-        let max_iterations = usize::from(scene.params.max_iterations);
-        let solved =
-            |pass: &&Pass| !pass.rows.is_empty() && pass.solution.lambda.len() == pass.rows.len();
-        self.passes.iter().filter(solved).map(move |pass| {
-            let m = pass.rows.len();
-            let problem = Problem {
-                rows: &pass.rows,
-                tissue: pass.tissue.then(|| &pass.gram[..m * m]),
-                contact_compliance,
-                first: &[],
-                max_iterations,
-            };
-            (problem, &pass.solution)
-        })
-    }
-
-    /// The same, except that contact prediction traverses the trees anew in every pass: slower, the same
-    /// bits. For tests and measurements.
-    pub fn plain(scene: &Scene) -> Self {
-        Self {
-            predictor: Predictor::plain(scene),
-            ..Self::new(scene)
-        }
-    }
-
-    /// The same, except that both tools always share one problem: slower, and the same to rounding. For tests.
-    pub fn together(scene: &Scene) -> Self {
-        Self {
-            together: true,
-            ..Self::new(scene)
-        }
-    }
-
-    /// What contact prediction did since this workspace was made.
-    pub fn work(&self) -> Work {
-        self.predictor.work()
-    }
-
-    /// Present configuration of object `k` at the end of the last tick (displacements), empty for
-    /// a rigid one.
-    pub fn shape_of(&self, k: usize) -> &[f64] {
-        self.slots[k].map_or(&[], |slot| &self.yielding[slot].shape)
-    }
-
-    /// How far the carriers of object `k`'s [`crate::DisplaySkin`] had gone at the end of the last tick, by index, world axes,
-    /// metres.
-    pub fn carriers_moved(&self, scene: &Scene, k: usize) -> Vec<Vec3> {
-        let (object, shape) = (&scene.objects[k], self.shape_of(k));
-        if let TissueModel::Surface(_) = object.tissue {
-            return shape.chunks_exact(3).map(Vec3::from_column_slice).collect();
-        }
-        let nodes = object.tree.nodes();
-        let ids: Vec<u32> = (0..nodes.len() as u32).collect();
-        let mut moved = vec![Vec3::zeros(); nodes.len()];
-        if self.centres_of(k, &ids, &mut moved) {
-            for (moved, node) in moved.iter_mut().zip(nodes) {
-                *moved -= node.centre;
-            }
-        }
-        moved
-    }
-
-    /// Centres of the nodes `ids` of object `k` at the end of the last tick, world axes, metres; false
-    /// for a rigid object, whose centres are the tree's.
-    pub fn centres_of(&self, k: usize, ids: &[u32], out: &mut [Vec3]) -> bool {
-        let Some(slot) = self.slots[k] else {
-            return false;
-        };
-        let yielding = &self.yielding[slot];
-        yielding.model.centres(&yielding.shape, ids, out);
-        true
-    }
-}
 
 /// Runs one tick: `state` becomes the state after it. Never panics on any input, allocates nothing
 /// (with [`crate::optimise::SolverKind::ActiveSet`]), takes bounded work.
@@ -394,7 +80,7 @@ pub fn tick<P: StageProbe>(
 
     probe.begin(Stage::Apply);
     let (readings, fault) = commit(scene, state, ws, &held, input.detail);
-    let mut outputs = [idle_output(state, 0), idle_output(state, 1)];
+    let mut outputs = state.tools.map(|tool| ToolOutput::absent(tool.graphic));
     for t in 0..tools {
         if fault {
             bits[t] |= status::FAULT;
@@ -413,22 +99,6 @@ pub fn tick<P: StageProbe>(
         tick: state.tick,
         hash: state.hash,
         tools: outputs,
-    }
-}
-
-fn idle_output(state: &State, t: usize) -> ToolOutput {
-    ToolOutput {
-        wrench: Wrench::ZERO,
-        raw_wrench: Wrench::ZERO,
-        graphic: state.tools[t].graphic,
-        haptic: state.tools[t].haptic,
-        status: status::ABSENT,
-        substeps: 0,
-        rows: 0,
-        active: 0,
-        min_gap: f64::INFINITY,
-        converged: true,
-        pocket: None,
     }
 }
 
@@ -521,6 +191,8 @@ fn commit(
             continue;
         };
         let tip = hand.graphic.transform(&hand.tool.tip);
+        // Of two pockets that claim it the one with the nearer wall sphere has it: the other's can end far above.
+        let mut nearest = f64::INFINITY;
         for (slot, ball) in &ws.pockets {
             let from = tip - ball.centre;
             if from.dot(&from) > ball.radius * ball.radius {
@@ -528,10 +200,8 @@ fn commit(
             }
             let yielding = &ws.yielding[*slot];
             let found = yielding.model.reading(t, &hands, all.of(*slot));
-            let deeper = |new: &PocketReading| {
-                reading.is_none_or(|old: PocketReading| new.depth > old.depth)
-            };
-            if let Some(new) = found.filter(deeper) {
+            if let Some((from_wall, new)) = found.filter(|(from_wall, _)| *from_wall < nearest) {
+                nearest = from_wall;
                 *reading = Some(PocketReading {
                     object: yielding.object as u16,
                     ..new

@@ -144,8 +144,15 @@ pub trait Tissue: Debug + Send {
         None
     }
     /// What the tool in `slot` reads here at the end of a tick, if this is a pocket and the tool's tip is in it, and in
-    /// [`Tissue::pocket`]. (A pocket that is at rest and untouched is not committed, but read.)
-    fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
+    /// [`Tissue::pocket`]; first the squared distance from its wall, m^2, by which one
+    /// of several that claim a tip is chosen. (A
+    /// pocket that is at rest and untouched is not committed, but read.)
+    fn reading(
+        &self,
+        slot: usize,
+        hands: &Hands<'_>,
+        state: &[f64],
+    ) -> Option<(f64, PocketReading)> {
         let _ = (slot, hands, state);
         None
     }

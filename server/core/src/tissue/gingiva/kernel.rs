@@ -70,7 +70,7 @@ impl Stretch {
     }
 }
 
-/// The falloff between all places. Up to 1024 of them (8 MiB, level 3 has 512)
+/// The falloff between all places. Up to 1024 of them (8 MiB; a patient's gingivae have as many)
 /// the whole matrix is kept; of more (134 MB at level 4) the rows of the places loaded lately, and an entry that is
 /// in none of these is computed when it is asked for.
 #[derive(Debug)]

@@ -16,6 +16,9 @@ use crate::tree::{Sphere, SphereTree};
 const NONE: u32 = u32::MAX;
 /// Most rows of both tools on one tissue.
 const MOST_ROWS: usize = 1024 * crate::MAX_TOOLS;
+/// How much of a squared distance across the wall counts when the wall beside a tip is looked for: little, because a tip that
+/// slipped out between two papillae can be nearer to the wall at one side of it than to the one that it has left behind.
+const ACROSS: f64 = 0.1;
 /// Displacement under which what comes back is back, metres.
 const AT_REST: f64 = 1e-9;
 
@@ -29,10 +32,9 @@ pub struct Ready {
     bound: f64,
     /// Yielding sphere that each node goes with.
     slots: Vec<u32>,
-    /// Yielding spheres above the floor, which have a tooth's side and an outer side, with their rest centres, metres.
-    walls: Vec<(u32, Vec3)>,
-    /// Node of each yielding sphere.
-    nodes: Vec<u32>,
+    /// Yielding spheres above the floor, which have a tooth's side and an outer side, with their rest centres, metres, and the
+    /// directions to their outer sides.
+    walls: Vec<(u32, Vec3, Vec3)>,
     /// Root of each yielding sphere's compliance over one tick, (m/N)^1/2.
     roots: Vec<Root>,
     falloff: Falloff,
@@ -97,36 +99,43 @@ impl Ready {
             walls: (0..)
                 .zip(&nodes)
                 .filter(|(_, node)| wall(**node))
-                .map(|(slot, node)| (slot, rest.nodes()[*node as usize].centre))
+                .map(|(slot, node)| {
+                    let node = *node as usize;
+                    (slot, rest.nodes()[node].centre, model.places[node].away)
+                })
                 .collect(),
             falloff: Falloff::new(stretches.collect(), params.reach),
             sums: std::array::from_fn(|_| vec![0.0; nodes.len()]),
             turned: Vec::with_capacity(MOST_ROWS),
             model: model.clone(),
             slots,
-            nodes,
             roots,
             kept,
         }
     }
 
-    /// The tip of the tool in `slot`, if it is below the margin and on the tooth's side of the wall that is nearest to
-    /// it, wherever that was pushed.
-    fn tip_in_pocket(&self, slot: usize, hands: &Hands<'_>, shape: &[f64]) -> Option<Tip> {
+    /// The tip of the tool in `slot`, if it is below the margin and on the tooth's side of the wall that is nearest to it and of
+    /// the wall beside it, wherever these were pushed; with the squared distance from the middle of the
+    /// nearest wall sphere, m^2.
+    fn tip_in_pocket(&self, slot: usize, hands: &Hands<'_>, shape: &[f64]) -> Option<(f64, Tip)> {
         let root = (&self.rest[0], self.bound);
         let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;
-        let (mut nearest, mut squared, mut from_wall) = (None, f64::INFINITY, Vec3::zeros());
-        for (wall, rest) in &self.walls {
+        // Smallest measure and, there, how far outside the wall.
+        let (mut nearest, mut beside) = ((f64::INFINITY, 0.0), (f64::INFINITY, 0.0));
+        for (wall, rest, away) in &self.walls {
             let at = 3 * *wall as usize;
             let moved = Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
             let from = tip.point - (rest + moved);
-            let distance = from.dot(&from);
-            if distance < squared {
-                (nearest, squared, from_wall) = (Some(*wall), distance, from);
+            let (outside, squared) = (from.dot(away), from.dot(&from));
+            if squared < nearest.0 {
+                nearest = (squared, outside);
+            }
+            let along = squared - (1.0 - ACROSS) * outside * outside;
+            if along < beside.0 {
+                beside = (along, outside);
             }
         }
-        let place = &self.model.places[self.nodes[nearest? as usize] as usize];
-        (from_wall.dot(&place.away) < 0.0).then_some(tip)
+        (nearest.1 < 0.0 && beside.1 < 0.0).then_some((nearest.0, tip))
     }
 }
 
@@ -271,9 +280,14 @@ impl Tissue for Ready {
         })
     }
 
-    fn reading(&self, slot: usize, hands: &Hands<'_>, state: &[f64]) -> Option<PocketReading> {
+    fn reading(
+        &self,
+        slot: usize,
+        hands: &Hands<'_>,
+        state: &[f64],
+    ) -> Option<(f64, PocketReading)> {
         let (memory, shape) = state.split_at(MEMORY);
-        let tip = self.tip_in_pocket(slot, hands, shape)?;
-        Some(pocket::reading(&tip, slot, memory))
+        let (from_wall, tip) = self.tip_in_pocket(slot, hands, shape)?;
+        Some((from_wall, pocket::reading(&tip, slot, memory)))
     }
 }

@@ -1,15 +1,16 @@
 //! The kernel, its books, its way in time, its zones.
 
+mod reading;
+
 use proptest::prelude::*;
 
 use super::pocket::zone_after;
 use super::*;
 use crate::TICK_S;
-use crate::math::{Mat3, Pose, Quat, fmax, fmin};
+use crate::math::{Mat3, fmax, fmin};
 use crate::output::ForceZone;
-use crate::tissue::{Gram, Hand, Hands, Site, SiteLoad, Tissue, TissueModel};
+use crate::tissue::{Gram, Hands, Site, Tissue, TissueModel};
 use crate::tree::{MAX_LEVEL, Sphere};
-use crate::{DisplayMesh, Tool};
 
 const NOBODY: Hands<'static> = Hands {
     tools: [None, None],
@@ -359,98 +360,6 @@ fn a_zone_is_entered_once_and_again_only_after_the_hand_was_lighter() {
     // From damage into what is still trauma.
     assert_eq!(zone_after(&params, Damage, 1.5), Trauma);
     assert_eq!(zone_after(&params, Damage, f64::NAN), ForceZone::Light);
-}
-
-/// A straight tool whose device point is its tip.
-fn needle() -> Tool {
-    let ball = Sphere {
-        centre: Vec3::zeros(),
-        radius: 1e-4,
-    };
-    Tool {
-        name: "needle".into(),
-        tree: SphereTree::over_leaves(&[ball]).expect("valid"),
-        level: 0,
-        working_point: Vec3::zeros(),
-        tip: Vec3::zeros(),
-        tip_axis: -Vec3::z(),
-        stiffness_n_per_m: 500.0,
-        stiffness_nm_per_rad: 0.5,
-        park: Pose::identity(),
-        bands: Vec::new(),
-        mesh: DisplayMesh::default(),
-    }
-}
-
-#[test]
-fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
-    let spots = [([0.0; 3], 0.0, -1e-4), ([2e-3, 0.0, 0.0], 0.0, 1e-3)];
-    let (model, rest, ids) = gingiva(&spots, GingivaParams::default());
-    let (floor, wall) = if model.places[ids[0] as usize].floor {
-        (ids[0], ids[1])
-    } else {
-        (ids[1], ids[0])
-    };
-    let mut ready = Ready::new(&model, &rest);
-    let mut state = vec![0.0; model.state_len(&rest)];
-    let load = |sphere, tool, z| SiteLoad {
-        sphere,
-        tool,
-        force: Vec3::new(0.7, 0.1, z),
-    };
-    let loads = [
-        load(floor, 0, -0.2),
-        load(floor, 0, -0.1),
-        load(wall, 0, -5.0),
-        load(floor, 1, -0.6),
-    ];
-    let tool = needle();
-    let hand = |x: f64| {
-        let pose = Pose::new(Vec3::new(x, 0.0, 0.0), Quat::identity());
-        Hand {
-            tool: &tool,
-            haptic: pose,
-            graphic: pose,
-            loads: &[],
-        }
-    };
-    let inside = Hands {
-        tools: [Some(hand(1e-3)), Some(hand(0.5e-3))],
-        detail: 0,
-    };
-    let shape = vec![0.0; ready.shape_len()];
-    ready.commit(&shape, Some(&loads), &inside, &mut state);
-    assert!((state[0] - 0.3).abs() < 1e-15 && state[1..3] == [1.0, 1.0]);
-    assert!((state[3] - 0.6).abs() < 1e-15 && state[4..6] == [2.0, 1.0]);
-    let reading = ready.reading(1, &inside, &state).expect("in the pocket");
-    assert_eq!((reading.depth, reading.around), (2e-3, 0.0));
-    assert_eq!(
-        (reading.zone, reading.entered_zone),
-        (ForceZone::Trauma, true)
-    );
-    // An event lasts one tick; a pull is no press.
-    let pull = [loads[0], loads[1], load(floor, 1, 0.6)];
-    ready.commit(&shape, Some(&pull), &inside, &mut state);
-    assert_eq!((state[1], state[2]), (1.0, 0.0));
-    assert_eq!(state[3..6], [0.0, 0.0, 0.0]);
-    // Outside the wall the same loads are no pocket's; with the wall pushed out past the tip they are.
-    let outside = Hands {
-        tools: [Some(hand(2.2e-3)), None],
-        detail: 0,
-    };
-    ready.commit(&shape, Some(&loads), &outside, &mut state);
-    assert_eq!(state[..3], [0.0; 3]);
-    assert_eq!(ready.reading(0, &outside, &state), None);
-    let mut pushed = shape.clone();
-    pushed.fill(0.5e-3);
-    ready.commit(&pushed, Some(&loads), &outside, &mut state);
-    assert!((state[0] - 0.3).abs() < 1e-15);
-    // Not at rest while anything is remembered.
-    ready.commit(&shape, Some(&loads), &inside, &mut state);
-    let (mut shape, mut free) = (shape.clone(), shape.clone());
-    assert!(!ready.free_step(&state, &NOBODY, &mut shape, &mut free));
-    ready.commit(&shape, Some(&[]), &NOBODY, &mut state);
-    assert!(ready.free_step(&state, &NOBODY, &mut shape, &mut free));
 }
 
 #[test]
