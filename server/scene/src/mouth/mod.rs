@@ -193,8 +193,9 @@ pub(crate) fn collar(
 ) -> Result<Collar, NoRoom> {
     let tooth = &all[k];
     let depths = chart.depth_mm.round();
-    // Where the sites are does not depend on how deep they are.
-    let angles = Sulcus::new(&tooth.sections, depths, [0.0; 6]).sites();
+    // (The junction is nearly level there, at the height of the origin.)
+    let nearly = chart.recession_mm.round().map(|recession| -recession);
+    let angles = Sulcus::new(&tooth.sections, depths, nearly).sites();
     // Depths are prescribed as read, whatever the tissue's firmness: the floor lies higher at rest.
     let sink = params.sink() / params.firmness() * 1e3;
     let mut margins = [0.0; 6];

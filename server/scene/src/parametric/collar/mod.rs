@@ -43,8 +43,8 @@ pub struct Neighbour {
     pub faces: [Face; 2],
     /// The neighbour's FDI number, and which of its ends stands here (0 mesial, 1 distal).
     pub end: (u8, usize),
-    /// Height of the neighbour's floor beside the plane where it is deepest, buccally and lingually; of no concern when left at
-    /// infinity.
+    /// Height that the neighbour's floor is read at where it is deepest beside the plane, buccally and lingually; of no concern
+    /// when left at infinity.
     pub floors: [f64; 2],
 }
 
@@ -123,14 +123,14 @@ impl Collar {
         self.sections.radius(around, z) + self.sizes.width
     }
 
-    /// Height of the floor where it is deepest at an end (0 mesial, 1 distal), buccally and lingually.
+    /// Height that the floor is read at where it is deepest at an end (0 mesial, 1 distal), buccally and lingually.
     pub fn floors_at(&self, end: usize) -> [f64; 2] {
         let sites = self.sulcus.sites();
         let sites = [[sites[0], sites[5]], [sites[2], sites[3]]][end];
-        sites.map(|around| self.floor(around))
+        sites.map(|around| self.floor(around) - self.sizes.sink)
     }
 
-    /// Height of the neighbour's floor beyond the plane at an angle, if a sphere of that radius at a distance from the axis reaches
+    /// Height that the neighbour's floor is read at beyond the plane at an angle, if a sphere of that radius at a distance from the axis reaches
     /// over.
     fn beyond(&self, around: f64, r: f64, radius: f64) -> Option<f64> {
         let most = self.plane(around, radius)?;

@@ -169,8 +169,9 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     }
 }
 
-/// A sphere under the floor. Over the plane to a neighbour it lies no higher than that one's floor: a tip that goes down there would
-/// stand on it; and on this side of the plane one more is as high as it should be.
+/// A sphere under the floor. Over the plane to a neighbour it lies no higher than that one's floor is read at: a tip that goes down
+/// there would stand on it, or on both floors at once and not sink as far; and on this side of the plane one more is as high as it
+/// should be.
 fn put_below(collar: &Collar, around: f64, r: f64, z: f64, radius: f64, packed: &mut Vec<Packed>) {
     let Some(floor) = collar.beyond(around, r, radius) else {
         return put(collar, around, r, z, radius, true, packed);

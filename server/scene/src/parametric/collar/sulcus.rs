@@ -30,8 +30,9 @@ pub struct Sulcus {
     pub depths: [f64; 6],
     /// Heights of the margin over the tooth's origin, mm: at a proximal site that of the papilla.
     pub margins: [f64; 6],
-    /// Mesial and distal end of the tooth at its neck: distance from the axis, mm.
-    ends: [f64; 2],
+    /// Distance from the axis to the mesial or distal end of the tooth at each site's floor, mm: on a root that tapers, places as
+    /// far from the midline as at the neck have another angle.
+    ends: [f64; 6],
     /// Angle between the midline and the border of a proximal zone, radians.
     border: f64,
 }
@@ -50,9 +51,13 @@ struct Between {
 impl Sulcus {
     /// The sulcus of a tooth with these sections.
     pub fn new(sections: &Sections, depths: [f64; 6], margins: [f64; 6]) -> Self {
-        let ends = [sections.radius(0.0, 0.0), sections.radius(PI, 0.0)];
+        let ends = std::array::from_fn(|site| {
+            let end = if matches!(site, 2 | 3) { PI } else { 0.0 };
+            sections.radius(end, margins[site] - depths[site])
+        });
+        let neck = 0.5 * (sections.radius(0.0, 0.0) + sections.radius(PI, 0.0));
         let side = 0.5 * (sections.radius(FRAC_PI_2, 0.0) + sections.radius(-FRAC_PI_2, 0.0));
-        let border = libm::atan2(BORDER * side, 0.5 * (ends[0] + ends[1]));
+        let border = libm::atan2(BORDER * side, neck);
         Self {
             depths,
             margins,
@@ -68,15 +73,8 @@ impl Sulcus {
 
     /// Angle from mesial over buccal at which the floor of each site is deepest, radians, -pi to pi.
     pub fn sites(&self) -> [f64; 6] {
-        let [mesial, distal] = self.ends.map(|end| libm::atan2(PEAK, end));
-        [
-            mesial,
-            FRAC_PI_2,
-            PI - distal,
-            distal - PI,
-            -FRAC_PI_2,
-            -mesial,
-        ]
+        let [mb, _, db, dl, _, ml] = self.ends.map(|end| libm::atan2(PEAK, end));
+        [mb, FRAC_PI_2, PI - db, dl - PI, -FRAC_PI_2, -ml]
     }
 
     /// Depth at an angle, mm.
@@ -116,7 +114,7 @@ impl Sulcus {
     }
 
     fn end_of(&self, site: usize) -> f64 {
-        self.ends[usize::from(site == 2 || site == 3)]
+        self.ends[site]
     }
 
     fn between(&self, around: f64) -> Between {
