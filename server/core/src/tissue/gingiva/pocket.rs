@@ -46,7 +46,8 @@ pub fn remember(params: &GingivaParams, pressed: &[f64; MAX_TOOLS], memory: &mut
 pub struct Tip {
     /// Where it is, world axes, metres.
     pub point: Vec3,
-    around: f64,
+    /// Angle about the tooth, radians.
+    pub around: f64,
     depth: f64,
 }
 

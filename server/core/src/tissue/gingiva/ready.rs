@@ -3,6 +3,8 @@
 //! State: what is remembered of each tool ([`super::pocket`]), then the displacement of each yielding sphere. A
 //! configuration is the displacements alone, metres, x y z sphere by sphere.
 
+use std::f64::consts::TAU;
+
 use super::kernel::{Falloff, Root, Stretch};
 use super::pocket::{self, Tip};
 use super::{Gingiva, MEMORY};
@@ -19,8 +21,16 @@ const MOST_ROWS: usize = 1024 * crate::MAX_TOOLS;
 /// How much of a squared distance across the wall counts when the wall beside a tip is looked for: little, because a tip that
 /// slipped out between two papillae can be nearer to the wall at one side of it than to the one that it has left behind.
 const ACROSS: f64 = 0.1;
+/// Sectors round the tooth: a tip's wall is in its own or in one beside it.
+const SECTORS: usize = 8;
 /// Displacement under which what comes back is back, metres.
 const AT_REST: f64 = 1e-9;
+
+/// Sector of an angle, radians.
+fn sector(around: f64) -> usize {
+    let turns = around / TAU;
+    ((turns - libm::floor(turns)) * SECTORS as f64) as usize % SECTORS
+}
 
 /// A gingiva made ready.
 #[derive(Debug)]
@@ -33,8 +43,8 @@ pub struct Ready {
     /// Yielding sphere that each node goes with.
     slots: Vec<u32>,
     /// Yielding spheres above the floor, which have a tooth's side and an outer side, with their rest centres, metres, and the
-    /// directions to their outer sides.
-    walls: Vec<(u32, Vec3, Vec3)>,
+    /// directions to their outer sides; by sector.
+    walls: [Vec<(u32, Vec3, Vec3)>; SECTORS],
     /// Root of each yielding sphere's compliance over one tick, (m/N)^1/2.
     roots: Vec<Root>,
     falloff: Falloff,
@@ -93,17 +103,19 @@ impl Ready {
             let place = &model.places[node as usize];
             place.height > 0.0 && !place.floor
         };
+        let mut walls: [Vec<(u32, Vec3, Vec3)>; SECTORS] = Default::default();
+        for (slot, &node) in (0..).zip(&nodes).filter(|(_, node)| wall(**node)) {
+            let (centre, away) = (
+                rest.nodes()[node as usize].centre,
+                model.places[node as usize].away,
+            );
+            let (around, _) = model.tooth.cylindrical(&centre);
+            walls[sector(around)].push((slot, centre, away));
+        }
         Self {
             rest: rest.nodes().iter().map(|node| node.centre).collect(),
             bound: rest.nodes()[0].bound_radius,
-            walls: (0..)
-                .zip(&nodes)
-                .filter(|(_, node)| wall(**node))
-                .map(|(slot, node)| {
-                    let node = *node as usize;
-                    (slot, rest.nodes()[node].centre, model.places[node].away)
-                })
-                .collect(),
+            walls,
             falloff: Falloff::new(stretches.collect(), params.reach),
             sums: std::array::from_fn(|_| vec![0.0; nodes.len()]),
             turned: Vec::with_capacity(MOST_ROWS),
@@ -122,7 +134,9 @@ impl Ready {
         let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;
         // Smallest measure and, there, how far outside the wall.
         let (mut nearest, mut beside) = ((f64::INFINITY, 0.0), (f64::INFINITY, 0.0));
-        for (wall, rest, away) in &self.walls {
+        let here = sector(tip.around) + SECTORS;
+        let beside_it = (here - 1..=here + 1).flat_map(|sector| &self.walls[sector % SECTORS]);
+        for (wall, rest, away) in beside_it {
             let at = 3 * *wall as usize;
             let moved = Vec3::new(shape[at], shape[at + 1], shape[at + 2]);
             let from = tip.point - (rest + moved);

@@ -124,8 +124,8 @@ fn a_tip_that_slipped_out_between_two_papillae_is_in_no_pocket() {
         ready.reading(0, &hands, &state)
     };
     assert_eq!(reading(2.8e-3), None);
-    let (squared, _) = reading(1.5e-3).expect("between tooth and wall");
-    assert!((squared - 25e-8).abs() < 1e-15, "{squared:e}");
+    let (squared, _) = reading(1.75e-3).expect("between tooth and wall");
+    assert!((squared - 6.25e-8).abs() < 1e-15, "{squared:e}");
 }
 
 #[test]
