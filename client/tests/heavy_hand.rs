@@ -35,6 +35,7 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
         exercise: exercise::find("probing").expect("built in"),
         scene_bytes: Arc::new(scene.to_bytes().expect("bytes")),
         scene: Arc::new(scene),
+        patient: String::new(),
         ticks: operator.ticks(),
         operator,
         case: None,

@@ -1,6 +1,6 @@
 //! What is told of a probe on its way through pockets.
 
-use sulcus_sessions::{Events, Occurrence};
+use sulcus_sessions::Events;
 
 use crate::two_teeth::{At, UPRIGHT, exercise, output, run, scene, short, to, told};
 

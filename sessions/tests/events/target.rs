@@ -100,7 +100,7 @@ fn what_the_scene_lacks_is_named() {
         ["a place of tooth 36 that can be seen from the eye"]
     );
     assert!(!events.look().is_due(50));
-    let walk = Exercise::parse(include_str!("../exercises/bimanual.toml")).unwrap();
+    let walk = Exercise::parse(include_str!("../../exercises/bimanual.toml")).unwrap();
     assert!(
         Events::new(&scene, &walk)
             .missing()

@@ -202,8 +202,7 @@ pub(crate) fn collar(
     for site in sulcus_core::tissue::gingiva::Site::ALL {
         let i = site as usize;
         let (cej, found) = (tooth.shape.cej(angles[i]), chart.recession_mm.of(site));
-        // Written so that a NaN fails.
-        if !(depths[i] >= sink + LEAST_WALL) {
+        if depths[i] < sink + LEAST_WALL {
             return Err(NoRoom {
                 key: "depth_mm",
                 fdi: tooth.fdi,
