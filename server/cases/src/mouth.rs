@@ -15,7 +15,7 @@ use crate::inside::{Points, allowed_inside, solid_of};
 use crate::toured::{Toured, perform};
 
 /// The tooth that is probed, and its neighbours with theirs.
-const PROBED: u8 = 36;
+pub const PROBED: u8 = 36;
 const NEAR: [u8; 4] = [34, 35, 36, 37];
 
 /// The shipped mouth with a patient of that seed, all of the patient's teeth or four about the probed one, in contact at
