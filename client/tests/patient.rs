@@ -34,3 +34,18 @@ fn the_seed_makes_the_patient_and_the_recording_names_it() {
         generate(1, Condition::Periodontitis).to_toml()
     );
 }
+
+#[test]
+fn what_a_patient_lacks_is_left_out_and_said() {
+    // The thirty-ninth has lost 36, which the exercise begins with.
+    assert!(generate(39, Condition::Periodontitis).missing.contains(&36));
+    let asked = Asked {
+        duration_s: Some(1.0),
+        patient_seed: Some(39),
+        ..Asked::of("bimanual")
+    };
+    let prepared = exercise::prepare(&asked, &Steps).unwrap();
+    let told = prepared.warnings.join("\n");
+    assert!(told.contains("a pocket at tooth 36"), "{told}");
+    assert!(!told.contains("tooth 37"), "{told}");
+}

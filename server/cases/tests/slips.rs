@@ -1,0 +1,184 @@
+//! A tour whose tip slips out of the pocket, in a mouth of a few lines: a level floor under the margin, felt where it is met. What
+//! tissue does is not the question here, but what the hand makes of it.
+
+use sulcus_core::tissue::gingiva::Site;
+use sulcus_core::{Pose, Scene, Vec3, Wrench};
+use sulcus_operator::Shown;
+use sulcus_operator::script::{Call, Felt, Script};
+use sulcus_operator::tour::Tour;
+use sulcus_operator::tour_params::{TourParams, Visit};
+use sulcus_scene::{BuildOptions, compile_text};
+
+/// Two teeth with a probe.
+fn scene() -> Scene {
+    let text = r#"
+name = "two teeth"
+[mouth]
+seed = 1
+teeth = [35, 36]
+[[tool]]
+name = "probe"
+kind = "periodontal_probe"
+level = 2
+levels = 2
+park_mm = [0.0, 0.0, 140.0]
+"#;
+    let path = "two.toml".as_ref();
+    let compiled = compile_text(text, path, &BuildOptions::cached(), &|_, _| {});
+    compiled.expect("compiles").scene
+}
+
+/// Depth of the floor below the margin, metres, and how stiff the hand is, N/m.
+const FLOOR: f64 = 4e-3;
+const STIFFNESS: f64 = 500.0;
+
+/// What is seen of a tour in a tick.
+struct Seen {
+    /// Device pose that the hand means.
+    hand: Pose,
+    /// Angle (radians) and depth below the margin (metres) of the tip that it means, at the tooth at hand.
+    around: f64,
+    depth: f64,
+    /// Seconds.
+    time: f64,
+}
+
+/// Performs `tour` on the level floor; in each tick `aside` says how far the tip is beside where the hand means it to be: away
+/// from the tooth and along it, metres. Ends when the script does; gives what was called, and when.
+fn act(
+    scene: &Scene,
+    tour: &[Visit],
+    params: TourParams,
+    mut aside: impl FnMut(&Seen) -> [f64; 2],
+) -> Vec<(f64, Call)> {
+    let mut tour = Tour::new(scene, tour, params).expect("two teeth with gingivae");
+    let tip = scene.tools[0].tip;
+    let mut calls = Vec::new();
+    for tick in 1..120_000u32 {
+        let time = f64::from(tick) * 1e-3;
+        let hand = tour.targets(time)[0].expect("a hand");
+        let tooth = tour.tooth();
+        let path = tour.paths().iter().find(|path| Some(path.fdi) == tooth);
+        let path = path.unwrap_or(&tour.paths()[0]);
+        let (around, depth) = path.seen(&hand.transform(&tip));
+        let [outwards, along] = aside(&Seen {
+            hand,
+            around,
+            depth,
+            time,
+        });
+        let place = path.place(around, depth, 0.0);
+        let under = (depth - FLOOR).max(0.0);
+        let axis = path.tooth().axis;
+        let off: Vec3 =
+            place.outward * outwards + axis.cross(&place.outward) * along + axis * under;
+        let mut shown = Shown::NOTHING;
+        shown.graphics[0] = Some(Pose::new(hand.position + off, hand.orientation));
+        shown.wrenches[0] = Wrench {
+            force: place.inwards * (-STIFFNESS * under),
+            torque: Vec3::zeros(),
+        };
+        tour.feel(&Felt {
+            shown,
+            hands: [Some(hand), None],
+        });
+        calls.extend(tour.calls().into_iter().map(|call| (time, call)));
+        if tour.is_done() {
+            break;
+        }
+    }
+    assert!(tour.is_done());
+    calls
+}
+
+fn one_zone() -> Vec<Visit> {
+    vec![Visit {
+        tooth: 36,
+        sites: vec![Site::MesioBuccal],
+    }]
+}
+
+/// When the zone is called and where the tip is meant to be then, if it never slips.
+fn undisturbed(scene: &Scene) -> (f64, f64) {
+    let mut around = 0.0;
+    let calls = act(scene, &one_zone(), TourParams::default(), |seen| {
+        if seen.depth > FLOOR {
+            around = seen.around;
+        }
+        [0.0; 2]
+    });
+    assert_eq!(calls.len(), 1);
+    (calls[0].0, around)
+}
+
+/// A slip: so far out that the tip is plainly beside the pocket, metres.
+const OUT: f64 = 2e-3;
+
+#[test]
+fn a_tip_that_slips_again_on_its_way_back_is_read_where_it_was() {
+    let scene = scene();
+    let (called, place) = undisturbed(&scene);
+    // In the middle of the reading, and again as soon as the tip is back below the margin.
+    let (mut slips, mut came_out, mut read_at) = (0, false, 0.0);
+    let calls = act(&scene, &one_zone(), TourParams::default(), |seen| {
+        if seen.depth > FLOOR {
+            read_at = seen.around;
+        }
+        came_out |= slips == 1 && seen.depth < 0.0;
+        let first = slips == 0 && seen.time >= called - 0.5;
+        let second = slips == 1 && came_out && seen.depth > 1e-3;
+        slips += u32::from(first || second);
+        [if first || second { OUT } else { 0.0 }, 0.0]
+    });
+    assert_eq!((slips, calls.len()), (2, 1));
+    assert!(calls[0].0 > called + 1.0, "it was put in again");
+    let off = (read_at - place).to_degrees();
+    assert!(off.abs() < 1.5, "read {off:.1} degrees beside the place");
+}
+
+#[test]
+fn a_tip_that_slips_as_time_runs_out_is_not_put_in_again() {
+    let scene = scene();
+    let (called, _) = undisturbed(&scene);
+    let slips = called - 0.5;
+    // The hand begins to leave 2.5 s before the end: a moment after the slip.
+    let params = TourParams {
+        duration: slips + 0.05 + 2.5,
+        ..TourParams::default()
+    };
+    let (mut out, mut again, mut last) = (false, 0, 0.0);
+    act(&scene, &one_zone(), params, |seen| {
+        last = seen.time;
+        let slipping = seen.time >= slips && seen.time < slips + 1e-3;
+        out |= seen.time > slips && seen.depth < 0.0;
+        again += u32::from(out && seen.depth > 0.0);
+        [if slipping { OUT } else { 0.0 }, 0.0]
+    });
+    assert!(out && last <= params.duration, "{last} s");
+    assert_eq!(again, 0);
+}
+
+#[test]
+fn the_hand_comes_to_the_next_tooth_without_the_last_ones_correction() {
+    let scene = scene();
+    let tour: Vec<Visit> = [35, 36]
+        .map(|tooth| Visit {
+            tooth,
+            sites: vec![Site::Buccal],
+        })
+        .into();
+    let mut before: Option<(Pose, bool)> = None;
+    let mut most: f64 = 0.0;
+    let calls = act(&scene, &tour, TourParams::default(), |seen| {
+        // Above the margin it moves through the air; the floor's first touch is another matter.
+        let above = seen.depth < 0.0;
+        if let Some((hand, true)) = before.filter(|_| above) {
+            most = most.max((seen.hand.position - hand.position).norm());
+        }
+        before = Some((seen.hand, above));
+        [0.0, 0.3e-3]
+    });
+    assert_eq!(calls.len(), 2);
+    // Legs through the air are 60 mm/s on average, half as fast again in the middle.
+    assert!(most < 0.12e-3, "a step of {:.3} mm", most * 1e3);
+}
