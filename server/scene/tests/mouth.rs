@@ -236,7 +236,7 @@ fn a_sulcus_shallower_than_a_reading_sinks_is_refused_with_tooth_and_site() {
     let error = sulcus_scene::mouth::check(&patient).expect_err("no wall");
     let told = error.to_string();
     assert!(
-        told.contains("`depth_mm` of tooth 33, lingual is 0.5, expected at least 0.9"),
+        told.contains("`depth_mm` of tooth 33, lingual is 0.5, expected at least 0.95"),
         "{told}"
     );
 }

@@ -144,7 +144,7 @@ pub(crate) fn standing() -> Vec<Standing> {
 
 /// Why a patient's gingiva cannot be laid out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{key}` of tooth {fdi}, {site} is {found}, expected at least {least:.1}: {why}")]
+#[error("`{key}` of tooth {fdi}, {site} is {found}, expected at least {least:.2}: {why}")]
 pub struct NoRoom {
     /// Key in the patient file.
     pub key: &'static str,
