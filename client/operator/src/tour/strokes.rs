@@ -1,6 +1,5 @@
 //! What the hand does in and at a pocket, millisecond by millisecond: down to the floor, up, on along the tooth, a reading, out.
 
-use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use sulcus_core::{TICK_S, Vec3};
@@ -223,11 +222,13 @@ impl Tour {
             Some(false) => PI - around.abs(),
             None => 0.0,
         };
-        let rank = |at: &(f64, f64)| (from_midline(at.0), -at.1);
         let best = ours
             .filter(|at| at.1 >= deepest - ALIKE)
-            .min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal));
-        let best = best.map_or(self.around, |at| at.0);
+            .min_by(|a, b| {
+                let nearer = from_midline(a.0).total_cmp(&from_midline(b.0));
+                nearer.then(b.1.total_cmp(&a.1))
+            })
+            .map_or(self.around, |at| at.0);
         if !self.params.returns || best == self.around {
             self.stroke = Stroke::Down;
         } else {

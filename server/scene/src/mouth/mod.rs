@@ -163,7 +163,7 @@ pub struct NoRoom {
 /// Least height of a pocket's wall at rest, mm.
 const LEAST_WALL: f64 = 0.05;
 
-/// Whether all of a patient's gingivae can be laid out.
+/// Whether all of a patient's gingivae can be laid out in a mouth of the default sizes and tissue.
 ///
 /// # Errors
 /// The first site for which there is no room.
