@@ -28,9 +28,9 @@
 
 use std::ops::Range;
 
-use crate::MAX_TOOLS;
 use crate::contact::Contact;
 use crate::math::{Mat3, Vec3, exp_of_loss, fclamp, fmax, fmin};
+use crate::{MAX_TOOLS, Scene};
 
 /// A sphere that would move the surface by less than this is left out, metres.
 const UNFELT: f64 = 2e-8;
@@ -42,6 +42,8 @@ const TWO_SURFACES: f64 = 12.0;
 /// A seed is left out where the rows before it hold all but this share of its sum: it could bind at most
 /// this share of the blend length before them.
 const IMPLIED: f64 = 1e-3;
+/// Far above the rounding of a blended gap, far below anything that is felt, metres.
+const ROUNDING: f64 = 1e-12;
 /// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
 /// one stands alone, hardly inset, and the other deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
@@ -154,6 +156,8 @@ pub(crate) struct Group {
     pub tool: u8,
     /// Smallest core gap at the pose of the pass, metres.
     smallest: f64,
+    /// No blended gap is under this at the pose of the pass, metres; unknown before it was asked for.
+    least: f64,
     /// Its contacts begin here in [`Groups::order`].
     first: u32,
     /// And so many there are.
@@ -166,6 +170,8 @@ pub(crate) struct Groups {
     /// In the order in which the list comes to them.
     pub all: Vec<Group>,
     order: Vec<u32>,
+    /// Scratch: place of the group of each contact of a run.
+    of: Vec<u32>,
     /// Number of the group of each node of each tool, counted from 1; 0 for none.
     number: Vec<u32>,
     stride: usize,
@@ -178,6 +184,7 @@ impl Groups {
         Self {
             all: Vec::with_capacity(contacts),
             order: Vec::with_capacity(contacts),
+            of: Vec::with_capacity(contacts),
             number: vec![0; nodes * MAX_TOOLS],
             stride: nodes,
         }
@@ -195,6 +202,7 @@ impl Groups {
             usize::from(contact.tool) * self.stride + contact.tool_sphere as usize
         };
         let before = self.all.len();
+        self.of.clear();
         for contact in &contacts[run.clone()] {
             let number = &mut self.number[place(contact)];
             if *number == 0 {
@@ -202,11 +210,13 @@ impl Groups {
                     object: contact.object,
                     tool: contact.tool,
                     smallest: f64::INFINITY,
+                    least: f64::NEG_INFINITY,
                     first: 0,
                     count: 0,
                 });
                 *number = self.all.len() as u32;
             }
+            self.of.push(*number - 1);
             let group = &mut self.all[*number as usize - 1];
             group.count += 1;
             group.smallest = fmin(group.smallest, gap(contact));
@@ -217,13 +227,14 @@ impl Groups {
             next += std::mem::take(&mut group.count) as usize;
         }
         self.order.resize(next, 0);
-        for index in run.clone() {
-            let group = &mut self.all[self.number[place(&contacts[index])] as usize - 1];
+        for (index, of) in run.zip(&self.of) {
+            let group = &mut self.all[*of as usize];
             self.order[(group.first + group.count) as usize] = index as u32;
             group.count += 1;
         }
-        for contact in &contacts[run] {
-            self.number[place(contact)] = 0;
+        for group in &self.all[before..] {
+            let first = self.order[group.first as usize];
+            self.number[place(&contacts[first as usize])] = 0;
         }
     }
 
@@ -245,13 +256,48 @@ impl Groups {
 }
 
 impl Group {
+    /// Notes what no blended gap is under at the pose of the pass, metres.
+    pub fn bound(&mut self, least: f64) {
+        self.least = least;
+    }
+
     /// Whether no blended gap can be under `limit` after a motion of at most `moved` (metres).
     pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
+        // (Every distance changes by what is moved at most, and so does their soft minimum.)
+        if self.least - moved >= limit {
+            return true;
+        }
         let spare = self.smallest - moved - limit;
         // The logarithm of the count lies between nothing and that of the next power of two: seldom to be asked for.
         let most = std::f64::consts::LN_2 * f64::from(u32::BITS - self.count.leading_zeros());
         spare >= 0.0 && (spare >= blend * most || spare >= blend * libm::log(f64::from(self.count)))
     }
+}
+
+/// A node's core at its object's level in contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Core {
+    /// Its radius, metres.
+    pub radius: f64,
+    /// And by how much that is less than the contact sphere's.
+    pub inset: f64,
+}
+
+/// Cores of an object's nodes; none where it is not blended.
+pub(crate) fn cores(scene: &Scene, k: usize) -> Vec<Core> {
+    if scene.blend_of(k) == 0.0 {
+        return Vec::new();
+    }
+    let object = &scene.objects[k];
+    let nodes = object.tree.nodes().iter().enumerate();
+    let core = nodes.map(|(id, node)| {
+        let radius = object.tree.core_radius(id as u32, object.level);
+        Core {
+            radius,
+            inset: node.contact_radius - radius,
+        }
+    });
+    core.collect()
 }
 
 /// Scratch: nothing in it outlives a call.
@@ -267,6 +313,8 @@ pub(crate) struct Blender {
     logs: Vec<f64>,
     /// A blend length and its [`reach`].
     reach: (f64, f64),
+    /// Largest weight beyond that.
+    unfelt: f64,
 }
 
 impl Blender {
@@ -280,6 +328,7 @@ impl Blender {
                 .map(|n| libm::log(fmax(1.0, n as f64)))
                 .collect(),
             reach: (f64::NAN, 0.0),
+            unfelt: 1.0,
         }
     }
 
@@ -304,6 +353,7 @@ impl Blender {
         let smallest = self.pairs[0].gap;
         if self.reach.0 != blend {
             self.reach = (blend, reach(blend));
+            self.unfelt = libm::exp(-self.reach.1);
         }
         let farthest = fmax(smallest + self.reach.1 * blend, kept);
         self.pairs.retain(|pair| pair.gap <= farthest);
@@ -367,21 +417,31 @@ impl Blender {
     }
 
     /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members; whether these are all that there
-    /// are.
+    /// are. And what none of the gaps of these pairs is under, metres.
     pub fn rows(
         &mut self,
         blend: f64,
         limit: f64,
         row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
-    ) -> bool {
+    ) -> (bool, f64) {
+        let count = self.pairs.len();
         // Within the limit the tool may come in this pass to any wall, not only to the nearest.
-        let kept = limit + blend * self.logs[self.pairs.len()];
+        let kept = limit + blend * self.logs[count];
         let Some(smallest) = self.weigh(blend, kept) else {
-            return true;
+            return (true, f64::INFINITY);
         };
+        // All on one surface, those that were dropped as near as they could be.
+        let dropped = (count - self.pairs.len()) as f64 * self.unfelt;
+        let sum = self
+            .pairs
+            .iter()
+            .fold(dropped, |sum, pair| sum + pair.weight);
+        let least = smallest - blend * libm::log(sum) - ROUNDING;
         // Not even the surface of the nearest?
-        self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
-            || self.seeds(smallest, blend, limit, row)
+        let all = least >= limit
+            || self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
+            || self.seeds(smallest, blend, limit, row);
+        (all, least)
     }
 
     fn seeds(

@@ -38,7 +38,7 @@ pub(crate) fn true_gaps(
             *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
         }
     }
-    let blender = &mut ws.blender;
+    let (blender, cores) = (&mut ws.blender, &ws.cores);
     // The nearest group first: what it leaves is soon clear of it.
     let nearest = groups.nearest();
     let others = groups.all.iter().enumerate();
@@ -65,7 +65,7 @@ pub(crate) fn true_gaps(
             } else {
                 Vec3::z()
             };
-            let core = object.tree.core_radius(contact.object_sphere, object.level);
+            let core = cores[k][contact.object_sphere as usize].radius;
             let gap = distance - tool_node.contact_radius - core;
             blender.push(Pair::new(index, gap, normal, distance));
         }

@@ -58,15 +58,13 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
             lines.extend(run.map(|index| Line::hard(index, &contacts[index])));
             continue;
         }
-        let object = &scene.objects[k];
+        let nodes = scene.objects[k].tree.nodes();
         // The list's gap is that of the contact spheres.
-        let inset = |contact: &Contact| {
-            object.tree.nodes()[contact.object_sphere as usize].contact_radius
-                - object.tree.core_radius(contact.object_sphere, object.level)
-        };
+        let inset = |contact: &Contact| ws.cores[k][contact.object_sphere as usize].inset;
         let begun = groups.all.len();
         groups.add(contacts, run, |contact| contact.gap + inset(contact));
-        for group in &groups.all[begun..] {
+        for at in begun..groups.all.len() {
+            let group = &groups.all[at];
             let d = d.at(lever(group, groups, contacts));
             if group.is_clear_of(d, blend, 0.0) {
                 continue;
@@ -76,17 +74,19 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
                 let contact = &contacts[index as usize];
                 let tool = &scene.tools[usize::from(contact.tool)].tree;
                 let distance = contact.gap
-                    + object.tree.nodes()[contact.object_sphere as usize].contact_radius
+                    + nodes[contact.object_sphere as usize].contact_radius
                     + tool.nodes()[contact.tool_sphere as usize].contact_radius;
                 let gap = contact.gap + inset(contact);
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
-            all &= blender.rows(blend, d, |mut line, shares| {
+            let (rows, least) = blender.rows(blend, d, |mut line, shares| {
                 line.first = members.len() as u32;
                 members.extend(shares);
                 line.members = members.len() as u32 - line.first;
                 lines.push(line);
             });
+            all &= rows;
+            groups.all[at].bound(least);
         }
     }
     all

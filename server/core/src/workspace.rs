@@ -1,7 +1,7 @@
 //! Scratch of a tick.
 
 use crate::MAX_TOOLS;
-use crate::blend::Blender;
+use crate::blend::{Blender, Core, cores};
 use crate::contact::broad::Broad;
 use crate::contact::{Contact, ContactList, Predictor, Work};
 use crate::input::TickInput;
@@ -25,6 +25,8 @@ pub struct Workspace {
     pub(crate) passes: [Pass; MAX_TOOLS],
     pub(crate) active_set: ActiveSet,
     pub(crate) blender: Blender,
+    /// Cores of each object's nodes; none where it is not blended.
+    pub(crate) cores: Vec<Vec<Core>>,
     /// Gaps of the rows, to choose among them.
     pub(crate) gaps: Vec<f64>,
     pub(crate) sites: Vec<Site>,
@@ -86,6 +88,7 @@ impl Workspace {
                 Pass::with_capacity(sizes, blended, tool_nodes, tissues)
             }),
             blender: Blender::with_capacity(if blended { rows } else { 0 }),
+            cores: (0..scene.objects.len()).map(|k| cores(scene, k)).collect(),
             pockets: pockets.collect(),
             awake: Vec::with_capacity(tissues),
             owners: vec![None; tissues],

@@ -63,7 +63,7 @@ impl Yielding {
                 nodes: nodes.to_vec(),
                 fitted: false,
                 near: std::array::from_fn(|t| {
-                    SoftNeighbours::new(scene.tools.get(t), len, (nodes, object.level))
+                    SoftNeighbours::new(scene.tools.get(t), (k, len), (nodes, object.level))
                 }),
                 ids: (0..nodes.len() as u32).collect(),
                 centres: vec![Vec3::zeros(); nodes.len()],

@@ -7,9 +7,9 @@
 //! stays as it is. (Root balls say nothing here: a probe's handle makes its ball as large as the mouth. The bound is found by a
 //! descent into both trees that ends where the pair's balls are small beside their distance.)
 
-use super::Distance;
 use super::dual::reach_of;
 use super::predictor::{Lever, Posed, PosedTool, Predictor};
+use super::{Distance, spread};
 use crate::blend::reach;
 use crate::math::{Mat3, Vec3, fmax, fmin, norm};
 use crate::tree::Node;
@@ -161,8 +161,7 @@ impl Broad {
         of_tool.near.clear();
         for (k, object) in scene.objects.iter().enumerate() {
             if fresh || !holds(&of_tool.known[k].0) {
-                // Not all at once next time.
-                let spread = 0.75 + 0.5 * (k as f64 * 0.618_033_988_75).fract();
+                let spread = spread(k);
                 let nodes = (object.tree.nodes(), object.level);
                 let enough = d + self.farther[k] + displaced(k) + MARGIN;
                 let Predictor {

@@ -219,6 +219,11 @@ impl From<f64> for Distance {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactsFull;
 
+/// Factor of how long what is known of object `k` holds: of about 1, and other for each, so that not all of them end in one tick.
+pub(crate) fn spread(k: usize) -> f64 {
+    0.75 + 0.5 * (k as f64 * 0.618_033_988_75).fract()
+}
+
 /// World position of a point of the tool.
 #[inline]
 pub(crate) fn centre(rotation: &Mat3, pose: &Pose, point: &Vec3) -> Vec3 {

@@ -9,7 +9,7 @@
 use super::front::Search;
 use super::packs::{Felt, Packs};
 use super::predictor::{Lever, Posed, PosedTool};
-use super::{ContactList, ContactsFull, Distance};
+use super::{ContactList, ContactsFull, Distance, spread};
 use crate::math::{Mat3, Vec3, fclamp, fmax, norm};
 use crate::tree::Node;
 
@@ -48,6 +48,8 @@ pub(super) struct Neighbours {
     reach: f64,
     /// Turn that it holds for, what the distance itself has of it included.
     turn: f64,
+    /// Factor of what a list allows for.
+    spread: f64,
     /// Most pairs that it has room for.
     most: usize,
     /// Whether all pairs found room.
@@ -63,13 +65,14 @@ struct Placed {
 }
 
 impl Neighbours {
-    /// Room for the neighbours of a tool of so many `spheres` on an object of so many `families`.
-    pub fn new(spheres: usize, families: usize) -> Self {
+    /// Room for the neighbours of a tool of so many `spheres` on object `k`, which has so many `families`.
+    pub fn new(spheres: usize, (k, families): (usize, usize)) -> Self {
         let pairs = CAPACITY.min(spheres.saturating_mul(families));
         Self {
             pairs: Vec::with_capacity(pairs),
             spheres: Vec::with_capacity(spheres.min(pairs)),
             placed: Vec::with_capacity(spheres.min(pairs)),
+            spread: spread(k),
             most: pairs,
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
@@ -112,12 +115,13 @@ impl Neighbours {
         d: Distance,
         (search, places): (&mut Search, &mut [u32]),
     ) -> u64 {
-        let (mut further, mut turn) = (TRANSLATION, TURN);
+        let (translation, turns) = (self.spread * TRANSLATION, self.spread * TURN);
+        let (mut further, mut turn) = (translation, turns);
         if self.levels.is_some() {
             let moved = norm(&(posed.working_point - self.working_point));
             let turned = (posed.rotation - self.rotation).norm_squared().sqrt();
-            further = fclamp(FAST * moved, TRANSLATION, FASTEST * TRANSLATION);
-            turn = fclamp(FAST * turned, TURN, FASTEST * TURN);
+            further = fclamp(FAST * moved, translation, FASTEST * translation);
+            turn = fclamp(FAST * turned, turns, FASTEST * turns);
         }
         (self.rotation, self.working_point) = (posed.rotation, posed.working_point);
         self.levels = Some((tool.level, level));
@@ -129,10 +133,10 @@ impl Neighbours {
             self.usable = found.0;
             tested += found.1;
             // What is too much for a fast tool may have room as it is else.
-            if self.usable || (further == TRANSLATION && turn == TURN) {
+            if self.usable || (further == translation && turn == turns) {
                 break;
             }
-            (further, turn) = (TRANSLATION, TURN);
+            (further, turn) = (translation, turns);
         }
         self.pairs.clear();
         self.spheres.clear();

@@ -89,9 +89,9 @@ impl Predictor {
             .iter()
             .flat_map(|tool| {
                 let spheres = tool.tree.nodes().len();
-                packs.iter().map(move |packs| {
+                packs.iter().enumerate().map(move |(k, packs)| {
                     let families = packs.as_ref()?.families.len();
-                    Some(Neighbours::new(spheres, families))
+                    Some(Neighbours::new(spheres, (k, families)))
                 })
             })
             .collect();

@@ -8,7 +8,7 @@ use super::coarse::CoarseSearch;
 use super::neighbours::{CAPACITY, slack};
 use super::packs::Packs;
 use super::predictor::{Posed, PosedTool, Predictor};
-use super::{ContactList, ContactsFull, Distance};
+use super::{ContactList, ContactsFull, Distance, spread};
 use crate::math::{Mat3, Vec3, norm};
 use crate::scene::Tool;
 use crate::tissue::Tissue;
@@ -45,13 +45,19 @@ pub(crate) struct SoftNeighbours {
     reach: f64,
     /// Turn that it holds for, what the distance itself has of it included.
     turn: f64,
+    /// Factor of the translation that a list allows for.
+    spread: f64,
     /// Whether all pairs found room.
     usable: bool,
 }
 
 impl SoftNeighbours {
-    /// For a tool on a tissue of so many numbers of shape, on the nodes of its object and their level.
-    pub fn new(tool: Option<&Tool>, shape_len: usize, (nodes, level): (&[Node], u8)) -> Self {
+    /// For a tool on the tissue of object `k`, of so many numbers of shape, on the nodes of its object and their level.
+    pub fn new(
+        tool: Option<&Tool>,
+        (k, shape_len): (usize, usize),
+        (nodes, level): (&[Node], u8),
+    ) -> Self {
         Self {
             pairs: Vec::with_capacity(CAPACITY),
             spheres: Vec::with_capacity(CAPACITY),
@@ -66,6 +72,7 @@ impl SoftNeighbours {
             level: None,
             reach: 0.0,
             turn: 0.0,
+            spread: spread(k),
             usable: false,
         }
     }
@@ -123,7 +130,7 @@ impl SoftNeighbours {
             Some(shape) => self.shape.copy_from_slice(shape),
             None => self.shape.fill(0.0),
         }
-        (self.reach, self.turn) = (d.base + TRANSLATION, d.turn + TURN);
+        (self.reach, self.turn) = (d.base + self.spread * TRANSLATION, d.turn + TURN);
         self.pairs.clear();
         self.spheres.clear();
         predictor.work.lists += 1;

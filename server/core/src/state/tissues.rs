@@ -76,13 +76,13 @@ impl Tissues {
     pub(crate) fn settle(&mut self, slot: usize) -> bool {
         let Part { range, at_rest } = &mut self.parts[slot];
         let numbers = &mut self.numbers[range.clone()];
-        // The largest magnitude tells both: magnitudes are ordered as their bits are.
-        let largest = numbers.iter().fold(0, |most: u64, x| {
-            let bits = x.to_bits() & !(1 << 63);
-            if bits > most { bits } else { most }
+        // (What is finite less itself is zero, all else is not a number: without a branch for each.)
+        let (any, wrong) = numbers.iter().fold((0, 0), |(any, wrong), x| {
+            let magnitude = x.to_bits() & !(1 << 63);
+            (any | magnitude, wrong | (x - x).to_bits())
         });
-        let finite = largest < f64::INFINITY.to_bits();
-        *at_rest = largest == 0 || !finite;
+        let finite = wrong == 0;
+        *at_rest = any == 0 || !finite;
         if *at_rest {
             // (Zeros have one sign at rest.)
             numbers.fill(0.0);

@@ -271,12 +271,23 @@ impl TissueModel {
 
 /// Largest difference of two lists of displacements (x, y, z of each node in turn), metres.
 pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
-    let pairs = from.chunks_exact(3).zip(to.chunks_exact(3));
-    let squared = pairs.fold(0.0, |most, (a, b)| {
+    let squared = |a: &[f64; 3], b: &[f64; 3]| {
         let (x, y, z) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-        fmax(most, x * x + y * y + z * z)
-    });
-    squared.sqrt()
+        x * x + y * y + z * z
+    };
+    let (from, to) = (from.as_chunks::<3>().0, to.as_chunks::<3>().0);
+    let ((from, from_rest), (to, to_rest)) = (from.as_chunks::<4>(), to.as_chunks::<4>());
+    // Four at a time, so that none waits for the one before.
+    let mut most = [0.0; 4];
+    for (a, b) in from.iter().zip(to) {
+        for k in 0..4 {
+            most[k] = fmax(most[k], squared(&a[k], &b[k]));
+        }
+    }
+    for (a, b) in from_rest.iter().zip(to_rest) {
+        most[0] = fmax(most[0], squared(a, b));
+    }
+    fmax(fmax(most[0], most[1]), fmax(most[2], most[3])).sqrt()
 }
 
 /// Brings a yielding object's nodes to configuration `shape`: centres from the model, bounds from
