@@ -29,6 +29,8 @@ const BELOW: f64 = 0.25e-3;
 /// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
 const KEEP: f64 = 6.0;
 const MOST_ASIDE: f64 = 1.2e-3;
+/// Nearest to the border of its zone that the tip is let slide, radians.
+const BORDER: f64 = 0.07;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
 /// Nearest to the mesial or distal midline that the hand means the tip to be, radians.
@@ -77,6 +79,13 @@ pub struct Tour {
     tilt: f64,
     /// How far the hand means the tip to be aside of there, radians, to make up for what pushes it aside.
     aside: f64,
+    /// How far along the tooth the tip is seen from where the hand means it to be, and how far out from where it lies on the
+    /// tooth, metres.
+    beside: f64,
+    away: f64,
+    /// How long the hand has waited for the tip to come along, seconds, and how often it was put in again for one stop.
+    waited: f64,
+    again: u8,
     /// Where to go on once the floor is felt again, after the tip had slipped out.
     resumes: Option<f64>,
     /// What resists the way in, newtons.
@@ -143,6 +152,10 @@ impl Tour {
             depth: -ABOVE,
             tilt: 0.0,
             aside: 0.0,
+            beside: 0.0,
+            away: 0.0,
+            waited: 0.0,
+            again: 0,
             resumes: None,
             force: 0.0,
             walls: 0.0,
@@ -214,6 +227,25 @@ impl Tour {
         path.pose(around, -ABOVE, 0.0, off)
     }
 
+    /// How far the tip is out from where it would lie on the tooth at the angle and depth at which it is seen, metres.
+    fn away(&self, graphic: &Pose, at: f64) -> f64 {
+        let from = graphic.transform(&self.tool.tip) - self.path().tooth().origin;
+        let axis = self.path().tooth().axis;
+        (from - axis * from.dot(&axis)).norm() - self.path().radius(at, self.seen)
+    }
+
+    /// Whether the hand keeps the tip, seen at an angle that is not near its zone's border, from sliding on into the col.
+    fn holds_back(&self, at: f64) -> bool {
+        let site = self.zone().site;
+        let is_inside = |at: f64| self.path().gingiva().site_at(at) == site;
+        let outwards = match site.is_mesial() {
+            Some(true) => self.aside * self.around > 0.0,
+            Some(false) => self.aside * self.around < 0.0,
+            None => false,
+        };
+        outwards && is_inside(at - BORDER) && is_inside(at + BORDER)
+    }
+
     /// Shallowest depth that the tip may have at an angle without leaving the pocket or meeting a neighbour.
     fn ceiling(&self, around: f64) -> f64 {
         let room = self.path().ceiling(around);
@@ -243,16 +275,17 @@ impl Script for Tour {
                 let off = turned - TAU * (turned / TAU).round();
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let most = MOST_ASIDE / radius;
+                self.beside = off.abs() * radius;
+                self.away = self.away(graphic, at);
                 self.aside = match self.stroke {
                     Stroke::Travel => 0.0,
                     // (Let go of gently: all at once the handle would swing by millimetres.)
                     Stroke::Out => self.aside * (1.0 - KEEP * TICK_S),
+                    // Towards the col a tip may slide while it is read: a hand that held it back would press it into the wall.
+                    Stroke::Read(..) if self.holds_back(at) => self.aside * (1.0 - KEEP * TICK_S),
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
-                self.see_to_it(
-                    at,
-                    radius_seen(self.path(), &graphic.transform(&self.tool.tip)),
-                );
+                self.see_to_it();
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (TICK_S / LOOK);
             }
@@ -289,12 +322,6 @@ impl Script for Tour {
     fn is_done(&self) -> bool {
         self.stroke == Stroke::Rest
     }
-}
-
-/// How far a point is from the tooth's axis, metres.
-fn radius_seen(path: &PocketPath, point: &Vec3) -> f64 {
-    let from = point - path.tooth().origin;
-    (from - path.tooth().axis * from.dot(&path.tooth().axis)).norm()
 }
 
 /// The nearest angle towards the middle of the side at which the tip can go straight up and out.
