@@ -76,10 +76,10 @@ impl Tissues {
     pub(crate) fn settle(&mut self, slot: usize) -> bool {
         let Part { range, at_rest } = &mut self.parts[slot];
         let numbers = &mut self.numbers[range.clone()];
-        // (What is finite less itself is zero, all else is not a number: without a branch for each.)
+        // (What is finite times zero is zero, all else is not a number: without a branch for each.)
+        let magnitude = |x: f64| x.to_bits() & !(1 << 63);
         let (any, wrong) = numbers.iter().fold((0, 0), |(any, wrong), x| {
-            let magnitude = x.to_bits() & !(1 << 63);
-            (any | magnitude, wrong | (x - x).to_bits())
+            (any | magnitude(*x), wrong | magnitude(x * 0.0))
         });
         let finite = wrong == 0;
         *at_rest = any == 0 || !finite;
