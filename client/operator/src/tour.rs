@@ -12,7 +12,7 @@ use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Tool, Vec3};
 
 use crate::bands::{self, Blur};
-use crate::pocket_path::{NoPocket, PocketPath};
+use crate::pocket_path::{Manner, NoPocket, PocketPath};
 use crate::script::{Call, Felt, Script};
 use crate::stops::{Walk, Zone, zones};
 use crate::tour_params::{TourParams, Visit};
@@ -243,7 +243,9 @@ impl Tour {
             Some(false) => self.aside * self.around < 0.0,
             None => false,
         };
-        outwards && is_inside(at - BORDER) && is_inside(at + BORDER)
+        // (A hand that probes upright knows of no col.)
+        let knows = self.params.manner == Manner::Taught;
+        knows && outwards && is_inside(at - BORDER) && is_inside(at + BORDER)
     }
 
     /// Shallowest depth that the tip may have at an angle without leaving the pocket or meeting a neighbour.

@@ -6,6 +6,7 @@ use sulcus_core::{TICK_S, Vec3};
 
 use super::{ABOVE, Tour, free};
 use crate::bands;
+use crate::pocket_path::Manner;
 use crate::script::Call;
 use crate::travel::Travel;
 
@@ -191,8 +192,10 @@ impl Tour {
             self.stroke = Stroke::Out;
             return;
         }
-        // Where the floor has a ridge between two places a tip that is let down too early slides back.
-        if self.beside > BEHIND && self.waited < WAITS {
+        // Where the floor has a ridge between two places a tip that is let down too early slides back. (Who was not taught
+        // how to lean does not look.)
+        let looks = self.params.manner == Manner::Taught;
+        if looks && self.beside > BEHIND && self.waited < WAITS {
             self.waited += TICK_S;
             return;
         }
