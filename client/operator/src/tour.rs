@@ -29,8 +29,6 @@ const BELOW: f64 = 0.25e-3;
 /// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
 const KEEP: f64 = 6.0;
 const MOST_ASIDE: f64 = 1.2e-3;
-/// Nearest to the border of its zone that the tip is let slide, radians.
-const BORDER: f64 = 0.07;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
 /// Nearest to the mesial or distal midline that the hand means the tip to be, radians.
@@ -234,18 +232,19 @@ impl Tour {
         (from - axis * from.dot(&axis)).norm() - self.path().radius(at, self.seen)
     }
 
-    /// Whether the hand keeps the tip, seen at an angle that is not near its zone's border, from sliding on into the col.
+    /// Whether the hand keeps the tip, seen at an angle, from sliding on to where the walk into the col ended.
     fn holds_back(&self, at: f64) -> bool {
-        let site = self.zone().site;
-        let is_inside = |at: f64| self.path().gingiva().site_at(at) == site;
-        let outwards = match site.is_mesial() {
-            Some(true) => self.aside * self.around > 0.0,
-            Some(false) => self.aside * self.around < 0.0,
-            None => false,
+        let zone = self.zone();
+        let from_midline = |around: f64| match zone.site.is_mesial() {
+            Some(true) => around.abs(),
+            _ => PI - around.abs(),
         };
+        let stops = zone.stops.iter().map(|stop| from_midline(*stop));
+        let inmost = stops.fold(PI, f64::min);
         // (A hand that probes upright knows of no col.)
-        let knows = self.params.manner == Manner::Taught;
-        knows && outwards && is_inside(at - BORDER) && is_inside(at + BORDER)
+        let knows = self.params.manner == Manner::Taught && zone.site.is_proximal();
+        let outwards = from_midline(self.around + self.aside) > from_midline(self.around);
+        knows && outwards && from_midline(at) > inmost
     }
 
     /// Shallowest depth that the tip may have at an angle without leaving the pocket or meeting a neighbour.

@@ -25,9 +25,9 @@ const NEAR: f64 = 40.0;
 const CORRECTION: f64 = 0.05;
 /// A reading counts while the force is so near to what is meant, share.
 const STEADY: f64 = 0.15;
-/// Most that walls are taken to push back with, newtons: the floor is pressed so much harder, and where it was the floor that
-/// was felt, too hard (at 0.2 up to 0.38 N).
-const MOST_WALLS: f64 = 0.05;
+/// Most that walls are taken to push back with, share of the force that is meant: the floor is pressed so much harder, and where
+/// it was the floor that was felt, too hard (at 0.2 N up to 0.38 N).
+const MOST_WALLS: f64 = 0.23;
 /// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
 const CAUGHT: f64 = 3.0;
 /// A tip this far out from where it lies on the tooth is no longer between tooth and gingiva, metres.
@@ -83,7 +83,7 @@ impl Tour {
 
     /// What the hand takes for the floor's push, newtons.
     fn floor_force(&self) -> f64 {
-        self.force - self.walls.clamp(0.0, MOST_WALLS)
+        self.force - self.walls.clamp(0.0, MOST_WALLS * self.params.force)
     }
 
     /// One millisecond of the stroke under way.
