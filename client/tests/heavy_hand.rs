@@ -19,7 +19,7 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
         .expect("built in")
         .scene;
     let params = TourParams {
-        duration: 12.0,
+        duration: 18.0,
         force,
         turn_force: 0.65 * force,
         ..TourParams::default()
