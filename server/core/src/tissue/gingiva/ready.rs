@@ -238,11 +238,11 @@ impl Tissue for Ready {
             }
             let load = roots[slot as usize].times(&load);
             let row = falloff.row(slot as usize);
-            for (axis, sum) in sums.iter_mut().enumerate() {
-                let load = load[axis];
-                for (sum, share) in sum.iter_mut().zip(row) {
-                    *sum += share * load;
-                }
+            let [x, y, z] = &mut *sums;
+            for (((x, y), z), share) in x.iter_mut().zip(y).zip(z).zip(row) {
+                *x += share * load.x;
+                *y += share * load.y;
+                *z += share * load.z;
             }
         }
         if !any {
