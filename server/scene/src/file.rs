@@ -222,7 +222,7 @@ fn default_kr() -> f64 {
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     /// It cannot be read.
-    #[error("{}: cannot read the scene file: {source}", file.display())]
+    #[error("{}: cannot read the file: {source}", file.display())]
     Read {
         /// The file.
         file: PathBuf,

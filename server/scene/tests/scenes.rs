@@ -183,7 +183,7 @@ fn broken_meshes_and_wrong_units_are_refused_by_file_name() {
         .expect_err("refused")
         .to_string();
     assert!(
-        missing.starts_with("no/scene.toml: cannot read the scene file"),
+        missing.starts_with("no/scene.toml: cannot read the file"),
         "{missing}"
     );
 }
