@@ -232,19 +232,20 @@ impl Tour {
         (from - axis * from.dot(&axis)).norm() - self.path().radius(at, self.seen)
     }
 
+    /// Whether the hand leans and looks as taught.
+    fn is_taught(&self) -> bool {
+        self.params.manner == Manner::Taught
+    }
+
     /// Whether the hand keeps the tip, seen at an angle, from sliding on to where the walk into the col ended.
     fn holds_back(&self, at: f64) -> bool {
         let zone = self.zone();
-        let from_midline = |around: f64| match zone.site.is_mesial() {
-            Some(true) => around.abs(),
-            _ => PI - around.abs(),
-        };
+        let from_midline = |around: f64| from_midline(zone.site, around);
         let stops = zone.stops.iter().map(|stop| from_midline(*stop));
         let inmost = stops.fold(PI, f64::min);
-        // (A hand that probes upright knows of no col.)
-        let knows = self.params.manner == Manner::Taught && zone.site.is_proximal();
         let outwards = from_midline(self.around + self.aside) > from_midline(self.around);
-        knows && outwards && from_midline(at) > inmost
+        // (A hand that probes upright knows of no col.)
+        self.is_taught() && outwards && from_midline(at) > inmost
     }
 
     /// Shallowest depth that the tip may have at an angle without leaving the pocket or meeting a neighbour.
@@ -322,6 +323,15 @@ impl Script for Tour {
 
     fn is_done(&self) -> bool {
         self.stroke == Stroke::Rest
+    }
+}
+
+/// How far an angle is from the mesial or distal midline that `site` lies at, radians; nothing in the middle of a side.
+fn from_midline(site: Site, around: f64) -> f64 {
+    match site.is_mesial() {
+        Some(true) => around.abs(),
+        Some(false) => PI - around.abs(),
+        None => 0.0,
     }
 }
 

@@ -157,7 +157,7 @@ pub(crate) struct Group {
     /// Smallest core gap at the pose of the pass, metres.
     smallest: f64,
     /// No blended gap is under this at the pose of the pass, metres; unknown before it was asked for.
-    least: f64,
+    pub least: f64,
     /// Its contacts begin here in [`Groups::order`].
     first: u32,
     /// And so many there are.
@@ -256,11 +256,6 @@ impl Groups {
 }
 
 impl Group {
-    /// Notes what no blended gap is under at the pose of the pass, metres.
-    pub fn bound(&mut self, least: f64) {
-        self.least = least;
-    }
-
     /// Whether no blended gap can be under `limit` after a motion of at most `moved` (metres).
     pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
         // (Every distance changes by what is moved at most, and so does their soft minimum.)

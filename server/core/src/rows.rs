@@ -86,7 +86,7 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
                 lines.push(line);
             });
             all &= rows;
-            groups.all[at].bound(least);
+            groups.all[at].least = least;
         }
     }
     all

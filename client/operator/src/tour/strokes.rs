@@ -1,12 +1,9 @@
 //! What the hand does in and at a pocket, millisecond by millisecond: down to the floor, up, on along the tooth, a reading, out.
 
-use std::f64::consts::PI;
-
 use sulcus_core::{TICK_S, Vec3};
 
-use super::{ABOVE, Tour, free};
+use super::{ABOVE, Tour, free, from_midline};
 use crate::bands;
-use crate::pocket_path::Manner;
 use crate::script::Call;
 use crate::travel::Travel;
 
@@ -32,8 +29,8 @@ const MOST_WALLS: f64 = 0.23;
 const CAUGHT: f64 = 3.0;
 /// A tip this far out from where it lies on the tooth is no longer between tooth and gingiva, metres.
 const SLIPPED: f64 = 0.9e-3;
-/// A raised tip that is this far out lies outside the wall, metres: in the pocket it was within 0.13 mm of the tooth at 970 stops
-/// in three mouths, outside of it 0.3 to 0.8 mm away at nine. And how often it is put in again for one stop; twice as often
+/// A raised tip that is this far out lies outside the wall, metres: in the pocket it was within 0.13 mm of the tooth at 972 stops
+/// in three mouths, outside of it 0.3 to 0.8 mm away at seven. And how often it is put in again for one stop; twice as often
 /// where it slips out at another time.
 const STANDS_OFF: f64 = 0.25e-3;
 const AGAIN: u8 = 2;
@@ -194,8 +191,7 @@ impl Tour {
         }
         // Where the floor has a ridge between two places a tip that is let down too early slides back. (Who was not taught
         // how to lean does not look.)
-        let looks = self.params.manner == Manner::Taught;
-        if looks && self.beside > BEHIND && self.waited < WAITS {
+        if self.is_taught() && self.beside > BEHIND && self.waited < WAITS {
             self.waited += TICK_S;
             return;
         }
@@ -246,15 +242,10 @@ impl Tour {
         let ours = ours.copied().chain([(self.around, self.seen)]);
         let deepest = ours.clone().fold(0.0, |most: f64, at| most.max(at.1));
         // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob.
-        let from_midline = |around: f64| match site.is_mesial() {
-            Some(true) => around.abs(),
-            Some(false) => PI - around.abs(),
-            None => 0.0,
-        };
         let best = ours
             .filter(|at| at.1 >= deepest - ALIKE)
             .min_by(|a, b| {
-                let nearer = from_midline(a.0).total_cmp(&from_midline(b.0));
+                let nearer = from_midline(site, a.0).total_cmp(&from_midline(site, b.0));
                 nearer.then(b.1.total_cmp(&a.1))
             })
             .map_or(self.around, |at| at.0);
@@ -339,7 +330,7 @@ impl Tour {
         let mut travel = Travel::at(self.meant());
         travel.then(self.over(here, 1.0), speed);
         let high = self.over(here, 2.0);
-        self.leaving = false;
+        (self.leaving, self.again) = (false, 0);
         self.felt.clear();
         self.stroke = Stroke::Travel;
         if self.now[0] + 1 == self.insertions.len() {

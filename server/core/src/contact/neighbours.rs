@@ -15,7 +15,7 @@ use crate::tree::Node;
 
 /// Most pairs in a list.
 pub(super) const CAPACITY: usize = 4096;
-/// Translation that a list allows for, metres. Larger: fewer, longer lists. Measured with a probe round a
+/// Translation that a list allows for, metres, times its [`spread`]. Larger: fewer, longer lists. Measured with a probe round a
 /// molar: with twice as much of this and of the turn the mean tick at level 5 takes a tenth longer, at level 3 a fifth
 /// less, and the median at level 5 a fifth longer.
 const TRANSLATION: f64 = 5e-5;

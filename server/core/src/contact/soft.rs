@@ -14,7 +14,7 @@ use crate::scene::Tool;
 use crate::tissue::Tissue;
 use crate::tree::Node;
 
-/// Motion of tool and tissue together that a list allows for, metres.
+/// Motion of tool and tissue together that a list allows for, metres, times its [`spread`].
 const TRANSLATION: f64 = 2.6e-4;
 /// Turn of the tool that a list allows for: largest Frobenius norm of a difference of rotation matrices.
 pub(super) const TURN: f64 = 1.7e-2;
