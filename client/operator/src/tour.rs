@@ -86,10 +86,8 @@ pub struct Tour {
     again: u8,
     /// Where to go on once the floor is felt again, after the tip had slipped out.
     resumes: Option<f64>,
-    /// What resists the way in, newtons.
+    /// What resists the way in along the probe, newtons.
     force: f64,
-    /// What of that is the walls': least felt on this way down.
-    walls: f64,
     /// Where the eye sees the tip below the margin.
     seen: f64,
     /// How long a part of the working end it sees there.
@@ -156,7 +154,6 @@ impl Tour {
             again: 0,
             resumes: None,
             force: 0.0,
-            walls: 0.0,
             seen: 0.0,
             length: 0.0,
             params,
@@ -266,8 +263,7 @@ impl Script for Tour {
         }
         if self.now[0] < self.insertions.len() {
             let place = self.path().place(self.around, self.depth, self.tilt);
-            // Against the way in: what the floor pushes back with.
-            let along = -felt.shown.wrenches[self.slot].force.dot(&place.inwards);
+            let along = felt.shown.wrenches[self.slot].force.dot(&place.up);
             self.force += (along - self.force) * (TICK_S / FEEL);
             if let Some(graphic) = &felt.shown.graphics[self.slot] {
                 let (at, seen) = self.path().seen(&graphic.transform(&self.tool.tip));

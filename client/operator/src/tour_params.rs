@@ -79,7 +79,7 @@ impl Default for TourParams {
     fn default() -> Self {
         Self {
             duration: f64::INFINITY,
-            force: 0.215,
+            force: 0.205,
             turn_force: 0.14,
             insert_speed: 6e-3,
             walk_speed: 9e-3,

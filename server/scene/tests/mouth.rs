@@ -94,7 +94,8 @@ fn fourteen_teeth_stand_in_their_gingivae_and_the_chart_is_in_the_scene() {
 
 #[test]
 fn the_floor_is_as_deep_as_prescribed_deepest_under_the_contact_and_nowhere_deeper() {
-    for seed in [1, 2] {
+    // (In the last one, places 3 mm deeper than what is beside them were filled from the side.)
+    for seed in [1, 2, 6] {
         let compiled = mouth(seed);
         for (object, model) in gingivae(&compiled.scene) {
             let sink = model.params.sink() / model.params.firmness();

@@ -27,7 +27,11 @@ pub struct GingivaParams {
     /// junctional epithelium about a millimetre below (Garnick 2000, PMID 10695944): 0.3 N/mm; a little stiffer, because
     /// tissue hardens as it is pressed and this model does not.
     pub floor_stiffness: f64,
-    /// Height over the floor in which the wall's compliance along the axis becomes the floor's, m. Default 5e-4, range 0
+    /// Stiffness of the floor away from the tooth, N/m. Default 1e4, range 10 to 1e6. Smaller: an opened wall takes the floor along,
+    /// and a tip sinks between it and the tooth (with `wall_stiffness` by up to 5 mm on narrow roots). Source: tissue is attached
+    /// below the pocket; in the paper it does not move there at all (section 5.2).
+    pub attachment_stiffness: f64,
+    /// Height over the floor in which the wall's compliance becomes the floor's, m. Default 5e-4, range 0
     /// to 5e-3; chosen.
     pub floor_taper: f64,
     /// Force at which the prescribed depth is read with a tip of 0.5 mm, N; at rest the floor lies higher by how far
@@ -60,6 +64,7 @@ impl Default for GingivaParams {
             reach: 8.3e-4,
             relaxation: 0.02,
             floor_stiffness: 500.0,
+            attachment_stiffness: 1e4,
             floor_taper: 5e-4,
             reading_force: 0.225,
             reading_tip: 5e-4,
@@ -94,6 +99,13 @@ impl GingivaParams {
             (
                 "floor_stiffness",
                 self.floor_stiffness,
+                10.0,
+                1e6,
+                STIFFNESS,
+            ),
+            (
+                "attachment_stiffness",
+                self.attachment_stiffness,
                 10.0,
                 1e6,
                 STIFFNESS,
