@@ -283,7 +283,7 @@ impl Script for Tour {
                     Stroke::Read(..) if self.holds_back(at) => self.aside * (1.0 - KEEP * TICK_S),
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
-                self.see_to_it();
+                self.see_to_it(at);
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (TICK_S / LOOK);
             }

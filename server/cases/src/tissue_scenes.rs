@@ -95,7 +95,6 @@ fn stiffen(tissue: &mut TissueModel, by: f64) {
                 &mut p.wall_stiffness,
                 &mut p.shear_stiffness,
                 &mut p.floor_stiffness,
-                &mut p.attachment_stiffness,
             ] {
                 *stiffness = (*stiffness * by).min(1e6);
             }

@@ -93,8 +93,6 @@ pub struct GingivaEntry {
     pub relaxation_ms: Option<f64>,
     /// Stiffness of the floor along the tooth's axis, N/mm.
     pub floor_stiffness_n_per_mm: Option<f64>,
-    /// Stiffness of the floor away from the tooth, N/mm.
-    pub attachment_stiffness_n_per_mm: Option<f64>,
     /// Height in which the wall becomes the floor, mm.
     pub floor_taper_mm: Option<f64>,
     /// Force at which the prescribed depths are read, N.

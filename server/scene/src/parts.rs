@@ -404,11 +404,6 @@ pub(crate) fn gingiva_params(given: &GingivaEntry) -> GingivaParams {
         given.floor_stiffness_n_per_mm,
         n_per_mm,
     );
-    set(
-        &mut params.attachment_stiffness,
-        given.attachment_stiffness_n_per_mm,
-        n_per_mm,
-    );
     set(&mut params.floor_taper, given.floor_taper_mm, mm);
     set(&mut params.reading_force, given.reading_force_n, 1.0);
     set(&mut params.reading_tip, given.reading_tip_mm, mm);

@@ -38,6 +38,8 @@ const AGAIN: u8 = 2;
 /// long, seconds.
 const BEHIND: f64 = 0.3e-3;
 const WAITS: f64 = 0.4;
+/// A tip that slid along the tooth farther than this while it was pressed is not read there, metres.
+const SLID: f64 = 0.4e-3;
 /// Depths felt in bobs that differ by no more than this feel alike, metres.
 const ALIKE: f64 = 0.3e-3;
 /// Longest that a hand tries for a steady force, in lengths of a reading.
@@ -282,13 +284,27 @@ impl Tour {
         }
     }
 
-    /// Where the eye sees that the tip has slipped out of the pocket, over the margin, it is taken up and put in again.
-    pub(super) fn see_to_it(&mut self) {
+    /// Whether the tip, seen at an angle, was pressed to be read and slid out of the col, up the slope beside it.
+    fn has_slid(&self, at: f64) -> bool {
+        let site = self.zone().site;
+        let pressed = matches!(self.stroke, Stroke::Down | Stroke::Read(..)) && self.returning;
+        let outwards = from_midline(site, at) > from_midline(site, self.around);
+        self.is_taught() && pressed && outwards && self.beside > SLID
+    }
+
+    /// Where the eye sees that the tip has slid away from where it is to be read, it is lifted and let down again; where it has
+    /// slipped out of the pocket, over the margin, it is taken up and put in again.
+    pub(super) fn see_to_it(&mut self, at: f64) {
         let walking = match self.stroke {
             Stroke::Down => !self.felt.is_empty(),
             Stroke::Up(..) | Stroke::On(..) | Stroke::Read(..) => true,
             Stroke::Travel | Stroke::Out | Stroke::Rest => false,
         };
+        if self.has_slid(at) && self.again < AGAIN {
+            self.again += 1;
+            self.go_to(self.around);
+            return;
+        }
         if !walking || self.away < SLIPPED || self.again >= 2 * AGAIN {
             return;
         }

@@ -14,7 +14,9 @@ pub struct GingivaParams {
     /// 1e6. Larger: a tighter pocket. Source: 0.3 to 1 N/mm gave no buzz and small jumps in closed loop; chosen.
     pub wall_stiffness: f64,
     /// Stiffness `k_t` of the same place dragged along the tooth, N/m. Default 1500, range 10 to 1e6. The tissue is
-    /// bound to the tooth below the pocket, so it gives way less to a pull along the tooth than to one away from it; chosen.
+    /// bound to the tooth below the pocket, so it gives way less to a pull along the tooth than to one away from it; chosen. And
+    /// stiffness of the floor, which is bound to the tooth, away from it: with `k_d` an opened wall takes it along, and on a narrow
+    /// root a tip sinks between floor and tooth (by up to 5 mm). In the paper it does not move there at all (section 5.2).
     pub shear_stiffness: f64,
     /// Length `l` over which a press is felt by its neighbourhood, m: compliance falls as `exp(-distance / l)`. Default
     /// 8.3e-4, range 1e-5 to 1e-2. Source: the paper's 0.3 per millimetre (Eq. 14), doi:10.1109/TOH.2014.2304734.
@@ -27,11 +29,7 @@ pub struct GingivaParams {
     /// junctional epithelium about a millimetre below (Garnick 2000, PMID 10695944): 0.3 N/mm; a little stiffer, because
     /// tissue hardens as it is pressed and this model does not.
     pub floor_stiffness: f64,
-    /// Stiffness of the floor away from the tooth, N/m. Default 1e4, range 10 to 1e6. Smaller: an opened wall takes the floor along,
-    /// and a tip sinks between it and the tooth (with `wall_stiffness` by up to 5 mm on narrow roots). Source: tissue is attached
-    /// below the pocket; in the paper it does not move there at all (section 5.2).
-    pub attachment_stiffness: f64,
-    /// Height over the floor in which the wall's compliance becomes the floor's, m. Default 5e-4, range 0
+    /// Height over the floor in which the wall's compliance along the axis becomes the floor's, m. Default 5e-4, range 0
     /// to 5e-3; chosen.
     pub floor_taper: f64,
     /// Force at which the prescribed depth is read with a tip of 0.5 mm, N; at rest the floor lies higher by how far
@@ -64,7 +62,6 @@ impl Default for GingivaParams {
             reach: 8.3e-4,
             relaxation: 0.02,
             floor_stiffness: 500.0,
-            attachment_stiffness: 1e4,
             floor_taper: 5e-4,
             reading_force: 0.225,
             reading_tip: 5e-4,
@@ -99,13 +96,6 @@ impl GingivaParams {
             (
                 "floor_stiffness",
                 self.floor_stiffness,
-                10.0,
-                1e6,
-                STIFFNESS,
-            ),
-            (
-                "attachment_stiffness",
-                self.attachment_stiffness,
                 10.0,
                 1e6,
                 STIFFNESS,

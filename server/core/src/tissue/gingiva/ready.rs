@@ -75,22 +75,21 @@ impl Ready {
         let params = &model.params;
         let kept = params.relaxation / (params.relaxation + TICK_S);
         let firmness = params.firmness();
-        let [wall, shear, attached] = [
-            params.wall_stiffness,
-            params.shear_stiffness,
-            params.attachment_stiffness,
-        ]
-        .map(|stiffness| 1.0 / (firmness * stiffness));
-        let floor = params.floor_compliance();
+        let (wall, shear, floor) = (
+            1.0 / (firmness * params.wall_stiffness),
+            1.0 / (firmness * params.shear_stiffness),
+            params.floor_compliance(),
+        );
         let roots = nodes.iter().map(|&node| {
             let place = &model.places[node as usize];
             let (axis, away) = (model.tooth.axis, place.away);
             // 0 at the floor and below, 1 where the wall is all wall.
             let t = fclamp(place.height / fmax(params.floor_taper, 1e-9), 0.0, 1.0);
             let share = t * t * (3.0 - 2.0 * t);
-            let off = wall * share + attached * (1.0 - share);
             let along = shear * share + floor * (1.0 - share);
             let root = |compliance: f64| ((1.0 - kept) * compliance).sqrt();
+            // Below the pocket tissue is attached: it comes off the tooth no more easily than it is dragged along it.
+            let off = if place.floor { shear } else { wall };
             Root::along([
                 (root(off), away),
                 (root(shear), axis.cross(&away)),

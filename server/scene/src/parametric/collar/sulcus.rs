@@ -110,7 +110,10 @@ impl Sulcus {
         } else {
             (own, self.margins[at.other], at.off)
         };
-        papilla + (middle - papilla) * ramp(off, SCALLOP[0], SCALLOP[1])
+        // Level where the floor is deepest: on a slope a tip does not reach down to it.
+        let corner = if at.own % 3 == 1 { at.other } else { at.own };
+        let from = SCALLOP[0].max(libm::atan2(PLATEAU[1], self.end_of(corner)));
+        papilla + (middle - papilla) * ramp(off, from, SCALLOP[1])
     }
 
     fn end_of(&self, site: usize) -> f64 {
