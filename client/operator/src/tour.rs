@@ -69,8 +69,10 @@ pub struct Tour {
     /// Whether the zone's deepest place is being gone back to, and whether the insertion is at its end.
     returning: bool,
     leaving: bool,
-    /// Angles and depths at which the floor was felt in this insertion.
-    felt: Vec<(f64, f64)>,
+    /// Angles and depths at which the floor was felt in this insertion, and whether the tip was seen in the zone then.
+    felt: Vec<(f64, f64, bool)>,
+    /// Angle at which the tip is seen.
+    at: f64,
     /// Where the hand means the tip to be.
     around: f64,
     depth: f64,
@@ -144,6 +146,7 @@ impl Tour {
             returning: false,
             leaving: false,
             felt: Vec::new(),
+            at: around,
             around,
             depth: -ABOVE,
             tilt: 0.0,
@@ -267,7 +270,7 @@ impl Script for Tour {
             self.force += (along - self.force) * (TICK_S / FEEL);
             if let Some(graphic) = &felt.shown.graphics[self.slot] {
                 let (at, seen) = self.path().seen(&graphic.transform(&self.tool.tip));
-                self.seen = seen;
+                (self.at, self.seen) = (at, seen);
                 // The floor slopes; the hand keeps the tip where it means to be.
                 let turned = at - self.around;
                 let off = turned - TAU * (turned / TAU).round();
@@ -283,7 +286,7 @@ impl Script for Tour {
                     Stroke::Read(..) if self.holds_back(at) => self.aside * (1.0 - KEEP * TICK_S),
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
-                self.see_to_it(at);
+                self.see_to_it();
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (TICK_S / LOOK);
             }

@@ -72,8 +72,11 @@ impl Tour {
     /// Depth at which the way to `to` is free as far as the floor is known.
     fn clear_to(&self, to: f64) -> f64 {
         let (low, high) = (self.around.min(to) - 1e-6, self.around.max(to) + 1e-6);
-        let passed = self.felt.iter().filter(|(at, _)| (low..=high).contains(at));
-        let shallowest = passed.fold(self.seen, |least, (_, depth)| least.min(*depth));
+        let passed = self
+            .felt
+            .iter()
+            .filter(|(at, ..)| (low..=high).contains(at));
+        let shallowest = passed.fold(self.seen, |least, (_, depth, _)| least.min(*depth));
         let ceiling = self.ceiling(self.around).max(self.ceiling(to));
         (shallowest - self.params.bob)
             .max(SHALLOW * shallowest)
@@ -228,17 +231,18 @@ impl Tour {
         let zone = self.zone();
         let (site, walked) = (zone.site, zone.stops.len());
         let next = zone.stops.get(self.now[2] + 1).copied();
-        self.felt.push((self.around, self.seen));
+        let gingiva = self.path().gingiva();
+        let inside = gingiva.site_at(self.around) == site && gingiva.site_at(self.at) == site;
+        self.felt.push((self.around, self.seen, inside));
         if let Some(next) = next {
             self.now[2] += 1;
             self.go_to(next);
             return;
         }
         self.returning = true;
-        let gingiva = self.path().gingiva();
+        // (Where the tip slid on into a deeper zone, that one was felt.)
         let ours = self.felt[self.felt.len() - walked..].iter();
-        let ours = ours.filter(|(around, _)| gingiva.site_at(*around) == site);
-        let ours = ours.copied().chain([(self.around, self.seen)]);
+        let ours = ours.copied().filter(|(.., inside)| *inside);
         let deepest = ours.clone().fold(0.0, |most: f64, at| most.max(at.1));
         // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob.
         let best = ours
@@ -285,22 +289,22 @@ impl Tour {
     }
 
     /// Whether the tip, seen at an angle, was pressed to be read and slid out of the col, up the slope beside it.
-    fn has_slid(&self, at: f64) -> bool {
+    fn has_slid(&self) -> bool {
         let site = self.zone().site;
         let pressed = matches!(self.stroke, Stroke::Down | Stroke::Read(..)) && self.returning;
-        let outwards = from_midline(site, at) > from_midline(site, self.around);
+        let outwards = from_midline(site, self.at) > from_midline(site, self.around);
         self.is_taught() && pressed && outwards && self.beside > SLID
     }
 
     /// Where the eye sees that the tip has slid away from where it is to be read, it is lifted and let down again; where it has
     /// slipped out of the pocket, over the margin, it is taken up and put in again.
-    pub(super) fn see_to_it(&mut self, at: f64) {
+    pub(super) fn see_to_it(&mut self) {
         let walking = match self.stroke {
             Stroke::Down => !self.felt.is_empty(),
             Stroke::Up(..) | Stroke::On(..) | Stroke::Read(..) => true,
             Stroke::Travel | Stroke::Out | Stroke::Rest => false,
         };
-        if self.has_slid(at) && self.again < AGAIN {
+        if self.has_slid() && self.again < AGAIN {
             self.again += 1;
             self.go_to(self.around);
             return;
