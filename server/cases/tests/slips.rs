@@ -4,6 +4,7 @@
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{Pose, Scene, Vec3, Wrench};
 use sulcus_operator::Shown;
+use sulcus_operator::pocket_path::PocketPath;
 use sulcus_operator::script::{Call, Felt, Script};
 use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
@@ -43,13 +44,40 @@ struct Seen {
     time: f64,
 }
 
-/// Performs `tour` on the level floor; in each tick `aside` says how far the tip is beside where the hand means it to be: away
-/// from the tooth and along it, metres. Ends when the script does; gives what was called, and when.
+/// How far the tip is beside where the hand means it to be, away from the tooth and along it (by growing angle), and how much
+/// deeper the floor is there, metres.
+#[derive(Default)]
+struct Slip {
+    outwards: f64,
+    along: f64,
+    deeper: f64,
+}
+
+impl Slip {
+    /// Away from the tooth, if it slips.
+    fn out(by: f64, if_so: bool) -> Self {
+        Self {
+            outwards: if if_so { by } else { 0.0 },
+            ..Self::default()
+        }
+    }
+
+    /// Along the tooth.
+    fn along(by: f64) -> Self {
+        Self {
+            along: by,
+            ..Self::default()
+        }
+    }
+}
+
+/// Performs `tour` on the level floor; in each tick `aside` says how the tip slips. Ends when the script does; gives what was called,
+/// and when.
 fn act(
     scene: &Scene,
     tour: &[Visit],
     params: TourParams,
-    mut aside: impl FnMut(&Seen) -> [f64; 2],
+    mut aside: impl FnMut(&Seen) -> Slip,
 ) -> Vec<(f64, Call)> {
     let mut tour = Tour::new(scene, tour, params).expect("two teeth with gingivae");
     let tip = scene.tools[0].tip;
@@ -61,17 +89,17 @@ fn act(
         let path = tour.paths().iter().find(|path| Some(path.fdi) == tooth);
         let path = path.unwrap_or(&tour.paths()[0]);
         let (around, depth) = path.seen(&hand.transform(&tip));
-        let [outwards, along] = aside(&Seen {
+        let slip = aside(&Seen {
             hand,
             around,
             depth,
             time,
         });
         let place = path.place(around, depth, 0.0);
-        let under = (depth - FLOOR).max(0.0);
+        let under = (depth - FLOOR - slip.deeper).max(0.0);
         let axis = path.tooth().axis;
         let off: Vec3 =
-            place.outward * outwards + axis.cross(&place.outward) * along + axis * under;
+            place.outward * slip.outwards + axis.cross(&place.outward) * slip.along + axis * under;
         let mut shown = Shown::NOTHING;
         shown.graphics[0] = Some(Pose::new(hand.position + off, hand.orientation));
         shown.wrenches[0] = Wrench {
@@ -105,7 +133,7 @@ fn undisturbed(scene: &Scene) -> (f64, f64) {
         if seen.depth > FLOOR {
             around = seen.around;
         }
-        [0.0; 2]
+        Slip::default()
     });
     assert_eq!(calls.len(), 1);
     (calls[0].0, around)
@@ -128,7 +156,7 @@ fn a_tip_that_slips_again_on_its_way_back_is_read_where_it_was() {
         let first = slips == 0 && seen.time >= called - 0.5;
         let second = slips == 1 && came_out && seen.depth > 1e-3;
         slips += u32::from(first || second);
-        [if first || second { OUT } else { 0.0 }, 0.0]
+        Slip::out(OUT, first || second)
     });
     assert_eq!((slips, calls.len()), (2, 1));
     assert!(calls[0].0 > called + 1.0, "it was put in again");
@@ -149,11 +177,66 @@ fn a_raised_tip_that_stands_off_the_tooth_is_put_in_again() {
         felt |= seen.depth > FLOOR;
         outside |= felt && !came_out;
         came_out |= outside && seen.depth < 0.0;
-        [if outside && !came_out { 0.7e-3 } else { 0.0 }, 0.0]
+        Slip::out(0.7e-3, outside && !came_out)
     });
     assert!(came_out, "read outside the wall");
     assert_eq!(calls.len(), 1);
     assert!(calls[0].0 > called + 0.5, "it was put in again");
+}
+
+/// Up the slope beside the col it read 0.4 mm too little.
+#[test]
+fn a_tip_that_slid_out_of_the_col_while_it_was_pressed_is_lifted_and_read_in_it() {
+    let scene = scene();
+    let (called, place) = undisturbed(&scene);
+    let (mut slid, mut lifted, mut read_at) = (false, false, 0.0);
+    let calls = act(&scene, &one_zone(), TourParams::default(), |seen| {
+        if seen.depth > FLOOR {
+            read_at = seen.around;
+        }
+        slid |= seen.time >= called - 0.5;
+        lifted |= slid && seen.depth < FLOOR - 0.5e-3;
+        Slip::along(if slid && !lifted { 0.6e-3 } else { 0.0 })
+    });
+    assert_eq!(calls.len(), 1);
+    assert!(calls[0].0 > called + 0.3, "it was read where it slid to");
+    let off = (read_at - place).to_degrees();
+    assert!(off.abs() < 1.5, "read {off:.1} degrees beside the place");
+}
+
+/// It was taken for the deepest place of its own zone, gone back to, and 5 mm were called where there are 3.
+#[test]
+fn a_stop_from_which_the_tip_slid_into_the_next_zone_is_not_gone_back_to() {
+    let scene = scene();
+    let params = TourParams::default();
+    let path = PocketPath::new(&scene, Some(36), params.hug, params.manner).expect("a pocket");
+    let border = path.gingiva().proximal;
+    let tour = vec![Visit {
+        tooth: 36,
+        sites: vec![Site::Buccal],
+    }];
+    // The walk ends beside the border of the mesiobuccal zone, whose floor is deeper.
+    let (mut slid, mut slips, mut read_at) = (false, false, 0.0);
+    let calls = act(&scene, &tour, params, |seen| {
+        if seen.depth > FLOOR {
+            read_at = seen.around;
+        }
+        // From where the floor is near until it is raised, farther than the hand makes up for.
+        let (near, raised) = (seen.around < border + 0.12, seen.depth < FLOOR - 0.9e-3);
+        slips = (slips || near && seen.depth > FLOOR - 0.4e-3) && !raised;
+        slid |= slips;
+        let [along, deeper] = if slips { [-2e-3, 1.5e-3] } else { [0.0; 2] };
+        Slip {
+            outwards: 0.0,
+            along,
+            deeper,
+        }
+    });
+    assert!(slid);
+    assert_eq!(calls.len(), 1);
+    let beside = (read_at - border).to_degrees();
+    assert!(beside > 10.0, "read {beside:.1} degrees beside the border");
+    assert!(calls[0].1.depth_mm <= 4, "{} mm", calls[0].1.depth_mm);
 }
 
 /// Where a tip slips out for ever the hand gives up, and goes on.
@@ -164,7 +247,7 @@ fn a_tip_that_never_stays_is_put_in_a_few_times_only() {
     let calls = act(&scene, &one_zone(), TourParams::default(), |seen| {
         entries += u32::from(!inside && seen.depth > 0.0);
         inside = seen.depth > 0.0;
-        [if seen.depth > FLOOR { OUT } else { 0.0 }, 0.0]
+        Slip::out(OUT, seen.depth > FLOOR)
     });
     assert_eq!(calls.len(), 1);
     assert!((3..30).contains(&entries), "{entries} entries");
@@ -186,7 +269,7 @@ fn a_tip_that_slips_as_time_runs_out_is_not_put_in_again() {
         let slipping = seen.time >= slips && seen.time < slips + 1e-3;
         out |= seen.time > slips && seen.depth < 0.0;
         again += u32::from(out && seen.depth > 0.0);
-        [if slipping { OUT } else { 0.0 }, 0.0]
+        Slip::out(OUT, slipping)
     });
     assert!(out && last <= params.duration, "{last} s");
     assert_eq!(again, 0);
@@ -210,7 +293,7 @@ fn the_hand_comes_to_the_next_tooth_without_the_last_ones_correction() {
             most = most.max((seen.hand.position - hand.position).norm());
         }
         before = Some((seen.hand, above));
-        [0.0, 0.3e-3]
+        Slip::along(0.3e-3)
     });
     assert_eq!(calls.len(), 2);
     // Legs through the air are 60 mm/s on average, half as fast again in the middle.
