@@ -37,7 +37,7 @@ impl Visit {
 pub struct TourParams {
     /// When the hand is to be out of the mouth, done or not, seconds. Default: when it is done.
     pub duration: f64,
-    /// Force on the floor at which a depth is read, newtons. Default 0.215: 0.20 to 0.25 N are taught.
+    /// Force on the floor at which a depth is read, newtons. Default 0.205: 0.20 to 0.25 N are taught.
     pub force: f64,
     /// Force at which a walking stroke turns back, newtons. Default 0.14: the floor is felt, not pressed.
     pub turn_force: f64,

@@ -288,7 +288,7 @@ impl Tour {
         }
     }
 
-    /// Whether the tip, seen at an angle, was pressed to be read and slid out of the col, up the slope beside it.
+    /// Whether the tip was pressed to be read and is seen to have slid out of the col, up the slope beside it.
     fn has_slid(&self) -> bool {
         let site = self.zone().site;
         let pressed = matches!(self.stroke, Stroke::Down | Stroke::Read(..)) && self.returning;

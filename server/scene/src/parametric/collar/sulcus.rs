@@ -19,7 +19,7 @@ const BORDERS: [f64; 2] = [0.84, 1.02];
 const BESIDE: f64 = 0.09;
 /// Half width of the stretch at a mid site that is as deep as prescribed, radians.
 const MIDDLE: f64 = 0.3;
-/// Angle from the midline at which the margin begins to come down from the papilla, and where it is down, radians.
+/// Angle from the midline at which the margin begins to come down from the papilla at the nearest, and where it is down, radians.
 const SCALLOP: [f64; 2] = [0.35, FRAC_PI_2];
 
 /// The prescribed depths and margins of a tooth, in the order mesiobuccal, buccal, distobuccal, distolingual, lingual,
