@@ -11,8 +11,7 @@
 //! In time it is a Kelvin-Voigt solid, `f = K (u + tau du/dt)` with `K = C^-1`: a step of implicit Euler is `u = tau / (tau +
 //! dt) u_last + dt / (tau + dt) C f`.
 //!
-//! The floor of the pocket is soft along the tooth's axis: what a probe reads grows with its force. Away from the tooth it
-//! yields with `k_t`, too, because below the pocket the tissue is attached: an opened wall takes little of it along.
+//! The floor of the pocket is soft along the tooth's axis: what a probe reads grows with its force.
 
 mod kernel;
 mod params;

@@ -14,9 +14,7 @@ pub struct GingivaParams {
     /// 1e6. Larger: a tighter pocket. Source: 0.3 to 1 N/mm gave no buzz and small jumps in closed loop; chosen.
     pub wall_stiffness: f64,
     /// Stiffness `k_t` of the same place dragged along the tooth, N/m. Default 1500, range 10 to 1e6. The tissue is
-    /// bound to the tooth below the pocket, so it gives way less to a pull along the tooth than to one away from it; chosen. And
-    /// stiffness of the floor, which is bound to the tooth, away from it: with `k_d` an opened wall takes it along, and on a narrow
-    /// root a tip sinks between floor and tooth (by up to 5 mm). In the paper it does not move there at all (section 5.2).
+    /// bound to the tooth below the pocket, so it gives way less to a pull along the tooth than to one away from it; chosen.
     pub shear_stiffness: f64,
     /// Length `l` over which a press is felt by its neighbourhood, m: compliance falls as `exp(-distance / l)`. Default
     /// 8.3e-4, range 1e-5 to 1e-2. Source: the paper's 0.3 per millimetre (Eq. 14), doi:10.1109/TOH.2014.2304734.

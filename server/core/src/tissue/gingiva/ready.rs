@@ -88,10 +88,8 @@ impl Ready {
             let share = t * t * (3.0 - 2.0 * t);
             let along = shear * share + floor * (1.0 - share);
             let root = |compliance: f64| ((1.0 - kept) * compliance).sqrt();
-            // Below the pocket tissue is attached: it comes off the tooth no more easily than it is dragged along it.
-            let off = if place.floor { shear } else { wall };
             Root::along([
-                (root(off), away),
+                (root(wall), away),
                 (root(shear), axis.cross(&away)),
                 (root(along), axis),
             ])
