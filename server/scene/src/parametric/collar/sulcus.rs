@@ -11,7 +11,7 @@ use crate::parametric::sections::Sections;
 
 /// Distance of a proximal site's deepest place from the midline, and the stretch about it that is as deep, mm.
 const PEAK: f64 = 0.85;
-const PLATEAU: [f64; 2] = [0.4, 1.35];
+const PLATEAU: [f64; 2] = [0.5, 1.2];
 /// Share of the tooth's half width at which a proximal zone ends, and the range of the angle there, radians.
 const BORDER: f64 = 0.9;
 const BORDERS: [f64; 2] = [0.84, 1.02];
