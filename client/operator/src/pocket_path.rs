@@ -23,8 +23,6 @@ pub struct NoPocket(pub String);
 
 /// How far the handle leans out to the cheek for one part that it leans out of the mouth.
 const TO_CHEEK: f64 = 0.4;
-/// Height over which the way down is looked at, metres.
-const STRETCH: f64 = 0.2e-3;
 
 /// Ways into the pocket of one tooth for one tool.
 #[derive(Clone, Debug)]
@@ -53,8 +51,6 @@ pub struct Place {
     pub tip: Vec3,
     /// Unit vector up along the working end.
     pub up: Vec3,
-    /// Unit vector along the tooth's surface, downwards: the way in.
-    pub inwards: Vec3,
     /// Unit vector away from the tooth's axis.
     pub outward: Vec3,
 }
@@ -166,11 +162,9 @@ impl PocketPath {
         let straight = self.up(self.leans_of(around).at(around.abs(), depth));
         let about = self.gingiva.tooth.axis.cross(&outward);
         let up = exp_rotation(&(about * tilt)) * straight;
-        let below = self.ball(around, depth + STRETCH, self.hug);
         Place {
             tip: ball - up * self.tip,
             up,
-            inwards: (below - ball).normalize(),
             outward,
         }
     }

@@ -226,10 +226,10 @@ impl Tour {
     }
 
     /// How far the tip is out from where it would lie on the tooth at the angle and depth at which it is seen, metres.
-    fn away(&self, graphic: &Pose, at: f64) -> f64 {
+    fn away(&self, graphic: &Pose) -> f64 {
         let from = graphic.transform(&self.tool.tip) - self.path().tooth().origin;
         let axis = self.path().tooth().axis;
-        (from - axis * from.dot(&axis)).norm() - self.path().radius(at, self.seen)
+        (from - axis * from.dot(&axis)).norm() - self.path().radius(self.at, self.seen)
     }
 
     /// Whether the hand leans and looks as taught.
@@ -237,15 +237,15 @@ impl Tour {
         self.params.manner == Manner::Taught
     }
 
-    /// Whether the hand keeps the tip, seen at an angle, from sliding on to where the walk into the col ended.
-    fn holds_back(&self, at: f64) -> bool {
+    /// Whether the hand keeps the tip from sliding on to where the walk into the col ended.
+    fn holds_back(&self) -> bool {
         let zone = self.zone();
         let from_midline = |around: f64| from_midline(zone.site, around);
         let stops = zone.stops.iter().map(|stop| from_midline(*stop));
         let inmost = stops.fold(PI, f64::min);
         let outwards = from_midline(self.around + self.aside) > from_midline(self.around);
         // (A hand that probes upright knows of no col.)
-        self.is_taught() && outwards && from_midline(at) > inmost
+        self.is_taught() && outwards && from_midline(self.at) > inmost
     }
 
     /// Shallowest depth that the tip may have at an angle without leaving the pocket or meeting a neighbour.
@@ -269,21 +269,20 @@ impl Script for Tour {
             let along = felt.shown.wrenches[self.slot].force.dot(&place.up);
             self.force += (along - self.force) * (TICK_S / FEEL);
             if let Some(graphic) = &felt.shown.graphics[self.slot] {
-                let (at, seen) = self.path().seen(&graphic.transform(&self.tool.tip));
-                (self.at, self.seen) = (at, seen);
+                (self.at, self.seen) = self.path().seen(&graphic.transform(&self.tool.tip));
                 // The floor slopes; the hand keeps the tip where it means to be.
-                let turned = at - self.around;
+                let turned = self.at - self.around;
                 let off = turned - TAU * (turned / TAU).round();
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let most = MOST_ASIDE / radius;
                 self.beside = off.abs() * radius;
-                self.away = self.away(graphic, at);
+                self.away = self.away(graphic);
                 self.aside = match self.stroke {
                     Stroke::Travel => 0.0,
                     // (Let go of gently: all at once the handle would swing by millimetres.)
                     Stroke::Out => self.aside * (1.0 - KEEP * TICK_S),
                     // Towards the col a tip may slide while it is read: a hand that held it back would press it into the wall.
-                    Stroke::Read(..) if self.holds_back(at) => self.aside * (1.0 - KEEP * TICK_S),
+                    Stroke::Read(..) if self.holds_back() => self.aside * (1.0 - KEEP * TICK_S),
                     _ => (self.aside - KEEP * off * TICK_S).clamp(-most, most),
                 };
                 self.see_to_it();

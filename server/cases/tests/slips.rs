@@ -103,7 +103,7 @@ fn act(
         let mut shown = Shown::NOTHING;
         shown.graphics[0] = Some(Pose::new(hand.position + off, hand.orientation));
         shown.wrenches[0] = Wrench {
-            force: place.inwards * (-STIFFNESS * under),
+            force: place.up * (STIFFNESS * under),
             torque: Vec3::zeros(),
         };
         tour.feel(&Felt {
@@ -139,6 +139,12 @@ fn undisturbed(scene: &Scene) -> (f64, f64) {
     (calls[0].0, around)
 }
 
+/// Two angles are the same place of the walk.
+fn same_place(read_at: f64, place: f64) {
+    let off = (read_at - place).to_degrees();
+    assert!(off.abs() < 1.5, "read {off:.1} degrees beside the place");
+}
+
 /// A slip: so far out that the tip is plainly beside the pocket, metres.
 const OUT: f64 = 2e-3;
 
@@ -160,8 +166,7 @@ fn a_tip_that_slips_again_on_its_way_back_is_read_where_it_was() {
     });
     assert_eq!((slips, calls.len()), (2, 1));
     assert!(calls[0].0 > called + 1.0, "it was put in again");
-    let off = (read_at - place).to_degrees();
-    assert!(off.abs() < 1.5, "read {off:.1} degrees beside the place");
+    same_place(read_at, place);
 }
 
 /// Put in outside the wall a tip went down beside the pocket and was read there, millimetres off: 0.45 mm from the tooth is not
@@ -200,8 +205,7 @@ fn a_tip_that_slid_out_of_the_col_while_it_was_pressed_is_lifted_and_read_in_it(
     });
     assert_eq!(calls.len(), 1);
     assert!(calls[0].0 > called + 0.3, "it was read where it slid to");
-    let off = (read_at - place).to_degrees();
-    assert!(off.abs() < 1.5, "read {off:.1} degrees beside the place");
+    same_place(read_at, place);
 }
 
 /// It was taken for the deepest place of its own zone, gone back to, and 5 mm were called where there are 3.

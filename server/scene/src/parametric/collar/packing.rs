@@ -182,16 +182,17 @@ fn deep(collar: &Collar, around: f64, r: f64) -> (f64, f64) {
         });
         under.fold(collar.floor(around) - UNDER - radius, f64::min)
     };
-    let all = DEEP.map(|radius| (highest(radius), radius));
     let top = |at: &(f64, f64)| at.0 + at.1;
     // The first of several: the largest.
-    let best = all[1..].iter().fold(
-        &all[0],
-        |best, at| {
-            if top(at) > top(best) + 1e-9 { at } else { best }
-        },
-    );
-    *best
+    let higher = |best, at| {
+        if top(&at) > top(&best) + 1e-9 {
+            at
+        } else {
+            best
+        }
+    };
+    let all = DEEP.map(|radius| (highest(radius), radius));
+    all[1..].iter().copied().fold(all[0], higher)
 }
 
 /// A sphere under the floor. Over the plane to a neighbour it lies no higher than that one's floor is read at: a tip that goes down

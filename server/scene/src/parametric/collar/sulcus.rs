@@ -105,13 +105,13 @@ impl Sulcus {
             return middle + (own - middle) * ramp(at.off, 0.0, reach);
         }
         // One curve from the papilla down to the middle of the side.
-        let (papilla, middle, off) = if at.own % 3 == 1 {
-            (self.margins[at.other], own, FRAC_PI_2 - at.off)
+        let (corner, middle, off) = if at.own % 3 == 1 {
+            (at.other, at.own, FRAC_PI_2 - at.off)
         } else {
-            (own, self.margins[at.other], at.off)
+            (at.own, at.other, at.off)
         };
+        let (papilla, middle) = (self.margins[corner], self.margins[middle]);
         // Level where the floor is deepest: on a slope a tip does not reach down to it.
-        let corner = if at.own % 3 == 1 { at.other } else { at.own };
         let from = SCALLOP[0].max(libm::atan2(PLATEAU[1], self.end_of(corner)));
         papilla + (middle - papilla) * ramp(off, from, SCALLOP[1])
     }
