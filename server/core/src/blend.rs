@@ -26,11 +26,15 @@
 //! hard spheres 2.0 % / 3.0 degrees at level 3, 0.34 % / 1.3 at level 4, 0.12 % / 0.6 at level 5; blended 0.56 % / 0.7
 //! and 0.15 % / 0.3 at levels 3 and 4. Other shapes, blend lengths and costs: the bench `ripple` of sulcus-cases.
 
-use std::ops::Range;
+mod groups;
+mod hollowness;
 
+use crate::Scene;
 use crate::contact::Contact;
-use crate::math::{Mat3, Vec3, exp_of_loss, fclamp, fmax, fmin};
-use crate::{MAX_TOOLS, Scene};
+use crate::math::{Vec3, exp_of_loss, fclamp, fmax, fmin};
+
+pub(crate) use groups::{Group, Groups};
+pub(crate) use hollowness::hollowness;
 
 /// A sphere that would move the surface by less than this is left out, metres.
 const UNFELT: f64 = 2e-8;
@@ -144,128 +148,6 @@ impl Line {
             first: 0,
             members: 0,
         }
-    }
-}
-
-/// Contacts of one tool sphere with one blended object.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Group {
-    /// Index of the object.
-    pub object: u16,
-    /// Tool slot.
-    pub tool: u8,
-    /// Smallest core gap at the pose of the pass, metres.
-    smallest: f64,
-    /// No blended gap is under this at the pose of the pass, metres; unknown before it was asked for.
-    pub least: f64,
-    /// Its contacts begin here in [`Groups::order`].
-    first: u32,
-    /// And so many there are.
-    count: u32,
-}
-
-/// The contacts of blended objects, tool sphere by tool sphere.
-#[derive(Debug)]
-pub(crate) struct Groups {
-    /// In the order in which the list comes to them.
-    pub all: Vec<Group>,
-    order: Vec<u32>,
-    /// Scratch: place of the group of each contact of a run.
-    of: Vec<u32>,
-    /// Number of the group of each node of each tool, counted from 1; 0 for none.
-    number: Vec<u32>,
-    stride: usize,
-}
-
-impl Groups {
-    /// Room for lists of at most `contacts` with tools of at most `nodes`.
-    pub fn with_capacity(contacts: usize, nodes: usize) -> Self {
-        let nodes = if contacts > 0 { nodes } else { 0 };
-        Self {
-            all: Vec::with_capacity(contacts),
-            order: Vec::with_capacity(contacts),
-            of: Vec::with_capacity(contacts),
-            number: vec![0; nodes * MAX_TOOLS],
-            stride: nodes,
-        }
-    }
-
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        self.all.clear();
-        self.order.clear();
-    }
-
-    /// Groups a run of contacts on one object, whose core gaps `gap` tells.
-    pub fn add(&mut self, contacts: &[Contact], run: Range<usize>, gap: impl Fn(&Contact) -> f64) {
-        let place = |contact: &Contact| {
-            usize::from(contact.tool) * self.stride + contact.tool_sphere as usize
-        };
-        let before = self.all.len();
-        self.of.clear();
-        for contact in &contacts[run.clone()] {
-            let number = &mut self.number[place(contact)];
-            if *number == 0 {
-                self.all.push(Group {
-                    object: contact.object,
-                    tool: contact.tool,
-                    smallest: f64::INFINITY,
-                    least: f64::NEG_INFINITY,
-                    first: 0,
-                    count: 0,
-                });
-                *number = self.all.len() as u32;
-            }
-            self.of.push(*number - 1);
-            let group = &mut self.all[*number as usize - 1];
-            group.count += 1;
-            group.smallest = fmin(group.smallest, gap(contact));
-        }
-        let mut next = self.order.len();
-        for group in &mut self.all[before..] {
-            group.first = next as u32;
-            next += std::mem::take(&mut group.count) as usize;
-        }
-        self.order.resize(next, 0);
-        for (index, of) in run.zip(&self.of) {
-            let group = &mut self.all[*of as usize];
-            self.order[(group.first + group.count) as usize] = index as u32;
-            group.count += 1;
-        }
-        for group in &self.all[before..] {
-            let first = self.order[group.first as usize];
-            self.number[place(&contacts[first as usize])] = 0;
-        }
-    }
-
-    /// Place of the group with the smallest core gap at the pose of the pass.
-    pub fn nearest(&self) -> Option<usize> {
-        (0..self.all.len()).reduce(|best, k| {
-            if self.all[k].smallest < self.all[best].smallest {
-                k
-            } else {
-                best
-            }
-        })
-    }
-
-    /// Indices of the contacts of a group, ascending.
-    pub fn contacts(&self, group: &Group) -> &[u32] {
-        &self.order[group.first as usize..(group.first + group.count) as usize]
-    }
-}
-
-impl Group {
-    /// Whether no blended gap can be under `limit` after a motion of at most `moved` (metres).
-    pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
-        // (Every distance changes by what is moved at most, and so does their soft minimum.)
-        if self.least - moved >= limit {
-            return true;
-        }
-        let spare = self.smallest - moved - limit;
-        // The logarithm of the count lies between nothing and that of the next power of two: seldom to be asked for.
-        let most = std::f64::consts::LN_2 * f64::from(u32::BITS - self.count.leading_zeros());
-        spare >= 0.0 && (spare >= blend * most || spare >= blend * libm::log(f64::from(self.count)))
     }
 }
 
@@ -522,62 +404,6 @@ impl Blender {
         true
     }
 }
-
-/// How a blended gap bends inwards: the positive part of minus its second derivative by the tool
-/// sphere's place, 1/m. The covariance of the normals over the blend length, less the
-/// roundness of the spheres; not zero in grooves and pits only.
-pub(crate) fn hollowness(
-    line: &Line,
-    members: &[Member],
-    contacts: &[Contact],
-    blend: f64,
-) -> Mat3 {
-    let mut bend = -(line.normal * line.normal.transpose()) / blend;
-    for member in members {
-        let n = &contacts[member.contact as usize].normal;
-        let square = n * n.transpose();
-        bend += square * (member.weight / blend)
-            - (Mat3::identity() - square) * (member.weight / fmax(member.distance, 1e-9));
-    }
-    positive_part(bend)
-}
-
-/// The positive semi-definite part of a symmetric matrix, by Jacobi's rotations.
-fn positive_part(mut m: Mat3) -> Mat3 {
-    let mut axes = Mat3::identity();
-    for _ in 0..JACOBI_SWEEPS {
-        let beside = m[(0, 1)].abs() + m[(0, 2)].abs() + m[(1, 2)].abs();
-        if beside <= NO_ANGLE * (m[(0, 0)].abs() + m[(1, 1)].abs() + m[(2, 2)].abs()) {
-            break;
-        }
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[(p, q)] == 0.0 {
-                continue;
-            }
-            let theta = (m[(q, q)] - m[(p, p)]) / (2.0 * m[(p, q)]);
-            let t = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let t = if theta < 0.0 { -t } else { t };
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            let mut turn = Mat3::identity();
-            (turn[(p, p)], turn[(q, q)]) = (c, c);
-            (turn[(p, q)], turn[(q, p)]) = (s, -s);
-            m = turn.transpose() * m * turn;
-            axes *= turn;
-        }
-    }
-    let mut part = Mat3::zeros();
-    for k in 0..3 {
-        let axis = axes.column(k).into_owned();
-        part += axis * axis.transpose() * fmax(0.0, m[(k, k)]);
-    }
-    part
-}
-
-/// Sweeps of Jacobi's rotations: they converge quadratically, five end a 3x3 matrix.
-const JACOBI_SWEEPS: usize = 5;
-/// Share of the diagonal that may stand beside it at the end.
-const NO_ANGLE: f64 = 1e-13;
 
 #[cfg(test)]
 mod tests;

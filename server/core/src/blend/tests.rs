@@ -1,7 +1,7 @@
 //! Tests of the blended rows against their definition.
 
 use super::*;
-use crate::math::norm;
+use crate::math::{Mat3, norm};
 use proptest::prelude::*;
 
 const TIP: f64 = 2.5e-4;
