@@ -1,8 +1,9 @@
 //! The ticker by hand: no allocation, nothing lost silently.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+#[path = "../core/tests/counting/mod.rs"]
+mod counting;
 
+use counting::calls;
 use rtrb::RingBuffer;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Sphere, SphereTree, Tool, Vec3};
@@ -43,31 +44,6 @@ fn status_bits_are_the_same_in_core_and_on_the_wire() {
     ];
     assert!(pairs.iter().all(|(core, wire)| core == wire));
 }
-
-thread_local! {
-    /// Calls to the allocator by this thread.
-    static CALLS: Cell<u64> = const { Cell::new(0) };
-}
-
-/// The system's allocator, with each thread's calls counted.
-struct Counting;
-
-// SAFETY: passes every call on unchanged; a constant thread-local needs no allocation itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        CALLS.set(CALLS.get() + 1);
-        // SAFETY: the caller keeps the contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        CALLS.set(CALLS.get() + 1);
-        // SAFETY: the caller keeps the contract.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// A ball over another.
 fn scene() -> Scene {
@@ -165,13 +141,13 @@ fn pose(height: f32) -> Option<PoseIn> {
 fn a_step_allocates_nothing() {
     let mut bench = bench(1024);
     bench.ticker.next_snapshot = 100;
-    let before = CALLS.get();
+    let before = calls();
     for k in 0..300 {
         bench.poses.write(pose(0.006 - 2e-5 * k as f32));
         let _ = bench.edges.push(Edge::Pressed { tool: 0, button: 1 });
         bench.ticker.step();
     }
-    assert_eq!(CALLS.get(), before);
+    assert_eq!(calls(), before);
     assert!(bench.ticker.metrics.ticks == 300 && bench.ticker.state.tick >= 300);
     let mut summary =
         sulcus_proto::SessionSummary::empty(sulcus_proto::control::EndReason::Stopped);

@@ -91,6 +91,22 @@ fn a_wrong_field_in_a_scene_file() {
 }
 
 #[test]
+fn a_seed_where_no_patient_is_generated() {
+    let place = Place::new();
+    let serve = |scene: &str| {
+        let serve = ["serve", "--listen", "127.0.0.1:0", "--seed", "3"];
+        place.run(Program::Server, &[&serve[..], &["--scene", scene]].concat())
+    };
+    let scene = scene_with(&place, "kind = \"molar\"\n");
+    serve(&scene).refused(&["--seed", "none", "[mouth]"]);
+    let make = ["patient", "make", "--seed", "1", "--out", "patient.toml"];
+    place.run(Program::Server, &make).ok();
+    let mouth = "name = \"test\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\npark_mm = [0, 0, 120]\n[mouth]\npatient = \"patient.toml\"\nteeth = [31]\n";
+    std::fs::write(place.path("scene.toml"), mouth).expect("writes");
+    serve(&scene).refused(&["--seed", "written", "[mouth]"]);
+}
+
+#[test]
 fn a_busy_port() {
     let place = Place::new();
     let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");

@@ -5,11 +5,10 @@
 //! `cargo bench -p sulcus-cases --bench mouth`, or with `-- 14 3` behind it for 14 teeth at level 3 alone.
 
 use rustix::time::{ClockId, clock_gettime};
-use sulcus_cases::mouth::{hands, mouth};
+use sulcus_cases::mouth::{hands, inputs, mouth};
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TICK_S, TickInput, Workspace, tick,
 };
-use sulcus_operator::{HandParams, Operator, Shown};
 
 /// When the mirror holds the tongue and the probe is in the pocket, seconds, and how long is measured from then on.
 const BEGINS: f64 = 7.0;
@@ -73,26 +72,6 @@ fn ticks() -> u64 {
 
 fn is_measured(k: usize) -> bool {
     k as f64 * TICK_S >= BEGINS
-}
-
-/// What two hands do in closed loop, as recorded inputs, and how often each tool was in contact.
-fn inputs(scene: &Scene) -> (Vec<TickInput>, [usize; MAX_TOOLS]) {
-    let script = hands(scene, BEGINS + SECONDS + LEAVING);
-    let mut operator = Operator::new(Box::new(script), HandParams::default(), 7);
-    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut shown = Shown::NOTHING;
-    let mut contact = [0; MAX_TOOLS];
-    let inputs = (0..ticks()).map(|k| {
-        let mut input = TickInput::IDLE;
-        input.tools = operator.step(&shown);
-        let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-        shown = Shown::from(&out);
-        for (contact, tool) in contact.iter_mut().zip(&out.tools) {
-            *contact += usize::from(tool.active > 0 && is_measured(k as usize));
-        }
-        input
-    });
-    (inputs.collect(), contact)
 }
 
 /// Times `scene` under `inputs`: whole ticks (each its fastest run), and each stage's in a run of its own.
@@ -159,7 +138,13 @@ fn main() {
             continue;
         }
         let scene = mouth(PATIENT, teeth == 4, level);
-        let (inputs, contact) = inputs(&scene);
+        let mut contact = [0; MAX_TOOLS];
+        let script = hands(&scene, BEGINS + SECONDS + LEAVING);
+        let inputs = inputs(&scene, script, ticks(), |k, out| {
+            for (contact, tool) in contact.iter_mut().zip(&out.tools) {
+                *contact += usize::from(tool.active > 0 && is_measured(k as usize));
+            }
+        });
         println!(
             "measured ticks in contact: {contact:?} of {:.0}",
             SECONDS / TICK_S

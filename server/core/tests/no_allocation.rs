@@ -1,8 +1,8 @@
 //! A tick allocates nothing: counted, not believed.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+mod counting;
 
+use counting::calls;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
 use sulcus_core::tissue::printed::{PrintedGingiva, PrintedSkeleton};
@@ -10,35 +10,6 @@ use sulcus_core::tissue::skeleton::{
     Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw,
 };
 use sulcus_core::*;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: forwards to the system allocator unchanged; the counter is a thread-local `Cell` that
-// needs no allocation itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.dealloc(at, layout) }
-    }
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.realloc(at, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn bumpy_plate() -> Object {
     let spheres: Vec<Sphere> = (0..900)
@@ -139,7 +110,7 @@ fn allocates_nothing(objects: Vec<Object>) {
     scene.validate().expect("a scene that may run");
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut touched = 0;
-    let before = COUNT.with(Cell::get);
+    let before = calls();
     for k in 0..5000 {
         let mut input = TickInput::IDLE;
         for (t, slot) in input.tools.iter_mut().enumerate() {
@@ -167,7 +138,7 @@ fn allocates_nothing(objects: Vec<Object>) {
         let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
         touched += u32::from(out.tools[0].active > 0);
     }
-    let after = COUNT.with(Cell::get);
+    let after = calls();
     assert!(
         touched > 1000,
         "the test must be in contact, it was in {touched} ticks"
@@ -214,7 +185,7 @@ fn two_tools_in_gingiva_beside_a_tooth_allocate_nothing() {
     scene.validate().expect("valid");
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let (mut touched, mut read) = (0, 0);
-    let before = COUNT.with(Cell::get);
+    let before = calls();
     for k in 0..3000 {
         let mut input = TickInput::IDLE;
         for (t, slot) in input.tools.iter_mut().enumerate() {
@@ -235,7 +206,7 @@ fn two_tools_in_gingiva_beside_a_tooth_allocate_nothing() {
         touched += u32::from(out.tools[0].active > 0);
         read += u32::from(out.tools[0].pocket.is_some());
     }
-    let after = COUNT.with(Cell::get);
+    let after = calls();
     assert!(touched > 500, "in contact in {touched} ticks");
     assert!(read > 100, "read a depth in {read} ticks");
     assert_eq!(after - before, 0, "calls of the allocator");
@@ -304,7 +275,7 @@ fn ticks_on_a_skeleton_allocate_nothing_at_any_level_of_detail() {
     scene.validate().expect("valid");
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut touched = [0; 3];
-    let before = COUNT.with(Cell::get);
+    let before = calls();
     for k in 0..4000 {
         let mut input = TickInput::IDLE;
         input.detail = u8::from(k % 900 > 500);
@@ -336,7 +307,7 @@ fn ticks_on_a_skeleton_allocate_nothing_at_any_level_of_detail() {
             }] += 1;
         }
     }
-    let after = COUNT.with(Cell::get);
+    let after = calls();
     assert!(
         touched.iter().all(|&ticks| ticks > 200),
         "in contact with the coarse, both, the fine level: {touched:?} ticks"

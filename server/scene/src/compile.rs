@@ -53,6 +53,8 @@ pub struct Compiled {
     pub source_hash: String,
     /// Text of the patient file, written or generated; none where the scene has no patient.
     pub patient: Option<String>,
+    /// Seed that the patient was generated from; none where it is written, or there is none.
+    pub seed: Option<u64>,
 }
 
 /// Why there is no scene. One sentence each.
@@ -211,11 +213,13 @@ fn compile(
     for entry in &source.objects {
         objects.push(compiler.object(entry, &source.objects)?);
     }
-    let mut patient = None;
+    let (mut patient, mut seed) = (None, None);
     if let Some(entry) = &source.mouth {
-        let made = compiler.mouth(entry)?;
+        let asked = options.seed.unwrap_or(entry.seed);
+        let made = compiler.mouth(entry, asked)?;
         objects.extend(made.objects);
         patient = Some(made.patient);
+        seed = entry.patient.is_none().then_some(asked);
     }
     let source_hash = compiler.hasher.finalize().to_hex().to_string();
     let mut warnings = compiler.warnings;
@@ -243,6 +247,7 @@ fn compile(
         warnings,
         source_hash,
         patient,
+        seed,
     })
 }
 

@@ -142,9 +142,13 @@ fn load(path: Option<&Path>, seed: Option<u64>) -> anyhow::Result<(Scene, Vec<u8
     for warning in &compiled.warnings {
         eprintln!("warning: {warning}");
     }
-    if seed.is_some() && compiled.patient.is_none() {
+    if seed.is_some() && compiled.seed.is_none() {
+        let has = match compiled.patient {
+            Some(_) => "a written one (`patient` of `[mouth]`)",
+            None => "none (one with `[mouth]` has)",
+        };
         bail!(
-            "--seed is a patient's, and scene `{}` has none (one with `[mouth]` has)",
+            "--seed is a generated patient's, and scene `{}` has {has}",
             compiled.scene.name
         );
     }

@@ -29,10 +29,9 @@ pub(crate) struct MouthParts {
 }
 
 impl Compiler<'_> {
-    /// Makes the teeth and gingivae of a mouth.
-    pub fn mouth(&mut self, entry: &MouthEntry) -> Result<MouthParts, BuildError> {
+    /// Makes the teeth and gingivae of a mouth; where no patient is named, of the one that `seed` generates.
+    pub fn mouth(&mut self, entry: &MouthEntry, seed: u64) -> Result<MouthParts, BuildError> {
         let folder = self.path.parent().unwrap_or(std::path::Path::new(""));
-        let seed = self.options.seed.unwrap_or(entry.seed);
         let (patient, text) = patient(entry, seed, folder)?;
         self.hasher.update(text.as_bytes());
         let wanted = |fdi: &u8| entry.teeth.as_ref().is_none_or(|teeth| teeth.contains(fdi));

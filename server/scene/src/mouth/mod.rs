@@ -12,14 +12,14 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
-use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
+use sulcus_core::tissue::gingiva::{GingivaParams, Site, ToothFrame};
 
 use crate::file::GingivaEntry;
 use crate::mesh::TriMesh;
 use crate::parametric::arch::{self, Footprint};
-use crate::parametric::collar::{Collar, CollarSizes, Sulcus, outer_face};
+use crate::parametric::collar::{Collar, CollarSizes, Entrance, Sulcus, outer_face};
 use crate::parametric::sections::Sections;
-use crate::parametric::tooth::Tooth;
+use crate::parametric::tooth::{Furcation, Tooth};
 use crate::patient::{Condition, LOWER, Patient, ToothChart};
 
 pub(crate) use gingiva::{placed_gingiva, placed_mesh};
@@ -199,7 +199,7 @@ pub(crate) fn collar(
     // Depths are prescribed as read, whatever the tissue's firmness: the floor lies higher at rest.
     let sink = params.sink() / params.firmness() * 1e3;
     let mut margins = [0.0; 6];
-    for site in sulcus_core::tissue::gingiva::Site::ALL {
+    for site in Site::ALL {
         let i = site as usize;
         let (cej, found) = (tooth.shape.cej(angles[i]), chart.recession_mm.of(site));
         if depths[i] < sink + LEAST_WALL {
@@ -235,11 +235,38 @@ pub(crate) fn collar(
         sink,
     };
     Ok(Collar {
+        tooth: tooth.shape.clone(),
         sections: tooth.sections.clone(),
+        entrances: entrances(tooth, chart)?,
         sulcus: Sulcus::new(&tooth.sections, depths, margins),
         neighbours: faces::neighbours(all, k, entry.wall_mm),
         sizes,
     })
+}
+
+/// The entrances between a tooth's roots with their degrees.
+fn entrances(tooth: &Standing, chart: &ToothChart) -> Result<Vec<Entrance>, NoRoom> {
+    let entrance = |furcation: Furcation| {
+        let (site, degree) = if furcation.around > 0.0 {
+            (Site::Buccal, chart.furcation.buccal)
+        } else {
+            (Site::Lingual, chart.furcation.lingual)
+        };
+        let lost = chart.depth_mm.of(site) + chart.recession_mm.of(site);
+        let least = tooth.shape.cej(furcation.around) - furcation.height_mm;
+        if degree > 0 && lost < least {
+            return Err(NoRoom {
+                key: "depth_mm` plus `recession_mm",
+                fdi: tooth.fdi,
+                site: site.name(),
+                found: lost,
+                least,
+                why: "its `furcation` is not 0, and higher up the roots have not divided",
+            });
+        }
+        Ok(Entrance { furcation, degree })
+    };
+    tooth.shape.furcations().into_iter().map(entrance).collect()
 }
 
 /// Tells each collar how deep its neighbours' floors are where they meet. (All axes are upright.)

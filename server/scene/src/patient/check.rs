@@ -90,6 +90,13 @@ fn tooth(tooth: &ToothChart) -> Checked {
             "0: only molars have roots that divide",
         );
     }
+    if (tooth.furcation.buccal == 3) != (tooth.furcation.lingual == 3) {
+        return wrong(
+            format!("`furcation` of tooth {fdi}"),
+            "3 on one side only",
+            "3 on both sides or on neither: at degree 3 a probe goes through",
+        );
+    }
     if tooth.mobility > 3 {
         return wrong(
             format!("`mobility` of tooth {fdi}"),

@@ -7,7 +7,7 @@
 //!
 //! [[tooth]]
 //! fdi = 36
-//! depth_mm.buccal = [5, 3, 4]          # mesio-, mid-, disto-
+//! depth_mm.buccal = [5, 4, 4]          # mesio-, mid-, disto-
 //! depth_mm.lingual = [4, 3, 4]
 //! recession_mm.buccal = [-1, 0, -1]    # margin below the CEJ; negative above it
 //! recession_mm.lingual = [-1, 0, -1]

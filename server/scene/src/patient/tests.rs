@@ -81,6 +81,10 @@ fn what_cannot_be_is_said_with_tooth_site_value_and_range() {
             "`furcation` of tooth 36 is 4",
         ),
         (
+            tooth("furcation.buccal = 3"),
+            "`furcation` of tooth 36 is 3 on one side only",
+        ),
+        (
             "name = \"a\"\n[[tooth]]\nfdi = 34\nfurcation.lingual = 1\n".to_owned(),
             "only molars have roots that divide",
         ),

@@ -4,18 +4,22 @@
 //! is radial: at an angle and a height the pocket's wall stands at the tooth's surface (its convex section, so that tissue
 //! bridges furcations) plus the pocket's width; the outer face follows the tooth, and, towards a neighbour, the common
 //! outline of both, up to a plane through their contact point. Between them the papilla fills what room there is under
-//! the contact: less in the middle than at both sides, which makes the col. Below the floor tissue is attached.
+//! the contact: less in the middle than at both sides, which makes the col. Below the floor tissue is attached, and so is what
+//! fills the space between roots ([`Entrance`]).
 
+mod furcation;
 mod packing;
 mod skin;
 mod sulcus;
 
+pub use furcation::Entrance;
 pub use packing::{Packed, pack};
 pub use skin::skin;
 pub use sulcus::Sulcus;
 
 use super::blend::ramp;
 use super::sections::Sections;
+use super::tooth::Tooth;
 
 /// Sizes of a collar, mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +90,11 @@ impl Face {
 #[derive(Clone, Debug)]
 pub struct Collar {
     /// The tooth.
+    pub tooth: Tooth,
+    /// How far it reaches from its axis.
     pub sections: Sections,
+    /// Entrances between its roots.
+    pub entrances: Vec<Entrance>,
     /// Depths and margins.
     pub sulcus: Sulcus,
     /// Sizes.

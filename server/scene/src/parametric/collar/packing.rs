@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use sulcus_core::{Sphere, Vec3};
 
 use super::Collar;
+use super::furcation::between_roots;
 
 /// Most spheres of a collar: with half as many a tip goes in between the columns of a deep pocket; with more the tick would no
 /// longer keep the whole matrix of their falloff (8 MiB for each gingiva).
@@ -81,6 +82,7 @@ fn pack_at(collar: &Collar, apart: f64) -> Vec<Packed> {
     for (k, &around) in coarse.iter().enumerate() {
         outside(collar, around, k, COARSER * apart, &mut packed);
     }
+    between_roots(collar, &mut packed);
     packed
 }
 
