@@ -7,6 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use sulcus_cases::mouth::{Examined, examine, mouth};
 use sulcus_operator::habit::Habit;
 
+/// How many of the zones that were read worst are listed at the end.
+const FARTHEST: usize = 24;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut words = std::env::args().skip(1);
     let mut seed = |otherwise: u64| words.next().map_or(Ok(otherwise), |word| word.parse());
@@ -44,6 +47,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reads = || done.iter().flat_map(|(_, examined)| &examined.toured.reads);
     let read = || reads().filter(|read| read.called.is_some());
     let within = |most: f64| read().filter(|read| read.error().abs() <= most).count();
+    let mut farthest: Vec<_> = done
+        .iter()
+        .flat_map(|(seed, examined)| examined.toured.reads.iter().map(move |read| (seed, read)))
+        .filter(|(_, read)| read.called.is_some())
+        .collect();
+    farthest.sort_by(|a, b| b.1.error().abs().total_cmp(&a.1.error().abs()));
+    for (seed, read) in farthest.iter().take(FARTHEST) {
+        println!(
+            "  patient {seed:2} {} {:13} {:+.2} mm",
+            read.tooth,
+            read.site.name(),
+            read.error() * 1e3
+        );
+    }
     println!(
         "all: {} of {} zones read, {} within 0.2 mm, {} within 0.3 mm, {} within 0.5 mm",
         read().count(),
