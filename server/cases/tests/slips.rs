@@ -119,17 +119,25 @@ fn act(
     calls
 }
 
-fn one_zone() -> Vec<Visit> {
+fn zone(site: Site) -> Vec<Visit> {
     vec![Visit {
         tooth: 36,
-        sites: vec![Site::MesioBuccal],
+        sites: vec![site],
     }]
+}
+
+fn one_zone() -> Vec<Visit> {
+    zone(Site::MesioBuccal)
 }
 
 /// When the zone is called and where the tip is meant to be then, if it never slips.
 fn undisturbed(scene: &Scene) -> (f64, f64) {
+    undisturbed_at(scene, Site::MesioBuccal)
+}
+
+fn undisturbed_at(scene: &Scene, site: Site) -> (f64, f64) {
     let mut around = 0.0;
-    let calls = act(scene, &one_zone(), TourParams::default(), |seen| {
+    let calls = act(scene, &zone(site), TourParams::default(), |seen| {
         if seen.depth > FLOOR {
             around = seen.around;
         }
@@ -206,6 +214,33 @@ fn a_tip_that_slid_out_of_the_col_while_it_was_pressed_is_lifted_and_read_in_it(
     assert_eq!(calls.len(), 1);
     assert!(calls[0].0 > called + 0.3, "it was read where it slid to");
     same_place(read_at, place);
+}
+
+/// What had held it came loose: led on for a third of a second more, it slid past the col and was read 0.5 mm too deep on the slope
+/// beyond.
+#[test]
+fn a_tip_that_comes_loose_is_not_led_on_past_where_it_is_meant_to_be() {
+    let scene = scene();
+    let (called, place) = undisturbed_at(&scene, Site::Buccal);
+    let (held, loose) = (called - 0.75, called - 0.35);
+    let (mut led, mut left) = (0.0, 0.0);
+    act(&scene, &zone(Site::Buccal), TourParams::default(), |seen| {
+        let off = (seen.around - place).abs().to_degrees();
+        if seen.time < loose {
+            led = off;
+        } else if seen.time < loose + 0.1 {
+            left = off;
+        }
+        let is_held = seen.time >= held && seen.time < loose;
+        // Wherever it is led to.
+        let led = (seen.around - place) * 5e-3;
+        Slip::along(if is_held { 0.35e-3 - led } else { 0.0 })
+    });
+    assert!(led > 6.0, "led by {led:.1} degrees");
+    assert!(
+        left < 0.25 * led,
+        "{left:.1} of {led:.1} degrees left after 0.1 s"
+    );
 }
 
 /// It was taken for the deepest place of its own zone, gone back to, and 5 mm were called where there are 3.
