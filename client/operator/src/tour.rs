@@ -29,8 +29,6 @@ const BELOW: f64 = 0.25e-3;
 /// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
 const KEEP: f64 = 6.0;
 const MOST_ASIDE: f64 = 1.2e-3;
-/// How fast it stops leading a tip on that has come past where it is meant to be, 1/s.
-const RELEASE: f64 = 20.0;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
 /// Nearest to the mesial or distal midline that the hand means the tip to be, radians.
@@ -289,7 +287,7 @@ impl Script for Tour {
                         // What it was led on to make up for is made up for once it has come past where it is meant to be: led
                         // on, it would go as far to the other side.
                         let past = self.aside * off > 0.0;
-                        let kept = if past { 1.0 - RELEASE * TICK_S } else { 1.0 };
+                        let kept = if past { 1.0 - KEEP * TICK_S } else { 1.0 };
                         (kept * self.aside - KEEP * off * TICK_S).clamp(-most, most)
                     }
                 };

@@ -1,5 +1,7 @@
 //! What the hand does in and at a pocket, millisecond by millisecond: down to the floor, up, on along the tooth, a reading, out.
 
+use std::f64::consts::FRAC_PI_2;
+
 use sulcus_core::{TICK_S, Vec3};
 
 use super::{ABOVE, Tour, free, from_midline};
@@ -244,11 +246,16 @@ impl Tour {
         let ours = self.felt[self.felt.len() - walked..].iter();
         let ours = ours.copied().filter(|(.., inside)| *inside);
         let deepest = ours.clone().fold(0.0, |most: f64, at| most.max(at.1));
-        // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob.
+        // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob. On
+        // the side of a tooth the one in the middle: there the margin is level.
+        let from_best = |around: f64| match site.is_proximal() {
+            true => from_midline(site, around),
+            false => (around.abs() - FRAC_PI_2).abs(),
+        };
         let best = ours
             .filter(|at| at.1 >= deepest - ALIKE)
             .min_by(|a, b| {
-                let nearer = from_midline(site, a.0).total_cmp(&from_midline(site, b.0));
+                let nearer = from_best(a.0).total_cmp(&from_best(b.0));
                 nearer.then(b.1.total_cmp(&a.1))
             })
             .map_or(self.around, |at| at.0);
