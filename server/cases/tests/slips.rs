@@ -278,6 +278,25 @@ fn a_stop_from_which_the_tip_slid_into_the_next_zone_is_not_gone_back_to() {
     assert!(calls[0].1.depth_mm <= 4, "{} mm", calls[0].1.depth_mm);
 }
 
+/// Farther on the margin slopes, and a tip held there sank 0.3 mm deeper than in the middle of the side.
+#[test]
+fn of_places_on_a_side_that_feel_alike_the_middle_is_read() {
+    let scene = scene();
+    let mut read_at = 0.0;
+    let beside = |around: f64| (around - std::f64::consts::FRAC_PI_2).abs();
+    act(&scene, &zone(Site::Buccal), TourParams::default(), |seen| {
+        if seen.depth > FLOOR {
+            read_at = seen.around;
+        }
+        Slip {
+            deeper: 0.3e-3 * beside(seen.around).min(0.6),
+            ..Slip::default()
+        }
+    });
+    let off = beside(read_at).to_degrees();
+    assert!(off < 8.0, "read {off:.1} degrees beside the middle");
+}
+
 /// Where a tip slips out for ever the hand gives up, and goes on.
 #[test]
 fn a_tip_that_never_stays_is_put_in_a_few_times_only() {

@@ -61,6 +61,18 @@ fn a_tip_is_not_let_down_before_it_is_over_a_ridge_of_the_floor() {
     assert!(read.prescribed > 6e-3, "{read:?}");
 }
 
+/// A probe that leans over a molar's crown is pressed against the flaring root: 0.19 N of the 0.26 that a hand pressed with were not
+/// the floor's, and 6.7 mm were reached of 7.
+#[test]
+fn what_the_walls_of_a_deep_pocket_push_is_not_taken_for_the_floor() {
+    let examined = examine(&mouth(2, false, 3), &[37], None);
+    for site in [Site::DistoBuccal, Site::DistoLingual] {
+        let read = examined.toured.of(37, site);
+        assert!(read.prescribed > 6.9e-3, "{read:?}");
+        assert!(read.error().abs() < 0.17e-3, "{read:?}");
+    }
+}
+
 #[test]
 fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
     let scene = part();
