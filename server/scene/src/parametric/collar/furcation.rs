@@ -1,6 +1,6 @@
 //! What fills the space between a molar's roots, where the pocket's floor lies below its entrance.
 //!
-//! Hamp, Nyman and Lindhe (1975, doi:10.1111/j.1600-051X.1975.tb01830.x) grade a furcation by how far a probe goes in
+//! Hamp, Nyman and Lindhe (Journal of Clinical Periodontology 2:126, 1975) grade a furcation by how far a probe goes in
 //! horizontally: degree I up to 3 mm, II farther but not through, III through. So there is attached tissue farther in than the
 //! degree says, as high as the roof, and before it a bed as high as the pocket's floor. Where the floor is above the
 //! entrance nothing of this can be met, and nothing is laid out.
@@ -33,31 +33,26 @@ pub struct Entrance {
 
 /// The spheres between the roots.
 pub(super) fn between_roots(collar: &Collar, packed: &mut Vec<Packed>) {
-    let through = collar.entrances.iter().any(|entrance| entrance.degree >= 3);
     let open: Vec<Open> = collar
         .entrances
         .iter()
         .map(|entrance| Open::new(collar, entrance))
         .collect();
-    let width: f64 = open.iter().map(|open| open.outline).sum();
-    let wanted: f64 = open.iter().map(|open| open.entered).sum();
-    let share = if through {
-        1.0
-    } else {
-        ((width - LEAST_BETWEEN) / wanted).min(1.0)
-    };
-    let between = width - share * wanted;
-    for open in open.iter().filter(|open| open.floor < open.roof) {
-        // Through: each side's bed reaches to the middle.
-        let entered = if through {
-            open.outline
-        } else {
-            open.entered * share
-        };
-        open.bed(collar, entered, packed);
-        if !through {
-            open.plug(collar, entered, between, packed);
+    let is_met = |open: &&Open| open.floor < open.roof;
+    if collar.entrances.iter().any(|entrance| entrance.degree >= 3) {
+        for open in open.iter().filter(is_met) {
+            // Each side's bed reaches to the middle.
+            open.bed(collar, open.outline, packed);
         }
+        return;
+    }
+    let sum = |of: fn(&Open) -> f64| open.iter().map(of).sum::<f64>();
+    let (width, wanted) = (sum(|open| open.outline), sum(|open| open.entered));
+    let share = ((width - LEAST_BETWEEN) / wanted).min(1.0);
+    for open in open.iter().filter(is_met) {
+        let entered = open.entered * share;
+        open.bed(collar, entered, packed);
+        open.plug(collar, entered, width - share * wanted, packed);
     }
 }
 
