@@ -101,7 +101,7 @@ fn a_seed_where_no_patient_is_generated() {
     serve(&scene).refused(&["--seed", "none", "[mouth]"]);
     let make = ["patient", "make", "--seed", "1", "--out", "patient.toml"];
     place.run(Program::Server, &make).ok();
-    let mouth = "name = \"test\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\npark_mm = [0, 0, 120]\n[mouth]\npatient = \"patient.toml\"\nteeth = [31]\n";
+    let mouth = "name = \"test\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\npark_mm = [0, 0, 120]\n[mouth]\npatient = \"patient.toml\"\nteeth = [31]\ntooth_level = 3\ntooth_levels = 3\n";
     std::fs::write(place.path("scene.toml"), mouth).expect("writes");
     serve(&scene).refused(&["--seed", "written", "[mouth]"]);
 }
