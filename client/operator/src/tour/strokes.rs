@@ -252,9 +252,12 @@ impl Tour {
         let deepest = ours.clone().fold(0.0, |most: f64, at| most.max(at.1));
         // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob. On
         // the side of a tooth the one in the middle: there the margin is level.
-        let from_best = |around: f64| match site.is_proximal() {
-            true => from_midline(site, around),
-            false => (around.abs() - FRAC_PI_2).abs(),
+        let from_best = |around: f64| {
+            if site.is_proximal() {
+                from_midline(site, around)
+            } else {
+                (around.abs() - FRAC_PI_2).abs()
+            }
         };
         let best = ours
             .filter(|at| at.1 >= deepest - ALIKE)

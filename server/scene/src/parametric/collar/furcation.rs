@@ -32,7 +32,8 @@ pub struct Entrance {
 }
 
 /// The spheres between the roots.
-pub(super) fn between_roots(collar: &Collar, packed: &mut Vec<Packed>) {
+pub(super) fn between_roots(collar: &Collar) -> Vec<Packed> {
+    let mut packed = Vec::new();
     let open: Vec<Open> = collar
         .entrances
         .iter()
@@ -42,18 +43,19 @@ pub(super) fn between_roots(collar: &Collar, packed: &mut Vec<Packed>) {
     if collar.entrances.iter().any(|entrance| entrance.degree >= 3) {
         for open in open.iter().filter(is_met) {
             // Each side's bed reaches to the middle.
-            open.bed(collar, open.outline, packed);
+            open.bed(collar, open.outline, &mut packed);
         }
-        return;
+        return packed;
     }
     let sum = |of: fn(&Open) -> f64| open.iter().map(of).sum::<f64>();
     let (width, wanted) = (sum(|open| open.outline), sum(|open| open.entered));
     let share = ((width - LEAST_BETWEEN) / wanted).min(1.0);
     for open in open.iter().filter(is_met) {
         let entered = open.entered * share;
-        open.bed(collar, entered, packed);
-        open.plug(collar, entered, width - share * wanted, packed);
+        open.bed(collar, entered, &mut packed);
+        open.plug(collar, entered, width - share * wanted, &mut packed);
     }
+    packed
 }
 
 /// An entrance in the tooth's frame, mm.
@@ -147,15 +149,14 @@ mod tests {
     use sulcus_core::tissue::gingiva::GingivaParams;
 
     use super::*;
-    use crate::mouth::{MouthEntry, collar, standing};
+    use crate::mouth::{MouthEntry, Standing, collar, standing};
     use crate::parametric::collar::pack;
     use crate::patient::{Furcations, LOWER, Sides, ToothChart};
 
     const TIP: f64 = 0.25;
 
     /// The collars of a tooth that has lost 6 mm all round, by degree, 0 to 3.
-    fn collars(fdi: u8) -> Vec<Collar> {
-        let all = standing();
+    fn collars(all: &[Standing], fdi: u8) -> Vec<Collar> {
         let k = LOWER
             .iter()
             .position(|other| *other == fdi)
@@ -179,7 +180,7 @@ mod tests {
                 ..ToothChart::healthy(fdi)
             };
             let (entry, params) = (MouthEntry::default(), GingivaParams::default());
-            collar(&all, k, &chart, &entry, &params).expect("room")
+            collar(all, k, &chart, &entry, &params).expect("room")
         });
         made.collect()
     }
@@ -199,8 +200,9 @@ mod tests {
 
     #[test]
     fn a_probe_goes_in_between_the_roots_as_far_as_the_degree_says() {
+        let all = standing();
         for fdi in [36, 37, 46] {
-            for (degree, collar) in collars(fdi).iter().enumerate() {
+            for (degree, collar) in collars(&all, fdi).iter().enumerate() {
                 let packed = pack(collar);
                 for entrance in &collar.entrances {
                     let open = Open::new(collar, entrance);
@@ -234,10 +236,8 @@ mod tests {
 
     #[test]
     fn where_the_entrance_is_covered_nothing_is_laid_out() {
-        let mut collar = collars(36).swap_remove(2);
+        let mut collar = collars(&standing(), 36).swap_remove(2);
         collar.sulcus.depths = [2.0; 6];
-        let mut packed = Vec::new();
-        between_roots(&collar, &mut packed);
-        assert!(packed.is_empty());
+        assert!(between_roots(&collar).is_empty());
     }
 }

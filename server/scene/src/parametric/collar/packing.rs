@@ -62,9 +62,11 @@ pub struct Packed {
 
 /// The collar's spheres, at most 1024.
 pub fn pack(collar: &Collar) -> Vec<Packed> {
+    let roots = between_roots(collar);
     let mut apart = CLOSEST;
     loop {
-        let packed = pack_at(collar, apart);
+        let mut packed = pack_at(collar, apart);
+        packed.extend(&roots);
         if packed.len() <= MOST || apart > 10.0 {
             return packed.into_iter().take(MOST).collect();
         }
@@ -82,7 +84,6 @@ fn pack_at(collar: &Collar, apart: f64) -> Vec<Packed> {
     for (k, &around) in coarse.iter().enumerate() {
         outside(collar, around, k, COARSER * apart, &mut packed);
     }
-    between_roots(collar, &mut packed);
     packed
 }
 
