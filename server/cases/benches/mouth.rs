@@ -4,11 +4,11 @@
 //!
 //! `cargo bench -p sulcus-cases --bench mouth`, or with `-- 14 3` behind it for 14 teeth at level 3 alone.
 
-use rustix::time::{ClockId, clock_gettime};
-use sulcus_cases::mouth::{hands, inputs, mouth};
-use sulcus_core::{
-    MAX_TOOLS, NoProbe, Scene, Stage, StageProbe, State, TICK_S, TickInput, Workspace, tick,
-};
+use sulcus_cases::mouth::{hands, mouth};
+use sulcus_cases::record;
+use sulcus_cases::timing::{Percentiles, keep_fastest, time, time_stages};
+use sulcus_core::{MAX_TOOLS, Scene, Stage, TICK_S, TickInput};
+use sulcus_operator::HandParams;
 
 /// When the mirror holds the tongue and the probe is in the pocket, seconds, and how long is measured from then on.
 const BEGINS: f64 = 7.0;
@@ -21,48 +21,14 @@ const PATIENT: u64 = 1;
 /// shared machine's caches, and nothing of the tick's own.
 const RUNS: usize = 5;
 
-fn cpu_ns() -> u64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
-}
-
-/// Percentile of sorted nanoseconds, microseconds.
-fn at(times: &[u64], q: f64) -> f64 {
-    times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3
-}
-
 /// Percentiles of the measured ticks among `times`.
-fn line(times: Vec<u64>) -> String {
-    let measured = times.into_iter().enumerate();
-    let mut times: Vec<u64> = measured
-        .filter_map(|(k, time)| is_measured(k).then_some(time))
-        .collect();
-    times.sort_unstable();
+fn line(times: &[u64]) -> String {
+    let measured = times.iter().enumerate();
+    let at = Percentiles::of(measured.filter_map(|(k, time)| is_measured(k).then_some(*time)));
     format!(
         "{:7.1} {:7.1} {:7.1} {:8.1}",
-        at(&times, 0.5),
-        at(&times, 0.99),
-        at(&times, 0.999),
-        at(&times, 1.0)
+        at.p50, at.p99, at.p999, at.max
     )
-}
-
-#[derive(Default)]
-struct Stages {
-    current: Option<(Stage, u64)>,
-    sums: [u64; 5],
-}
-
-impl StageProbe for Stages {
-    fn begin(&mut self, stage: Stage) {
-        self.end();
-        self.current = Some((stage, cpu_ns()));
-    }
-    fn end(&mut self) {
-        if let Some((stage, since)) = self.current.take() {
-            self.sums[stage as usize] += cpu_ns() - since;
-        }
-    }
 }
 
 /// Ticks run, and whether one is measured.
@@ -76,38 +42,29 @@ fn is_measured(k: usize) -> bool {
 
 /// Times `scene` under `inputs`: whole ticks (each its fastest run), and each stage's in a run of its own.
 fn measure(name: &str, scene: &Scene, inputs: &[TickInput]) {
-    let (mut whole, mut once) = (vec![u64::MAX; inputs.len()], Vec::new());
-    let mut stages: [Vec<u64>; 5] = std::array::from_fn(|_| vec![u64::MAX; inputs.len()]);
+    let (mut whole, mut once) = (Vec::new(), Vec::new());
+    let mut stages: [Vec<u64>; Stage::ALL.len()] = Default::default();
     let (mut substeps, mut rows) = ([0; MAX_TOOLS], [0; MAX_TOOLS]);
     for run in 0..RUNS {
-        let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-        for (k, (time, input)) in whole.iter_mut().zip(inputs).enumerate() {
-            let before = cpu_ns();
-            let out = tick(scene, &mut state, &mut ws, input, &mut NoProbe);
-            let taken = cpu_ns() - before;
-            *time = (*time).min(taken);
-            if run == 0 {
-                once.push(taken);
-            }
+        let times = time(scene, inputs, |k, out| {
             if run == 0 && is_measured(k) {
                 for t in 0..MAX_TOOLS {
                     substeps[t] += u64::from(out.tools[t].substeps);
                     rows[t] += u64::from(out.tools[t].rows);
                 }
             }
+        });
+        keep_fastest(&mut whole, &times.cpu);
+        if run == 0 {
+            once = times.cpu;
         }
-        let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-        for (k, input) in inputs.iter().enumerate() {
-            let mut probe = Stages::default();
-            tick(scene, &mut state, &mut ws, input, &mut probe);
-            for (times, sum) in stages.iter_mut().zip(probe.sums) {
-                times[k] = times[k].min(sum);
-            }
+        for (times, run) in stages.iter_mut().zip(time_stages(scene, inputs)) {
+            keep_fastest(times, &run);
         }
     }
-    println!("{name:28} {}", line(whole));
-    println!("{:>28} {}", "the first run alone", line(once));
-    for (stage, times) in Stage::ALL.iter().zip(stages) {
+    println!("{name:28} {}", line(&whole));
+    println!("{:>28} {}", "the first run alone", line(&once));
+    for (stage, times) in Stage::ALL.iter().zip(&stages) {
         println!("{:>28} {}", format!("{stage:?}"), line(times));
     }
     let n = SECONDS / TICK_S;
@@ -140,7 +97,8 @@ fn main() {
         let scene = mouth(PATIENT, teeth == 4, level);
         let mut contact = [0; MAX_TOOLS];
         let script = hands(&scene, BEGINS + SECONDS + LEAVING);
-        let inputs = inputs(&scene, script, ticks(), |k, out| {
+        let hand = (HandParams::default(), 7);
+        let inputs = record(&scene, Box::new(script), hand, ticks(), |k, out| {
             for (contact, tool) in contact.iter_mut().zip(&out.tools) {
                 *contact += usize::from(tool.active > 0 && is_measured(k as usize));
             }

@@ -5,11 +5,12 @@
 
 use std::path::Path;
 
-use rustix::time::{ClockId, clock_gettime};
 use sulcus_cases::pocket::{Way, gingiva_of};
-use sulcus_core::{NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick};
+use sulcus_cases::record;
+use sulcus_cases::timing::{Percentiles, time, time_stages};
+use sulcus_core::{Scene, Stage, TickInput};
+use sulcus_operator::HandParams;
 use sulcus_operator::script::{OneTool, smoothstep};
-use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::{BuildOptions, compile_file};
 
 /// Angles of the sites, degrees, and their depths, metres.
@@ -22,34 +23,6 @@ const SITES: [(f64, f64); 6] = [
     (-35.0, 3e-3),
 ];
 const SECONDS: f64 = 6.0;
-
-fn cpu_ns() -> u64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
-}
-
-/// Percentile of sorted nanoseconds, microseconds.
-fn at(times: &[u64], q: f64) -> f64 {
-    times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3
-}
-
-#[derive(Default)]
-struct Stages {
-    current: Option<(Stage, u64)>,
-    sums: [u64; 5],
-}
-
-impl StageProbe for Stages {
-    fn begin(&mut self, stage: Stage) {
-        self.end();
-        self.current = Some((stage, cpu_ns()));
-    }
-    fn end(&mut self) {
-        if let Some((stage, since)) = self.current.take() {
-            self.sums[stage as usize] += cpu_ns() - since;
-        }
-    }
-}
 
 /// What a hand does at one site, as recorded inputs.
 fn inputs(scene: &Scene, degrees: f64, depth: f64) -> Vec<TickInput> {
@@ -69,18 +42,14 @@ fn inputs(scene: &Scene, degrees: f64, depth: f64) -> Vec<TickInput> {
         pose,
         duration_s: SECONDS,
     };
-    let mut operator = Operator::new(Box::new(script), HandParams::default(), 7);
-    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut shown = Shown::NOTHING;
-    (0..operator.ticks())
-        .map(|_| {
-            let mut input = TickInput::IDLE;
-            input.tools = operator.step(&shown);
-            let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-            shown = Shown::from(&out);
-            input
-        })
-        .collect()
+    let ticks = (SECONDS * 1e3) as u64;
+    record(
+        scene,
+        Box::new(script),
+        (HandParams::default(), 7),
+        ticks,
+        |_, _| {},
+    )
 }
 
 fn main() {
@@ -98,56 +67,48 @@ fn main() {
         "site", "p50", "p99", "p99.9", "max"
     );
     let mut all = Vec::new();
-    let mut stages = Stages::default();
+    let mut sums = [0; Stage::ALL.len()];
     let mut ticks = 0_u64;
+    let line = |site: &str, times: &[u64]| {
+        let at = Percentiles::of(times.iter().copied());
+        format!(
+            "{site:>8} {:7.1} {:7.1} {:7.1} {:8.1}",
+            at.p50, at.p99, at.p999, at.max
+        )
+    };
     for (degrees, depth) in SITES {
         let inputs = inputs(&scene, degrees, depth);
-        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-        let mut times = Vec::new();
+        let mut touching = vec![false; inputs.len()];
         let (mut substeps, mut rows, mut active) = (0_u64, 0_u64, 0_u64);
-        for input in &inputs {
-            let before = cpu_ns();
-            let out = tick(&scene, &mut state, &mut ws, input, &mut NoProbe);
-            let took = cpu_ns() - before;
-            if out.tools[0].active > 0 {
-                times.push(took);
+        let run = time(&scene, &inputs, |k, out| {
+            touching[k] = out.tools[0].active > 0;
+            if touching[k] {
                 substeps += u64::from(out.tools[0].substeps);
                 rows += u64::from(out.tools[0].rows);
                 active += u64::from(out.tools[0].active);
             }
-        }
+        });
+        let in_contact = run.cpu.iter().zip(&touching);
+        let times: Vec<u64> = in_contact.filter_map(|(t, on)| on.then_some(*t)).collect();
         let n = times.len() as f64;
-        all.extend_from_slice(&times);
-        times.sort_unstable();
         println!(
-            "{degrees:8} {:7.1} {:7.1} {:7.1} {:8.1}   {:8.2} {:5.1} {:7.1}",
-            at(&times, 0.5),
-            at(&times, 0.99),
-            at(&times, 0.999),
-            at(&times, 1.0),
+            "{}   {:8.2} {:5.1} {:7.1}",
+            line(&degrees.to_string(), &times),
             substeps as f64 / n,
             rows as f64 / n,
             active as f64 / n
         );
-        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-        for input in &inputs {
-            tick(&scene, &mut state, &mut ws, input, &mut stages);
+        all.extend_from_slice(&times);
+        for (sum, times) in sums.iter_mut().zip(time_stages(&scene, &inputs)) {
+            *sum += times.iter().sum::<u64>();
         }
         ticks += inputs.len() as u64;
     }
-    all.sort_unstable();
-    println!(
-        "{:>8} {:7.1} {:7.1} {:7.1} {:8.1}",
-        "all",
-        at(&all, 0.5),
-        at(&all, 0.99),
-        at(&all, 0.999),
-        at(&all, 1.0)
-    );
+    println!("{}", line("all", &all));
     let mean = |stage: Stage| {
         format!(
             "{stage:?} {:.1}",
-            stages.sums[stage as usize] as f64 / ticks as f64 * 1e-3
+            sums[stage as usize] as f64 / ticks as f64 * 1e-3
         )
     };
     println!(

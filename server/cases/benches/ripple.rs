@@ -6,20 +6,20 @@
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;
 
-use rustix::time::{ClockId, clock_gettime};
+use sulcus_cases::record;
 use sulcus_cases::ripple::{Shape, slide};
 use sulcus_cases::scenes;
-use sulcus_core::{NoProbe, State, TickInput, Vec3, Workspace, tick};
+use sulcus_cases::timing::{Percentiles, cpu_ns, time};
+use sulcus_core::{NoProbe, Vec3};
+use sulcus_operator::HandParams;
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::blend::{BlendOptions, blend_error, calibrate};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::{BuildOptions, compile_default};
 
 fn cpu_us() -> f64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as f64 * 1e6 + now.tv_nsec as f64 * 1e-3
+    cpu_ns() as f64 * 1e-3
 }
 
 /// Thread CPU microseconds of each tick of the crown exercise on the built-in molar, hard and blended, on
@@ -61,44 +61,24 @@ fn crown() {
                 ..CrownParams::default()
             },
         );
-        let mut operator =
-            Operator::new(Box::new(script.expect("a tooth")), HandParams::default(), 1);
-        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-        let mut shown = Shown::NOTHING;
-        let inputs: Vec<TickInput> = (0..operator.ticks())
-            .map(|_| {
-                let mut input = TickInput::IDLE;
-                input.tools = operator.step(&shown);
-                let out = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-                shown = Shown::from(&out);
-                input
-            })
-            .collect();
+        let hand = (HandParams::default(), 1);
+        let script = Box::new(script.expect("a tooth"));
+        let inputs = record(&scene, script, hand, 6000, |_, _| {});
         for blend in [false, true] {
             scene.params.blend = blend;
-            let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-            let (mut rows, mut steps, mut contacts) = (0.0, 0.0, 0.0);
-            let mut times: Vec<f64> = inputs
-                .iter()
-                .map(|input| {
-                    let before = cpu_us();
-                    let out = tick(&scene, &mut state, &mut ws, input, &mut NoProbe);
-                    let us = cpu_us() - before;
-                    rows += f64::from(out.tools[0].rows);
-                    steps += f64::from(out.tools[0].substeps);
-                    contacts += ws.contacts().count() as f64;
-                    us
-                })
-                .collect();
-            let n = times.len() as f64;
-            let mean = times.iter().sum::<f64>() / n;
-            times.sort_by(f64::total_cmp);
+            let (mut rows, mut steps) = (0.0, 0.0);
+            let run = time(&scene, &inputs, |_, out| {
+                rows += f64::from(out.tools[0].rows);
+                steps += f64::from(out.tools[0].substeps);
+            });
+            let n = run.cpu.len() as f64;
+            let mean = run.cpu.iter().sum::<u64>() as f64 * 1e-3 / n;
+            let at = Percentiles::of(run.cpu);
             println!(
-                "crown L{level} {} p50 {:.2} p99 {:.2} mean {mean:.2} us, contacts {:.1}, rows {:.2}, passes {:.2}",
+                "crown L{level} {} p50 {:.2} p99 {:.2} mean {mean:.2} us, rows {:.2}, passes {:.2}",
                 if blend { "blended" } else { "hard   " },
-                times[times.len() / 2],
-                times[times.len() * 99 / 100],
-                contacts / n,
+                at.p50,
+                at.p99,
                 rows / n,
                 steps / n,
             );

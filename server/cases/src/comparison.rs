@@ -190,7 +190,7 @@ pub fn compare_changed(case: &Case, method: Method, change: impl FnOnce(&mut Sce
             change(scene);
             scene.validate().expect("a scene that may run");
         },
-        |scene, before, output, after| sums.tick(scene, before, output, after),
+        |seen| sums.tick(seen.scene, seen.before, seen.output, seen.after),
     );
     Compared {
         case: case.name,

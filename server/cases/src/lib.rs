@@ -17,10 +17,11 @@ pub mod run;
 pub mod scenes;
 mod sway;
 pub mod table;
+pub mod timing;
 pub mod tissue_scenes;
 pub mod toured;
 
 pub use chart::Chart;
 pub use measure::{Measures, Observer};
-pub use run::{CaseReport, run, run_on};
+pub use run::{CaseReport, Seen, record, run, run_on};
 pub use table::{Bounds, Case, TABLE, find};

@@ -2,12 +2,15 @@
 
 use sulcus_core::math::{log_rotation, norm};
 use sulcus_core::{
-    MAX_TOOLS, Pose, Scene, TickInput, TickOutput, Vec3, Workspace, Wrench, output::status,
+    MAX_TOOLS, Pose, Scene, TICK_S, TickInput, TickOutput, Vec3, Workspace, Wrench, output::status,
 };
 
 use crate::bearing::{Bearing, imbalance};
 use crate::residual::FullQuery;
 use crate::sway::Sway;
+
+/// Fastest hand of the *slow force step*, m/s.
+pub const SLOW: f64 = 0.2;
 
 /// Ticks after which what a resting hand holds has settled.
 const SETTLE_TICKS: u64 = 1000;
@@ -42,6 +45,9 @@ pub struct Measures {
     pub buzz: f64,
     /// *Force step*: largest change of the **raw** force in a tick beyond `k_t |dq_h|`, newtons.
     pub force_step: f64,
+    /// *Slow force step*: the same over ticks in which the hand went at [`SLOW`] at most, the tool's sphere that is farthest from its
+    /// working point included, outside of first touch (the tool was loaded in the tick before, too): newtons.
+    pub slow_force_step: f64,
     /// *Torque step*: largest change of the **raw** torque in a tick, about the tool's working point (about the
     /// device point a lateral force would count with its lever of 90 mm), newton metres.
     pub torque_step: f64,
@@ -91,6 +97,8 @@ pub struct Observer {
     put_out: f64,
     /// Ticks since each hand moved, and where the tool then came to be.
     resting: [(u64, Vec3); MAX_TOOLS],
+    /// How far a tool reaches from its working point, metres: what a turn moves.
+    reach: [f64; MAX_TOOLS],
     query: FullQuery,
     bearing: Bearing,
     sway: Sway,
@@ -128,6 +136,7 @@ impl Observer {
             second_difference_count: 0,
             put_out: 0.0,
             resting: [(0, Vec3::zeros()); MAX_TOOLS],
+            reach: std::array::from_fn(|t| scene.tools.get(t).map_or(0.0, reach)),
             query: FullQuery::new(scene),
             bearing: Bearing::default(),
             sway: Sway::new(scene),
@@ -236,6 +245,14 @@ impl Observer {
             m.force_step = m
                 .force_step
                 .max(norm(&change) - tool.stiffness_n_per_m * hand);
+            let turn =
+                log_rotation(&(now.haptic.orientation * before.haptic.orientation.inverse()));
+            let farthest = hand + self.reach[t] * norm(&turn);
+            if farthest <= SLOW * TICK_S && norm(&before.raw.force) > 0.0 {
+                m.slow_force_step = m
+                    .slow_force_step
+                    .max(norm(&change) - tool.stiffness_n_per_m * farthest);
+            }
             let torque = |trace: &ToolTrace| trace.about_working_point(tool).torque;
             m.torque_step = m.torque_step.max(norm(&(torque(now) - torque(&before))));
             let loaded = out.active > 0 || norm(&before.raw.force) > 0.0;
@@ -245,8 +262,6 @@ impl Observer {
             }
             self.last_force_change[t] = Some(change);
             // The wrench sent last tick acted while the hand moved to this tick's pose.
-            let turn =
-                log_rotation(&(now.haptic.orientation * before.haptic.orientation.inverse()));
             let step = now.haptic.position - before.haptic.position;
             self.put_out += before.sent.force.dot(&step) + before.sent.torque.dot(&turn);
             m.energy = m.energy.max(self.put_out);
@@ -263,6 +278,14 @@ impl Observer {
             ..self.measures
         }
     }
+}
+
+/// Farthest of a tool's spheres from its working point, metres.
+fn reach(tool: &sulcus_core::Tool) -> f64 {
+    let from =
+        |node: &sulcus_core::Node| norm(&(node.centre - tool.working_point)) + node.contact_radius;
+    let all = tool.tree.shape_at(tool.level);
+    all.map(|(_, node)| from(node)).fold(0.0, f64::max)
 }
 
 /// `G log(q_h q_g^-1)` against the raw wrench, both at the working point: the force relative to the force, the

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use sulcus_core::{NoProbe, Object, Scene, State, TickInput, TickOutput, Workspace, tick};
+use sulcus_core::{Object, Scene};
 use sulcus_operator::bimanual::Bimanual;
 use sulcus_operator::habit::Habit;
 use sulcus_operator::retraction::RetractionParams;
 use sulcus_operator::tour_params::{TourParams, Visit};
-use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::parametric::Probe;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
@@ -52,27 +51,6 @@ pub fn hands(scene: &Scene, seconds: f64) -> Bimanual {
     let tour = [Visit::whole(PROBED)];
     let mirror = RetractionParams::default();
     Bimanual::new(scene, &tour, params, mirror, 1.0).expect("a tooth and a tongue")
-}
-
-/// What those hands do in closed loop, tick by tick, as recorded inputs; `each` sees every tick's number and output.
-pub fn inputs(
-    scene: &Scene,
-    script: Bimanual,
-    ticks: u64,
-    mut each: impl FnMut(u64, &TickOutput),
-) -> Vec<TickInput> {
-    let mut operator = Operator::new(Box::new(script), HandParams::default(), 7);
-    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut shown = Shown::NOTHING;
-    let inputs = (0..ticks).map(|k| {
-        let mut input = TickInput::IDLE;
-        input.tools = operator.step(&shown);
-        let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
-        shown = Shown::from(&out);
-        each(k, &out);
-        input
-    });
-    inputs.collect()
 }
 
 /// How well one operator charted one mouth.

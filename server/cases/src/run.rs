@@ -1,9 +1,9 @@
-//! Runs a case of the table.
+//! Runs a case of the table, or any script in closed loop.
 
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Params, Scene, State, TickInput, TickOutput, Workspace, tick,
 };
-use sulcus_operator::{Felt, Operator, Shown, present};
+use sulcus_operator::{Felt, HandParams, Operator, Script, Shown, present};
 
 use crate::measure::{Measures, Observer};
 use crate::table::{Case, Driver};
@@ -21,18 +21,32 @@ pub struct CaseReport {
     pub broken: Vec<String>,
 }
 
+/// One tick of a case, as who watches it sees it.
+pub struct Seen<'a> {
+    /// The scene, changed as was asked.
+    pub scene: &'a Scene,
+    /// What came in.
+    pub input: &'a TickInput,
+    /// State before.
+    pub before: &'a State,
+    /// What came out.
+    pub output: &'a TickOutput,
+    /// State after.
+    pub after: &'a State,
+}
+
 /// Runs `case` in virtual time; `adjust` may change the parameters first (another solver, another
 /// contact compliance).
 pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
-    run_on(case, |scene| adjust(&mut scene.params), |_, _, _, _| {})
+    run_on(case, |scene| adjust(&mut scene.params), |_| {})
 }
 
 /// Runs `case` on its scene as `change` leaves it, the hand's way being that of the scene as it was; `each` sees every
-/// tick: the scene, the state before, the output, the state after.
+/// tick.
 pub fn run_on(
     case: &Case,
     change: impl FnOnce(&mut Scene),
-    mut each: impl FnMut(&Scene, &State, &TickOutput, &State),
+    mut each: impl FnMut(&Seen),
 ) -> CaseReport {
     let mut scene = (case.scene)();
     let mut operator = match case.driver {
@@ -65,7 +79,13 @@ pub fn run_on(
         (case.disturb)(k, &mut input);
         let before = state.clone();
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-        each(&scene, &before, &output, &state);
+        each(&Seen {
+            scene: &scene,
+            input: &input,
+            before: &before,
+            output: &output,
+            after: &state,
+        });
         observer.observe(&scene, &input, &output, &ws);
         shown = Shown::from(&output);
         margin = margin.min((case.margin)(&scene, &output));
@@ -78,4 +98,27 @@ pub fn run_on(
         margin,
         broken,
     }
+}
+
+/// What a hand with that script does on `scene` in closed loop for so many ticks, as recorded inputs; `each` sees every
+/// tick's number and output.
+pub fn record(
+    scene: &Scene,
+    script: Box<dyn Script + Send>,
+    (hand, seed): (HandParams, u64),
+    ticks: u64,
+    mut each: impl FnMut(u64, &TickOutput),
+) -> Vec<TickInput> {
+    let mut operator = Operator::new(script, hand, seed);
+    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
+    let mut shown = Shown::NOTHING;
+    let inputs = (0..ticks).map(|k| {
+        let mut input = TickInput::IDLE;
+        input.tools = operator.step(&shown);
+        let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
+        shown = Shown::from(&out);
+        each(k, &out);
+        input
+    });
+    inputs.collect()
 }

@@ -82,13 +82,60 @@ fn grid(half: f64, spacing: f64) -> impl Iterator<Item = Vec3> {
 
 /// A horizontal plate one sphere thick (0.5 mm), 8 mm wide, centred at the origin.
 pub fn thin_plate() -> Object {
-    let spheres: Vec<_> = grid(4e-3, 2e-4)
-        .map(|centre| Sphere {
-            centre,
-            radius: TIP_RADIUS,
-        })
+    plate(TIP_RADIUS)
+}
+
+/// The same, as thick as two of `radius` (metres).
+pub fn plate(radius: f64) -> Object {
+    let spheres: Vec<_> = grid(4e-3, 0.8 * radius)
+        .map(|centre| Sphere { centre, radius })
         .collect();
     object("plate", &spheres)
+}
+
+/// Two upright plates along y, 5 mm deep and open at the top (z = 0), `half` metres to each side of the middle.
+pub fn slot(half: f64) -> Object {
+    const RADIUS: f64 = 3e-4;
+    let sides = [-1.0, 1.0].map(|side| {
+        grid(4e-3, 1.5e-4).filter_map(move |p| {
+            let centre = Vec3::new(side * (half + RADIUS), p.y, p.x - RADIUS);
+            (p.x <= 0.0).then_some(Sphere {
+                centre,
+                radius: RADIUS,
+            })
+        })
+    });
+    let spheres: Vec<Sphere> = sides.into_iter().flatten().collect();
+    object("slot", &spheres)
+}
+
+/// A round hole of that radius (metres) along z, 5 mm deep from z = 0 down, in a collar of spheres.
+pub fn hole(radius: f64) -> Object {
+    const WALL: f64 = 2e-4;
+    let mut spheres = Vec::new();
+    for ring in 0..50 {
+        for k in 0..24 {
+            let angle = f64::from(k) * std::f64::consts::TAU / 24.0;
+            let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+            let off = radius + WALL;
+            spheres.push(Sphere {
+                centre: Vec3::new(off * cosine, off * sine, -1e-4 * f64::from(ring) - WALL),
+                radius: WALL,
+            });
+        }
+    }
+    object("hole", &spheres)
+}
+
+/// An upright post of 1 mm radius and 10 mm height about `centre`.
+pub fn post(centre: Vec3) -> Object {
+    let spheres: Vec<Sphere> = (-50..=50)
+        .map(|k| Sphere {
+            centre: centre + Vec3::new(0.0, 0.0, 1e-4 * f64::from(k)),
+            radius: 1e-3,
+        })
+        .collect();
+    object("post", &spheres)
 }
 
 /// As [`thin_plate`], 50 mm wide: nothing gets round it.

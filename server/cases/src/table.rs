@@ -1,6 +1,8 @@
 //! The hard cases, one row each: scene, hand, what must hold.
 
+mod passing;
 mod rigid;
+mod squeezed;
 mod tissue;
 
 use sulcus_core::{Scene, TickInput, TickOutput};
@@ -150,16 +152,28 @@ fn no_margin(_: &Scene, _: &TickOutput) -> f64 {
 /// All hard cases, in the order of the report.
 pub const TABLE: &[Case] = &joined();
 
-const fn joined() -> [Case; rigid::CASES.len() + tissue::CASES.len()] {
-    let mut all = [rigid::CASES[0]; rigid::CASES.len() + tissue::CASES.len()];
-    let mut k = 0;
-    while k < all.len() {
-        all[k] = if k < rigid::CASES.len() {
-            rigid::CASES[k]
-        } else {
-            tissue::CASES[k - rigid::CASES.len()]
-        };
-        k += 1;
+const GROUPS: [&[Case]; 4] = [rigid::CASES, squeezed::CASES, passing::CASES, tissue::CASES];
+
+const COUNT: usize = {
+    let (mut count, mut group) = (0, 0);
+    while group < GROUPS.len() {
+        count += GROUPS[group].len();
+        group += 1;
+    }
+    count
+};
+
+const fn joined() -> [Case; COUNT] {
+    let mut all = [GROUPS[0][0]; COUNT];
+    let (mut at, mut group) = (0, 0);
+    while group < GROUPS.len() {
+        let mut k = 0;
+        while k < GROUPS[group].len() {
+            all[at] = GROUPS[group][k];
+            at += 1;
+            k += 1;
+        }
+        group += 1;
     }
     all
 }

@@ -4,14 +4,18 @@
 mod counting;
 
 use counting::calls;
-use sulcus_cases::mouth::{hands, inputs, mouth};
+use sulcus_cases::mouth::{hands, mouth};
+use sulcus_cases::record;
 use sulcus_core::{MAX_TOOLS, NoProbe, State, Workspace, tick};
+use sulcus_operator::HandParams;
 
 #[test]
 fn ten_thousand_ticks_with_two_hands_in_the_mouth_allocate_nothing() {
     let scene = mouth(1, false, 3);
     let mut touched = [0; MAX_TOOLS];
-    let inputs = inputs(&scene, hands(&scene, 20.0), 10_000, |_, out| {
+    let script = Box::new(hands(&scene, 20.0));
+    let hand = (HandParams::default(), 7);
+    let inputs = record(&scene, script, hand, 10_000, |_, out| {
         for (touched, tool) in touched.iter_mut().zip(&out.tools) {
             *touched += u32::from(tool.active > 0);
         }

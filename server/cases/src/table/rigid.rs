@@ -16,8 +16,18 @@ fn above_plate(_: &Scene, output: &TickOutput) -> f64 {
         .z
 }
 
+/// Height of the lowest of the graphic tool's spheres above the plate's middle.
+pub(super) fn lowest_sphere(scene: &Scene, output: &TickOutput) -> f64 {
+    let tool = &scene.tools[0];
+    let height = |node: &sulcus_core::Node| output.tools[0].graphic.transform(&node.centre).z;
+    tool.tree
+        .shape_at(tool.level)
+        .map(|(_, node)| height(node))
+        .fold(f64::INFINITY, f64::min)
+}
+
 /// Straight down through the plate from 10 mm above to 10 mm below, then rests there.
-fn stab(speed: f64) -> Box<dyn Script + Send> {
+pub(super) fn stab(speed: f64) -> Box<dyn Script + Send> {
     let enter = 0.1;
     let pose = move |t: f64| {
         let z = 0.01 - (speed * (t - enter)).clamp(0.0, 0.02);
@@ -73,7 +83,7 @@ fn along_groove(_: &Scene) -> Box<dyn Script + Send> {
     })
 }
 
-const THIN_PLATE: Case = Case {
+pub(super) const THIN_PLATE: Case = Case {
     name: "thin-plate-0.5",
     about: "a plate of 0.5 mm, stabbed at 0.5 m/s: never through",
     scene: || scenes::scene("thin plate", vec![scenes::thin_plate()]),
@@ -294,15 +304,7 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 6.0,
             })
         }),
-        margin: |scene, output| {
-            let tool = &scene.tools[0];
-            let height =
-                |node: &sulcus_core::Node| output.tools[0].graphic.transform(&node.centre).z;
-            tool.tree
-                .shape_at(tool.level)
-                .map(|(_, node)| height(node))
-                .fold(f64::INFINITY, f64::min)
-        },
+        margin: lowest_sphere,
         // Over a metre a second and 80 rad/s: what is asked is safety; the rest is what it came to.
         bounds: Bounds {
             exhausted_share: 0.02,

@@ -62,7 +62,7 @@ fn press_and_slide(scene: &Scene, press: f64) -> Box<dyn Script + Send> {
 }
 
 /// Where a mirror meets the tongue, on one flank or the other.
-fn mirror(scene: &Scene, flank: f64) -> Retraction {
+pub(super) fn mirror(scene: &Scene, flank: f64) -> Retraction {
     let params = RetractionParams {
         flank,
         ..RetractionParams::default()
@@ -77,7 +77,7 @@ fn beside_a_bar(mut scene: Scene) -> Scene {
     scene
 }
 
-const TONGUE: Case = Case {
+pub(super) const TONGUE: Case = Case {
     name: "tongue-10-k0.5",
     about: "a mirror 10 mm in the soft tongue, coupled with 0.5 N/mm, then slid at 8 mm/s and let go: no buzz",
     scene: || tongue(0.5),
