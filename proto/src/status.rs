@@ -27,3 +27,5 @@ pub const TWIST_SATURATED: u16 = 1 << 10;
 pub const RAMPING: u16 = 1 << 11;
 /// A number that is not finite was about to reach the hand; zero was sent instead.
 pub const FAULT: u16 = 1 << 12;
+/// The force would have changed by more in this tick than the hand's own motion brings: the tool goes on in the next one.
+pub const SETTLING: u16 = 1 << 13;

@@ -41,6 +41,7 @@ fn status_bits_are_the_same_in_core_and_on_the_wire() {
         (core::TWIST_SATURATED, wire::TWIST_SATURATED),
         (core::RAMPING, wire::RAMPING),
         (core::FAULT, wire::FAULT),
+        (core::SETTLING, wire::SETTLING),
     ];
     assert!(pairs.iter().all(|(core, wire)| core == wire));
 }

@@ -27,6 +27,8 @@ pub struct Measures {
     pub arrival: u64,
     /// Tool-ticks whose substeps ran out.
     pub exhausted: u64,
+    /// Tool-ticks in which the tool was still on its way so that the force should not jump.
+    pub settling: u64,
     /// Tool-ticks without a usable answer of the solver.
     pub solver_failed: u64,
     /// Tool-ticks with unusable input.
@@ -46,7 +48,7 @@ pub struct Measures {
     /// *Force step*: largest change of the **raw** force in a tick beyond `k_t |dq_h|`, newtons.
     pub force_step: f64,
     /// *Slow force step*: the same over ticks in which the hand went at [`SLOW`] at most, the tool's sphere that is farthest from its
-    /// working point included, outside of first touch (the tool was loaded in the tick before, too): newtons.
+    /// working point included, and the tool was not behind it, outside of first touch (the tool was loaded in the tick before, too): newtons.
     pub slow_force_step: f64,
     /// *Torque step*: largest change of the **raw** torque in a tick, about the tool's working point (about the
     /// device point a lateral force would count with its lever of 90 mm), newton metres.
@@ -92,6 +94,7 @@ pub struct Observer {
     /// Second differences need three ticks.
     last_force_change: [Option<Vec3>; MAX_TOOLS],
     arriving: [bool; MAX_TOOLS],
+    behind: [bool; MAX_TOOLS],
     second_differences: f64,
     second_difference_count: u64,
     put_out: f64,
@@ -132,6 +135,7 @@ impl Observer {
             last: None,
             last_force_change: [None; MAX_TOOLS],
             arriving: [true; MAX_TOOLS],
+            behind: [false; MAX_TOOLS],
             second_differences: 0.0,
             second_difference_count: 0,
             put_out: 0.0,
@@ -191,7 +195,7 @@ impl Observer {
             }
             if looks {
                 let depth = self.query.deepest(t, &now.graphic);
-                if out.converged {
+                if out.converged || out.status & status::SETTLING != 0 {
                     m.residual = m.residual.max(depth);
                 } else {
                     m.exhausted_residual = m.exhausted_residual.max(depth);
@@ -248,7 +252,11 @@ impl Observer {
             let turn =
                 log_rotation(&(now.haptic.orientation * before.haptic.orientation.inverse()));
             let farthest = hand + self.reach[t] * norm(&turn);
-            if farthest <= SLOW * TICK_S && norm(&before.raw.force) > 0.0 {
+            m.settling += u64::from(out.status & status::SETTLING != 0);
+            // A hand that was faster than the tool could follow has its motion's end in later ticks.
+            let behind = &mut self.behind[t];
+            *behind = (*behind || out.status & status::EXHAUSTED != 0) && !out.converged;
+            if farthest <= SLOW * TICK_S && !*behind && norm(&before.raw.force) > 0.0 {
                 m.slow_force_step = m
                     .slow_force_step
                     .max(norm(&change) - tool.stiffness_n_per_m * farthest);

@@ -37,6 +37,8 @@ pub struct Bounds {
     pub jump: f64,
     /// Largest force step.
     pub force_step: f64,
+    /// Largest slow force step.
+    pub slow_force_step: f64,
     /// Largest torque step, newton metres.
     pub torque_step: f64,
     /// Largest change of the force sent in a tick: nothing jumps at the hand.
@@ -60,6 +62,10 @@ pub struct Bounds {
     /// Fewest ticks in contact: a case that never touches proves nothing.
     pub contact_ticks: u64,
 }
+
+/// Most that the raw force may change by in a tick beyond what a hand at up to 0.2 m/s brings with it, newtons: the tick's own
+/// limit, and rounding.
+const SLOW_FORCE_STEP: f64 = 0.02 + 1e-9;
 
 /// One hard case.
 #[derive(Clone, Copy)]
@@ -115,6 +121,13 @@ impl Bounds {
         );
         most("jump", m.jump, self.jump, 1e3, "mm");
         most("force step", m.force_step, self.force_step, 1.0, "N");
+        most(
+            "slow force step",
+            m.slow_force_step,
+            self.slow_force_step,
+            1.0,
+            "N",
+        );
         most("torque step", m.torque_step, self.torque_step, 1e3, "N mm");
         most("step sent", m.sent_step, self.sent_step, 1.0, "N");
         most("buzz", m.buzz, self.buzz, 1.0, "N");

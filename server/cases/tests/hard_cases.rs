@@ -12,13 +12,14 @@ fn every_case_of_the_table_holds() {
         let report = run(case, |_| {});
         let m = &report.measures;
         println!(
-            "{:18} residual {:.3} um (exhausted {:.3}), jump {:.3} mm, force step {:.3} N (slow {:.4}), buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}, torque step {:.3} N mm, imbalance {:.1e}, flips {}, indentation {:.2} mm, rebound {:.4}, unrest {:.3} um, drift {:.3} um, work in {:.2} mJ",
+            "{:18} residual {:.3} um (exhausted {:.3}), jump {:.3} mm, force step {:.3} N (slow {:.4}, settling {}), buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}, torque step {:.3} N mm, imbalance {:.1e}, flips {}, indentation {:.2} mm, rebound {:.4}, unrest {:.3} um, drift {:.3} um, work in {:.2} mJ",
             case.name,
             m.residual * 1e6,
             m.exhausted_residual * 1e6,
             m.jump * 1e3,
             m.force_step,
             m.slow_force_step,
+            m.settling,
             m.buzz,
             m.coupling_error * 100.0,
             m.exhausted,

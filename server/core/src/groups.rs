@@ -61,7 +61,7 @@ fn solve<P: StageProbe>(
     ws.owners.fill(None);
     let group = |k: usize| groups.get(k).filter(|group| !group.is_empty());
     let mut runs: [Option<Run<'_>>; MAX_TOOLS] =
-        std::array::from_fn(|k| group(k).map(|group| Run::new(asked, ws, group)));
+        std::array::from_fn(|k| group(k).map(|group| Run::new(asked, state, ws, group)));
     for run in runs.iter_mut().flatten() {
         run.claim(asked, state, ws)?;
     }

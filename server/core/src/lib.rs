@@ -34,6 +34,7 @@ pub mod params;
 mod pass;
 mod rows;
 pub mod scene;
+mod settle;
 pub mod skin;
 pub mod stage;
 pub mod state;

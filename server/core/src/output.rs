@@ -32,6 +32,9 @@ pub mod status {
     pub const RAMPING: u16 = 1 << 11;
     /// A number that is not finite was about to reach the hand; zero was sent instead.
     pub const FAULT: u16 = 1 << 12;
+    /// The force would have changed by more in this tick than the hand's own motion brings: the tool is on its way, outside of
+    /// everything, and goes on in the next tick.
+    pub const SETTLING: u16 = 1 << 13;
 }
 
 /// How heavy a hand is on the floor of a pocket.

@@ -58,6 +58,9 @@ pub struct Params {
     pub max_force_step: f64,
     /// Largest change of torque per tick, N m. Default 0.03.
     pub max_torque_step: f64,
+    /// Largest change of the **raw** force in a tick beyond what the hand's own motion brings (`k_t |dq_h|`), N, once a tool
+    /// bears load. Default 0.02: a tool that comes loose then settles at 20 N/s and is not felt as a click. 50 is as good as none.
+    pub max_settle_step: f64,
     /// Ticks in which the wrench ramps from zero to full after (re)entry. Default 100.
     pub ramp_up_ticks: u16,
     /// Ticks in which it ramps to zero on pause, stale pose or absence. Default 20.
@@ -86,6 +89,7 @@ impl Default for Params {
             max_torque: 0.2,
             max_force_step: 0.5,
             max_torque_step: 0.03,
+            max_settle_step: 0.02,
             ramp_up_ticks: 100,
             ramp_down_ticks: 20,
         }
@@ -110,7 +114,7 @@ impl Params {
     /// # Errors
     /// Names the first field out of range, with the value found and the range expected.
     pub fn validate(&self) -> Result<(), ParamError> {
-        let checks: [(&'static str, f64, bool, &'static str); 17] = [
+        let checks: [(&'static str, f64, bool, &'static str); 18] = [
             (
                 "predict_min",
                 self.predict_min,
@@ -212,6 +216,12 @@ impl Params {
                 self.max_torque_step,
                 within(self.max_torque_step, 1e-5, 5.0),
                 "1e-5 to 5 N m",
+            ),
+            (
+                "max_settle_step",
+                self.max_settle_step,
+                within(self.max_settle_step, 1e-3, 50.0),
+                "1e-3 to 50 N",
             ),
         ];
         match checks.into_iter().find(|check| !check.2) {

@@ -17,6 +17,7 @@ use crate::optimise::{
 use crate::output::status;
 use crate::pass::Pass;
 use crate::rows::{bend, keep_smallest_gaps, write_lines};
+use crate::settle::Settle;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
 use crate::tick::{Held, hands};
@@ -92,6 +93,7 @@ pub(crate) struct Run<'a> {
     status: u16,
     converged: bool,
     reached: [Reached; MAX_TOOLS],
+    settle: Settle,
 }
 
 /// Another group has a tissue that this one needs.
@@ -99,7 +101,7 @@ pub(crate) struct Run<'a> {
 pub(crate) struct Shared;
 
 impl<'a> Run<'a> {
-    pub fn new(asked: &Asked<'_>, ws: &Workspace, group: &'a [usize]) -> Self {
+    pub fn new(asked: &Asked<'_>, state: &State, ws: &Workspace, group: &'a [usize]) -> Self {
         let params = &asked.scene.params;
         let mut run = Self {
             group,
@@ -112,6 +114,7 @@ impl<'a> Run<'a> {
             status: 0,
             converged: false,
             reached: [Reached::NOTHING; MAX_TOOLS],
+            settle: Settle::new(asked, state, ws, group),
         };
         run.d = run.first_distance(asked);
         run
@@ -289,6 +292,9 @@ impl<'a> Run<'a> {
                 }
             }
         }
+        let eased = self.settle.share(state, ws, self.group);
+        let settling = eased < share;
+        let share = fmin(share, eased);
         apply(scene, state, ws, self.group, &step, share);
         ws.passes[first].applied = Some(share);
         // What turns about the working point moves a little farther than its lever says.
@@ -306,6 +312,10 @@ impl<'a> Run<'a> {
             self.converged = true;
             return false;
         }
+        if settling && deepest >= -params.converged_gap {
+            self.status |= status::SETTLING;
+            return false;
+        }
         // A tick that needs many passes must not be held by how little each of them sees.
         self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
         self.d = self.distance(asked, moved * (1.0 - share), turned * (1.0 - share));
@@ -315,7 +325,7 @@ impl<'a> Run<'a> {
     /// How it went, for the tools of the group.
     pub fn finish(mut self, ws: &Workspace, all: &mut [Reached; MAX_TOOLS]) {
         let failed = self.status & status::SOLVER_FAILED != 0;
-        if !self.converged && !failed {
+        if !self.converged && !failed && self.status & status::SETTLING == 0 {
             self.status |= status::EXHAUSTED;
         }
         let pass = &ws.passes[self.first];

@@ -6,7 +6,7 @@ use crate::MAX_TOOLS;
 use crate::groups::advance;
 use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
-use crate::math::{Pose, Wrench, log_rotation, norm};
+use crate::math::{Pose, Vec3, Wrench, fclamp, fmax, log_rotation, norm};
 use crate::output::{PocketReading, TickOutput, ToolOutput, status};
 use crate::pass::Pass;
 use crate::scene::Scene;
@@ -163,14 +163,14 @@ fn commit(
         let pass = ws.owners[slot].map(|owner| &ws.passes[owner]);
         let answered = pass.is_none_or(|pass| pass.applied.is_some());
         if let Some(pass) = pass {
-            let applied = pass.applied.unwrap_or(0.0);
+            let part = applied(pass, (&state.loads, scene.objects.len()), yielding.object);
             let ours = pass.loaded().filter(|(contact, load)| {
                 usize::from(contact.object) == yielding.object && *load > 0.0
             });
             ws.tick_loads.extend(ours.map(|(contact, load)| SiteLoad {
                 sphere: contact.object_sphere,
                 tool: contact.tool,
-                force: contact.normal * (-load * applied),
+                force: contact.normal * (-load * part[usize::from(contact.tool)]),
             }));
         }
         yielding.model.commit(
@@ -211,6 +211,32 @@ fn commit(
     }
     state.tissue = all;
     (readings, fault)
+}
+
+/// Share of the last pass's loads on an object that each tool puts on it: all, unless the pass went a share of its step only. Then
+/// the load is between that of the tick before and the pass's, and what of it lies along the pass's is on the tissue.
+fn applied(pass: &Pass, (loads, objects): (&[Wrench], usize), object: usize) -> [f64; MAX_TOOLS] {
+    let share = pass.applied.unwrap_or(0.0);
+    if share == 1.0 {
+        return [1.0; MAX_TOOLS];
+    }
+    let mut asked = [Vec3::zeros(); MAX_TOOLS];
+    for (contact, load) in pass.loaded() {
+        if usize::from(contact.object) == object {
+            asked[usize::from(contact.tool)] -= contact.normal * fmax(load, 0.0);
+        }
+    }
+    std::array::from_fn(|t| {
+        let squared = asked[t].dot(&asked[t]);
+        if squared == 0.0 {
+            return share;
+        }
+        let borne = loads
+            .get(t * objects + object)
+            .map_or(0.0, |load| load.force.dot(&asked[t]));
+        // As far as the load of one pass says anything of the other's.
+        fclamp(borne / squared, 0.0, 4.0)
+    })
 }
 
 /// Wrench, ramps and what is kept of one tool.

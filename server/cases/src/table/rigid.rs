@@ -5,7 +5,7 @@ use sulcus_core::{Pose, Quat, Scene, TickOutput, Vec3};
 use sulcus_operator::script::{OneTool, smoothstep};
 use sulcus_operator::{HandParams, Script};
 
-use super::{Bounds, Case, Driver, no_margin, undisturbed};
+use super::{Bounds, Case, Driver, SLOW_FORCE_STEP, no_margin, undisturbed};
 use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
 
 /// Height of the graphic tip's centre above the plate's middle: positive while it is not through.
@@ -98,6 +98,7 @@ pub(super) const THIN_PLATE: Case = Case {
         exhausted_share: 0.001,
         jump: 5e-4,
         force_step: 0.05,
+        slow_force_step: SLOW_FORCE_STEP,
         // The slew limit, and rounding.
         sent_step: 0.5 + 1e-9,
         torque_step: f64::INFINITY,

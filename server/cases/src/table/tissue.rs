@@ -6,7 +6,7 @@ use sulcus_operator::pocket_path::{Manner, PocketPath};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
 
-use super::{Bounds, Case, Driver, no_margin, undisturbed};
+use super::{Bounds, Case, Driver, SLOW_FORCE_STEP, no_margin, undisturbed};
 use crate::tissue_scenes::{bar, organ, pocket, stiff, tongue, twice};
 
 /// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, radians.
@@ -93,6 +93,7 @@ pub(super) const TONGUE: Case = Case {
         exhausted_share: 0.001,
         jump: 3.5e-4,
         force_step: 0.05,
+        slow_force_step: SLOW_FORCE_STEP,
         sent_step: 0.5 + 1e-9,
         // A mirror is held six times as stiffly as a probe against turning.
         torque_step: 3e-3,
