@@ -133,8 +133,11 @@ pub fn organ(
     Ok(condensed.model(skin, options.params()))
 }
 
-/// The tetrahedra, and what of them is held.
-fn elements(
+/// The tetrahedra of an organ with this surface, and what of them is held.
+///
+/// # Errors
+/// When the surface cannot be filled with any, or the file of them cannot be read.
+pub fn elements(
     surface: &MeshDistance,
     options: &SurfaceOptions,
     folder: &Path,

@@ -134,12 +134,7 @@ fn section(
         for (name, caption, shape) in &shapes {
             let seen = draw_mesh(&camera, shape);
             let image = seen.picture(SHADOW, |k| {
-                let fragment = &seen.seen[k];
-                let mesh = shape.mesh();
-                let corners = mesh.corners(fragment.of as usize);
-                let l = within(&fragment.point, &corners);
-                let triangle = mesh.triangles[fragment.of as usize];
-                let error: f64 = (0..3).map(|c| l[c] * off[triangle[c] as usize]).sum();
+                let error = seen.value(k, shape.mesh(), &off);
                 diverging(-scale.part(error))
             });
             let png = image.to_png()?;
@@ -162,15 +157,4 @@ fn section(
     }
     html.push_str("</section>\n");
     Ok(())
-}
-
-/// Barycentric coordinates of a point of a triangle; the first corner's where the triangle has no area.
-fn within(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
-    let area = (b - a).cross(&(c - a));
-    let twice = area.norm_squared();
-    if twice == 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let part = |x: &Vec3, y: &Vec3| ((x - p).cross(&(y - p)).dot(&area) / twice).clamp(0.0, 1.0);
-    [part(b, c), part(c, a), part(a, b)]
 }

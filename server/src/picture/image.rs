@@ -26,7 +26,30 @@ impl Image {
         self.bytes[at..at + 3].copy_from_slice(&colour);
     }
 
-    #[cfg(test)]
+    /// Fills a box whose upper left corner is at (x, y); what is beyond the picture is left out.
+    pub(crate) fn fill(
+        &mut self,
+        (x, y): (usize, usize),
+        (width, height): (usize, usize),
+        colour: [u8; 3],
+    ) {
+        for row in y..(y + height).min(self.height) {
+            for column in x..(x + width).min(self.width) {
+                self.set(column, row, colour);
+            }
+        }
+    }
+
+    /// Puts another picture in, its upper left corner at (x, y); what is beyond this one is left out.
+    pub(crate) fn paste(&mut self, other: &Self, (x, y): (usize, usize)) {
+        for row in 0..other.height.min(self.height.saturating_sub(y)) {
+            for column in 0..other.width.min(self.width.saturating_sub(x)) {
+                self.set(x + column, y + row, other.at(column, row));
+            }
+        }
+    }
+
+    /// Colour of a pixel.
     pub(crate) fn at(&self, x: usize, y: usize) -> [u8; 3] {
         let at = 3 * (y * self.width + x);
         [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]

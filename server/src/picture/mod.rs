@@ -2,9 +2,11 @@
 
 mod camera;
 mod colour;
+mod field;
 mod image;
 mod raster;
 mod scene;
+pub(crate) mod text;
 
 pub(crate) use camera::{Camera, MOUTH, SIDES};
 pub(crate) use colour::{GREY, diverging, hex, ivory};

@@ -28,7 +28,7 @@ pub(crate) struct Fragment {
 
 /// All that a picture shows, [`FINER`] times finer than the picture.
 pub(crate) struct Fragments {
-    camera: Camera,
+    pub(super) camera: Camera,
     /// Pixels that show something.
     pub(crate) seen: Vec<Fragment>,
 }

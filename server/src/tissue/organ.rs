@@ -65,7 +65,27 @@ impl Organ {
     /// If a file cannot be read or its surface is no solid.
     pub(crate) fn read(folder: &Path, progress: &dyn Fn(&str, f64)) -> anyhow::Result<Self> {
         progress("reading the mesh", 0.0);
-        let elements = read_mesh(folder)?;
+        let part = folder.display().to_string();
+        Self::of(read_mesh(folder)?, &part, |surface| {
+            let options = TreeOptions {
+                levels: LEVEL,
+                volumetric: true,
+                ..TreeOptions::default()
+            };
+            kept_or_built(surface, &options, default_cache_dir().as_deref(), progress)
+                .with_context(|| format!("{part}: cannot build the sphere tree"))
+        })
+    }
+
+    /// The organ of these elements, which errors call `part`; `tree` gives the tree for their surface.
+    ///
+    /// # Errors
+    /// If their surface is no solid, all of it is held, or there is no tree.
+    pub(crate) fn of(
+        elements: TetMesh,
+        part: &str,
+        tree: impl FnOnce(&TriMesh) -> anyhow::Result<SphereTree>,
+    ) -> anyhow::Result<Self> {
         let faces = elements.boundary_faces().into_iter();
         let faces: Vec<Face> = faces
             .map(|[a, b, c, middles @ ..]| Face {
@@ -91,8 +111,7 @@ impl Organ {
                 .map(|face| face.corners.map(|node| vertex_of[&node] as u32))
                 .collect(),
         };
-        let part = folder.display().to_string();
-        check(&surface, &part)?;
+        check(&surface, part)?;
         let free: Vec<usize> = (0..nodes.len())
             .filter(|&v| elements.held[nodes[v] as usize] != [true; 3])
             .collect();
@@ -102,13 +121,7 @@ impl Organ {
                 nodes.len()
             );
         }
-        let options = TreeOptions {
-            levels: LEVEL,
-            volumetric: true,
-            ..TreeOptions::default()
-        };
-        let tree = kept_or_built(&surface, &options, default_cache_dir().as_deref(), progress)
-            .with_context(|| format!("{part}: cannot build the sphere tree"))?;
+        let tree = tree(&surface)?;
         let centres: Vec<(u32, Vec3)> = tree
             .shape_at(LEVEL)
             .map(|(id, node)| (id, node.centre))
