@@ -14,9 +14,9 @@ use crate::state::State;
 use crate::substep::Asked;
 use crate::workspace::Workspace;
 
-/// A tool that is this far behind its hand, newtons of coupling that it does not bear yet, is not coming loose: substeps have run
-/// out, as after lost packets. It comes as fast as it can, and what is sent keeps to the slew limit.
-const BEHIND: f64 = 0.5;
+/// Share per tick, on top, of what the coupling of a tool that is behind its hand has and the tool does not bear yet: where substeps
+/// have run out, as after lost packets, it comes in a tenth of a second or two whatever the way.
+const CATCH_UP: f64 = 0.03;
 
 /// What the force of each tool may change by in this tick, newtons.
 pub(crate) struct Settle {
@@ -35,12 +35,11 @@ impl Settle {
             }
             let at = |pose: &Pose| pose.transform(&tool.working_point);
             let spring = (at(&kept.graphic) - at(&kept.haptic)) * tool.stiffness_n_per_m;
-            if norm(&(spring - kept.raw.force)) > BEHIND {
-                continue;
-            }
+            let behind = norm(&(spring - kept.raw.force));
             let wanted = &asked.wanted[t];
             let hand = wanted.moved + wanted.turned * ws.levers[t];
-            most[t] = tool.stiffness_n_per_m * hand + asked.scene.params.max_settle_step;
+            let more = fmax(asked.scene.params.max_settle_step, CATCH_UP * behind);
+            most[t] = tool.stiffness_n_per_m * hand + more;
         }
         Self {
             most,
