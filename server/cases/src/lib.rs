@@ -6,6 +6,7 @@
 mod bearing;
 pub mod chart;
 pub mod comparison;
+pub mod fuzz;
 pub mod inside;
 pub mod measure;
 pub mod mouth;

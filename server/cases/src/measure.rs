@@ -65,7 +65,7 @@ pub struct Measures {
     pub work_in: f64,
     /// *Imbalance*: largest difference between the sum of the contacts' loads, on teeth and tissue, and the
     /// raw wrench, relative to the sum of their magnitudes, over converged ticks with more than 0.01 N of
-    /// them. Torques about the working point count with a lever of 1 mm.
+    /// them in which nothing was settling. Torques about the working point count with a lever of 1 mm.
     pub imbalance: f64,
     /// *Flips*: times that a pair of spheres bore load in two consecutive ticks and its normal turned by more
     /// than 90 degrees between them.
@@ -140,7 +140,10 @@ impl Observer {
             second_difference_count: 0,
             put_out: 0.0,
             resting: [(0, Vec3::zeros()); MAX_TOOLS],
-            reach: std::array::from_fn(|t| scene.tools.get(t).map_or(0.0, reach)),
+            reach: std::array::from_fn(|t| {
+                let tool = scene.tools.get(t);
+                tool.map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point))
+            }),
             query: FullQuery::new(scene),
             bearing: Bearing::default(),
             sway: Sway::new(scene),
@@ -195,13 +198,14 @@ impl Observer {
             }
             if looks {
                 let depth = self.query.deepest(t, &now.graphic);
-                if out.converged || out.status & status::SETTLING != 0 {
+                if out.converged {
                     m.residual = m.residual.max(depth);
                 } else {
                     m.exhausted_residual = m.exhausted_residual.max(depth);
                 }
             }
-            self.arriving[t] &= !out.converged;
+            let settled = out.converged && out.status & status::SETTLING == 0;
+            self.arriving[t] &= !settled;
             if self.arriving[t] {
                 m.arrival += 1;
                 continue;
@@ -210,15 +214,12 @@ impl Observer {
             let now = &*now;
             m.exhausted += u64::from(out.status & status::EXHAUSTED != 0);
             let tool = &scene.tools[t];
-            if out.converged && out.status & status::SOLVER_FAILED == 0 {
+            if settled && out.status & status::SOLVER_FAILED == 0 {
                 m.imbalance = m
                     .imbalance
                     .max(imbalance(ws, t, &now.about_working_point(tool)));
             }
-            if out.converged
-                && norm(&now.raw.force) > 0.05
-                && out.status & status::TWIST_SATURATED == 0
-            {
+            if settled && norm(&now.raw.force) > 0.05 && out.status & status::TWIST_SATURATED == 0 {
                 m.coupling_error = m.coupling_error.max(coupling_error(tool, now));
             }
             let Some(before) = self
@@ -254,9 +255,13 @@ impl Observer {
             let farthest = hand + self.reach[t] * norm(&turn);
             m.settling += u64::from(out.status & status::SETTLING != 0);
             // A hand that was faster than the tool could follow has its motion's end in later ticks.
+            let was_behind = self.behind[t];
             let behind = &mut self.behind[t];
-            *behind = (*behind || out.status & status::EXHAUSTED != 0) && !out.converged;
-            if farthest <= SLOW * TICK_S && !*behind && norm(&before.raw.force) > 0.0 {
+            let fast = farthest > SLOW * TICK_S && out.status & status::SETTLING != 0;
+            *behind |= fast || out.status & status::EXHAUSTED != 0;
+            *behind &= !settled;
+            let ends = was_behind || *behind;
+            if farthest <= SLOW * TICK_S && !ends && norm(&before.raw.force) > 0.0 {
                 m.slow_force_step = m
                     .slow_force_step
                     .max(norm(&change) - tool.stiffness_n_per_m * farthest);
@@ -286,14 +291,6 @@ impl Observer {
             ..self.measures
         }
     }
-}
-
-/// Farthest of a tool's spheres from its working point, metres.
-fn reach(tool: &sulcus_core::Tool) -> f64 {
-    let from =
-        |node: &sulcus_core::Node| norm(&(node.centre - tool.working_point)) + node.contact_radius;
-    let all = tool.tree.shape_at(tool.level);
-    all.map(|(_, node)| from(node)).fold(0.0, f64::max)
 }
 
 /// `G log(q_h q_g^-1)` against the raw wrench, both at the working point: the force relative to the force, the

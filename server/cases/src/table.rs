@@ -3,7 +3,7 @@
 mod passing;
 mod rigid;
 mod squeezed;
-mod tissue;
+pub(crate) mod tissue;
 
 use sulcus_core::{Scene, TickInput, TickOutput};
 use sulcus_operator::{HandParams, Script};

@@ -101,7 +101,7 @@ pub struct ToolOutput {
     /// Smallest true gap after the move over the pairs in the problem, metres (negative:
     /// penetration); `f64::INFINITY` without rows.
     pub min_gap: f64,
-    /// Whether the tick converged: last step small, every true gap at least -0.5 um.
+    /// Whether the tick converged: last step small (or held back: [`status::SETTLING`]), every true gap at least -0.5 um.
     pub converged: bool,
     /// What the tool reads in a pocket, while it is in one.
     pub pocket: Option<PocketReading>,

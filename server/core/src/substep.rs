@@ -314,6 +314,7 @@ impl<'a> Run<'a> {
         }
         if settling && deepest >= -params.converged_gap {
             self.status |= status::SETTLING;
+            self.converged = true;
             return false;
         }
         // A tick that needs many passes must not be held by how little each of them sees.
@@ -325,7 +326,7 @@ impl<'a> Run<'a> {
     /// How it went, for the tools of the group.
     pub fn finish(mut self, ws: &Workspace, all: &mut [Reached; MAX_TOOLS]) {
         let failed = self.status & status::SOLVER_FAILED != 0;
-        if !self.converged && !failed && self.status & status::SETTLING == 0 {
+        if !self.converged && !failed {
             self.status |= status::EXHAUSTED;
         }
         let pass = &ws.passes[self.first];

@@ -62,7 +62,7 @@ fn press_and_slide(scene: &Scene, press: f64) -> Box<dyn Script + Send> {
 }
 
 /// Where a mirror meets the tongue, on one flank or the other.
-pub(super) fn mirror(scene: &Scene, flank: f64) -> Retraction {
+pub(crate) fn mirror(scene: &Scene, flank: f64) -> Retraction {
     let params = RetractionParams {
         flank,
         ..RetractionParams::default()
