@@ -37,19 +37,25 @@ const MIDDLE: Vec3 = Vec3::new(0.0, 0.0, 3.5e-3);
 /// Where the search for the surface begins, metres from there, and its step.
 const OUTSIDE: f64 = 12e-3;
 const STEP: f64 = 0.05e-3;
+/// Ticks over which its distance is smoothed, twice.
+const SMOOTH: usize = 61;
 
-/// Where the hand is: its tip at the asked depth along a ray from the middle of the crown, its shaft outward and swaying.
-fn hand(tooth: &MeshDistance, k: usize) -> Pose {
-    let t = k as f64 * TICK_S;
+/// Direction of the ray at a tick, and the flat one below it.
+fn ray(k: i32) -> (Vec3, Vec3) {
+    let t = f64::from(k) * TICK_S;
     let (around, up) = (
         2.0 * PI * t / 10.0,
         0.7 + 0.5 * libm::sin(2.0 * PI * t / 3.7),
     );
     let flat = Vec3::new(libm::cos(around), libm::sin(around), 0.0);
-    let out = flat * libm::cos(up) + Vec3::z() * libm::sin(up);
-    let wave = 0.5 * (1.0 - libm::cos(2.0 * PI * t / 1.3));
-    let depth = DEPTHS[0] + (DEPTHS[1] - DEPTHS[0]) * wave;
-    let wanted = CAPSULE.radius - depth;
+    (flat * libm::cos(up) + Vec3::z() * libm::sin(up), flat)
+}
+
+/// How far from the middle of the crown the tip is at the asked depth, along the ray, from outside.
+fn reach(tooth: &MeshDistance, k: i32) -> f64 {
+    let (out, _) = ray(k);
+    let wave = 0.5 * (1.0 - libm::cos(2.0 * PI * f64::from(k) * TICK_S / 1.3));
+    let wanted = CAPSULE.radius - (DEPTHS[0] + (DEPTHS[1] - DEPTHS[0]) * wave);
     let at = |s: f64| tooth.signed(&(MIDDLE + out * s));
     let mut far = OUTSIDE;
     while far > STEP && at(far - STEP) > wanted {
@@ -64,10 +70,31 @@ fn hand(tooth: &MeshDistance, k: usize) -> Pose {
             near = middle;
         }
     }
-    let sway = Vec3::z().cross(&flat) * (0.4 * libm::sin(2.0 * PI * t / 2.9));
-    let shaft = (out + sway).normalize();
-    let turned = Quat::rotation_between(&Vec3::y(), &shaft).unwrap_or_else(Quat::identity);
-    Pose::new(MIDDLE + out * far + shaft * HALF, turned)
+    far
+}
+
+/// The means of so many neighbours each, of which half are lost at either end.
+fn smooth_over(all: &[f64], width: usize) -> Vec<f64> {
+    let mean = |some: &[f64]| some.iter().sum::<f64>() / width as f64;
+    all.windows(width).map(mean).collect()
+}
+
+/// Where the hand is: its tip about as deep as asked on a ray from the middle of the crown, its shaft outward and swaying. (A
+/// ray that leaves a cusp jumps to what is behind it; a hand does not.)
+fn hands(tooth: &MeshDistance, ticks: usize) -> Vec<Pose> {
+    let beyond = SMOOTH as i32 - 1;
+    let reaches: Vec<f64> = (-beyond..ticks as i32 + beyond)
+        .map(|k| reach(tooth, k))
+        .collect();
+    let reaches = smooth_over(&smooth_over(&reaches, SMOOTH), SMOOTH);
+    let pose = |(k, reach): (usize, &f64)| {
+        let (out, flat) = ray(k as i32);
+        let sway = 0.4 * libm::sin(2.0 * PI * k as f64 * TICK_S / 2.9);
+        let shaft = (out + Vec3::z().cross(&flat) * sway).normalize();
+        let turned = Quat::rotation_between(&Vec3::y(), &shaft).unwrap_or_else(Quat::identity);
+        Pose::new(MIDDLE + out * *reach + shaft * HALF, turned)
+    };
+    reaches.iter().take(ticks).enumerate().map(pose).collect()
 }
 
 /// How deep the capsule is in a surface, metres: its radius minus the least distance of its axis.
@@ -81,7 +108,7 @@ pub fn scene(ticks: usize) -> Scene {
     let mesh = Tooth::lower(FDI).expect("a molar").mesh_of_side();
     println!("rigid tooth: {} triangles", mesh.triangles.len());
     let tooth = Rc::new(MeshDistance::new(mesh));
-    let path: Vec<Pose> = (0..ticks).map(|k| hand(&tooth, k)).collect();
+    let path = hands(&tooth, ticks);
     let depths: Vec<f64> = path.iter().map(|pose| depth(&tooth, pose)).collect();
     let fastest = path
         .windows(2)
