@@ -1,5 +1,5 @@
 //! The rigid tooth: the parametric lower first molar, and a capsule of 0.5 mm whose hand goes round the crown and up to
-//! 1.5 mm into it.
+//! about 1.5 mm into it.
 
 use std::f64::consts::PI;
 use std::path::Path;
