@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tracing_subscriber::EnvFilter;
 
-use crate::commands::{patient, scene, serve, tissue, tree};
+use crate::commands::{patient, report, scene, serve, tissue, tree};
 
 /// Simulates a mouth at 1 kHz for the station that connects, and compiles what is simulated.
 #[derive(Parser)]
@@ -28,6 +28,7 @@ enum Command {
     Tree(tree::TreeArgs),
     Patient(patient::PatientArgs),
     Tissue(tissue::TissueArgs),
+    Report(report::ReportArgs),
 }
 
 /// An error and its causes as one sentence; a cause with which the outer error already ends is left
@@ -71,6 +72,7 @@ where
         Command::Tree(args) => tree::run(&args),
         Command::Patient(args) => patient::run(&args),
         Command::Tissue(args) => tissue::run(&args),
+        Command::Report(args) => report::run(&args),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

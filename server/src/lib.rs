@@ -29,6 +29,7 @@ mod page;
 mod picture;
 mod realtime;
 mod recording;
+mod report;
 mod running;
 mod simulation;
 mod tissue;

@@ -25,4 +25,4 @@ pub mod toured;
 pub use chart::Chart;
 pub use measure::{Measures, Observer};
 pub use run::{CaseReport, Seen, record, run, run_on};
-pub use table::{Bounds, Case, TABLE, find};
+pub use table::{Bounds, Case, Check, TABLE, find};

@@ -152,11 +152,17 @@ pub fn wide_plate() -> Object {
 /// A tool with a flat face of 12 by 12 spheres over a face of the same: every sphere can settle between
 /// four others.
 pub fn flat_on_flat() -> Scene {
+    faces(12)
+}
+
+/// The same with `side` by `side` spheres.
+pub fn faces(side: u32) -> Scene {
     let face = |z: f64| {
-        (0..144).map(move |k| Sphere {
+        let middle = 1.5e-4 * f64::from(side - 1);
+        (0..side * side).map(move |k| Sphere {
             centre: Vec3::new(
-                f64::from(k % 12) * 3e-4 - 1.65e-3,
-                f64::from(k / 12) * 3e-4 - 1.65e-3,
+                f64::from(k % side) * 3e-4 - middle,
+                f64::from(k / side) * 3e-4 - middle,
                 z,
             ),
             radius: 2e-4,

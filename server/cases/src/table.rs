@@ -88,71 +88,126 @@ pub struct Case {
     pub bounds: Bounds,
 }
 
+/// One thing that must hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Check {
+    /// What.
+    pub what: &'static str,
+    /// The number found, in `unit`.
+    pub found: f64,
+    /// What it may be, in `unit`: at most; at least where `floor`.
+    pub bound: f64,
+    /// Whether the bound is a least.
+    pub floor: bool,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+impl Check {
+    /// Whether it holds; not for a NaN.
+    pub fn holds(&self) -> bool {
+        if self.floor {
+            self.found >= self.bound
+        } else {
+            self.found <= self.bound
+        }
+    }
+
+    /// Share of the bound that is used: over 1 where it does not hold, 0 where nothing is asked.
+    pub fn used(&self) -> f64 {
+        let (part, whole) = if self.floor {
+            (self.bound, self.found)
+        } else {
+            (self.found, self.bound)
+        };
+        if self.holds() && (part <= 0.0 || whole == f64::INFINITY || whole == part) {
+            // Nothing of nothing, or what must be zero and is.
+            return 0.0;
+        }
+        part / whole
+    }
+}
+
 impl Bounds {
+    /// Everything that must hold, with what was found.
+    pub fn checks(&self, m: &Measures, margin: f64) -> Vec<Check> {
+        let most = |what, found: f64, bound: f64, scale: f64, unit| Check {
+            what,
+            found: found * scale,
+            bound: bound * scale,
+            floor: false,
+            unit,
+        };
+        let least = |what, found: f64, bound: f64, scale, unit| Check {
+            floor: true,
+            ..most(what, found, bound, scale, unit)
+        };
+        let exhausted = m.exhausted as f64 / m.ticks.max(1) as f64;
+        vec![
+            most("residual", m.residual, self.residual, 1e6, "um"),
+            most(
+                "residual, exhausted",
+                m.exhausted_residual,
+                self.exhausted_residual,
+                1e6,
+                "um",
+            ),
+            most("energy", m.energy, self.energy, 1e3, "mJ"),
+            most(
+                "exhausted share",
+                exhausted,
+                self.exhausted_share,
+                100.0,
+                "%",
+            ),
+            most("jump", m.jump, self.jump, 1e3, "mm"),
+            most("force step", m.force_step, self.force_step, 1.0, "N"),
+            most(
+                "slow force step",
+                m.slow_force_step,
+                self.slow_force_step,
+                1.0,
+                "N",
+            ),
+            most("torque step", m.torque_step, self.torque_step, 1e3, "N mm"),
+            most("step sent", m.sent_step, self.sent_step, 1.0, "N"),
+            most("buzz", m.buzz, self.buzz, 1.0, "N"),
+            most("imbalance", m.imbalance, self.imbalance, 100.0, "%"),
+            most("flips", m.flips as f64, self.flips as f64, 1.0, ""),
+            most("rebound", m.rebound, self.rebound, 100.0, "%"),
+            most("unrest", m.unrest, self.unrest, 1e6, "um"),
+            most("drift", m.drift, self.drift, 1e6, "um"),
+            most(
+                "coupling error",
+                m.coupling_error,
+                self.coupling_error,
+                100.0,
+                "%",
+            ),
+            most("solver failures", m.solver_failed as f64, 0.0, 1.0, "ticks"),
+            least("margin", margin, self.margin, 1e3, "mm"),
+            least(
+                "contact",
+                m.contact_ticks as f64,
+                self.contact_ticks as f64,
+                1.0,
+                "ticks",
+            ),
+        ]
+    }
+
     /// What does not hold, in words.
     pub fn broken(&self, m: &Measures, margin: f64) -> Vec<String> {
-        let mut broken = Vec::new();
-        let mut most = |what: &str, found: f64, bound: f64, scale: f64, unit: &str| {
-            // Written so that a NaN is broken too.
-            let holds = found <= bound;
-            if !holds {
-                broken.push(format!(
-                    "{what} {:.4} {unit}, at most {:.4}",
-                    found * scale,
-                    bound * scale
-                ));
-            }
+        let checks = self.checks(m, margin);
+        let broken = checks.iter().filter(|check| !check.holds());
+        let say = |check: &Check| {
+            let how = if check.floor { "at least" } else { "at most" };
+            format!(
+                "{} {:.4} {}, {how} {:.4}",
+                check.what, check.found, check.unit, check.bound
+            )
         };
-        most("residual", m.residual, self.residual, 1e6, "um");
-        most(
-            "residual, exhausted",
-            m.exhausted_residual,
-            self.exhausted_residual,
-            1e6,
-            "um",
-        );
-        most("energy", m.energy, self.energy, 1e3, "mJ");
-        most(
-            "exhausted share",
-            m.exhausted as f64 / m.ticks.max(1) as f64,
-            self.exhausted_share,
-            100.0,
-            "%",
-        );
-        most("jump", m.jump, self.jump, 1e3, "mm");
-        most("force step", m.force_step, self.force_step, 1.0, "N");
-        most(
-            "slow force step",
-            m.slow_force_step,
-            self.slow_force_step,
-            1.0,
-            "N",
-        );
-        most("torque step", m.torque_step, self.torque_step, 1e3, "N mm");
-        most("step sent", m.sent_step, self.sent_step, 1.0, "N");
-        most("buzz", m.buzz, self.buzz, 1.0, "N");
-        most("imbalance", m.imbalance, self.imbalance, 100.0, "%");
-        most("flips", m.flips as f64, self.flips as f64, 1.0, "");
-        most("rebound", m.rebound, self.rebound, 100.0, "%");
-        most("unrest", m.unrest, self.unrest, 1e6, "um");
-        most("drift", m.drift, self.drift, 1e6, "um");
-        most(
-            "coupling error",
-            m.coupling_error,
-            self.coupling_error,
-            100.0,
-            "%",
-        );
-        most("solver failures", m.solver_failed as f64, 0.0, 1.0, "ticks");
-        most("margin", -margin, -self.margin, -1e3, "mm, at least");
-        most(
-            "ticks without contact",
-            -(m.contact_ticks as f64),
-            -(self.contact_ticks as f64),
-            1.0,
-            "",
-        );
-        broken
+        broken.map(say).collect()
     }
 }
 

@@ -5,6 +5,8 @@
 mod chart;
 mod gallery;
 mod html;
+mod plot;
+pub(crate) mod report;
 mod scale;
 pub(crate) mod tissue;
 

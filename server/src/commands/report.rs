@@ -1,0 +1,100 @@
+//! `sulcus-server report`: speed against error, on one page.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+
+use crate::commands::scene::Narrator;
+use crate::commands::tree::writable;
+use crate::page::report;
+use crate::report::{Options, measure};
+
+/// Measure speed against error on this machine
+#[derive(Clone, Debug, Args)]
+#[command(
+    about = "Measure speed against error on this machine",
+    long_about = "Measure speed against error on this machine: does it hold a kilohertz, how wrong is it, where does it break.\n\nRuns the hard cases by the coupled method and as printed, with the tick's solver and with the judge, times whole ticks and their stages, and compares the tissue models with finite elements. Writes one page (report.html, which needs nothing but itself) and one file of numbers (report.json). Leave the machine alone meanwhile: times are those of a machine that others use, else.",
+    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --out report --peers peers.json\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
+)]
+pub struct ReportArgs {
+    /// Fewer cases and repeats: under a minute instead of under ten
+    #[arg(long)]
+    quick: bool,
+    /// Folder for the page and the numbers, made when missing
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    out: PathBuf,
+    /// Numbers of `cargo bench -p sulcus-tests --bench peers`: other engines beside this one
+    #[arg(long, value_name = "FILE")]
+    peers: Option<PathBuf>,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
+    writable(&args.out)?;
+    let options = Options {
+        quick: args.quick,
+        peers: args.peers.as_deref().map(read_peers).transpose()?,
+    };
+    let narrator = Narrator::default();
+    let found = measure(options, &|what, share| narrator.say(what, share))?;
+    let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
+    let write = |name: &str, text: &str| -> anyhow::Result<PathBuf> {
+        let path = args.out.join(name);
+        std::fs::write(&path, text)
+            .with_context(|| format!("{}: cannot write it", path.display()))?;
+        Ok(path)
+    };
+    write("report.json", &json)?;
+    let page = write("report.html", &report::page(&found))?;
+    eprintln!("wrote {} in {:.0} s", page.display(), found.took_s);
+    for answer in report::answers(&found) {
+        println!("{} {}", answer.question, answer.short);
+    }
+    if args.json {
+        println!("{json}");
+    }
+    let broken = found.rows.iter().any(|row| row.status == "broken");
+    Ok(u8::from(broken))
+}
+
+/// Reads what the bench against other engines wrote.
+fn read_peers(path: &Path) -> anyhow::Result<serde_json::Value> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("{}: cannot read the file of --peers", path.display()))?;
+    let value: serde_json::Value =
+        serde_json::from_str(&text).with_context(|| format!("{}: is not JSON", path.display()))?;
+    for field in ["rows", "ratios"] {
+        if !value.get(field).is_some_and(serde_json::Value::is_array) {
+            bail!(
+                "{}: has no list `{field}`: expected what `cargo bench -p sulcus-tests --bench peers` writes",
+                path.display()
+            );
+        }
+    }
+    Ok(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_file_of_the_bench_is_refused_with_its_field() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("peers.json");
+        let said = |text: &str| {
+            std::fs::write(&path, text).expect("written");
+            format!("{:#}", read_peers(&path).expect_err("refused"))
+        };
+        assert!(said("{").contains("is not JSON"));
+        assert!(said("{\"rows\": []}").contains("`ratios`"));
+        assert!(said("[1]").contains("`rows`"));
+        std::fs::write(&path, "{\"rows\": [], \"ratios\": []}").expect("written");
+        assert!(read_peers(&path).is_ok());
+        let missing = read_peers(&folder.path().join("no.json")).expect_err("refused");
+        assert!(format!("{missing:#}").contains("no.json"));
+    }
+}

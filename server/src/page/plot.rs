@@ -1,0 +1,219 @@
+//! Plots as SVG text: lines and points over one pair of axes, linear or logarithmic.
+
+use plotters::coord::combinators::{IntoLogRange, LogCoord};
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::prelude::*;
+
+/// One line.
+pub(crate) struct Series {
+    pub(crate) name: String,
+    pub(crate) points: Vec<(f64, f64)>,
+    /// Whether its points are joined.
+    pub(crate) joined: bool,
+}
+
+/// One plot.
+pub(crate) struct Plot {
+    /// What the axes have, with units.
+    pub(crate) x: String,
+    pub(crate) y: String,
+    pub(crate) log: (bool, bool),
+    pub(crate) series: Vec<Series>,
+    /// A level that is not to be passed, and what it is.
+    pub(crate) limit: Option<(f64, String)>,
+}
+
+const SIZE: (u32, u32) = (640, 360);
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0x1c, 0x5e, 0xa8),
+    RGBColor(0xc7, 0x61, 0x07),
+    RGBColor(0x2b, 0x8a, 0x3e),
+    RGBColor(0x9b, 0x2f, 0x8f),
+    RGBColor(0x5f, 0x6b, 0x77),
+    RGBColor(0xb0, 0x1e, 0x1e),
+];
+
+impl Plot {
+    /// The plot, or nothing where there is no finite point.
+    pub(crate) fn svg(&self) -> String {
+        let of = |value: fn(&(f64, f64)) -> f64, log: bool| {
+            let points = self.series.iter().flat_map(|series| &series.points);
+            let usable = points
+                .map(value)
+                .filter(|v| v.is_finite() && (!log || *v > 0.0));
+            usable.fold(None, |range: Option<(f64, f64)>, v| {
+                let (low, high) = range.unwrap_or((v, v));
+                Some((low.min(v), high.max(v)))
+            })
+        };
+        let (Some(x), Some(mut y)) = (of(|p| p.0, self.log.0), of(|p| p.1, self.log.1)) else {
+            return String::new();
+        };
+        if let Some((limit, _)) = &self.limit {
+            y = (y.0.min(*limit), y.1.max(*limit));
+        }
+        let (x, y) = (widened(x, self.log.0), widened(y, self.log.1));
+        let mut svg = String::new();
+        let drawn = match self.log {
+            (true, true) => self.draw(&mut svg, log(x), log(y)),
+            (true, false) => self.draw(&mut svg, log(x), linear(y)),
+            (false, true) => self.draw(&mut svg, linear(x), log(y)),
+            (false, false) => self.draw(&mut svg, linear(x), linear(y)),
+        };
+        // Writing into a string does not fail; a plot that cannot be drawn is left out.
+        drawn.map_or(String::new(), |()| svg)
+    }
+
+    fn draw<X, Y>(&self, svg: &mut String, x: X, y: Y) -> Result<(), Box<dyn std::error::Error>>
+    where
+        X: AsRangedCoord<Value = f64>,
+        Y: AsRangedCoord<Value = f64>,
+        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(12)
+            .x_label_area_size(44)
+            .y_label_area_size(66)
+            .build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x.as_str())
+            .y_desc(self.y.as_str())
+            .light_line_style(RGBColor(0xee, 0xf0, 0xf2))
+            .bold_line_style(RGBColor(0xd9, 0xdc, 0xe0))
+            .label_style(("sans-serif", 13))
+            .axis_desc_style(("sans-serif", 14))
+            .x_label_formatter(&|v| plain(*v))
+            .y_label_formatter(&|v| plain(*v))
+            .draw()?;
+        for (k, series) in self.series.iter().enumerate() {
+            let colour = COLOURS[k % COLOURS.len()];
+            let points = || {
+                let finite = |p: &&(f64, f64)| {
+                    p.0.is_finite()
+                        && p.1.is_finite()
+                        && (!self.log.0 || p.0 > 0.0)
+                        && (!self.log.1 || p.1 > 0.0)
+                };
+                series.points.iter().filter(finite).copied()
+            };
+            if series.joined {
+                let path = PathElement::new(points().collect::<Vec<_>>(), colour.stroke_width(2));
+                chart.draw_series([path])?;
+            }
+            // A curve of hundreds of points needs no dots.
+            if series.points.len() <= 40 {
+                chart.draw_series(points().map(|p| Circle::new(p, 4, colour.filled())))?;
+            }
+            // The legend needs an entry of its own: the elements above may be none.
+            chart
+                .draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
+                .label(series.name.as_str())
+                .legend(move |(x, y)| {
+                    PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
+                });
+        }
+        if let Some((limit, name)) = &self.limit {
+            let range = chart.x_range();
+            let red = RGBColor(0xb0, 0x1e, 0x1e);
+            let line = vec![(range.start, *limit), (range.end, *limit)];
+            chart
+                .draw_series([PathElement::new(line, red.stroke_width(1))])?
+                .label(name.as_str())
+                .legend(move |(x, y)| {
+                    PathElement::new(vec![(x, y), (x + 18, y)], red.stroke_width(1))
+                });
+        }
+        if self.series.len() > 1 || self.limit.is_some() {
+            chart
+                .configure_series_labels()
+                .background_style(WHITE.mix(0.85))
+                .border_style(RGBColor(0xd9, 0xdc, 0xe0))
+                .label_font(("sans-serif", 13))
+                .position(SeriesLabelPosition::UpperLeft)
+                .draw()?;
+        }
+        root.present()?;
+        Ok(())
+    }
+}
+
+fn linear((low, high): (f64, f64)) -> std::ops::Range<f64> {
+    low..high
+}
+
+fn log((low, high): (f64, f64)) -> LogCoord<f64> {
+    // (Named, so that both kinds of axis can be told apart by type.)
+    let range = (low..high).log_scale();
+    range.into()
+}
+
+/// A little room at both ends; never empty.
+fn widened((low, high): (f64, f64), log: bool) -> (f64, f64) {
+    if log {
+        return (low / 1.3, high * 1.3);
+    }
+    let room = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+    // What is counted from nothing is shown from nothing.
+    let low = if low >= 0.0 && low < 0.5 * high {
+        0.0
+    } else {
+        low - room
+    };
+    (low, high + room)
+}
+
+/// A number as people write it on an axis.
+fn plain(x: f64) -> String {
+    let size = x.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{x:.0e}");
+    }
+    let text = format!("{x:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    text.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(points: Vec<(f64, f64)>, log: (bool, bool)) -> Plot {
+        Plot {
+            x: "time, us".into(),
+            y: "error, um".into(),
+            log,
+            series: vec![Series {
+                name: "ours".into(),
+                points,
+                joined: true,
+            }],
+            limit: Some((10.0, "not above".into())),
+        }
+    }
+
+    #[test]
+    fn a_plot_has_its_axes_and_its_points() {
+        for log in [(false, false), (true, false), (false, true), (true, true)] {
+            let svg = plot(vec![(1.0, 2.0), (30.0, 4.0)], log).svg();
+            assert!(
+                svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"),
+                "{svg}"
+            );
+            for text in ["time, us", "error, um", "ours", "not above"] {
+                assert!(svg.contains(text), "{text}");
+            }
+            assert_eq!(svg.matches("<circle").count(), 2);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_left_out() {
+        assert_eq!(plot(vec![], (false, false)).svg(), "");
+        let svg = plot(vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)], (true, true)).svg();
+        assert_eq!(svg.matches("<circle").count(), 1);
+    }
+}

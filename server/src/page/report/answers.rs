@@ -1,0 +1,193 @@
+//! The three answers of the first screen.
+
+use std::fmt::Write;
+
+use super::super::html::escaped;
+use crate::report::{Level, Report, Row};
+
+/// A question, a short answer, and what it stands on.
+pub(crate) struct Answer {
+    pub(crate) question: &'static str,
+    pub(crate) short: String,
+    /// `yes`, `so` or `no`.
+    pub(crate) mood: &'static str,
+    /// HTML.
+    pub(super) long: String,
+}
+
+/// The answers, in their order.
+pub(crate) fn answers(report: &Report) -> [Answer; 3] {
+    [speed(report), error(report), breaks(report)]
+}
+
+/// The level that is shipped.
+const SHIPPED: u8 = 3;
+
+fn shipped(report: &Report) -> Option<&Level> {
+    let levels = &report.mouth.levels;
+    levels
+        .iter()
+        .find(|level| level.level == SHIPPED)
+        .or(levels.first())
+}
+
+fn coupled(report: &Report) -> impl Iterator<Item = &Row> {
+    report
+        .rows
+        .iter()
+        .filter(|row| row.method == "coupled" && row.solver == "active_set")
+}
+
+fn speed(report: &Report) -> Answer {
+    let question = "Does it hold 1 kHz here?";
+    let Some(level) = shipped(report) else {
+        return Answer {
+            question,
+            short: "not measured".into(),
+            mood: "so",
+            long: String::new(),
+        };
+    };
+    let t = &level.times;
+    let (mood, short) = match (t.tick_us.p999 <= 1000.0, t.tick_us.max <= 1000.0) {
+        (true, true) => ("yes", "Yes".to_owned()),
+        (true, false) => ("so", "Yes, but for single ticks".to_owned()),
+        (false, _) => ("no", "No".to_owned()),
+    };
+    let spread = |of: fn(&crate::report::TickUs) -> f64| {
+        let half = t.tick_us_ci95.as_ref().map(of);
+        half.map_or(String::new(), |half| format!(" ± {half:.0}"))
+    };
+    let mut long = format!(
+        "<p>The whole mouth, two hands at work: {:.0}{} µs in the median, {:.0}{} µs at p99.9, {:.0} µs at most, of 1,000 (CPU time, {} ticks, {} runs; ± is 95 %). On the wall {:.2} % of ticks took longer than a millisecond.</p>",
+        t.tick_us.p50,
+        spread(|t| t.p50),
+        t.tick_us.p999,
+        spread(|t| t.p999),
+        t.tick_us.max,
+        t.ticks,
+        t.runs,
+        t.over_1_ms_percent,
+    );
+    let slowest =
+        coupled(report).max_by(|a, b| a.times.tick_us.p999.total_cmp(&b.times.tick_us.p999));
+    if let Some(row) = slowest {
+        let _ = write!(
+            long,
+            "<p>Slowest hard case: {}, {:.0} µs at p99.9. Highest rate in the mouth: {:.1} kHz at p99.9.</p>",
+            row.case,
+            row.times.tick_us.p999,
+            level.max_hz * 1e-3,
+        );
+    }
+    Answer {
+        question,
+        short: format!("{short}: {:.0} µs of 1,000 at p99.9", t.tick_us.p999),
+        mood,
+        long,
+    }
+}
+
+fn error(report: &Report) -> Answer {
+    let deepest = coupled(report)
+        .map(|row| row.residual_um)
+        .fold(0.0, f64::max);
+    let jump = coupled(report)
+        .map(|row| row.slow_force_step_n)
+        .fold(0.0, f64::max);
+    let mut long = format!(
+        "<p>Deepest that a tool is in what it touches, over {} hard cases: {deepest:.2} µm (at most 1). Largest click of the force under a slow hand: {:.0} mN (at most 20).</p>",
+        coupled(report).count(),
+        jump * 1e3,
+    );
+    let mut short = format!("{deepest:.2} µm deep");
+    if let Some(level) = shipped(report) {
+        let _ = write!(
+            long,
+            "<p>What is touched stands off the drawn molar by {:.0} µm in the mean, {:.0} µm at most.</p>",
+            level.tooth_error_mean_um, level.tooth_error_max_um
+        );
+        let _ = write!(short, ", shape {:.0} µm", level.tooth_error_mean_um);
+    }
+    let ours = report
+        .finite_elements
+        .iter()
+        .filter(|e| e.model == "surface_compliance");
+    let worst = ours.map(|e| e.rel_l2_percent).fold(0.0, f64::max);
+    if worst > 0.0 {
+        let _ = write!(
+            long,
+            "<p>The tongue's displacement is wrong by {worst:.0} % of itself at most, against finite elements.</p>"
+        );
+        let _ = write!(short, ", tongue {worst:.0} %");
+    }
+    Answer {
+        question: "How wrong is it?",
+        short,
+        mood: if deepest <= 1.0 && jump <= 0.020001 {
+            "yes"
+        } else {
+            "no"
+        },
+        long,
+    }
+}
+
+fn breaks(report: &Report) -> Answer {
+    let of = |method: &'static str| report.rows.iter().filter(move |row| row.method == method);
+    let broken: Vec<&Row> = of("coupled").filter(|row| row.status == "broken").collect();
+    let (printed, failing) = (
+        of("printed").count(),
+        of("printed").filter(|row| row.status != "holds").count(),
+    );
+    let mut long = String::new();
+    for row in broken.iter().take(3) {
+        let what = row.broken.first().map_or("", String::as_str);
+        let _ = write!(
+            long,
+            "<p class=\"no\">{} ({}): {}</p>",
+            row.case,
+            row.solver,
+            escaped(what)
+        );
+    }
+    let mut near: Vec<&Row> = of("coupled").filter(|row| row.status == "holds").collect();
+    near.sort_by(|a, b| b.nearest.1.total_cmp(&a.nearest.1));
+    // Limits that the tick itself keeps to are reached whenever they are needed.
+    let kept = ["slow force step", "step sent"];
+    let mut named: Vec<String> = Vec::new();
+    for row in near
+        .iter()
+        .filter(|row| !kept.contains(&row.nearest.0.as_str()))
+    {
+        if named.len() < 3 && row.nearest.1 < 100.0 {
+            named.push(format!(
+                "{} ({} at {:.0} % of its bound)",
+                row.case, row.nearest.0, row.nearest.1
+            ));
+        }
+    }
+    if !named.is_empty() {
+        let _ = write!(
+            long,
+            "<p>Nearest to breaking: {}.</p>",
+            escaped(&named.join(", "))
+        );
+    }
+    let exhausted: u64 = coupled(report).map(|row| row.exhausted_ticks).sum();
+    let _ = write!(
+        long,
+        "<p>The hand outran the tool in {exhausted} ticks, all of leaps and throws. The method as printed, for comparison: {failing} of {printed} cases do not hold.</p>"
+    );
+    let all = of("coupled").count();
+    let (short, mood) = match broken.len() {
+        0 => (format!("Nowhere in {all} runs"), "yes"),
+        n => (format!("In {n} of {all} runs"), "no"),
+    };
+    Answer {
+        question: "Where does it break?",
+        short,
+        mood,
+        long,
+    }
+}

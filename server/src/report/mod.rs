@@ -1,0 +1,157 @@
+//! Speed against error: what `sulcus-server report` measures on the machine that it runs on.
+//!
+//! Errors and forces are measured in runs of their own, ticks timed in others, on inputs recorded before: the measuring costs more
+//! than what it measures. Every time is CPU time of the thread; wall time stands beside it where a deadline is meant.
+
+mod growth;
+mod machine;
+mod mouth;
+mod rough;
+mod rows;
+mod times;
+
+use std::time::Instant;
+
+use serde::Serialize;
+use sulcus_cases::one_dof;
+
+pub(crate) use growth::{Growth, Line};
+pub(crate) use machine::Machine;
+pub(crate) use mouth::{Level, Mouth, SHARES};
+pub(crate) use rough::Rough;
+pub(crate) use rows::Row;
+pub(crate) use times::TickUs;
+
+use crate::tissue::against_fem::{AgainstFem, against_fem};
+
+/// Everything that was measured.
+#[derive(Serialize)]
+pub(crate) struct Report {
+    /// This program.
+    pub(crate) program: &'static str,
+    /// Fewer cases, fewer repeats.
+    pub(crate) quick: bool,
+    pub(crate) machine: Machine,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) mouth: Mouth,
+    pub(crate) growth: Growth,
+    pub(crate) random_poses: Vec<Rough>,
+    pub(crate) one_dof: Vec<OneDof>,
+    pub(crate) finite_elements: Vec<Elements>,
+    /// What the bench against other engines wrote.
+    pub(crate) peers: Option<serde_json::Value>,
+    pub(crate) took_s: f64,
+}
+
+/// A tissue model against finite elements ([`AgainstFem`]).
+#[derive(Serialize)]
+pub(crate) struct Elements {
+    pub(crate) model: &'static str,
+    pub(crate) case: String,
+    pub(crate) force_n: f64,
+    pub(crate) rms_percent: f64,
+    pub(crate) rel_l2_percent: f64,
+    pub(crate) max_percent: f64,
+    pub(crate) max_displacement_mm: f64,
+    #[serde(skip)]
+    pub(crate) picture_png: Vec<u8>,
+}
+
+impl From<AgainstFem> for Elements {
+    fn from(found: AgainstFem) -> Self {
+        Self {
+            model: found.model,
+            case: found.case,
+            force_n: found.force_n,
+            rms_percent: found.rms_percent,
+            rel_l2_percent: found.rel_l2_percent,
+            max_percent: found.max_percent,
+            max_displacement_mm: found.max_displacement_mm,
+            picture_png: found.picture_png,
+        }
+    }
+}
+
+/// A spring of the benchmark with one degree of freedom.
+#[derive(Serialize)]
+pub(crate) struct OneDof {
+    pub(crate) spring_n_per_m: f64,
+    /// Largest stable step of the printed method by Eq. 9, and as found by running it.
+    pub(crate) limit_ms: f64,
+    pub(crate) limit_run_ms: f64,
+    /// Largest force step in fast contact, by method: `printed`, `implicit`, `coupled`.
+    pub(crate) force_step_n: [f64; 3],
+    /// Force on the tissue over force on the device, by method.
+    pub(crate) load_ratio: [f64; 3],
+}
+
+/// What to measure.
+pub(crate) struct Options {
+    pub(crate) quick: bool,
+    pub(crate) peers: Option<serde_json::Value>,
+}
+
+/// Parts of the work and their shares of the time, for the progress.
+const PARTS: [(&str, f64); 6] = [
+    ("the whole mouth", 0.10),
+    ("hard cases", 0.55),
+    ("how times grow", 0.08),
+    ("random poses", 0.10),
+    ("one degree of freedom", 0.01),
+    ("finite elements", 0.16),
+];
+
+/// Measures it all. `progress` gets what is being done and how much of it all is.
+///
+/// # Errors
+/// If finite elements find no equilibrium: a fault of this program.
+pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow::Result<Report> {
+    let begun = Instant::now();
+    let quick = options.quick;
+    let part = |k: usize| {
+        let before: f64 = PARTS[..k].iter().map(|part| part.1).sum();
+        move |what: &str, share: f64| {
+            let (name, of) = PARTS[k];
+            let what = if what.is_empty() {
+                String::new()
+            } else {
+                format!(": {what}")
+            };
+            progress(&format!("{name}{what}"), before + of * share);
+        }
+    };
+    let mouth = mouth::measure(quick, &part(0));
+    let rows = rows::measure(quick, &part(1));
+    let growth = growth::measure(quick, &part(2));
+    let random_poses = rough::measure(quick, &part(3));
+    part(4)("", 0.0);
+    let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
+    let elements = against_fem(quick, &part(5))?;
+    Ok(Report {
+        program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
+        quick,
+        machine: Machine::here(),
+        rows,
+        mouth,
+        growth,
+        random_poses,
+        one_dof,
+        finite_elements: elements.into_iter().map(Elements::from).collect(),
+        peers: options.peers,
+        took_s: begun.elapsed().as_secs_f64(),
+    })
+}
+
+fn one_dof_row(row: &one_dof::Row) -> OneDof {
+    let of = |value: fn(&one_dof::Press) -> f64, speed: usize| {
+        let mut values = row.presses.iter().map(|(_, press)| value(&press[speed]));
+        std::array::from_fn(|_| values.next().unwrap_or(f64::NAN))
+    };
+    OneDof {
+        spring_n_per_m: row.numbers.spring,
+        limit_ms: row.limits.0 * 1e3,
+        limit_run_ms: row.limits.1 * 1e3,
+        force_step_n: of(|press| press.force_step, 1),
+        load_ratio: of(|press| press.tissue_force / press.device_force, 0),
+    }
+}

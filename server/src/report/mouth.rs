@@ -1,0 +1,107 @@
+//! The whole mouth with two hands at work: does it hold a kilohertz here, and how far is it from the drawn teeth?
+
+use serde::Serialize;
+use sulcus_cases::inside::solid_of;
+use sulcus_cases::mouth::{PROBED, hands, mouth};
+use sulcus_cases::record;
+use sulcus_core::{MAX_TOOLS, Scene, TICK_S};
+use sulcus_operator::HandParams;
+use sulcus_scene::blend::blend_error;
+
+use super::times::Times;
+
+/// When both hands are at work, and how long is measured from then on, seconds.
+const BEGINS: f64 = 7.0;
+const SECONDS: f64 = 10.0;
+/// Time for the hands to leave, seconds.
+const LEAVING: f64 = 8.0;
+/// A patient with all teeth.
+const PATIENT: u64 = 1;
+/// Radius of a probe's tip, metres: what the error of a blended surface is measured with.
+const TIP: f64 = 2.5e-4;
+
+/// The mouth at one level of its teeth.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Level {
+    pub(crate) level: u8,
+    /// Spheres of the probed molar.
+    pub(crate) spheres: usize,
+    /// Distance of the molar as it is touched from the molar as it is drawn, micrometres: mean and largest.
+    pub(crate) tooth_error_mean_um: f64,
+    pub(crate) tooth_error_max_um: f64,
+    #[serde(flatten)]
+    pub(crate) times: Times,
+    /// Share of the measured ticks in which each tool bears load, percent.
+    pub(crate) in_contact_percent: Vec<f64>,
+    pub(crate) max_hz: f64,
+    /// Microseconds at each of [`SHARES`] of ticks that take longer, one run: what the curve is drawn from.
+    pub(crate) longer_than_us: Vec<f64>,
+}
+
+/// Shares of ticks, of the curve.
+pub(crate) const SHARES: [f64; 10] = [0.9, 0.7, 0.5, 0.3, 0.1, 0.05, 0.01, 0.003, 0.001, 0.0001];
+
+/// What was measured in it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Mouth {
+    pub(crate) patient: u64,
+    pub(crate) objects: usize,
+    pub(crate) levels: Vec<Level>,
+}
+
+/// Measures it.
+pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Mouth {
+    let levels: &[u8] = if quick { &[3] } else { &[2, 3, 4] };
+    let mut objects = 0;
+    let measured = levels.iter().enumerate().map(|(k, &level)| {
+        let share = |of: f64| (k as f64 + of) / levels.len() as f64;
+        progress(&format!("building it at level {level}"), share(0.0));
+        let scene = mouth(PATIENT, false, level);
+        objects = scene.objects.len();
+        progress(&format!("two hands at level {level}"), share(0.5));
+        at_level(&scene, level, if quick { 3 } else { 5 })
+    });
+    let levels = measured.collect();
+    Mouth {
+        patient: PATIENT,
+        objects,
+        levels,
+    }
+}
+
+fn at_level(scene: &Scene, level: u8, runs: usize) -> Level {
+    let molar = scene
+        .objects
+        .iter()
+        .find(|object| object.fdi == PROBED && object.tissue.is_rigid())
+        .expect("the patient has the molar");
+    let error = blend_error(&molar.tree, molar.level, &solid_of(&molar.mesh), TIP);
+    let begins = (BEGINS / TICK_S).round() as usize;
+    let ticks = ((BEGINS + SECONDS) / TICK_S).round() as u64;
+    let script = hands(scene, BEGINS + SECONDS + LEAVING);
+    let mut contact = [0_usize; MAX_TOOLS];
+    let hand = (HandParams::default(), 7);
+    let inputs = record(scene, Box::new(script), hand, ticks, |k, out| {
+        for (contact, tool) in contact.iter_mut().zip(&out.tools) {
+            *contact += usize::from(tool.active > 0 && k as usize >= begins);
+        }
+    });
+    let times = Times::of(scene, &inputs, runs, |k| k >= begins);
+    let run = sulcus_cases::timing::time(scene, &inputs, |_, _| {});
+    let mut cpu = run.cpu[begins..].to_vec();
+    cpu.sort_unstable();
+    let at = |share: f64| cpu[((cpu.len() - 1) as f64 * (1.0 - share)) as usize] as f64 * 1e-3;
+    Level {
+        level,
+        spheres: molar.tree.shape_at(level).count(),
+        tooth_error_mean_um: error.mean * 1e3,
+        tooth_error_max_um: error.max * 1e3,
+        in_contact_percent: contact
+            .iter()
+            .map(|n| 100.0 * *n as f64 * TICK_S / SECONDS)
+            .collect(),
+        max_hz: times.rate_hz(),
+        longer_than_us: SHARES.map(at).to_vec(),
+        times,
+    }
+}

@@ -1,0 +1,45 @@
+//! Poses made up at random: what comes of them.
+
+use serde::Serialize;
+use sulcus_cases::fuzz::ALL;
+
+/// One scene under them.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Rough {
+    pub(crate) scene: &'static str,
+    pub(crate) ticks: u64,
+    pub(crate) contact_ticks: u64,
+    /// Ticks in which a number that is not finite came out.
+    pub(crate) not_finite: u64,
+    pub(crate) bad_input: u64,
+    pub(crate) exhausted_ticks: u64,
+    pub(crate) solver_failed: u64,
+    pub(crate) residual_um: f64,
+    pub(crate) exhausted_residual_um: f64,
+    pub(crate) slow_force_step_n: f64,
+    pub(crate) max_force_n: f64,
+}
+
+/// Measures them all.
+pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rough> {
+    let ticks = if quick { 1_000 } else { 10_000 };
+    let rough = ALL.iter().enumerate().map(|(k, fuzz)| {
+        progress(fuzz.name, k as f64 / ALL.len() as f64);
+        let found = fuzz.run(k as u64, ticks, |_| {});
+        let m = &found.measures;
+        Rough {
+            scene: fuzz.name,
+            ticks: m.ticks,
+            contact_ticks: m.contact_ticks,
+            not_finite: found.not_finite,
+            bad_input: m.bad_input,
+            exhausted_ticks: m.exhausted,
+            solver_failed: m.solver_failed,
+            residual_um: m.residual * 1e6,
+            exhausted_residual_um: m.exhausted_residual * 1e6,
+            slow_force_step_n: m.slow_force_step,
+            max_force_n: m.max_force,
+        }
+    });
+    rough.collect()
+}

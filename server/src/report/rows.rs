@@ -1,0 +1,207 @@
+//! The hard cases, row by row: what each costs, how wrong it is, what holds and what does not.
+
+use serde::Serialize;
+use sulcus_cases::comparison::as_printed;
+use sulcus_cases::{Case, TABLE, run_on};
+use sulcus_core::Scene;
+use sulcus_core::optimise::SolverKind;
+use sulcus_core::tissue::TissueModel;
+
+use super::times::Times;
+
+/// One case by one method with one solver.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Row {
+    pub(crate) case: &'static str,
+    pub(crate) about: &'static str,
+    /// `coupled`, or `printed`: as the paper has it.
+    pub(crate) method: &'static str,
+    /// What yields in the scene.
+    pub(crate) tissue: String,
+    /// `active_set`, the tick's own, or `clarabel`, the judge.
+    pub(crate) solver: &'static str,
+    /// Finest level in contact.
+    pub(crate) level: u8,
+    #[serde(flatten)]
+    pub(crate) times: Times,
+    pub(crate) residual_um: f64,
+    pub(crate) exhausted_residual_um: f64,
+    pub(crate) graphic_jump_um: f64,
+    pub(crate) buzz_n: f64,
+    pub(crate) force_step_n: f64,
+    /// Of hands at up to 0.2 m/s.
+    pub(crate) slow_force_step_n: f64,
+    pub(crate) energy_mj: f64,
+    pub(crate) exhausted_ticks: u64,
+    pub(crate) settling_ticks: u64,
+    pub(crate) contact_ticks: u64,
+    /// `holds`, `broken`, or `shown` for what is not asked to hold.
+    pub(crate) status: &'static str,
+    /// What does not hold, in words.
+    pub(crate) broken: Vec<String>,
+    /// Which bound is nearest, and how much of it is used, percent.
+    pub(crate) nearest: (String, f64),
+}
+
+/// Cases of a quick report.
+const QUICK: [&str; 14] = [
+    "thin-plate-0.3mm-2",
+    "teleport",
+    "wedge",
+    "sharp-edge",
+    "peg-in-hole",
+    "opposed-0",
+    "immersed",
+    "long-lever",
+    "tissue-comes-back",
+    "pocket-0.4",
+    "tongue-10-k2",
+    "organ-10-k2",
+    "soft-next-to-hard",
+    "pocket-flicker",
+];
+/// Cases that the paper is about: these run as printed, too.
+const PAPERS: [&str; 20] = [
+    "wedge",
+    "sharp-edge",
+    "thin-plate-0.5",
+    "peg-in-hole",
+    "flat-on-flat",
+    "pocket-0.4",
+    "pocket-0.5",
+    "pocket-0.65",
+    "pocket-0.8",
+    "two-probes",
+    "pocket-teleport",
+    "pocket-flicker",
+    "tongue-10-k0.5",
+    "tongue-10-k2",
+    "tongue-15-k0.5",
+    "tongue-15-k2",
+    "two-mirrors",
+    "soft-next-to-hard",
+    "tongue-teleport",
+    "tongue-edge-0.5",
+];
+/// Cases that the judge solves in a quick report.
+const JUDGED: [&str; 3] = ["wedge", "opposed-0", "sharp-edge"];
+
+/// Measures them all.
+pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Row> {
+    let cases = || {
+        TABLE
+            .iter()
+            .filter(|case| !quick || QUICK.contains(&case.name))
+    };
+    let mut wanted: Vec<(&Case, bool, SolverKind)> = Vec::new();
+    for case in cases() {
+        wanted.push((case, false, SolverKind::ActiveSet));
+        // Minutes of rest tell nothing more of a solver.
+        let judged = !quick && !case.name.ends_with("-rest") || JUDGED.contains(&case.name);
+        if judged {
+            wanted.push((case, false, SolverKind::Clarabel));
+        }
+        if PAPERS.contains(&case.name) && (!quick || case.name == "pocket-0.4") {
+            wanted.push((case, true, SolverKind::ActiveSet));
+        }
+    }
+    let all = wanted.len() as f64;
+    let row = |(k, (case, printed, solver)): (usize, (&Case, bool, SolverKind))| {
+        progress(case.name, k as f64 / all);
+        row(case, printed, solver, quick)
+    };
+    wanted.into_iter().enumerate().map(row).collect()
+}
+
+fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -> Row {
+    let (mut inputs, mut scene, mut touching) = (Vec::new(), None, Vec::new());
+    let report = run_on(
+        case,
+        |scene| {
+            if printed {
+                as_printed(scene);
+            }
+            scene.params.solver = solver;
+        },
+        |seen| {
+            scene.get_or_insert_with(|| seen.scene.clone());
+            inputs.push(*seen.input);
+            touching.push(seen.output.tools.iter().any(|tool| tool.active > 0));
+        },
+    );
+    let scene = scene.expect("a case has ticks");
+    // The judge takes a hundred times as long, and is not the one who must be fast.
+    let runs = match solver {
+        SolverKind::Clarabel => 1,
+        SolverKind::ActiveSet if inputs.len() > 20_000 => 1,
+        SolverKind::ActiveSet => {
+            if quick {
+                2
+            } else {
+                3
+            }
+        }
+    };
+    let times = Times::of(&scene, &inputs, runs, |k| touching[k]);
+    let m = &report.measures;
+    let checks = case.bounds.checks(m, report.margin);
+    let nearest = checks
+        .iter()
+        .max_by(|a, b| a.used().total_cmp(&b.used()))
+        .map_or((String::new(), 0.0), |check| {
+            (check.what.to_owned(), 100.0 * check.used())
+        });
+    Row {
+        case: case.name,
+        about: case.about,
+        method: if printed { "printed" } else { "coupled" },
+        tissue: tissues(&scene),
+        solver: match solver {
+            SolverKind::ActiveSet => "active_set",
+            SolverKind::Clarabel => "clarabel",
+        },
+        level: scene
+            .objects
+            .iter()
+            .map(|o| o.level.min(o.tree.depth()))
+            .max()
+            .unwrap_or(0),
+        times,
+        residual_um: m.residual * 1e6,
+        exhausted_residual_um: m.exhausted_residual * 1e6,
+        graphic_jump_um: m.jump * 1e6,
+        buzz_n: m.buzz,
+        force_step_n: m.force_step,
+        slow_force_step_n: m.slow_force_step,
+        energy_mj: m.energy * 1e3,
+        exhausted_ticks: m.exhausted,
+        settling_ticks: m.settling,
+        contact_ticks: m.contact_ticks,
+        status: match (printed, report.broken.is_empty()) {
+            (_, true) => "holds",
+            (true, false) => "shown",
+            (false, false) => "broken",
+        },
+        broken: report.broken,
+        nearest,
+    }
+}
+
+/// Names of what yields in a scene.
+pub(super) fn tissues(scene: &Scene) -> String {
+    let mut names: Vec<&str> = scene
+        .objects
+        .iter()
+        .map(|object| match &object.tissue {
+            TissueModel::Rigid => "rigid",
+            TissueModel::Skeleton(_) => "skeleton",
+            TissueModel::Surface(_) => "surface_compliance",
+            TissueModel::Gingiva(_) => "gingiva",
+            TissueModel::PrintedSkeleton(_) => "printed skeleton",
+            TissueModel::PrintedGingiva(_) => "printed gingiva",
+        })
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names.join(" + ")
+}

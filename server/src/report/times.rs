@@ -1,0 +1,136 @@
+//! Times of ticks, with how sure they are.
+
+use serde::Serialize;
+use sulcus_cases::timing::{Percentiles, time, time_stages};
+use sulcus_core::{Scene, Stage, TickInput};
+
+/// Student's t for 95 % on both sides, by degrees of freedom from 1.
+const STUDENT: [f64; 9] = [
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262,
+];
+
+/// Percentiles as they go into the JSON, microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct TickUs {
+    pub(crate) p50: f64,
+    pub(crate) p99: f64,
+    pub(crate) p999: f64,
+    pub(crate) max: f64,
+}
+
+impl From<Percentiles> for TickUs {
+    fn from(p: Percentiles) -> Self {
+        Self {
+            p50: p.p50,
+            p99: p.p99,
+            p999: p.p999,
+            max: p.max,
+        }
+    }
+}
+
+/// What the ticks of some recorded inputs take.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Times {
+    /// CPU time of the thread: each percentile the mean over the runs.
+    pub(crate) tick_us: TickUs,
+    /// Half the width of the 95 % confidence interval of each over the runs; none for a single run.
+    pub(crate) tick_us_ci95: Option<TickUs>,
+    /// On the wall, of the run that was least disturbed.
+    pub(crate) tick_wall_us: TickUs,
+    /// Share of ticks that took longer than a millisecond on the wall, over all runs, percent.
+    pub(crate) over_1_ms_percent: f64,
+    /// Median and 99.9th percentile by stage, in the order of [`Stage::ALL`]; each with the clock's own 0.2 us or so.
+    pub(crate) stages_us: [(String, f64, f64); 5],
+    pub(crate) runs: usize,
+    /// Ticks that were measured in each run.
+    pub(crate) ticks: usize,
+}
+
+impl Times {
+    /// Times `scene` under `inputs`, `runs` times over; what counts are the ticks that `counts` wants.
+    pub(crate) fn of(
+        scene: &Scene,
+        inputs: &[TickInput],
+        runs: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Self {
+        let kept = |times: &[u64]| -> Vec<u64> {
+            let all = times.iter().enumerate();
+            all.filter_map(|(k, time)| counts(k).then_some(*time))
+                .collect()
+        };
+        let mut cpu: Vec<TickUs> = Vec::new();
+        let (mut wall, mut over, mut ticks) = (Vec::new(), 0, 0);
+        for _ in 0..runs {
+            let run = time(scene, inputs, |_, _| {});
+            let walls = kept(&run.wall);
+            ticks = walls.len();
+            over += walls.iter().filter(|ns| **ns > 1_000_000).count();
+            cpu.push(Percentiles::of(kept(&run.cpu)).into());
+            wall.push(TickUs::from(Percentiles::of(walls)));
+        }
+        let stages = time_stages(scene, inputs);
+        let mut names = Stage::ALL.iter();
+        let stages_us = stages.map(|times| {
+            let at = Percentiles::of(kept(&times));
+            let name = names
+                .next()
+                .map_or(String::new(), |stage| format!("{stage:?}"));
+            (name.to_lowercase(), at.p50, at.p999)
+        });
+        let best = wall.iter().copied();
+        Self {
+            tick_us: over_runs(&cpu, mean),
+            tick_us_ci95: (runs > 1).then(|| over_runs(&cpu, half_width)),
+            tick_wall_us: best
+                .min_by(|a, b| a.p999.total_cmp(&b.p999))
+                .unwrap_or_default(),
+            over_1_ms_percent: 100.0 * over as f64 / (runs * ticks).max(1) as f64,
+            stages_us,
+            runs,
+            ticks,
+        }
+    }
+
+    /// Highest rate that 99.9 % of the ticks keep, hertz.
+    pub(crate) fn rate_hz(&self) -> f64 {
+        1e6 / self.tick_us.p999.max(1e-3)
+    }
+}
+
+fn over_runs(runs: &[TickUs], of: fn(&[f64]) -> f64) -> TickUs {
+    let each = |value: fn(&TickUs) -> f64| of(&runs.iter().map(value).collect::<Vec<_>>());
+    TickUs {
+        p50: each(|run| run.p50),
+        p99: each(|run| run.p99),
+        p999: each(|run| run.p999),
+        max: each(|run| run.max),
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn half_width(values: &[f64]) -> f64 {
+    let (n, middle) = (values.len(), mean(values));
+    let squares: f64 = values.iter().map(|x| (x - middle) * (x - middle)).sum();
+    let deviation = (squares / (n - 1) as f64).sqrt();
+    STUDENT[(n - 2).min(STUDENT.len() - 1)] * deviation / (n as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_is_students() {
+        // Mean 3, deviation 1: 2.776 for four degrees of freedom, over the root of five.
+        let values = [2.0, 2.5, 3.0, 3.5, 4.0];
+        let deviation = (2.5_f64 / 4.0).sqrt();
+        assert!((mean(&values) - 3.0).abs() < 1e-12);
+        let expected = 2.776 * deviation / 5.0_f64.sqrt();
+        assert!((half_width(&values) - expected).abs() < 1e-12);
+    }
+}
