@@ -39,8 +39,10 @@ impl fmt::Display for Method {
     }
 }
 
-/// The scene with every tissue as printed: the same trees, springs and directions from the tooth.
+/// The scene with every tissue as printed: the same trees, springs and directions from the tooth, and no limit to what a force may
+/// change by.
 pub fn as_printed(scene: &mut Scene) {
+    scene.params.max_settle_step = 50.0;
     let tooth_of = |fdi: u8| {
         let rigid = |k: &usize| scene.objects[*k].tissue.is_rigid();
         let all = || (0..scene.objects.len()).filter(rigid);

@@ -64,6 +64,19 @@ impl Plot {
         drawn.map_or(String::new(), |()| svg)
     }
 
+    /// Where the lines leave room for their names: most fall or rise from the left to the right.
+    fn free_corner(&self) -> SeriesLabelPosition {
+        let falls = |series: &Series| {
+            let ends = (series.points.first(), series.points.last());
+            matches!(ends, (Some(first), Some(last)) if first.1 > last.1)
+        };
+        if self.series.iter().any(falls) {
+            SeriesLabelPosition::UpperRight
+        } else {
+            SeriesLabelPosition::UpperLeft
+        }
+    }
+
     fn draw<X, Y>(&self, svg: &mut String, x: X, y: Y) -> Result<(), Box<dyn std::error::Error>>
     where
         X: AsRangedCoord<Value = f64>,
@@ -133,7 +146,7 @@ impl Plot {
                 .background_style(WHITE.mix(0.85))
                 .border_style(RGBColor(0xd9, 0xdc, 0xe0))
                 .label_font(("sans-serif", 13))
-                .position(SeriesLabelPosition::UpperLeft)
+                .position(self.free_corner())
                 .draw()?;
         }
         root.present()?;
@@ -154,9 +167,9 @@ fn log((low, high): (f64, f64)) -> LogCoord<f64> {
 /// A little room at both ends; never empty.
 fn widened((low, high): (f64, f64), log: bool) -> (f64, f64) {
     if log {
-        return (low / 1.3, high * 1.3);
+        return (low / 1.3, high * 1.6);
     }
-    let room = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+    let room = (0.1 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
     // What is counted from nothing is shown from nothing.
     let low = if low >= 0.0 && low < 0.5 * high {
         0.0

@@ -51,7 +51,7 @@ pub(crate) struct Mouth {
 
 /// Measures it.
 pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Mouth {
-    let levels: &[u8] = if quick { &[3] } else { &[2, 3, 4] };
+    let levels: &[u8] = if quick { &[3] } else { &[4, 2, 3] };
     let mut objects = 0;
     let measured = levels.iter().enumerate().map(|(k, &level)| {
         let share = |of: f64| (k as f64 + of) / levels.len() as f64;
@@ -61,7 +61,8 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Mouth {
         progress(&format!("two hands at level {level}"), share(0.5));
         at_level(&scene, level, if quick { 3 } else { 5 })
     });
-    let levels = measured.collect();
+    let mut levels: Vec<Level> = measured.collect();
+    levels.sort_by_key(|level| level.level);
     Mouth {
         patient: PATIENT,
         objects,

@@ -177,7 +177,7 @@ fn breaks(report: &Report) -> Answer {
     let exhausted: u64 = coupled(report).map(|row| row.exhausted_ticks).sum();
     let _ = write!(
         long,
-        "<p>The hand outran the tool in {exhausted} ticks, all of leaps and throws. The method as printed, for comparison: {failing} of {printed} cases do not hold.</p>"
+        "<p>Ticks in which the hand outran the tool: {exhausted}. The method as printed, for comparison: {failing} of {printed} cases do not hold.</p>"
     );
     let all = of("coupled").count();
     let (short, mood) = match broken.len() {
