@@ -45,9 +45,9 @@ impl Display {
         self.passivity.moved(hand, periods);
     }
 
-    /// Whether from here all goes on as it did from `earlier`, as long as the hand and what is sent do.
-    pub fn goes_on_as(&self, earlier: &Self) -> bool {
-        self.displayed == earlier.displayed && self.passivity.goes_on_as(&earlier.passivity)
+    /// Whether from here all goes on as it did from `earlier`, so many `times`, as long as the hand and what is sent do.
+    pub fn repeats(&self, earlier: &Self, times: f64) -> bool {
+        self.displayed == earlier.displayed && self.passivity.repeats(&earlier.passivity, times)
     }
 
     /// What is displayed.

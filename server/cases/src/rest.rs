@@ -42,7 +42,8 @@ struct Machine {
 }
 
 impl Machine {
-    fn repeats(&self, earlier: &Self) -> bool {
+    /// Whether all goes on as it did from `earlier`, so many `times`.
+    fn repeats(&self, earlier: &Self, times: f64) -> bool {
         let mut hands = self.hands.iter().zip(&earlier.hands);
         let same = |(a, b): (&Option<Hand>, &Option<Hand>)| match (a, b) {
             (Some(a), Some(b)) => a.goes_on_as(b),
@@ -55,7 +56,7 @@ impl Machine {
                 .displays
                 .iter()
                 .zip(&earlier.displays)
-                .all(|(a, b)| a.goes_on_as(b))
+                .all(|(a, b)| a.repeats(b, times))
             && self.state.tools == earlier.state.tools
             && bytes(&self.state) == bytes(&earlier.state)
     }
@@ -130,7 +131,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
             continue;
         }
         if let Some((at, earlier)) = &earlier
-            && now.repeats(earlier)
+            && now.repeats(earlier, (ticks - k) as f64 / (k - *at) as f64 + 1.0)
         {
             report.period = Some(k - *at);
             end = ticks.min(SETTLED.max(k) + (k - *at) + 1);
