@@ -8,7 +8,7 @@ use rustix::time::Timespec;
 use serde::Serialize;
 use sulcus_core::math::norm;
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
-use sulcus_operator::{Shown, drawn};
+use sulcus_operator::{Display, PassivityParams, Shown, drawn};
 use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
 
 use crate::calls::event;
@@ -40,6 +40,12 @@ pub struct LoopReport {
     pub last_displayed_n: f64,
     /// Times that the watchdog began to close the gate.
     pub gate_closings: u64,
+    /// Most energy that the force displayed had put out into a hand, net, since a contact began, joules.
+    pub energy_out_j: f64,
+    /// Energy that the passivity controller took out, both hands, joules.
+    pub energy_taken_j: f64,
+    /// Periods of a hand in which the controller acted.
+    pub damped_periods: u64,
     /// Newest tick heard of.
     pub last_tick: u64,
     /// Whether no wrench came any more: the server fell silent, or ended the session.
@@ -47,12 +53,6 @@ pub struct LoopReport {
     /// Whether someone asked to end before the time.
     pub interrupted: bool,
 }
-
-/// Most that the force displayed changes per period, newtons: what the server's own slew limit allows per tick
-/// at its default. Where wrenches were lost the newest may differ by many ticks' worth.
-const MAX_FORCE_STEP_N: f64 = 0.5;
-/// The same for the torque, newton-metres.
-const MAX_TORQUE_STEP_NM: f64 = 0.03;
 
 /// What happens to the input on its way, period by period (a hard case's lost packets and bad
 /// numbers).
@@ -70,6 +70,7 @@ pub fn run(
     punctual();
     let mut report = LoopReport::default();
     let (mut displayed, mut closed_for, mut was_open) = ([Wrench::ZERO; MAX_TOOLS], 0, false);
+    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(PassivityParams::default()));
     let mut grid_ns = now_ns() + PERIOD_NS;
     let mut waited = 0;
     loop {
@@ -94,7 +95,8 @@ pub fn run(
             let wanted = newest.filter(|_| !leaving).map_or(Wrench::ZERO, |packet| {
                 gated(&packet.datagram.tools[t], gate)
             });
-            slewed(&displayed[t], &wanted)
+            // What ends is not damped: it must come to nothing.
+            displays[t].next(&wanted, if leaving { 0.0 } else { gate })
         });
         for (now, before) in felt.iter().zip(&displayed) {
             let force = norm(&now.force);
@@ -125,6 +127,10 @@ pub fn run(
         let mut input = TickInput::IDLE;
         for _ in 0..=late {
             input.tools = device.exchange(&shown);
+            for (display, tool) in displays.iter_mut().zip(&input.tools) {
+                let hand = drawn(&tool.pose).filter(|_| tool.present);
+                display.moved(hand.as_ref(), 1);
+            }
             if let Some(disturb) = disturb {
                 disturb(report.periods, &mut input);
             }
@@ -150,24 +156,12 @@ pub fn run(
             break;
         }
     }
-    report
-}
-
-/// `wanted`, as far as one period's limits allow from `before`.
-fn slewed(before: &Wrench, wanted: &Wrench) -> Wrench {
-    let step = |from: Vec3, to: Vec3, most: f64| {
-        let change = to - from;
-        let length = norm(&change);
-        if length > most {
-            from + change * (most / length)
-        } else {
-            to
-        }
-    };
-    Wrench {
-        force: step(before.force, wanted.force, MAX_FORCE_STEP_N),
-        torque: step(before.torque, wanted.torque, MAX_TORQUE_STEP_NM),
+    for energy in displays.map(|display| display.energy()) {
+        report.energy_out_j = report.energy_out_j.max(energy.most_out);
+        report.energy_taken_j += energy.taken;
+        report.damped_periods += energy.acted;
     }
+    report
 }
 
 fn gated(sent: &ToolWrench, gate: f64) -> Wrench {
@@ -236,26 +230,5 @@ fn punctual() {
             "no real-time scheduling for the device: {}",
             std::io::Error::last_os_error()
         );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wrenches_lost_for_a_while_do_not_come_back_as_a_jolt() {
-        let wanted = Wrench {
-            force: Vec3::new(3.3, 0.0, 0.0),
-            torque: Vec3::new(0.0, 0.2, 0.0),
-        };
-        let mut displayed = Wrench::ZERO;
-        for _ in 0..7 {
-            let next = slewed(&displayed, &wanted);
-            assert!(norm(&(next.force - displayed.force)) <= MAX_FORCE_STEP_N + 1e-12);
-            assert!(norm(&(next.torque - displayed.torque)) <= MAX_TORQUE_STEP_NM + 1e-12);
-            displayed = next;
-        }
-        assert_eq!(displayed, wanted);
     }
 }

@@ -84,6 +84,23 @@ impl Hand {
         self.device
     }
 
+    /// Whether this hand, bit for bit, goes on as `other` does under the same targets and wrenches. Time counts only
+    /// where a tremor makes it.
+    pub fn goes_on_as(&self, other: &Self) -> bool {
+        let shakes = |p: &HandParams| p.tremor != 0.0 || p.spin_tremor != 0.0;
+        let bits = |hand: &Self| {
+            let [device, target] = [&hand.device, &hand.last_target].map(|pose| {
+                let (p, q) = (&pose.position, &pose.orientation);
+                [p.x, p.y, p.z, q.w, q.i, q.j, q.k].map(f64::to_bits)
+            });
+            let (v, w) = (&hand.velocity, &hand.spin);
+            let speed = [v.x, v.y, v.z, w.x, w.y, w.z].map(f64::to_bits);
+            let time = if shakes(&hand.params) { hand.time } else { 0.0 };
+            (device, target, speed, time.to_bits())
+        };
+        self.params == other.params && bits(self) == bits(other)
+    }
+
     /// One millisecond towards `target` under the wrench `felt` about the device point (world
     /// axes). Returns the device's pose.
     pub fn step(&mut self, target: &Pose, felt: &Wrench) -> Pose {

@@ -10,10 +10,12 @@
 pub mod bands;
 pub mod bimanual;
 pub mod crown;
+pub mod display;
 mod frame;
 pub mod habit;
 pub mod hand;
 mod lean;
+pub mod passivity;
 pub mod pocket_path;
 pub mod retraction;
 pub mod script;
@@ -29,8 +31,10 @@ mod wall;
 use sulcus_core::math::normalised;
 use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Vec3};
 
+pub use display::Display;
 pub use habit::Habit;
 pub use hand::{Hand, HandParams};
+pub use passivity::{Energy, Passivity, PassivityParams};
 pub use script::{Call, Felt, Script, Shown};
 
 /// A person with up to two hands, performing a script.

@@ -9,7 +9,7 @@ use sulcus_server::{Exercise, Server, ServerConfig};
 
 use crate::cli::DemoArgs;
 use crate::demo::check;
-use crate::demo::summary::DemoSummary;
+use crate::demo::summary::{DemoSummary, PassivitySummary};
 use crate::device::Simulated;
 use crate::exercise::Prepared;
 use crate::link::{Link, LinkConfig};
@@ -92,6 +92,11 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         max_residual_um: checked.measures.residual * 1e6,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
+        passivity: Some(PassivitySummary {
+            energy_out_mj: ran.report.energy_out_j * 1e3,
+            energy_taken_mj: ran.report.energy_taken_j * 1e3,
+            damped_periods: ran.report.damped_periods,
+        }),
         lost: summary.poses.lost + ran.stats.wrenches.lost,
         late: summary.poses.late + ran.stats.wrenches.late,
         identical: checked.report.identical,

@@ -101,6 +101,7 @@ fn run_virtual(
         max_residual_um: checked.measures.residual * 1e6,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
+        passivity: None,
         lost: 0,
         late: 0,
         identical: checked.report.identical,

@@ -43,6 +43,8 @@ pub struct DemoSummary {
     pub exhausted: u64,
     /// Largest force sent to a hand.
     pub max_force_n: f64,
+    /// Energy of the force displayed; null in virtual time, where nothing is displayed late.
+    pub passivity: Option<PassivitySummary>,
     /// Datagrams that never arrived, both ways.
     pub lost: u64,
     /// Datagrams that arrived after a newer one, both ways.
@@ -69,6 +71,17 @@ pub struct DemoSummary {
     pub events: Option<EventsSummary>,
     /// Null until there is grading.
     pub grade: Option<()>,
+}
+
+/// Energy of the force displayed.
+#[derive(Clone, Debug, Serialize)]
+pub struct PassivitySummary {
+    /// Most that it had put out into a hand, net, since a contact began.
+    pub energy_out_mj: f64,
+    /// What the passivity controller took out.
+    pub energy_taken_mj: f64,
+    /// Periods of a hand in which the controller acted.
+    pub damped_periods: u64,
 }
 
 /// What was read in pockets.
@@ -276,6 +289,12 @@ impl DemoSummary {
             self.max_residual_um, self.exhausted
         ));
         lines.push(format!("force         {:.2} N at most", self.max_force_n));
+        if let Some(passivity) = &self.passivity {
+            lines.push(format!(
+                "energy        {:.3} mJ put out at most, {:.3} mJ taken out in {} damped periods",
+                passivity.energy_out_mj, passivity.energy_taken_mj, passivity.damped_periods
+            ));
+        }
         if let Some(pocket) = &self.pocket {
             pocket.lines(&mut lines);
         }

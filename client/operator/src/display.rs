@@ -1,0 +1,100 @@
+//! The last door before the hand: what was sent is damped where the loop puts out energy, and changes by no more than a
+//! period's limits.
+
+use sulcus_core::math::norm;
+use sulcus_core::{Pose, Vec3, Wrench};
+
+use crate::passivity::{Energy, Passivity, PassivityParams};
+
+/// Most that the force displayed changes per period, newtons: what the server's own slew limit allows per tick
+/// at its default. Where wrenches were lost the newest may differ by many ticks' worth.
+pub const MAX_FORCE_STEP_N: f64 = 0.5;
+/// The same for the torque, newton-metres.
+pub const MAX_TORQUE_STEP_NM: f64 = 0.03;
+
+/// What one hand's device displays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Display {
+    displayed: Wrench,
+    passivity: Passivity,
+}
+
+impl Display {
+    /// Nothing displayed yet.
+    pub fn new(params: PassivityParams) -> Self {
+        Self {
+            displayed: Wrench::ZERO,
+            passivity: Passivity::new(params),
+        }
+    }
+
+    /// What is displayed over the next period where `wanted` was sent, already times `gate`: the share of the force that
+    /// may be displayed at all.
+    pub fn next(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
+        let plain = slewed(&self.displayed, wanted);
+        let damped = self.passivity.damped(wanted, gate);
+        // The slew comes last: damping, too, is not to be felt as a blow.
+        let displayed = slewed(&self.displayed, &damped);
+        self.passivity.hold(&displayed, &plain);
+        self.displayed = displayed;
+        displayed
+    }
+
+    /// Where the hand came to be after so many periods of that; `None` where it is not known.
+    pub fn moved(&mut self, hand: Option<&Pose>, periods: u64) {
+        self.passivity.moved(hand, periods);
+    }
+
+    /// Whether from here all goes on as it did from `earlier`, so many `times`, as long as the hand and what is sent do.
+    pub fn repeats(&self, earlier: &Self, times: f64) -> bool {
+        self.displayed == earlier.displayed && self.passivity.repeats(&earlier.passivity, times)
+    }
+
+    /// What is displayed.
+    pub fn displayed(&self) -> Wrench {
+        self.displayed
+    }
+
+    /// What the energy observer and controller came to.
+    pub fn energy(&self) -> Energy {
+        self.passivity.energy()
+    }
+}
+
+/// `wanted`, as far as one period's limits allow from `before`.
+pub fn slewed(before: &Wrench, wanted: &Wrench) -> Wrench {
+    let step = |from: Vec3, to: Vec3, most: f64| {
+        let change = to - from;
+        let length = norm(&change);
+        if length > most {
+            from + change * (most / length)
+        } else {
+            to
+        }
+    };
+    Wrench {
+        force: step(before.force, wanted.force, MAX_FORCE_STEP_N),
+        torque: step(before.torque, wanted.torque, MAX_TORQUE_STEP_NM),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrenches_lost_for_a_while_do_not_come_back_as_a_jolt() {
+        let wanted = Wrench {
+            force: Vec3::new(3.3, 0.0, 0.0),
+            torque: Vec3::new(0.0, 0.2, 0.0),
+        };
+        let mut displayed = Wrench::ZERO;
+        for _ in 0..7 {
+            let next = slewed(&displayed, &wanted);
+            assert!(norm(&(next.force - displayed.force)) <= MAX_FORCE_STEP_N + 1e-12);
+            assert!(norm(&(next.torque - displayed.torque)) <= MAX_TORQUE_STEP_NM + 1e-12);
+            displayed = next;
+        }
+        assert_eq!(displayed, wanted);
+    }
+}

@@ -1,0 +1,168 @@
+//! A hand at rest in contact for an hour: no drift, no limit cycle.
+//!
+//! Simulation, display and a hand without tremor are one deterministic machine. Once its whole state is, bit for bit, what
+//! it was `p` ticks before, everything after repeats with period `p`: what is left of the hour is proven, not run. Brent's
+//! algorithm finds the first repetition with one stored state.
+
+use sulcus_core::math::norm;
+use sulcus_core::{
+    MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, output::status, tick,
+};
+use sulcus_operator::{Display, Hand, HandParams, PassivityParams, Shown, drawn, present};
+
+use crate::table::{Case, Driver};
+
+/// An hour, ticks.
+pub const HOUR: u64 = 3_600_000;
+/// Ticks after which everything has settled: what moves later is drift.
+pub const SETTLED: u64 = 10_000;
+
+/// How the rest went. Metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// Ticks run.
+    pub ticks: u64,
+    /// Period after which the whole state repeats, ticks (1: it stands still); none where it did not within the time.
+    pub period: Option<u64>,
+    /// Farthest of the hands and graphic tools, at their working points, from where they were when settled, at the end.
+    pub drift: f64,
+    /// The same at any time after that.
+    pub excursion: f64,
+    /// Force displayed at the end, newtons, all hands: a hand at rest in the air proves nothing.
+    pub force: f64,
+}
+
+/// All that the next tick depends on, but for the tick's number and hash, which nothing comes back from.
+#[derive(Clone)]
+struct Machine {
+    state: State,
+    hands: [Option<Hand>; MAX_TOOLS],
+    displays: [Display; MAX_TOOLS],
+    shown: Shown,
+}
+
+impl Machine {
+    /// Whether all goes on as it did from `earlier`, so many `times`.
+    fn repeats(&self, earlier: &Self, times: f64) -> bool {
+        let mut hands = self.hands.iter().zip(&earlier.hands);
+        let same = |(a, b): (&Option<Hand>, &Option<Hand>)| match (a, b) {
+            (Some(a), Some(b)) => a.goes_on_as(b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        // The cheap comparison first. It takes a zero for its negative: bytes do not.
+        hands.all(same)
+            && self.shown == earlier.shown
+            && self
+                .displays
+                .iter()
+                .zip(&earlier.displays)
+                .all(|(a, b)| a.repeats(b, times))
+            && self.state.tools == earlier.state.tools
+            && bytes(&self.state) == bytes(&earlier.state)
+    }
+}
+
+fn bytes(state: &State) -> Vec<u8> {
+    let mut state = state.clone();
+    (state.tick, state.hash) = (0, 0);
+    state.to_bytes()
+}
+
+/// Runs a hand without tremor on the way of `case` as it is after `hold` seconds, for `ticks` or until it repeats; the
+/// wrench is displayed as at a client whose controller `passivity` sets.
+pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> Rest {
+    let scene = (case.scene)();
+    let (Driver::Kinematic(script) | Driver::Closed(script, _)) = case.driver;
+    let script = script(&scene);
+    let params = HandParams {
+        tremor: 0.0,
+        spin_tremor: 0.0,
+        ..HandParams::default()
+    };
+    let mut ws = Workspace::new(&scene);
+    let mut now = Machine {
+        state: State::new(&scene),
+        hands: [const { None }; MAX_TOOLS],
+        displays: [0; MAX_TOOLS].map(|_| Display::new(passivity)),
+        shown: Shown::NOTHING,
+    };
+    let mut earlier: Option<(u64, Machine)> = None;
+    let (mut place, mut report) = (
+        None,
+        Rest {
+            ticks,
+            period: None,
+            drift: 0.0,
+            excursion: 0.0,
+            force: 0.0,
+        },
+    );
+    // (A repetition found before everything counts as settled is run on to one period after that.)
+    let mut end = ticks;
+    let mut next_look = 1;
+    for k in 0..ticks {
+        let targets = script.targets((k as f64 * sulcus_core::TICK_S).min(hold));
+        let mut input = TickInput::IDLE;
+        for (t, target) in targets.iter().enumerate().take(scene.tools.len()) {
+            let Some(target) = *target else { continue };
+            let hand = now.hands[t].get_or_insert_with(|| Hand::new(params, target, 0));
+            input.tools[t] = present(&hand.step(&target, &now.shown.wrenches[t]));
+            now.displays[t].moved(drawn(&input.tools[t].pose).as_ref(), 1);
+        }
+        let output = tick(&scene, &mut now.state, &mut ws, &input, &mut NoProbe);
+        now.shown = Shown::from(&output);
+        report.force = 0.0;
+        for t in 0..scene.tools.len() {
+            now.shown.wrenches[t] = now.displays[t].next(&now.shown.wrenches[t], 1.0);
+            report.force += norm(&now.shown.wrenches[t].force);
+        }
+        if k >= SETTLED {
+            let points = points(&scene, &output);
+            let place = *place.get_or_insert(points);
+            let apart = points.iter().zip(&place).map(|(p, q)| norm(&(p - q)));
+            report.drift = apart.fold(0.0, f64::max);
+            report.excursion = report.excursion.max(report.drift);
+        }
+        if k + 1 >= end {
+            report.ticks = k + 1;
+            break;
+        }
+        if report.period.is_some() || k as f64 * sulcus_core::TICK_S < hold {
+            continue;
+        }
+        if let Some((at, earlier)) = &earlier
+            && now.repeats(earlier, (ticks - k) as f64 / (k - *at) as f64 + 1.0)
+        {
+            report.period = Some(k - *at);
+            end = ticks.min(SETTLED.max(k) + (k - *at) + 1);
+            continue;
+        }
+        // Brent: the stored state is renewed at distances that double.
+        if earlier.as_ref().is_none_or(|(at, _)| k - at >= next_look) {
+            if earlier.is_some() {
+                next_look *= 2;
+            }
+            earlier = Some((k, now.clone()));
+        }
+    }
+    report
+}
+
+/// Where each tool's working point is by the hand and on the screen.
+fn points(scene: &Scene, output: &sulcus_core::TickOutput) -> [Vec3; 2 * MAX_TOOLS] {
+    std::array::from_fn(|k| {
+        let (t, out) = (k / 2, &output.tools[k / 2]);
+        let Some(tool) = scene.tools.get(t) else {
+            return Vec3::zeros();
+        };
+        if out.status & status::ABSENT != 0 {
+            return Vec3::zeros();
+        }
+        let pose = if k % 2 == 0 {
+            &out.haptic
+        } else {
+            &out.graphic
+        };
+        pose.transform(&tool.working_point)
+    })
+}
