@@ -4,6 +4,7 @@
 //! than what it measures. Every time is CPU time of the thread; wall time stands beside it where a deadline is meant.
 
 mod growth;
+mod loops;
 mod machine;
 mod mouth;
 mod rough;
@@ -16,6 +17,7 @@ use serde::Serialize;
 use sulcus_cases::one_dof;
 
 pub(crate) use growth::{Growth, Line};
+pub(crate) use loops::{Loop, Loops};
 pub(crate) use machine::Machine;
 pub(crate) use mouth::{Level, Mouth, SHARES};
 pub(crate) use rough::Rough;
@@ -36,6 +38,7 @@ pub(crate) struct Report {
     pub(crate) mouth: Mouth,
     pub(crate) growth: Growth,
     pub(crate) random_poses: Vec<Rough>,
+    pub(crate) passivity: Loops,
     pub(crate) one_dof: Vec<OneDof>,
     pub(crate) finite_elements: Vec<Elements>,
     /// What the bench against other engines wrote.
@@ -92,13 +95,14 @@ pub(crate) struct Options {
 }
 
 /// Parts of the work and their shares of the time, for the progress.
-const PARTS: [(&str, f64); 6] = [
-    ("the whole mouth", 0.10),
-    ("hard cases", 0.55),
-    ("how times grow", 0.08),
-    ("random poses", 0.10),
+const PARTS: [(&str, f64); 7] = [
+    ("the whole mouth", 0.12),
+    ("how times grow", 0.20),
+    ("hard cases", 0.35),
+    ("random poses", 0.09),
+    ("passivity", 0.10),
     ("one degree of freedom", 0.01),
-    ("finite elements", 0.16),
+    ("finite elements", 0.13),
 ];
 
 /// Measures it all. `progress` gets what is being done and how much of it all is.
@@ -121,12 +125,13 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         }
     };
     let mouth = mouth::measure(quick, &part(0));
-    let rows = rows::measure(quick, &part(1));
-    let growth = growth::measure(quick, &part(2));
+    let growth = growth::measure(quick, &part(1));
+    let rows = rows::measure(quick, &part(2));
     let random_poses = rough::measure(quick, &part(3));
-    part(4)("", 0.0);
+    let passivity = loops::measure(quick, &part(4));
+    part(5)("", 0.0);
     let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
-    let elements = against_fem(quick, &part(5))?;
+    let elements = against_fem(quick, &part(6))?;
     Ok(Report {
         program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
         quick,
@@ -135,6 +140,7 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         mouth,
         growth,
         random_poses,
+        passivity,
         one_dof,
         finite_elements: elements.into_iter().map(Elements::from).collect(),
         peers: options.peers,

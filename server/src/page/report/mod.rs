@@ -4,6 +4,7 @@
 
 mod answers;
 mod cases;
+mod loops;
 mod plots;
 
 use std::fmt::Write;
@@ -49,6 +50,7 @@ pub(crate) fn page(report: &Report) -> String {
     plots::speed(&mut html, report);
     cases::hard_cases(&mut html, report);
     cases::random_poses(&mut html, report);
+    loops::loops(&mut html, report);
     plots::growth(&mut html, report);
     plots::one_dof(&mut html, report);
     elements(&mut html, report);

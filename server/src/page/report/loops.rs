@@ -1,0 +1,77 @@
+//! The tables of passivity and of the hour at rest.
+
+use std::fmt::Write;
+
+use super::super::plot::{Plot, Series};
+use crate::report::{Loop, Report};
+
+pub(super) fn loops(html: &mut String, report: &Report) {
+    let found = &report.passivity;
+    html.push_str("<section><h2>Passivity over a link</h2>\n<p class=\"note\">Every case by a hand that holds a device and feels, over links with 2 % of the datagrams lost each way. <b>Energy</b>: the most that the wrench as displayed had put out into the hand, net, since its contact began; a passive loop puts out nothing, good is under 0.1 mJ. Where it puts out some the client's controller damps the device until it is paid back. <b>Off</b>: displayed against computed force (delay, slew and controller), rms in percent of the force.</p>\n<div class=\"two\">");
+    let mut delays: Vec<u32> = found.loops.iter().map(|l| l.delay_ms).collect();
+    delays.sort_unstable();
+    delays.dedup();
+    let worst = |of: fn(&Loop) -> f64| {
+        let at = |delay: &u32| {
+            let all = found.loops.iter().filter(|l| l.delay_ms == *delay);
+            // What is nothing has no place on a logarithmic axis.
+            (f64::from(*delay), all.map(of).fold(1e-4, f64::max))
+        };
+        delays.iter().map(at).collect::<Vec<_>>()
+    };
+    let plot = Plot {
+        x: "round trip, ms".into(),
+        y: "energy of the worst case, mJ".into(),
+        log: (false, true),
+        series: vec![
+            Series {
+                name: "without controller".into(),
+                points: worst(|l| l.energy_mj),
+                joined: true,
+            },
+            Series {
+                name: "with".into(),
+                points: worst(|l| l.energy_controlled_mj),
+                joined: true,
+            },
+        ],
+        limit: Some((0.1, "what is not felt".into())),
+    };
+    let _ = write!(
+        html,
+        "<figure>{}<figcaption>The worst case at each delay. Good is under the line.</figcaption></figure>",
+        plot.svg()
+    );
+    html.push_str("<div><h3>An hour at rest in contact</h3><table class=\"small\"><thead><tr><th>case</th><th>repeats after</th><th>ticks run</th><th>drift, µm</th><th>force, N</th></tr></thead><tbody>");
+    for hour in &found.hours {
+        let period = match hour.period_ticks {
+            Some(1) => "stands still".to_owned(),
+            Some(n) => format!("{n} ticks"),
+            None => "not within the hour".to_owned(),
+        };
+        let _ = writeln!(
+            html,
+            "<tr><td>{}</td><td>{period}</td><td>{}</td><td>{:.4}</td><td>{:.2}</td></tr>",
+            hour.case, hour.ticks_run, hour.drift_um, hour.force_n
+        );
+    }
+    html.push_str("</tbody></table><p class=\"note\">Once the whole state repeats bit for bit the rest of the hour is proven, not run.</p></div></div>\n");
+    let mut by_energy: Vec<&Loop> = found.loops.iter().collect();
+    by_energy.sort_by(|a, b| b.energy_mj.total_cmp(&a.energy_mj));
+    html.push_str("<details><summary>All links, most energy first</summary><table class=\"small\"><thead><tr><th>case</th><th>round trip, ms</th><th>energy, mJ</th><th>with controller</th><th>taken out, mJ</th><th>acted, %</th><th>off, %</th><th>with controller</th></tr></thead><tbody>");
+    for l in by_energy {
+        let _ = writeln!(
+            html,
+            "<tr><td>{}</td><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:.3}</td><td>{:.2}</td><td>{:.1}</td><td>{:.1}</td></tr>",
+            l.case,
+            l.delay_ms,
+            l.energy_mj,
+            l.energy_controlled_mj,
+            l.taken_mj,
+            l.acted_percent,
+            l.infidelity_percent,
+            l.infidelity_controlled_percent
+        );
+    }
+    html.push_str("</tbody></table></details></section>\n");
+}

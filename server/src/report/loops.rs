@@ -1,0 +1,119 @@
+//! Passivity: the energy that the closed loop of hand, device, link and simulation puts out into the hand, and what a controller
+//! at the client does about it; and an hour at rest.
+
+use serde::Serialize;
+use sulcus_cases::linked::{LinkModel, Linked, run_linked};
+use sulcus_cases::rest::{HOUR, rest};
+use sulcus_cases::{Case, TABLE, find};
+use sulcus_operator::PassivityParams;
+
+/// Share of datagrams that are lost, each way.
+const LOSS: f64 = 0.02;
+/// Energy from which a loop is said to generate some, joules.
+const SOME: f64 = 1e-5;
+/// Cases left out: longer or slower versions of others.
+const LEFT_OUT: [&str; 4] = ["-rest", "-0.02", "-stiff", "-k5"];
+
+/// One case over one link.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Loop {
+    pub(crate) case: &'static str,
+    /// Round trip.
+    pub(crate) delay_ms: u32,
+    pub(crate) loss_percent: f64,
+    /// Most that came out net, without the controller and with it; the same run where it had nothing to do.
+    pub(crate) energy_mj: f64,
+    pub(crate) energy_controlled_mj: f64,
+    /// What the controller took out, and the share of ticks in which it acted.
+    pub(crate) taken_mj: f64,
+    pub(crate) acted_percent: f64,
+    /// Displayed against computed force, root mean square, percent of the force: without and with.
+    pub(crate) infidelity_percent: f64,
+    pub(crate) infidelity_controlled_percent: f64,
+    pub(crate) finite: bool,
+}
+
+/// A hand without tremor at rest for an hour.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Hour {
+    pub(crate) case: &'static str,
+    /// Ticks after which everything repeats bit for bit; none where the whole hour was run instead.
+    pub(crate) period_ticks: Option<u64>,
+    pub(crate) ticks_run: u64,
+    pub(crate) drift_um: f64,
+    pub(crate) force_n: f64,
+}
+
+/// Both.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Loops {
+    pub(crate) loops: Vec<Loop>,
+    pub(crate) hours: Vec<Hour>,
+}
+
+/// Measures them.
+pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Loops {
+    let short = ["wedge", "sharp-edge", "tongue-10-k2"];
+    let wanted = |case: &&Case| match quick {
+        true => short.contains(&case.name),
+        false => !LEFT_OUT.iter().any(|end| case.name.ends_with(end)),
+    };
+    let cases: Vec<&Case> = TABLE.iter().filter(wanted).collect();
+    let delays: &[u32] = if quick { &[0, 5] } else { &[0, 1, 2, 5] };
+    let mut loops = Vec::new();
+    for (k, case) in cases.iter().enumerate() {
+        progress(case.name, 0.8 * k as f64 / cases.len() as f64);
+        loops.extend(delays.iter().map(|&delay| one(case, delay)));
+    }
+    let resting: &[&str] = match quick {
+        true => &["thin-plate-0.02"],
+        false => &[
+            "thin-plate-0.02",
+            "pocket-rest",
+            "tongue-rest",
+            "organ-rest",
+        ],
+    };
+    let hours = resting.iter().map(|&name| {
+        progress(&format!("{name}, an hour"), 0.8);
+        let case = find(name).expect("in the table");
+        let found = rest(case, 2.0, HOUR, PassivityParams::default());
+        Hour {
+            case: case.name,
+            period_ticks: found.period,
+            ticks_run: found.ticks,
+            drift_um: found.excursion * 1e6,
+            force_n: found.force,
+        }
+    });
+    Loops {
+        hours: hours.collect(),
+        loops,
+    }
+}
+
+fn one(case: &Case, delay_ms: u32) -> Loop {
+    let link = LinkModel {
+        delay_ticks: delay_ms,
+        loss: LOSS,
+        seed: 7,
+    };
+    let free = run_linked(case, &link, PassivityParams::observing());
+    let held: Linked = if free.energy > SOME {
+        run_linked(case, &link, PassivityParams::default())
+    } else {
+        free
+    };
+    Loop {
+        case: case.name,
+        delay_ms,
+        loss_percent: LOSS * 100.0,
+        energy_mj: free.energy * 1e3,
+        energy_controlled_mj: held.energy * 1e3,
+        taken_mj: held.taken * 1e3,
+        acted_percent: held.acted * 100.0,
+        infidelity_percent: free.infidelity() * 100.0,
+        infidelity_controlled_percent: held.infidelity() * 100.0,
+        finite: free.finite && held.finite,
+    }
+}
