@@ -29,6 +29,8 @@ mod page;
 mod picture;
 mod realtime;
 mod recording;
+#[cfg_attr(not(test), allow(dead_code))]
+mod report;
 mod running;
 mod simulation;
 mod tissue;

@@ -9,6 +9,7 @@ pub mod comparison;
 pub mod inside;
 pub mod measure;
 pub mod mouth;
+pub mod multi_rate;
 pub mod one_dof;
 pub mod pocket;
 mod residual;

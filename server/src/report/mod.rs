@@ -1,0 +1,3 @@
+//! What this program measures of itself.
+
+pub(crate) mod paper;
