@@ -11,6 +11,7 @@ pub mod inside;
 pub mod linked;
 pub mod measure;
 pub mod mouth;
+pub mod multi_rate;
 pub mod one_dof;
 pub mod pocket;
 mod residual;

@@ -98,7 +98,7 @@ impl OneDof {
     }
 
     /// Whether an oscillation about the equilibrium grows at steps of `dt`.
-    fn grows(&self, dt: f64) -> bool {
+    pub fn grows(&self, dt: f64) -> bool {
         // Deep enough that contact is never lost while it is judged.
         let haptic = 1.0;
         let rest = self.penalty * haptic / self.stiffness();

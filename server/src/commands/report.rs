@@ -15,12 +15,15 @@ use crate::report::{Options, measure};
 #[command(
     about = "Measure speed against error on this machine",
     long_about = "Measure speed against error on this machine: does it hold a kilohertz, how wrong is it, where does it break.\n\nRuns the hard cases by the coupled method and as printed, with the tick's solver and with the judge, times whole ticks and their stages, and compares the tissue models with finite elements. Writes one page (report.html, which needs nothing but itself) and one file of numbers (report.json). Leave the machine alone meanwhile: times are those of a machine that others use, else.",
-    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --out report --peers peers.json\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
+    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --paper --out report --peers peers.json\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
 )]
 pub struct ReportArgs {
     /// Fewer cases and repeats: under a minute instead of under ten
     #[arg(long)]
     quick: bool,
+    /// The paper, too: everything that it prints beside what is measured here, and one loop against two rates
+    #[arg(long)]
+    paper: bool,
     /// Folder for the page and the numbers, made when missing
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
@@ -36,6 +39,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
     writable(&args.out)?;
     let options = Options {
         quick: args.quick,
+        paper: args.paper,
         peers: args.peers.as_deref().map(read_peers).transpose()?,
     };
     let narrator = Narrator::default();

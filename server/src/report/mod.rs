@@ -7,6 +7,8 @@ mod growth;
 mod loops;
 mod machine;
 mod mouth;
+pub(crate) mod paper;
+mod printed;
 mod rough;
 mod rows;
 mod times;
@@ -20,6 +22,7 @@ pub(crate) use growth::{Growth, Line};
 pub(crate) use loops::{Loop, Loops};
 pub(crate) use machine::Machine;
 pub(crate) use mouth::{Level, Mouth, SHARES};
+pub(crate) use printed::Beside;
 pub(crate) use rough::Rough;
 pub(crate) use rows::Row;
 pub(crate) use times::TickUs;
@@ -43,6 +46,8 @@ pub(crate) struct Report {
     pub(crate) finite_elements: Vec<Elements>,
     /// What the bench against other engines wrote.
     pub(crate) peers: Option<serde_json::Value>,
+    /// Everything that the paper prints beside what is measured here.
+    pub(crate) paper: Option<printed::Beside>,
     pub(crate) took_s: f64,
 }
 
@@ -91,18 +96,21 @@ pub(crate) struct OneDof {
 /// What to measure.
 pub(crate) struct Options {
     pub(crate) quick: bool,
+    /// The paper, figure by figure, too.
+    pub(crate) paper: bool,
     pub(crate) peers: Option<serde_json::Value>,
 }
 
 /// Parts of the work and their shares of the time, for the progress.
-const PARTS: [(&str, f64); 7] = [
-    ("the whole mouth", 0.12),
-    ("how times grow", 0.20),
-    ("hard cases", 0.35),
-    ("random poses", 0.09),
-    ("passivity", 0.10),
+const PARTS: [(&str, f64); 8] = [
+    ("the whole mouth", 0.11),
+    ("how times grow", 0.18),
+    ("hard cases", 0.32),
+    ("random poses", 0.08),
+    ("passivity", 0.09),
     ("one degree of freedom", 0.01),
-    ("finite elements", 0.13),
+    ("finite elements", 0.11),
+    ("the paper", 0.10),
 ];
 
 /// Measures it all. `progress` gets what is being done and how much of it all is.
@@ -132,6 +140,9 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
     part(5)("", 0.0);
     let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
     let elements = against_fem(quick, &part(6))?;
+    let paper = options
+        .paper
+        .then(|| printed::Beside::from(paper::paper_beside(quick, &elements, &part(7))));
     Ok(Report {
         program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
         quick,
@@ -144,6 +155,7 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         one_dof,
         finite_elements: elements.into_iter().map(Elements::from).collect(),
         peers: options.peers,
+        paper,
         took_s: begun.elapsed().as_secs_f64(),
     })
 }

@@ -5,6 +5,7 @@
 mod answers;
 mod cases;
 mod loops;
+mod paper;
 mod plots;
 
 use std::fmt::Write;
@@ -55,6 +56,9 @@ pub(crate) fn page(report: &Report) -> String {
     plots::one_dof(&mut html, report);
     elements(&mut html, report);
     peers(&mut html, report);
+    if let Some(beside) = &report.paper {
+        paper::paper(&mut html, beside);
+    }
     html.push_str("</main></body></html>\n");
     html
 }

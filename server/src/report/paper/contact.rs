@@ -1,0 +1,134 @@
+//! A scene under one operator in closed loop, and what contact in it looks like.
+
+use sulcus_cases::{Measures, Observer};
+use sulcus_core::math::norm;
+use sulcus_core::{
+    MAX_TOOLS, NoProbe, Pose, Scene, State, TICK_S, TickInput, TickOutput, Vec3, Workspace, tick,
+};
+use sulcus_operator::script::OneTool;
+use sulcus_operator::{HandParams, Operator, Script, Shown};
+
+/// Seed of the hand's tremor in every run of this report.
+pub(super) const SEED: u64 = 7;
+/// Ticks between two independent looks for penetration where it is asked for: each takes longer than a tick.
+pub(super) const LOOKED: u64 = 10;
+
+/// One tick of a run.
+pub(super) struct Seen<'a> {
+    /// Seconds since the beginning.
+    pub(super) t: f64,
+    pub(super) scene: &'a Scene,
+    pub(super) ws: &'a Workspace,
+    pub(super) out: &'a TickOutput,
+}
+
+impl Seen<'_> {
+    /// Force and torque on the hand about the working point of the first tool, newtons and newton metres.
+    pub(super) fn wrench(&self) -> (Vec3, Vec3) {
+        let out = &self.out.tools[0];
+        let lever = out.haptic.orientation * self.scene.tools[0].working_point;
+        let there = out.raw_wrench.moved(&-lever);
+        (there.force, there.torque)
+    }
+
+    /// Farthest that a sphere of object `k` is from its rest, metres.
+    pub(super) fn indentation(&self, k: usize) -> f64 {
+        let nodes = self.scene.objects[k].tree.nodes();
+        let ids: Vec<u32> = (0..nodes.len() as u32).collect();
+        let mut centres = vec![Vec3::zeros(); nodes.len()];
+        if !self.ws.centres_of(k, &ids, &mut centres) {
+            return 0.0;
+        }
+        let moved = centres
+            .iter()
+            .zip(nodes)
+            .map(|(c, node)| norm(&(c - node.centre)));
+        moved.fold(0.0, f64::max)
+    }
+
+    /// Number of separate places in which tool `t` bears load: contacts of one object within `apart` metres are one place.
+    pub(super) fn regions(&self, t: usize, apart: f64) -> usize {
+        let loaded = self
+            .ws
+            .contacts()
+            .filter(|(c, load)| usize::from(c.tool) == t && *load > 0.0);
+        let mut places: Vec<(u16, Vec3)> = loaded.map(|(c, _)| (c.object, c.arm)).collect();
+        let mut count = 0;
+        while let Some(first) = places.pop() {
+            count += 1;
+            let mut region = vec![first];
+            while let Some(at) = region.pop() {
+                let near = |p: &(u16, Vec3)| p.0 == at.0 && norm(&(p.1 - at.1)) < apart;
+                region.extend(places.iter().copied().filter(near));
+                places.retain(|p| !near(p));
+            }
+        }
+        count
+    }
+}
+
+/// A script for the first tool.
+pub(super) fn hand_at(
+    pose: impl Fn(f64) -> Pose + Send + 'static,
+    duration_s: f64,
+) -> Box<dyn Script + Send> {
+    Box::new(OneTool { pose, duration_s })
+}
+
+/// Runs `scene` under an operator with that script in closed loop for so many seconds; `look` sees every tick. Penetration is
+/// looked for every `looked` ticks.
+pub(super) fn by_hand(
+    scene: &Scene,
+    script: Box<dyn Script + Send>,
+    (seconds, looked): (f64, u64),
+    mut look: impl FnMut(&Seen),
+) -> (Measures, Vec<TickInput>) {
+    let mut operator = Operator::new(script, HandParams::default(), SEED);
+    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
+    let mut observer = Observer::new(scene);
+    observer.residual_every = looked;
+    let mut shown = Shown::NOTHING;
+    let ticks = (seconds / TICK_S) as usize;
+    let inputs = (0..ticks).map(|k| {
+        let mut input = TickInput::IDLE;
+        input.tools = operator.step(&shown);
+        let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
+        observer.observe(scene, &input, &out, &ws);
+        shown = Shown::from(&out);
+        look(&Seen {
+            t: k as f64 * TICK_S,
+            scene,
+            ws: &ws,
+            out: &out,
+        });
+        input
+    });
+    let inputs = inputs.collect();
+    (observer.measures(), inputs)
+}
+
+/// Numbers tick by tick, and their percentiles.
+#[derive(Default)]
+pub(super) struct Counts(Vec<u32>);
+
+impl Counts {
+    pub(super) fn add(&mut self, count: impl Into<u32>) {
+        self.0.push(count.into());
+    }
+
+    /// Median, 99th percentile, most.
+    pub(super) fn percentiles(&mut self) -> [f64; 3] {
+        self.0.sort_unstable();
+        let last = self.0.len().saturating_sub(1) as f64;
+        [0.5, 0.99, 1.0].map(|q| {
+            self.0
+                .get((last * q) as usize)
+                .map_or(0.0, |x| f64::from(*x))
+        })
+    }
+}
+
+/// Tool slots of a scene.
+pub(super) fn slots(scene: &Scene) -> std::ops::Range<usize> {
+    0..scene.tools.len().min(MAX_TOOLS)
+}
