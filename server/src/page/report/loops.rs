@@ -42,12 +42,12 @@ pub(super) fn loops(html: &mut String, report: &Report) {
         "<figure>{}<figcaption>The worst case at each delay. Good is under the line.</figcaption></figure>",
         plot.svg()
     );
-    html.push_str("<div><h3>An hour at rest in contact</h3><table class=\"small\"><thead><tr><th>case</th><th>repeats after</th><th>ticks run</th><th>drift, µm</th><th>force, N</th></tr></thead><tbody>");
+    html.push_str("<div><h3>A hand at rest in contact</h3><table class=\"small\"><thead><tr><th>case</th><th>repeats after</th><th>ticks run</th><th>drift, µm</th><th>force, N</th></tr></thead><tbody>");
     for hour in &found.hours {
         let period = match hour.period_ticks {
             Some(1) => "stands still".to_owned(),
             Some(n) => format!("{n} ticks"),
-            None => "not within the hour".to_owned(),
+            None => "not in this time".to_owned(),
         };
         let _ = writeln!(
             html,
@@ -55,7 +55,7 @@ pub(super) fn loops(html: &mut String, report: &Report) {
             hour.case, hour.ticks_run, hour.drift_um, hour.force_n
         );
     }
-    html.push_str("</tbody></table><p class=\"note\">Once the whole state repeats bit for bit the rest of the hour is proven, not run.</p></div></div>\n");
+    html.push_str("</tbody></table><p class=\"note\">Without tremor. Once the whole state repeats bit for bit the rest of an hour is proven, not run; where it does not, that many ticks were.</p></div></div>\n");
     let mut by_energy: Vec<&Loop> = found.loops.iter().collect();
     by_energy.sort_by(|a, b| b.energy_mj.total_cmp(&a.energy_mj));
     html.push_str("<details><summary>All links, most energy first</summary><table class=\"small\"><thead><tr><th>case</th><th>round trip, ms</th><th>energy, mJ</th><th>with controller</th><th>taken out, mJ</th><th>acted, %</th><th>off, %</th><th>with controller</th></tr></thead><tbody>");
