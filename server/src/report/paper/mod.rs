@@ -14,10 +14,12 @@ mod pocket_states;
 pub(crate) mod printed;
 mod rates;
 mod ripple;
+mod springs;
 mod statistics;
 mod times;
 mod tongue;
 mod trees;
+mod turning;
 mod unmeasured;
 mod whole_mouth;
 
@@ -108,7 +110,7 @@ fn untimed(quick: bool, progress: &dyn Fn(&str, f64)) -> (Answers, MultiRate) {
     progress("a probe in the pocket", 0.2);
     pocket::answer(&mut answers);
     progress("ripple", 0.4);
-    ripple::answer(&mut answers);
+    ripple::answer(quick, &mut answers);
     progress("one loop against two rates", 0.6);
     let multi_rate = multi_rate::study(quick);
     rates::answer(&multi_rate, &mut answers);

@@ -34,6 +34,7 @@ fn show(paper: &Paper) {
             curve.y,
             sizes.join(", ")
         );
+        println!("    {}", curve.note);
     }
 }
 
@@ -120,6 +121,7 @@ fn everything_printed_is_answered_once_and_measured_where_it_can_be() {
     assert!(rate("compliance_buzz_n_k2") > 5.0 * rate("single_buzz_n_k2"));
     assert!(rate("shape_rms_n_k2") > rate("compliance_rms_n_k2"));
 
+    assert_eq!(paper.multi_rate.studies.len(), 2);
     let places: Vec<&str> = paper.curves.iter().map(|curve| curve.place).collect();
     for place in ["Fig. 14", "Fig. 17", "Fig. 18", "multi-rate"] {
         assert!(places.contains(&place), "{place}");
@@ -137,4 +139,22 @@ fn everything_printed_is_answered_once_and_measured_where_it_can_be() {
 #[ignore = "takes a minute or two"]
 fn all_of_it() {
     measured(false);
+}
+
+/// What each part costs when it has the machine for itself.
+#[test]
+#[ignore = "a look, not a test"]
+fn where_the_time_goes() {
+    let begin = Instant::now();
+    let said = |what: &str, share: f64| {
+        let cpu = sulcus_cases::timing::cpu_ns() as f64 * 1e-9;
+        let wall = begin.elapsed().as_secs_f64();
+        println!(
+            "{wall:6.1} s, {cpu:6.1} s of this thread, {:5.1} % {what}",
+            share * 100.0
+        );
+    };
+    let elements = against_fem(true, &|_, _| ()).expect("an equilibrium");
+    said("compared with finite elements", 0.0);
+    show(&paper_beside(true, &elements, &said));
 }

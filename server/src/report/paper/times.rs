@@ -91,6 +91,9 @@ const CASES: [(u8, [&str; 5]); 2] = [
     ),
 ];
 
+/// Id of a stage, how long it takes, and what it is.
+type Timed = (&'static str, fn(&Times) -> Interval, &'static str);
+
 /// Answers for Table 2.
 pub(super) fn answer(quick: bool, answers: &mut Answers) {
     let scene = tongue(0.5);
@@ -151,7 +154,7 @@ fn case(
         ],
         format!("{how}; both tool and tongue touched at level {level}, skeleton at level 2"),
     );
-    let stages: [(&'static str, fn(&Times) -> Interval, &str); 3] = [
+    let stages: [Timed; 3] = [
         (
             ids[1],
             |times| times.collide,
