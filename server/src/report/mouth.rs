@@ -59,7 +59,7 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Mouth {
         let scene = mouth(PATIENT, false, level);
         objects = scene.objects.len();
         progress(&format!("two hands at level {level}"), share(0.5));
-        at_level(&scene, level, if quick { 3 } else { 5 })
+        at_level(&scene, level, if quick { 2 } else { 5 })
     });
     let mut levels: Vec<Level> = measured.collect();
     levels.sort_by_key(|level| level.level);
