@@ -21,6 +21,7 @@
 //! No friction, no gravity, tools do not collide with each other.
 
 pub mod blend;
+mod collide;
 pub mod contact;
 mod gaps;
 mod groups;

@@ -5,7 +5,7 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
-use crate::blend::reach;
+use crate::collide::{Fits, collide};
 use crate::contact::{Distance, Overflow, PosedTool, SMALLEST_PREDICTION};
 use crate::gaps::true_gaps;
 use crate::haptic::{renormalised, twist};
@@ -89,6 +89,9 @@ pub(crate) struct Run<'a> {
     /// Prediction distance of this pass, and what the next ones look at least.
     d: Distance,
     floor: f64,
+    /// What the list of contacts had room for, once it was full: the next pass is near there, and finding it out anew costs more than
+    /// all the rest.
+    fits: Option<Fits>,
     passes: u8,
     status: u16,
     converged: bool,
@@ -110,6 +113,7 @@ impl<'a> Run<'a> {
             gain: params.predict_gain * YIELDS,
             d: Distance::from(0.0),
             floor: params.predict_min,
+            fits: None,
             passes: 0,
             status: 0,
             converged: false,
@@ -219,7 +223,16 @@ impl<'a> Run<'a> {
         self.passes += 1;
         probe.begin(Stage::Collide);
         loop {
-            let (used, cut) = collide(scene, state, ws, self.group, self.d);
+            if let Some(fits) = self.fits {
+                self.d.base = fmin(self.d.base, 2.0 * fits.d.base);
+                self.d.turn = fmin(self.d.turn, 2.0 * fits.d.turn);
+            }
+            let share = self.fits.map_or(1.0, |fits| fits.share);
+            let (found, cut) = collide(scene, state, ws, self.group, (self.d, share));
+            let used = found.d;
+            if cut {
+                self.fits = Some(found);
+            }
             let all = write_lines(scene, ws, first, used);
             self.d = used;
             let full = !all || ws.passes[first].lines.len() > scene.most_rows();
@@ -364,7 +377,7 @@ fn own(ws: &mut Workspace, slot: usize, first: usize) -> Result<(), Shared> {
     }
 }
 
-fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
+pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
     let tool = &scene.tools[t];
     PosedTool {
         nodes: tool.tree.nodes(),
@@ -376,83 +389,8 @@ fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
 }
 
 /// Which of the workspace's passes a group uses: its first tool's.
-fn place(group: &[usize]) -> usize {
+pub(crate) fn place(group: &[usize]) -> usize {
     group.first().copied().unwrap_or(0)
-}
-
-/// Lists the contacts at the present poses and shapes, within `d` or as far as the list reaches: while it
-/// is full it halves `d`, which costs passes only, then the reach of blended surfaces, which are then made
-/// of fewer spheres. Returns what it used and whether anything was cut. Where even the smallest distance
-/// finds more than the list holds (a flat tool on a flat face), the smallest gaps are kept: what is left
-/// out lies within that smallest distance, no pass moves farther, and the next one ranks anew.
-fn collide(
-    scene: &Scene,
-    state: &State,
-    ws: &mut Workspace,
-    group: &[usize],
-    mut d: Distance,
-) -> (Distance, bool) {
-    let limit = scene.most_contacts() * group.len();
-    let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
-    let mut cut = false;
-    // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
-    let mut share = 1.0;
-    let Workspace {
-        predictor,
-        broad,
-        yielding,
-        slots,
-        zeros,
-        passes,
-        levers,
-        ..
-    } = ws;
-    let contacts = &mut passes[place(group)].contacts;
-    'again: loop {
-        let overflow = if d.base > SMALLEST_PREDICTION || d.turn > 0.0 {
-            Overflow::Stop
-        } else {
-            Overflow::KeepSmallestGaps
-        };
-        contacts.begin(limit, overflow);
-        for &t in group {
-            let posed = posed(scene, state, t);
-            predictor.begin(&posed);
-            let displaced = |k: usize| slots[k].map_or(0.0, |slot| yielding[slot].displaced(zeros));
-            for &k in broad.near(scene, predictor, &posed, (d, levers[t]), displaced) {
-                let at = usize::from(k);
-                let (object, blend) = (&scene.objects[at], scene.blend_of(at));
-                let mut within = d;
-                if blend > 0.0 {
-                    within.base += share * reach(blend) * blend;
-                }
-                let found = match slots[at] {
-                    None => {
-                        let object = (k, object.tree.nodes(), object.level);
-                        predictor.predict(&posed, object, within, contacts)
-                    }
-                    Some(slot) => {
-                        yielding[slot].predict(scene, predictor, &posed, within, contacts)
-                    }
-                };
-                if found.is_err() {
-                    cut = true;
-                    let most = d.at(longest);
-                    let blended = || (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
-                    if share > 0.0 && most <= 2.0 * scene.params.predict_min && blended() {
-                        share = if share > 0.1 { 0.5 * share } else { 0.0 };
-                    } else {
-                        d = d.shorter(longest);
-                    }
-                    continue 'again;
-                }
-            }
-        }
-        contacts.sort();
-        // In the last resort a full list has left out the largest gaps.
-        let full = overflow == Overflow::KeepSmallestGaps && contacts.as_slice().len() == limit;
-        return (d, cut || full);
-    }
 }
 
 /// Steps per tool: translation of the working point (metres) and rotation vector (radians).

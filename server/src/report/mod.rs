@@ -25,6 +25,8 @@ pub(crate) use mouth::{Level, Mouth, SHARES};
 pub(crate) use printed::Beside;
 pub(crate) use rough::Rough;
 pub(crate) use rows::Row;
+#[cfg(test)]
+pub(crate) use rows::row;
 pub(crate) use times::TickUs;
 
 use crate::tissue::against_fem::{AgainstFem, against_fem};

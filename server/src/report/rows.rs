@@ -112,7 +112,8 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Row> {
     wanted.into_iter().enumerate().map(row).collect()
 }
 
-fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -> Row {
+/// Measures one.
+pub(crate) fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -> Row {
     let (mut inputs, mut scene, mut touching) = (Vec::new(), None, Vec::new());
     let report = run_on(
         case,

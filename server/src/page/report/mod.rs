@@ -169,3 +169,6 @@ fn peers(html: &mut String, report: &Report) {
     }
     html.push_str("</tbody></table></div></section>\n");
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,85 @@
+//! The page and the numbers of a small report.
+
+use sulcus_cases::find;
+use sulcus_core::optimise::SolverKind;
+
+use super::page;
+use crate::report::{Growth, Loops, Machine, Mouth, Report, row};
+
+fn small() -> Report {
+    let case = find("teleport").expect("in the table");
+    Report {
+        program: "this",
+        quick: true,
+        machine: Machine::here(),
+        rows: vec![
+            row(case, false, SolverKind::ActiveSet, true),
+            row(case, false, SolverKind::Clarabel, true),
+        ],
+        mouth: Mouth {
+            patient: 1,
+            objects: 0,
+            levels: Vec::new(),
+        },
+        growth: Growth { lines: Vec::new() },
+        random_poses: Vec::new(),
+        passivity: Loops {
+            loops: Vec::new(),
+            hours: Vec::new(),
+        },
+        one_dof: Vec::new(),
+        finite_elements: Vec::new(),
+        peers: Some(serde_json::json!({
+            "rows": [{"scene": "a <block>", "engine": "another", "tick_us": {"p50": 1.0}}],
+            "ratios": [{"name": "time", "value": 0.5, "at_least": 1.0, "holds": false}],
+        })),
+        paper: None,
+        took_s: 1.0,
+    }
+}
+
+#[test]
+fn every_row_has_what_others_rely_on() {
+    let json = serde_json::to_value(small()).expect("numbers");
+    assert!(json["machine"]["processor"].is_string());
+    for row in json["rows"].as_array().expect("rows") {
+        for text in ["case", "method", "tissue", "solver", "status"] {
+            assert!(row[text].is_string(), "{text}: {row}");
+        }
+        for number in [
+            "level",
+            "residual_um",
+            "graphic_jump_um",
+            "buzz_n",
+            "force_step_n",
+            "energy_mj",
+        ] {
+            assert!(row[number].is_number(), "{number}: {row}");
+        }
+        for percentile in ["p50", "p99", "p999", "max"] {
+            let us = row["tick_us"][percentile].as_f64().expect("a time");
+            assert!(us > 0.0, "{percentile}: {row}");
+        }
+    }
+    assert_eq!(json["rows"][0]["status"], "holds");
+    assert_eq!(json["rows"][1]["solver"], "clarabel");
+}
+
+#[test]
+fn the_three_answers_stand_before_everything_else_and_nothing_is_fetched() {
+    let html = page(&small());
+    let at = |text: &str| html.find(text).unwrap_or_else(|| panic!("no {text}"));
+    let first = at("What a better answer costs");
+    for question in [
+        "Does it hold 1 kHz here?",
+        "How wrong is it?",
+        "Where does it break?",
+    ] {
+        assert!(at(question) < first);
+    }
+    for outside in ["src=\"http", "href=\"http", "@import", "url("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    // What comes from files is text, not markup.
+    assert!(html.contains("a &lt;block&gt;") && html.contains("does not hold"));
+}
