@@ -12,7 +12,9 @@ const LOSS: f64 = 0.02;
 /// Energy from which a loop is said to generate some, joules.
 const SOME: f64 = 1e-5;
 /// Cases left out: longer or slower versions of others.
-const LEFT_OUT: [&str; 4] = ["-rest", "-0.02", "-stiff", "-k5"];
+const LEFT_OUT: [&str; 10] = [
+    "-rest", "-0.02", "-0.1", "-1", "-0.5", "-0.65", "-stiff", "-k5", "-15-k0.5", "-15-k2",
+];
 
 /// Ticks of rest where no repetition is to be waited for: five minutes.
 const MINUTES: u64 = 300_000;
