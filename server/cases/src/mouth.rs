@@ -19,6 +19,9 @@ use crate::toured::{Toured, perform};
 pub const PROBED: u8 = 36;
 const NEAR: [u8; 4] = [34, 35, 36, 37];
 
+/// What [`mouth`] was asked for last, and what it gave.
+type Built = ((u64, bool, u8), Scene);
+
 /// The shipped mouth with a patient of that seed, all of the patient's teeth or four about the probed one, in contact at
 /// `level`.
 ///
@@ -26,7 +29,7 @@ const NEAR: [u8; 4] = [34, 35, 36, 37];
 /// When the shipped scene does not compile: a fault of this function.
 pub fn mouth(seed: u64, four: bool, level: u8) -> Scene {
     // Compiling one takes seconds, and several measurements want the same.
-    static BUILT: Mutex<Option<((u64, bool, u8), Scene)>> = Mutex::new(None);
+    static BUILT: Mutex<Option<Built>> = Mutex::new(None);
     let mut built = BUILT.lock().expect("no build panicked");
     if let Some((key, scene)) = &*built
         && *key == (seed, four, level)

@@ -52,9 +52,12 @@ impl Plot {
         if let Some((limit, _)) = &self.limit {
             y = (y.0.min(*limit), y.1.max(*limit));
         }
-        let (x, y) = (widened(x, self.log.0), widened(y, self.log.1));
+        // Within less than a decade a logarithmic axis has hardly a number on it.
+        let wide = |(low, high): (f64, f64), log: bool| log && high > 8.0 * low;
+        let log_of = (wide(x, self.log.0), wide(y, self.log.1));
+        let (x, y) = (widened(x, log_of.0), widened(y, log_of.1));
         let mut svg = String::new();
-        let drawn = match self.log {
+        let drawn = match log_of {
             (true, true) => self.draw(&mut svg, log(x), log(y)),
             (true, false) => self.draw(&mut svg, log(x), linear(y)),
             (false, true) => self.draw(&mut svg, linear(x), log(y)),

@@ -7,7 +7,7 @@ use super::super::plot::{Plot, Series};
 use crate::report::Beside;
 
 pub(super) fn paper(html: &mut String, beside: &Beside) {
-    html.push_str("<section><h2>The paper, figure by figure</h2>\n<p class=\"note\">Wang, Shi, Liu, Zhang, Xiao: Haptic Simulation of Organ Deformation and Hybrid Contacts in Dental Operations, 2014. What stands only in a picture or was lost from the text at hand is said to be unknown. Hold the pointer over a row for how it was measured.</p>\n<div class=\"two\">");
+    html.push_str("<section id=\"paper\"><h2>The paper, figure by figure</h2>\n<p class=\"note\">Wang, Shi, Liu, Zhang, Xiao: Haptic Simulation of Organ Deformation and Hybrid Contacts in Dental Operations, 2014. What stands only in a picture or was lost from the text at hand is said to be unknown. Hold the pointer over a row for how it was measured.</p>\n<div class=\"two\">");
     for curve in &beside.curves {
         let series = curve.series.iter().map(|(name, points)| Series {
             name: name.clone(),

@@ -25,7 +25,7 @@ fn joined(name: impl Into<String>, points: Vec<(f64, f64)>) -> Series {
 
 pub(super) fn speed(html: &mut String, report: &Report) {
     let levels = &report.mouth.levels;
-    html.push_str("<section><h2>What a better answer costs</h2>\n<div class=\"two\">");
+    html.push_str("<section id=\"speed\"><h2>What a better answer costs</h2>\n<div class=\"two\">");
     let against = |name: &str, of: fn(&crate::report::Level) -> (f64, f64)| {
         joined(name, levels.iter().map(of).collect())
     };
@@ -46,7 +46,7 @@ pub(super) fn speed(html: &mut String, report: &Report) {
     figure(
         html,
         &plot,
-        "Every point is a level of the teeth, coarse at the upper left. Good is down and left; 1,000 µs is the limit at 1 kHz.",
+        "Every point is a level of the teeth, from 2 at the top to 4 at the bottom, each with its own hand, for a tooth that is felt otherwise is probed otherwise. Good is down and left; 1,000 µs is the limit at 1 kHz.",
     );
     let tail = |level: &crate::report::Level| {
         let shares = SHARES.iter().map(|share| 100.0 * share);
@@ -103,7 +103,9 @@ pub(super) fn speed(html: &mut String, report: &Report) {
 }
 
 pub(super) fn growth(html: &mut String, report: &Report) {
-    html.push_str("<section><h2>A scene costs what it needs</h2>\n<div class=\"two\">");
+    html.push_str(
+        "<section id=\"growth\"><h2>A scene costs what it needs</h2>\n<div class=\"two\">",
+    );
     for line in &report.growth.lines {
         let of = |value: fn(&crate::report::TickUs) -> f64| {
             line.points
@@ -157,7 +159,7 @@ pub(super) fn one_dof(html: &mut String, report: &Report) {
             .map(|row| (row.spring_n_per_m, value(row)))
             .collect::<Vec<_>>()
     };
-    html.push_str("<section><h2>One degree of freedom</h2>\n<p class=\"note\">The paper's benchmark (Fig. 7, Table 1): a sphere of 20 g on a spring, pressed by a tool that is coupled with 200 N/m, penalty 5 N/m. The paper's text has no value of the spring; these are ours.</p><div class=\"two\">");
+    html.push_str("<section id=\"one-dof\"><h2>One degree of freedom</h2>\n<p class=\"note\">The paper's benchmark (Fig. 7, Table 1): a sphere of 20 g on a spring, pressed by a tool that is coupled with 200 N/m, penalty 5 N/m. The paper's text has no value of the spring; these are ours.</p><div class=\"two\">");
     let plot = Plot {
         x: "spring, N/m".into(),
         y: "largest stable time step, ms".into(),
