@@ -154,7 +154,8 @@ fn where_the_time_goes() {
             share * 100.0
         );
     };
-    let elements = against_fem(true, &|_, _| ()).expect("an equilibrium");
+    let elements =
+        crate::tissue::against_fem::against_fem(true, &|_, _| ()).expect("an equilibrium");
     said("compared with finite elements", 0.0);
     show(&paper_beside(true, &elements, &said));
 }
