@@ -5,7 +5,7 @@ use sulcus_core::Params;
 use sulcus_core::optimise::SolverKind;
 
 /// Ticks over all scenes; SULCUS_FUZZ says how many else.
-const TICKS: u64 = 200_000;
+const TICKS: u64 = 100_000;
 
 fn hold(fuzz: &Fuzz, found: &Fuzzed, ticks: u64) {
     let (m, params) = (&found.measures, Params::default());
