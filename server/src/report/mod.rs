@@ -45,41 +45,12 @@ pub(crate) struct Report {
     pub(crate) random_poses: Vec<Rough>,
     pub(crate) passivity: Loops,
     pub(crate) one_dof: Vec<OneDof>,
-    pub(crate) finite_elements: Vec<Elements>,
+    pub(crate) finite_elements: Vec<AgainstFem>,
     /// What the bench against other engines wrote.
     pub(crate) peers: Option<serde_json::Value>,
     /// Everything that the paper prints beside what is measured here.
     pub(crate) paper: Option<printed::Beside>,
     pub(crate) took_s: f64,
-}
-
-/// A tissue model against finite elements ([`AgainstFem`]).
-#[derive(Serialize)]
-pub(crate) struct Elements {
-    pub(crate) model: &'static str,
-    pub(crate) case: String,
-    pub(crate) force_n: f64,
-    pub(crate) rms_percent: f64,
-    pub(crate) rel_l2_percent: f64,
-    pub(crate) max_percent: f64,
-    pub(crate) max_displacement_mm: f64,
-    #[serde(skip)]
-    pub(crate) picture_png: Vec<u8>,
-}
-
-impl From<AgainstFem> for Elements {
-    fn from(found: AgainstFem) -> Self {
-        Self {
-            model: found.model,
-            case: found.case,
-            force_n: found.force_n,
-            rms_percent: found.rms_percent,
-            rel_l2_percent: found.rel_l2_percent,
-            max_percent: found.max_percent,
-            max_displacement_mm: found.max_displacement_mm,
-            picture_png: found.picture_png,
-        }
-    }
 }
 
 /// A spring of the benchmark with one degree of freedom.
@@ -155,7 +126,7 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         random_poses,
         passivity,
         one_dof,
-        finite_elements: elements.into_iter().map(Elements::from).collect(),
+        finite_elements: elements,
         peers: options.peers,
         paper,
         took_s: begun.elapsed().as_secs_f64(),

@@ -23,6 +23,7 @@ mod pushes;
 mod reference;
 
 use anyhow::anyhow;
+use serde::Serialize;
 use sulcus_core::tissue::TissueModel;
 
 use super::judge::compare;
@@ -31,6 +32,7 @@ use fitted::one_factor;
 use reference::{Law, Reference, Tongue};
 
 /// A model under one load, against finite elements.
+#[derive(Serialize)]
 pub(crate) struct AgainstFem {
     /// `skeleton`, `skeleton_one_factor` or `surface_compliance`.
     pub(crate) model: &'static str,
@@ -47,6 +49,7 @@ pub(crate) struct AgainstFem {
     /// Largest displacement of a free vertex by finite elements, millimetres.
     pub(crate) max_displacement_mm: f64,
     /// Both shapes, the model's in the colours of its error; a PNG file.
+    #[serde(skip)]
     pub(crate) picture_png: Vec<u8>,
 }
 

@@ -67,24 +67,7 @@ pub(crate) struct Paper {
     pub(crate) multi_rate: MultiRate,
 }
 
-/// Measures everything, finite elements included.
-#[cfg(test)]
-pub(crate) fn paper(quick: bool, progress: &dyn Fn(&str, f64)) -> Paper {
-    // What is not timed runs beside the finite elements, whose linear algebra mostly keeps one processor busy.
-    let (elements, measured) = std::thread::scope(|scope| {
-        let measured = scope.spawn(move || untimed(quick, &|_, _| {}));
-        let elements = crate::tissue::against_fem::against_fem(quick, &|what, share| {
-            progress(what, UNTIMED * share)
-        });
-        (elements, measured.join())
-    });
-    let elements =
-        elements.expect("the built-in tongue has an equilibrium under the built-in loads");
-    let measured = measured.expect("the shipped scenes run");
-    finished(quick, measured, &elements, progress)
-}
-
-/// The same, with a comparison against finite elements that was made already.
+/// Measures everything; the comparison against finite elements was made already.
 pub(crate) fn paper_beside(
     quick: bool,
     elements: &[AgainstFem],

@@ -2,6 +2,7 @@ use std::time::Instant;
 
 use super::printed::{PRINTED, Value};
 use super::*;
+use crate::tissue::against_fem::against_fem;
 
 fn value(rows: &[Beside], id: &str, name: &str) -> f64 {
     let row = rows.iter().find(|row| row.printed.id == id);
@@ -38,23 +39,23 @@ fn show(paper: &Paper) {
     }
 }
 
-fn measured(quick: bool) -> Paper {
+fn measured() -> Paper {
     let begin = Instant::now();
-    let paper = paper(quick, &|what, share| {
+    let elements = against_fem(true, &|_, _| ()).expect("an equilibrium");
+    let paper = paper_beside(true, &elements, &|what, share| {
         println!(
             "{:6.1} s {:5.1} % {what}",
             begin.elapsed().as_secs_f64(),
             share * 100.0
         );
     });
-    println!("all in {:.1} s", begin.elapsed().as_secs_f64());
     show(&paper);
     paper
 }
 
 #[test]
 fn everything_printed_is_answered_once_and_measured_where_it_can_be() {
-    let paper = measured(true);
+    let paper = measured();
     let ids: Vec<&str> = paper.rows.iter().map(|row| row.printed.id).collect();
     let printed: Vec<&str> = PRINTED.iter().map(|printed| printed.id).collect();
     assert_eq!(ids, printed);
@@ -133,29 +134,4 @@ fn everything_printed_is_answered_once_and_measured_where_it_can_be() {
             curve.title
         );
     }
-}
-
-#[test]
-#[ignore = "takes a minute or two"]
-fn all_of_it() {
-    measured(false);
-}
-
-/// What each part costs when it has the machine for itself.
-#[test]
-#[ignore = "a look, not a test"]
-fn where_the_time_goes() {
-    let begin = Instant::now();
-    let said = |what: &str, share: f64| {
-        let cpu = sulcus_cases::timing::cpu_ns() as f64 * 1e-9;
-        let wall = begin.elapsed().as_secs_f64();
-        println!(
-            "{wall:6.1} s, {cpu:6.1} s of this thread, {:5.1} % {what}",
-            share * 100.0
-        );
-    };
-    let elements =
-        crate::tissue::against_fem::against_fem(true, &|_, _| ()).expect("an equilibrium");
-    said("compared with finite elements", 0.0);
-    show(&paper_beside(true, &elements, &said));
 }

@@ -52,36 +52,3 @@ fn condensed_elements_come_near_to_finer_ones_and_springs_do_not() {
     let stiff = stiff.expect("comes to rest").rel_l2_percent;
     assert!((25.0..50.0).contains(&stiff), "{stiff}");
 }
-
-/// For those who change the pictures or what is compared: all cases, with times, and the pictures in the folder for temporary
-/// files.
-#[test]
-#[ignore = "takes a minute or two"]
-fn all_cases() {
-    for quick in [true, false] {
-        let start = std::time::Instant::now();
-        let all = against_fem(quick, &|_, share| {
-            assert!((0.0..=1.0 + 1e-9).contains(&share))
-        });
-        let all = all.expect("comes to rest");
-        println!("quick {quick}: {:.1} s", start.elapsed().as_secs_f64());
-        assert_eq!(all.len(), if quick { 3 } else { 18 });
-        for (k, of) in all.iter().enumerate() {
-            println!(
-                "{:19} {:41} {:4} N: rms {:6.2} %, rel_l2 {:5.1} %, max {:5.1} % of {:.2} mm",
-                of.model,
-                of.case,
-                of.force_n,
-                of.rms_percent,
-                of.rel_l2_percent,
-                of.max_percent,
-                of.max_displacement_mm
-            );
-            let name = format!(
-                "against-fem-{}-{k}.png",
-                if quick { "quick" } else { "full" }
-            );
-            std::fs::write(std::env::temp_dir().join(name), &of.picture_png).expect("written");
-        }
-    }
-}
