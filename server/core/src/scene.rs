@@ -157,6 +157,12 @@ pub enum SceneError {
 }
 
 impl Scene {
+    /// Seconds that one tick of this scene simulates.
+    #[inline]
+    pub fn tick_s(&self) -> f64 {
+        crate::TICK_S
+    }
+
     /// Blend length in force on object `k`, metres; 0 where its spheres are touched as they are. Blending is
     /// for what is rigid: tissue compliance acts on single spheres.
     #[inline]

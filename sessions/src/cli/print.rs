@@ -1,0 +1,107 @@
+//! What every command shares: one outcome a file, text or JSON, the worst exit code.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use serde_json::{Map, Value, json};
+
+/// What one file came to: an object, a text, and whether something is wrong.
+pub(super) struct Outcome {
+    pub(super) json: Map<String, Value>,
+    pub(super) text: String,
+    pub(super) finding: bool,
+}
+
+pub(super) fn object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(map) => map,
+        other => Map::from_iter([("value".to_owned(), other)]),
+    }
+}
+
+/// The error's own sentence, with the file's name unless it says so itself.
+pub(super) fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
+    let (path, text) = (path.display().to_string(), error.to_string());
+    if text.contains(&path) {
+        anyhow::anyhow!(text)
+    } else {
+        anyhow::anyhow!("{path}: {text}")
+    }
+}
+
+/// Does `one` to every file, prints, and gives the worst exit code; sums `total` over the files.
+pub(super) fn for_each(
+    files: &[PathBuf],
+    json: bool,
+    total: &str,
+    one: impl Fn(&Path) -> anyhow::Result<Outcome>,
+) -> anyhow::Result<ExitCode> {
+    let mut code = 0;
+    let mut objects = Vec::new();
+    for path in files {
+        match one(path) {
+            Ok(outcome) => {
+                code = code.max(u8::from(outcome.finding));
+                if !json {
+                    say(&outcome.text)?;
+                }
+                objects.push(Value::Object(outcome.json));
+            }
+            Err(error) => {
+                code = 2;
+                complain(&error);
+                objects
+                    .push(json!({"file": path.display().to_string(), "error": error.to_string()}));
+            }
+        }
+    }
+    if json {
+        let object = match <[Value; 1]>::try_from(objects) {
+            Ok([only]) => only,
+            Err(objects) => summary(objects, total),
+        };
+        say(&object.to_string())?;
+    }
+    Ok(ExitCode::from(code))
+}
+
+/// Several files as one object: `identical` only when every one is.
+pub(super) fn summary(objects: Vec<Value>, total: &str) -> Value {
+    let sum: u64 = objects.iter().filter_map(|file| file[total].as_u64()).sum();
+    let mut all = Map::from_iter([(total.to_owned(), json!(sum))]);
+    if objects.iter().any(|file| file.get("identical").is_some()) {
+        let identical = objects.iter().all(|file| file["identical"] == json!(true));
+        let first = objects
+            .iter()
+            .find(|file| file["first_divergent_tick"].is_u64());
+        // The slowest: what a user who waits for all of them would notice.
+        let slowest = objects
+            .iter()
+            .filter_map(|file| file["realtime_factor"].as_f64())
+            .reduce(f64::min);
+        all.insert("identical".to_owned(), json!(identical));
+        all.insert(
+            "first_divergent_tick".to_owned(),
+            first.map_or(Value::Null, |file| file["first_divergent_tick"].clone()),
+        );
+        all.insert("realtime_factor".to_owned(), json!(slowest));
+    }
+    all.insert("files".to_owned(), Value::Array(objects));
+    Value::Object(all)
+}
+
+/// A line on standard output; a reader that went away is no error.
+pub(super) fn say(line: &str) -> anyhow::Result<()> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn complain(error: &anyhow::Error) {
+    let _ = writeln!(std::io::stderr(), "error: {error}");
+}
