@@ -70,6 +70,9 @@ pub struct DemoArgs {
     /// Solver in the tick: `active-set`, or the judge `clarabel` (slow: with --virtual)
     #[arg(long, value_enum, default_value = "active-set")]
     pub solver: SolverArg,
+    /// Ticks a second, 250 to 8000; the scene's own when omitted (1000 unless its file says so)
+    #[arg(long, value_name = "HZ")]
+    pub rate_hz: Option<u16>,
     /// Folder for recordings; created when missing
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
@@ -109,6 +112,9 @@ pub struct RunArgs {
     /// Seed of the generated patient, where the server was given one; must be the same
     #[arg(long, value_name = "N")]
     pub patient_seed: Option<u64>,
+    /// The server's ticks a second, 250 to 8000; the scene's own when omitted (1000 unless its file says so)
+    #[arg(long, value_name = "HZ")]
+    pub rate_hz: Option<u16>,
     /// Length of the session in seconds; the exercise's own when omitted
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
@@ -168,6 +174,7 @@ impl Default for DemoArgs {
             scene: None,
             seed: None,
             solver: SolverArg::ActiveSet,
+            rate_hz: None,
             recordings: "recordings".into(),
             json: false,
         }

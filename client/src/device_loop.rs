@@ -16,14 +16,12 @@ use crate::device::Device;
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
-/// Period of a device, nanoseconds.
-const PERIOD_NS: u64 = 1_000_000;
 /// Priority of the device's thread among SCHED_FIFO ones: below an embedded simulation's.
 const PRIORITY: libc::c_int = 45;
-/// The gate has been closed for this many periods: the server is gone.
-const GONE_PERIODS: u64 = 1000;
-/// Periods in which a server that has just been told to start may still be silent.
-const START_PERIODS: u64 = 5000;
+/// The gate has been closed for this long: the server is gone.
+const GONE_NS: u64 = 1_000_000_000;
+/// For how long a server that has just been told to start may still be silent.
+const START_NS: u64 = 5_000_000_000;
 
 /// How the loop went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -58,7 +56,7 @@ pub struct LoopReport {
 /// numbers).
 pub type Disturb = fn(u64, &mut TickInput);
 
-/// Runs `device` on `link` for `periods` periods, and the few more that it takes to let the hand go; or
+/// Runs `device` on `link` for `periods` periods of the server's tick, and the few more that it takes to let the hand go; or
 /// until someone interrupts it, or the server is gone. `done` counts along.
 pub fn run(
     link: &mut Link,
@@ -70,8 +68,13 @@ pub fn run(
     punctual();
     let mut report = LoopReport::default();
     let (mut displayed, mut closed_for, mut was_open) = ([Wrench::ZERO; MAX_TOOLS], 0, false);
-    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(PassivityParams::default()));
-    let mut grid_ns = now_ns() + PERIOD_NS;
+    let period_ns = link.hello().tick_ns;
+    let controller = PassivityParams {
+        period_s: period_ns as f64 / 1e9,
+        ..PassivityParams::default()
+    };
+    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(controller));
+    let mut grid_ns = now_ns() + period_ns;
     let mut waited = 0;
     loop {
         report.interrupted |= interrupt::asked();
@@ -82,13 +85,13 @@ pub fn run(
         }
         sleep_until(grid_ns);
         let now = now_ns();
-        let late = now.saturating_sub(grid_ns) / PERIOD_NS;
+        let late = now.saturating_sub(grid_ns) / period_ns;
         let gate = link.force_gate(now);
         let newest = link.latest_wrench();
-        if newest.is_none() && waited < START_PERIODS && link.is_open() {
+        if newest.is_none() && waited < START_NS / period_ns && link.is_open() {
             // The server is still opening its recording: what the hands did now would be lost.
             waited += 1 + late;
-            grid_ns += (late + 1) * PERIOD_NS;
+            grid_ns += (late + 1) * period_ns;
             continue;
         }
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
@@ -141,7 +144,7 @@ pub fn run(
             let _ = link.event(event(&call, report.last_tick));
         }
         report.overslept += late;
-        grid_ns += (late + 1) * PERIOD_NS;
+        grid_ns += (late + 1) * period_ns;
         link.send_pose(&packet(now, &input.tools, &felt));
         done.store(report.periods, Ordering::Relaxed);
 
@@ -149,7 +152,7 @@ pub fn run(
         was_open = gate >= 1.0;
         closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
         // The gate of a session that has just begun is still rising.
-        if closed_for >= GONE_PERIODS
+        if closed_for >= GONE_NS / period_ns
             || !link.is_open() && report.last_displayed_n == 0.0 && gate == 0.0
         {
             report.server_silent = true;

@@ -37,6 +37,8 @@ pub struct Asked<'a> {
     pub hand_seed: u64,
     /// Solver in the tick.
     pub solver: SolverKind,
+    /// Ticks a second; none: the scene's own.
+    pub rate_hz: Option<u16>,
 }
 
 impl<'a> Asked<'a> {
@@ -50,6 +52,7 @@ impl<'a> Asked<'a> {
             patient_seed: None,
             hand_seed: 1,
             solver: SolverKind::ActiveSet,
+            rate_hz: None,
         }
     }
 }
@@ -240,14 +243,14 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
             hard = Some(case);
             // Where a hand would hide a figure the table moves the tool itself; here a person watches,
             // so a hand follows the same script.
+            let mut scene = (case.scene)();
+            at_rate(&mut scene, asked.rate_hz)?;
             match case.driver {
                 Driver::Kinematic(script) => {
-                    let scene = (case.scene)();
                     let script = script(&scene);
                     (scene, script, HandParams::default())
                 }
                 Driver::Closed(script, hand) => {
-                    let scene = (case.scene)();
                     let script = script(&scene);
                     (scene, script, hand())
                 }
@@ -259,9 +262,10 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
                 Some(_) => BuiltIn::Crown,
                 None => built_in_scene(&exercise)?,
             };
-            let compiled = compile(asked.scene, otherwise, asked.patient_seed, steps)?;
+            let mut compiled = compile(asked.scene, otherwise, asked.patient_seed, steps)?;
             warnings = compiled.warnings;
             patient = compiled.patient.unwrap_or_default();
+            at_rate(&mut compiled.scene, asked.rate_hz)?;
             let script = script(&compiled.scene, &exercise, habit, asked.hand_seed)?;
             (compiled.scene, script, HandParams::default())
         };
@@ -269,9 +273,13 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
     let scene_bytes = scene
         .to_bytes()
         .context("the scene cannot be written as bytes")?;
+    let hand = HandParams {
+        period_s: scene.tick_s(),
+        ..hand
+    };
     let operator = Operator::new(script, hand, asked.hand_seed);
     if hard.is_some() {
-        exercise.duration_s = (operator.ticks() as f64 * sulcus_core::TICK_S).max(0.1);
+        exercise.duration_s = (operator.ticks() as f64 * scene.tick_s()).max(0.1);
     }
     let lacks = Events::new(&scene, &exercise);
     warnings.extend(lacks.missing().iter().map(|what| {
@@ -290,6 +298,20 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
         case: hard,
         warnings,
     })
+}
+
+/// Has `scene` tick so many times a second, where something else than its own rate is asked for.
+///
+/// # Errors
+/// When the rate is out of range, or something of the scene is not stable at it.
+fn at_rate(scene: &mut Scene, rate_hz: Option<u16>) -> anyhow::Result<()> {
+    let Some(rate_hz) = rate_hz else {
+        return Ok(());
+    };
+    scene.params.rate_hz = rate_hz;
+    scene
+        .validate()
+        .with_context(|| format!("scene `{}` at {rate_hz} Hz", scene.name))
 }
 
 /// The scene of a file, or a built-in one; of another generated patient where `patient_seed` says so.

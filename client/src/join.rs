@@ -33,6 +33,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
         habit: args.habit,
         patient_seed: args.patient_seed,
         hand_seed: args.seed,
+        rate_hz: args.rate_hz,
         ..exercise::Asked::of(&args.exercise)
     };
     let prepared = exercise::prepare(&asked, &steps)?;
@@ -43,7 +44,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     let hello = link.hello();
     if hello.scene_hash != prepared.scene_hash() {
         bail!(
-            "the server simulates scene `{}`, which is not the `{}` that the simulated operator knows: name the server's with --scene, and the seed of its patient with --patient-seed",
+            "the server simulates scene `{}`, which is not the `{}` that the simulated operator knows: name the server's with --scene, the seed of its patient with --patient-seed, and its rate with --rate-hz",
             hello.scene,
             prepared.scene.name
         );

@@ -5,9 +5,6 @@ use std::time::Duration;
 
 use crate::datagram::{PoseDatagram, WrenchDatagram};
 
-/// One tick, nanoseconds.
-pub const TICK_NS: u64 = 1_000_000;
-
 /// What quinn counts per queued datagram beside its payload (`size_of::<Datagram>()`: one `Bytes`).
 const QUEUE_OVERHEAD: usize = 32;
 

@@ -17,9 +17,11 @@ pub(crate) const ROWS: usize = 4096;
 /// State snapshot buffers that go round.
 pub(crate) const SNAPSHOTS: usize = 3;
 /// Looks on their way: as many as the queue of rows can hold.
-pub(crate) const LOOKS: usize = ROWS / sulcus_sessions::events::sight::EVERY as usize + 1;
-/// Ticks between two snapshots.
-pub(crate) const SNAPSHOT_TICKS: u64 = 10_000;
+pub(crate) fn looks(every: u64) -> usize {
+    ROWS / every.max(1) as usize + 1
+}
+/// Seconds between two snapshots.
+pub(crate) const SNAPSHOT_S: f64 = 10.0;
 
 /// Network to simulation: the newest pose and when it came.
 #[derive(Clone, Copy, Debug)]

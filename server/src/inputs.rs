@@ -7,13 +7,13 @@ use sulcus_proto::limits;
 
 use crate::handoff::{Edge, PoseIn};
 
-const TICK_NS: u64 = limits::TICK_NS;
-
 /// State between ticks of what comes from outside.
 #[derive(Debug)]
 pub(crate) struct Inputs {
     /// Tools in the scene; further slots stay absent whatever a client says.
     tools: usize,
+    /// Between two ticks.
+    tick_ns: u64,
     pose: Option<PoseIn>,
     paused: bool,
     force_limit_n: f32,
@@ -25,9 +25,10 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    pub fn new(tools: usize) -> Self {
+    pub fn new(tools: usize, tick_ns: u64) -> Self {
         Self {
             tools,
+            tick_ns,
             pose: None,
             paused: false,
             force_limit_n: 0.0,
@@ -72,7 +73,7 @@ impl Inputs {
         // It may have arrived after this tick began.
         let age_ns = now_ns.saturating_sub(pose.arrived_ns);
         let stale = Duration::from_nanos(age_ns) >= limits::POSE_STALE;
-        let age_ticks = u16::try_from(age_ns / TICK_NS).unwrap_or(u16::MAX);
+        let age_ticks = u16::try_from(age_ns / self.tick_ns).unwrap_or(u16::MAX);
         for (slot, tool) in pose.datagram.tools.iter().take(self.tools).enumerate() {
             if tool.present {
                 input.tools[slot] = ToolInput {
@@ -96,6 +97,8 @@ mod tests {
     use super::*;
     use sulcus_proto::PoseDatagram;
 
+    const TICK_NS: u64 = 1_000_000;
+
     fn pose(arrived_ns: u64, present: [bool; 2]) -> PoseIn {
         let mut datagram = PoseDatagram::default();
         for (tool, present) in datagram.tools.iter_mut().zip(present) {
@@ -110,12 +113,12 @@ mod tests {
 
     #[test]
     fn no_pose_is_no_tool() {
-        assert_eq!(Inputs::new(2).take(5, 0), TickInput::IDLE);
+        assert_eq!(Inputs::new(2, TICK_NS).take(5, 0), TickInput::IDLE);
     }
 
     #[test]
     fn a_pose_ages_and_goes_stale_after_fifty_ticks() {
-        let mut inputs = Inputs::new(1);
+        let mut inputs = Inputs::new(1, TICK_NS);
         inputs.pose(pose(10 * TICK_NS, [true, false]));
         let ages: Vec<_> = [9, 10, 11, 59, 60, 100_000]
             .map(|tick| inputs.take(tick * TICK_NS, 0).tools[0])
@@ -138,7 +141,7 @@ mod tests {
 
     #[test]
     fn slots_without_hand_or_without_tool_are_absent() {
-        let mut inputs = Inputs::new(1);
+        let mut inputs = Inputs::new(1, TICK_NS);
         inputs.pose(pose(0, [false, true]));
         assert_eq!(
             inputs.take(0, 3),
@@ -151,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_press_is_seen_for_one_tick_even_when_no_pose_holds_it() {
-        let mut inputs = Inputs::new(1);
+        let mut inputs = Inputs::new(1, TICK_NS);
         inputs.pose(pose(0, [true, false]));
         inputs.edge(Edge::Pressed { tool: 0, button: 3 });
         inputs.edge(Edge::Pressed {
@@ -164,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_press_waits_for_a_pose_and_a_hand() {
-        let mut inputs = Inputs::new(1);
+        let mut inputs = Inputs::new(1, TICK_NS);
         inputs.edge(Edge::Pressed { tool: 0, button: 3 });
         assert_eq!(inputs.take(0, 0), TickInput::IDLE);
         inputs.pose(pose(0, [false, false]));
@@ -176,7 +179,7 @@ mod tests {
 
     #[test]
     fn commands_hold_until_changed() {
-        let mut inputs = Inputs::new(1);
+        let mut inputs = Inputs::new(1, TICK_NS);
         inputs.edge(Edge::Paused(true));
         inputs.edge(Edge::ForceLimit(1.5));
         for _ in 0..2 {

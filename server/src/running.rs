@@ -12,7 +12,7 @@ use sulcus_proto::newest::ArrivalCounts;
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
-use crate::handoff::{Bell, EDGES, Edge, Flags, LOOKS, PoseIn, ROWS, SNAPSHOTS, WrenchOut};
+use crate::handoff::{Bell, EDGES, Edge, Flags, PoseIn, ROWS, SNAPSHOTS, WrenchOut, looks as looks_for};
 use crate::metrics::Metrics;
 use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
 use crate::simulation::Simulation;
@@ -96,7 +96,7 @@ impl Running {
             let bytes = State::most_bytes(&config.scene);
             while snapshots.push(Vec::with_capacity(bytes)).is_ok() {}
             let look = recorder.narrator().look().clone();
-            let (mut looks, looks_out) = RingBuffer::new(LOOKS);
+            let (mut looks, looks_out) = RingBuffer::new(looks_for(look.every()));
             while looks.push(vec![Vec3::zeros(); look.len()]).is_ok() {}
             let (to_recorder, from_network) = sync_channel(EVENTS);
             let recorder = recording::spawn(

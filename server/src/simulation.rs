@@ -7,19 +7,18 @@ use std::thread::JoinHandle;
 use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
-use sulcus_proto::{WrenchDatagram, limits};
+use sulcus_proto::WrenchDatagram;
 use sulcus_sessions::Row;
 use sulcus_sessions::events::Look;
 use triple_buffer::{Input, Output};
 
 use crate::detail::{Chooser, Detail};
-use crate::handoff::{Bell, Edge, Flags, PoseIn, SNAPSHOT_TICKS, WrenchOut};
+use crate::handoff::{Bell, Edge, Flags, PoseIn, SNAPSHOT_S, WrenchOut};
 use crate::inputs::Inputs;
 use crate::metrics::{Metrics, TickTimes};
 use crate::realtime::{self, monotonic_ns, thread_cpu_ns};
 use crate::recording::Entry;
 
-const TICK_NS: u64 = limits::TICK_NS;
 
 /// Everything that the simulation thread owns.
 pub(crate) struct Simulation {
@@ -84,6 +83,8 @@ impl Simulation {
 struct Grid {
     begin_ns: u64,
     next_ns: u64,
+    /// Between two points.
+    tick_ns: u64,
     unix_at_begin: u64,
 }
 
@@ -91,8 +92,9 @@ impl Grid {
     fn begin(&mut self, now_ns: u64) {
         *self = Grid {
             begin_ns: now_ns,
-            next_ns: now_ns + TICK_NS,
+            next_ns: now_ns + self.tick_ns,
             unix_at_begin: realtime::unix_ns(),
+            ..*self
         };
     }
 
@@ -121,14 +123,15 @@ impl Ticker {
         Self {
             state: State::new(&scene),
             workspace: Workspace::new(&scene),
-            inputs: Inputs::new(scene.tools.len()),
+            inputs: Inputs::new(scene.tools.len(), scene.params.tick_ns()),
             chooser: Chooser::new(link.detail),
             grid: Grid {
                 begin_ns: 0,
                 next_ns: 0,
+                tick_ns: scene.params.tick_ns(),
                 unix_at_begin: 0,
             },
-            next_snapshot: SNAPSHOT_TICKS,
+            next_snapshot: scene.params.ticks_in(SNAPSHOT_S),
             scene,
             link,
             metrics,
@@ -139,9 +142,10 @@ impl Ticker {
     fn step(&mut self) {
         realtime::sleep_until(self.grid.next_ns);
         let now_ns = monotonic_ns();
-        let skipped = grid_points_missed(self.grid.next_ns, now_ns);
-        let point_ns = self.grid.next_ns + u64::from(skipped) * TICK_NS;
-        self.grid.next_ns = point_ns + TICK_NS;
+        let tick_ns = self.grid.tick_ns;
+        let skipped = grid_points_missed(self.grid.next_ns, now_ns, tick_ns);
+        let point_ns = self.grid.next_ns + u64::from(skipped) * tick_ns;
+        self.grid.next_ns = point_ns + tick_ns;
 
         self.collect();
         self.inputs.detail = self.chooser.level();
@@ -169,7 +173,7 @@ impl Ticker {
         let unix_ns = self.grid.unix_ns(now_ns);
         self.record(unix_ns, &input, &output);
         if output.tick >= self.next_snapshot {
-            self.next_snapshot = output.tick + SNAPSHOT_TICKS;
+            self.next_snapshot = output.tick + self.scene.params.ticks_in(SNAPSHOT_S);
             self.snapshot(unix_ns);
         }
         self.chooser.took(cpu_end.saturating_sub(cpu));
@@ -236,8 +240,8 @@ impl Ticker {
 
 /// Grid points after `grid_ns` that had passed by `now_ns`. More than a tick's input can say stay for
 /// the next one.
-fn grid_points_missed(grid_ns: u64, now_ns: u64) -> u16 {
-    u16::try_from(now_ns.saturating_sub(grid_ns) / TICK_NS).unwrap_or(u16::MAX)
+fn grid_points_missed(grid_ns: u64, now_ns: u64, tick_ns: u64) -> u16 {
+    u16::try_from(now_ns.saturating_sub(grid_ns) / tick_ns).unwrap_or(u16::MAX)
 }
 
 /// What a tick says, for the wire. f64 to f32 rounds to nearest; limits were applied in the tick.

@@ -14,8 +14,9 @@ use super::*;
 
 #[test]
 fn a_missed_grid_point_is_skipped_not_caught_up() {
+    const TICK_NS: u64 = 250_000;
     let grid = 50 * TICK_NS;
-    let missed = |now| grid_points_missed(grid, now);
+    let missed = |now| grid_points_missed(grid, now, TICK_NS);
     assert_eq!(missed(grid - 1), 0);
     assert_eq!(missed(grid + TICK_NS - 1), 0);
     assert_eq!(missed(grid + TICK_NS), 1);

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use sulcus_core::optimise::SolverKind;
-use sulcus_core::{NoProbe, Scene, State, TICK_S, TickInput, TickOutput, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 
 use crate::audit::{AuditReport, audit_tick};
 use crate::key::PublicKey;
@@ -153,7 +153,7 @@ pub fn replay_observed(
         }
     }
     progress(run.ticks);
-    let simulated_s = run.simulated_ticks as f64 * TICK_S;
+    let simulated_s = run.simulated_ticks as f64 * scene.tick_s();
     let realtime_factor = simulated_s / began.elapsed().as_secs_f64().max(1e-9);
     let verdict = verifier.finish(options.trust.as_ref());
     let mut report = ReplayReport {

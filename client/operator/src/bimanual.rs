@@ -4,7 +4,7 @@
 //! probe waits outside the pocket until the mirror has changed sides. Both handles come out of the mouth at the front, the
 //! mirror's over the tongue and the probe's over the teeth of its side.
 
-use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Vec3};
+use sulcus_core::{MAX_TOOLS, Pose, Scene, Vec3};
 
 use crate::pocket_path::NoPocket;
 use crate::retraction::{NoTongue, Retraction, RetractionParams};
@@ -39,6 +39,8 @@ pub struct Bimanual {
     /// When both hands are to be out of the mouth, seconds.
     ends: f64,
     time: f64,
+    /// Length of a tick, seconds.
+    dt: f64,
 }
 
 /// Side of the mouth.
@@ -96,6 +98,7 @@ impl Bimanual {
             until,
             ends: tour_ends,
             time: 0.0,
+            dt: scene.tick_s(),
         })
     }
 
@@ -113,9 +116,9 @@ impl Bimanual {
 
 impl Script for Bimanual {
     fn feel(&mut self, felt: &Felt) {
-        self.time += TICK_S;
+        self.time += self.dt;
         if let Some(passage) = &mut self.passage {
-            if passage.step() {
+            if passage.step(self.dt) {
                 self.passage = None;
             }
             return;

@@ -6,8 +6,7 @@ use sulcus_core::{Pose, Vec3, Wrench};
 
 use crate::passivity::{Energy, Passivity, PassivityParams};
 
-/// Most that the force displayed changes per period, newtons: what the server's own slew limit allows per tick
-/// at its default. Where wrenches were lost the newest may differ by many ticks' worth.
+/// Most that the force displayed changes per millisecond, newtons: what the server's own slew limit allows at its default. Where wrenches were lost the newest may differ by many ticks' worth.
 pub const MAX_FORCE_STEP_N: f64 = 0.5;
 /// The same for the torque, newton-metres.
 pub const MAX_TORQUE_STEP_NM: f64 = 0.03;
@@ -16,6 +15,8 @@ pub const MAX_TORQUE_STEP_NM: f64 = 0.03;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Display {
     displayed: Wrench,
+    /// Period of the device, milliseconds.
+    period_ms: f64,
     passivity: Passivity,
 }
 
@@ -24,6 +25,7 @@ impl Display {
     pub fn new(params: PassivityParams) -> Self {
         Self {
             displayed: Wrench::ZERO,
+            period_ms: params.period_s * 1e3,
             passivity: Passivity::new(params),
         }
     }
@@ -31,10 +33,10 @@ impl Display {
     /// What is displayed over the next period where `wanted` was sent, already times `gate`: the share of the force that
     /// may be displayed at all.
     pub fn next(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
-        let plain = slewed(&self.displayed, wanted);
+        let plain = slewed(&self.displayed, wanted, self.period_ms);
         let damped = self.passivity.damped(wanted, gate);
         // The slew comes last: damping, too, is not to be felt as a blow.
-        let displayed = slewed(&self.displayed, &damped);
+        let displayed = slewed(&self.displayed, &damped, self.period_ms);
         self.passivity.hold(&displayed, &plain);
         self.displayed = displayed;
         displayed
@@ -61,8 +63,8 @@ impl Display {
     }
 }
 
-/// `wanted`, as far as one period's limits allow from `before`.
-pub fn slewed(before: &Wrench, wanted: &Wrench) -> Wrench {
+/// `wanted`, as far as the limits of `ms` milliseconds allow from `before`.
+pub fn slewed(before: &Wrench, wanted: &Wrench, ms: f64) -> Wrench {
     let step = |from: Vec3, to: Vec3, most: f64| {
         let change = to - from;
         let length = norm(&change);
@@ -73,8 +75,8 @@ pub fn slewed(before: &Wrench, wanted: &Wrench) -> Wrench {
         }
     };
     Wrench {
-        force: step(before.force, wanted.force, MAX_FORCE_STEP_N),
-        torque: step(before.torque, wanted.torque, MAX_TORQUE_STEP_NM),
+        force: step(before.force, wanted.force, MAX_FORCE_STEP_N * ms),
+        torque: step(before.torque, wanted.torque, MAX_TORQUE_STEP_NM * ms),
     }
 }
 
@@ -90,7 +92,7 @@ mod tests {
         };
         let mut displayed = Wrench::ZERO;
         for _ in 0..7 {
-            let next = slewed(&displayed, &wanted);
+            let next = slewed(&displayed, &wanted, 1.0);
             assert!(norm(&(next.force - displayed.force)) <= MAX_FORCE_STEP_N + 1e-12);
             assert!(norm(&(next.torque - displayed.torque)) <= MAX_TORQUE_STEP_NM + 1e-12);
             displayed = next;

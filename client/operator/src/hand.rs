@@ -1,13 +1,15 @@
 //! A hand that holds a device: two springs, two dampers, a mass.
 
 use sulcus_core::math::{exp_rotation, log_rotation, normalised};
-use sulcus_core::{Pose, TICK_S, Vec3, Wrench};
+use sulcus_core::{Pose, Vec3, Wrench};
 
 use crate::tremor::Tremor;
 
 /// Device and hand. Defaults are those of the prototype's closed loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandParams {
+    /// Period of the device, seconds: that of the simulation. Default 1e-3.
+    pub period_s: f64,
     /// Moving mass of the device as the hand feels it, kg. Default 0.1.
     pub mass: f64,
     /// Moment of inertia about the device point, kg m2. Default 2e-4.
@@ -34,6 +36,7 @@ pub struct HandParams {
 impl Default for HandParams {
     fn default() -> Self {
         Self {
+            period_s: 1e-3,
             mass: 0.1,
             inertia: 2e-4,
             device_damping: 4.0,
@@ -48,7 +51,7 @@ impl Default for HandParams {
     }
 }
 
-/// Integration steps of the device per tick (10 kHz); the wrench is held over the tick.
+/// Integration steps of the device in a period (10 kHz at 1 kHz); the wrench is held over the period.
 const STEPS: u32 = 10;
 
 /// One hand with its device.
@@ -101,17 +104,18 @@ impl Hand {
         self.params == other.params && bits(self) == bits(other)
     }
 
-    /// One millisecond towards `target` under the wrench `felt` about the device point (world
+    /// One period towards `target` under the wrench `felt` about the device point (world
     /// axes). Returns the device's pose.
     pub fn step(&mut self, target: &Pose, felt: &Wrench) -> Pose {
         let p = self.params;
-        let dt = TICK_S / f64::from(STEPS);
+        let period = p.period_s;
+        let dt = period / f64::from(STEPS);
         let way = target.position - self.last_target.position;
         let turn = log_rotation(&(target.orientation * self.last_target.orientation.inverse()));
-        let (meant_velocity, meant_spin) = (way / TICK_S, turn / TICK_S);
+        let (meant_velocity, meant_spin) = (way / period, turn / period);
         for k in 1..=STEPS {
             let share = f64::from(k) / f64::from(STEPS);
-            let t = self.time + share * TICK_S;
+            let t = self.time + share * period;
             let at = self.last_target.position + way * share + self.shake.at(t);
             let facing = exp_rotation(&(turn * share + self.spin_shake.at(t)))
                 * self.last_target.orientation;
@@ -128,7 +132,7 @@ impl Hand {
             let q = exp_rotation(&(self.spin * dt)) * self.device.orientation;
             self.device.orientation = normalised(q.w, q.i, q.j, q.k);
         }
-        self.time += TICK_S;
+        self.time += period;
         self.last_target = *target;
         self.device
     }

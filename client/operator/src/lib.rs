@@ -60,7 +60,7 @@ impl Operator {
 
     /// Length of the script in ticks.
     pub fn ticks(&self) -> u64 {
-        (self.script.duration_s() * 1e3) as u64
+        (self.script.duration_s() * (1.0 / self.params.period_s)) as u64
     }
 
     /// The depths called since this was last asked.
@@ -73,9 +73,9 @@ impl Operator {
         self.script.is_done()
     }
 
-    /// Advances one millisecond under what the simulation shows, and returns the poses that the devices report.
+    /// Advances one period of the device under what the simulation shows, and returns the poses that the devices report.
     pub fn step(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
-        let t = self.tick as f64 * sulcus_core::TICK_S;
+        let t = self.tick as f64 * self.params.period_s;
         self.tick += 1;
         self.script.feel(&Felt {
             shown: *shown,

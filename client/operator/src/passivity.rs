@@ -8,7 +8,7 @@
 
 use sulcus_core::math::{fmax, fmin, log_rotation, norm};
 use sulcus_core::params::ParamError;
-use sulcus_core::{Pose, TICK_S, Vec3, Wrench};
+use sulcus_core::{Pose, Vec3, Wrench};
 
 /// How the controller damps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub struct PassivityParams {
     /// saves nothing up. Default 0 (nothing is known of the device; the displayed wrench itself is passive), range 0
     /// to 100. The true value spares the hand a braking that it does not need.
     pub device_damping: f64,
+    /// Period of the device, s. Default 1e-3, range 1e-4 to 0.01.
+    pub period_s: f64,
     /// Force under which nothing is felt, N. Default 1e-3, range 0 to 0.1; torque that times the lever.
     pub quiet_force: f64,
     /// How long nothing must have been felt until the budget is forgotten, s. Default 0.1, range 0.001 to 10. Longer: what a
@@ -45,6 +47,7 @@ impl Default for PassivityParams {
             max_force: 1.0,
             slack: 1e-7,
             device_damping: 0.0,
+            period_s: 1e-3,
             quiet_force: 1e-3,
             forget_after: 0.1,
         }
@@ -75,6 +78,7 @@ impl PassivityParams {
                 100.0,
                 "0 to 100",
             ),
+            ("period_s", self.period_s, 1e-4, 0.01, "0.0001 to 0.01"),
             ("quiet_force", self.quiet_force, 0.0, 0.1, "0 to 0.1"),
             ("forget_after", self.forget_after, 1e-3, 10.0, "0.001 to 10"),
         ];
@@ -157,7 +161,7 @@ impl Passivity {
             self.forget();
             return;
         };
-        let time = TICK_S * periods.max(1) as f64;
+        let time = self.params.period_s * periods.max(1) as f64;
         let way = now.position - before.position;
         let turn = log_rotation(&(now.orientation * before.orientation.inverse()));
         let work = |wrench: &Wrench| wrench.force.dot(&way) + wrench.torque.dot(&turn);
@@ -176,7 +180,7 @@ impl Passivity {
         let quiet = self.params.quiet_force;
         if force <= quiet && torque <= quiet * self.params.lever {
             self.quiet += periods;
-            if self.quiet as f64 * TICK_S >= self.params.forget_after {
+            if self.quiet as f64 * self.params.period_s >= self.params.forget_after {
                 self.forget();
             }
         } else {
@@ -190,8 +194,8 @@ impl Passivity {
         let p = &self.params;
         let speed_squared = self.speed_squared();
         let ahead = wanted.force.dot(&self.velocity) + wanted.torque.dot(&self.spin);
-        let excess = self.debt + ahead * TICK_S;
-        let power = excess / TICK_S;
+        let excess = self.debt + ahead * self.params.period_s;
+        let power = excess / self.params.period_s;
         // (Slower than that the quotient says nothing: a nanometre in a period.)
         let moves = speed_squared > 1e-12;
         if !moves || excess <= p.slack || gate <= 0.0 {

@@ -4,7 +4,7 @@
 //! The hand goes by what it sees and feels: it presses until the disc is as far in as it means to hold it, or
 //! until the tongue resists more than a gentle hand would press.
 
-use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, TICK_S, Tool, Vec3};
+use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, Tool, Vec3};
 
 use crate::frame::ToolFrame;
 use crate::script::{Felt, Script, smoothstep};
@@ -95,6 +95,8 @@ enum Phase {
 pub struct Retraction {
     params: RetractionParams,
     slot: usize,
+    /// Length of a tick, seconds.
+    dt: f64,
     tool: ToolFrame,
     /// Disc's centre in the tool's frame.
     disc: Vec3,
@@ -177,6 +179,7 @@ impl Retraction {
         Ok(Self {
             params,
             slot,
+            dt: scene.tick_s(),
             tool: frame,
             disc,
             touch,
@@ -226,12 +229,12 @@ impl Retraction {
 
     /// One millisecond of the phase under way.
     fn go_on(&mut self) {
-        let p = self.params;
+        let (p, dt) = (self.params, self.dt);
         let mut towards = |axis: usize, goal: f64, speed: f64| {
             let way = goal - self.meant[axis];
-            let step = (speed * TICK_S).min(way.abs());
+            let step = (speed * dt).min(way.abs());
             self.meant[axis] += step * way.signum();
-            way.abs() <= speed * TICK_S
+            way.abs() <= speed * dt
         };
         self.phase = match self.phase {
             Phase::Press => {
@@ -244,7 +247,7 @@ impl Retraction {
             }
             Phase::Aside if towards(1, p.aside, ASIDE_SPEED) => Phase::Hold(p.hold),
             Phase::Hold(left) if left <= 0.0 => Phase::Slide(0),
-            Phase::Hold(left) => Phase::Hold(left - TICK_S),
+            Phase::Hold(left) => Phase::Hold(left - dt),
             Phase::Slide(k) => {
                 let stops = [p.slide, -p.slide, 0.0];
                 match stops.get(k) {
@@ -260,7 +263,7 @@ impl Retraction {
             Phase::Rest(left) if left <= 0.0 && self.done < p.times => Phase::Press,
             Phase::Rest(left) => {
                 towards(1, 0.0, ASIDE_SPEED);
-                Phase::Rest(left - TICK_S)
+                Phase::Rest(left - dt)
             }
             same => same,
         };
@@ -269,10 +272,10 @@ impl Retraction {
 
 impl Script for Retraction {
     fn feel(&mut self, felt: &Felt) {
-        self.time += TICK_S;
+        self.time += self.dt;
         let wrench = &felt.shown.wrenches[self.slot];
         let back = -wrench.force.dot(&self.inward);
-        self.force += (back - self.force) * (TICK_S / FEEL);
+        self.force += (back - self.force) * (self.dt / FEEL);
         if let Some(graphic) = felt.shown.graphics[self.slot] {
             self.seen = (graphic.transform(&self.disc) - self.touch).dot(&self.inward);
         }
@@ -280,13 +283,13 @@ impl Script for Retraction {
             self.go_on();
         } else if self.time >= self.leaves {
             self.phase = Phase::LetGo;
-            self.meant[0] = (self.meant[0] - LET_GO_SPEED * TICK_S).max(-OFF);
+            self.meant[0] = (self.meant[0] - LET_GO_SPEED * self.dt).max(-OFF);
         }
     }
 
     fn targets(&self, _: f64) -> [Option<Pose>; MAX_TOOLS] {
         // By its own clock: another script may start it late.
-        let t = (self.time - TICK_S).max(0.0);
+        let t = (self.time - self.dt).max(0.0);
         let leaving = smoothstep((t - self.leaves - 0.5 * TRANSIT) / (0.5 * TRANSIT));
         let away = (1.0 - smoothstep(t / TRANSIT) + leaving).min(1.0);
         let [deep, aside, along] = self.meant;

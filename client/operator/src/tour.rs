@@ -9,7 +9,7 @@ mod strokes;
 use std::f64::consts::{PI, TAU};
 
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_core::{MAX_TOOLS, Pose, Scene, TICK_S, Tool, Vec3};
+use sulcus_core::{MAX_TOOLS, Pose, Scene, Tool, Vec3};
 
 use crate::bands::{self, Blur};
 use crate::pocket_path::{Manner, NoPocket, PocketPath};
@@ -56,6 +56,8 @@ pub struct Tour {
     params: TourParams,
     tool: Tool,
     slot: usize,
+    /// Length of a tick, seconds.
+    dt: f64,
     paths: Vec<PocketPath>,
     insertions: Vec<Insertion>,
     blur: Option<Blur>,
@@ -137,6 +139,7 @@ impl Tour {
         let mut tour = Self {
             tool: scene.tools[slot].clone(),
             slot,
+            dt: scene.tick_s(),
             blur: params.misread.map(Blur::new),
             calls: Vec::new(),
             time: 0.0,
@@ -260,14 +263,14 @@ impl Script for Tour {
         if self.is_done() {
             return;
         }
-        self.time += TICK_S;
+        self.time += self.dt;
         if self.time >= self.params.duration - LEAVING {
             self.break_off();
         }
         if self.now[0] < self.insertions.len() {
             let place = self.path().place(self.around, self.depth, self.tilt);
             let along = felt.shown.wrenches[self.slot].force.dot(&place.up);
-            self.force += (along - self.force) * (TICK_S / FEEL);
+            self.force += (along - self.force) * (self.dt / FEEL);
             if let Some(graphic) = &felt.shown.graphics[self.slot] {
                 (self.at, self.seen) = self.path().seen(&graphic.transform(&self.tool.tip));
                 // The floor slopes; the hand keeps the tip where it means to be.
@@ -280,24 +283,24 @@ impl Script for Tour {
                 self.aside = match self.stroke {
                     Stroke::Travel => 0.0,
                     // (Let go of gently: all at once the handle would swing by millimetres.)
-                    Stroke::Out => self.aside * (1.0 - KEEP * TICK_S),
+                    Stroke::Out => self.aside * (1.0 - KEEP * self.dt),
                     // Towards the col a tip may slide while it is read: a hand that held it back would press it into the wall.
-                    Stroke::Read(..) if self.holds_back() => self.aside * (1.0 - KEEP * TICK_S),
+                    Stroke::Read(..) if self.holds_back() => self.aside * (1.0 - KEEP * self.dt),
                     _ => {
                         // What it was led on to make up for is made up for once it has come past where it is meant to be: led
                         // on, it would go as far to the other side.
                         let past = self.aside * off > 0.0;
-                        let kept = if past { 1.0 - KEEP * TICK_S } else { 1.0 };
-                        (kept * self.aside - KEEP * off * TICK_S).clamp(-most, most)
+                        let kept = if past { 1.0 - KEEP * self.dt } else { 1.0 };
+                        (kept * self.aside - KEEP * off * self.dt).clamp(-most, most)
                     }
                 };
                 self.see_to_it();
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
-                self.length += (length - self.length) * (TICK_S / LOOK);
+                self.length += (length - self.length) * (self.dt / LOOK);
             }
             let mid = !self.zone().site.is_proximal() && self.stroke != Stroke::Travel;
             let tilt = if mid { self.params.tilt } else { 0.0 };
-            self.tilt += (tilt - self.tilt).clamp(-TURN * TICK_S, TURN * TICK_S);
+            self.tilt += (tilt - self.tilt).clamp(-TURN * self.dt, TURN * self.dt);
         }
         self.go_on();
     }

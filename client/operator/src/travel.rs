@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use sulcus_core::math::{exp_rotation, log_rotation};
-use sulcus_core::{Pose, TICK_S};
+use sulcus_core::Pose;
 
 use crate::script::smoothstep;
 
@@ -40,12 +40,12 @@ impl Travel {
         self.legs.push_back((pose, time));
     }
 
-    /// One millisecond on; whether it has arrived.
-    pub fn step(&mut self) -> bool {
+    /// `dt` seconds on; whether it has arrived.
+    pub fn step(&mut self, dt: f64) -> bool {
         let Some((to, length)) = self.legs.front() else {
             return true;
         };
-        self.time += TICK_S;
+        self.time += dt;
         if self.time >= *length {
             self.from = *to;
             self.time = 0.0;

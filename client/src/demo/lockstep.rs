@@ -31,8 +31,8 @@ pub struct Lockstep {
     pub wall_s: f64,
 }
 
-/// A snapshot of the state goes into the record every so many ticks.
-const SNAPSHOT_TICKS: u64 = 10_000;
+/// A snapshot of the state goes into the record every so many seconds.
+const SNAPSHOT_S: f64 = 10.0;
 
 /// Runs `prepared` to its end into a new recording under `folder`.
 ///
@@ -87,7 +87,7 @@ pub fn run(
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
         shown = as_sent(&output);
         observer.observe(&scene, &input, &output, &ws);
-        let now = started + k * 1_000_000;
+        let now = started + k * scene.params.tick_ns();
         recorder.push(&Row::new(now, &input, &output))?;
         for said in events.observe(&scene, &output, &ws) {
             recorder.event(now, said.level(), &said.to_string())?;
@@ -96,9 +96,9 @@ pub fn run(
             recorder.event(now, Level::Info, &call.at(k).to_string())?;
         }
         for (_, reading) in entered(&output) {
-            bar.say(&zone_line(k, &reading));
+            bar.say(&zone_line(k as f64 * scene.tick_s(), &reading));
         }
-        if k.is_multiple_of(SNAPSHOT_TICKS) {
+        if k.is_multiple_of(scene.params.ticks_in(SNAPSHOT_S)) {
             recorder.snapshot(now, k, &state.to_bytes())?;
         }
         if k.is_multiple_of(500) {

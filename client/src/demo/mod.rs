@@ -36,6 +36,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         patient_seed: args.seed,
         hand_seed: args.hand_seed(),
         solver: args.solver.into(),
+        rate_hz: args.rate_hz,
     };
     let mut prepared = exercise::prepare(&asked, &steps)?;
     if prepared.case.is_some() && args.duration.is_some() {
@@ -91,6 +92,7 @@ fn run_virtual(
         exercise: prepared.exercise.name.clone(),
         scene: prepared.scene.name.clone(),
         virtual_time: true,
+        rate_hz: prepared.scene.params.rate_hz,
         ticks: ran.ticks,
         deadline_misses: 0,
         skipped: 0,
@@ -108,7 +110,7 @@ fn run_virtual(
         first_divergent_tick: checked.report.first_divergent_tick,
         gradable: checked.report.gradable,
         signature_valid: checked.signature_valid(),
-        realtime_factor: ran.ticks as f64 * sulcus_core::TICK_S / ran.wall_s,
+        realtime_factor: ran.ticks as f64 * prepared.scene.tick_s() / ran.wall_s,
         replay_realtime_factor: checked.report.realtime_factor,
         recording_bytes: checked.bytes,
         pocket: checked.pocket(),

@@ -22,6 +22,8 @@ pub struct DemoSummary {
     /// Whether it ran in virtual time.
     #[serde(rename = "virtual")]
     pub virtual_time: bool,
+    /// Ticks a second.
+    pub rate_hz: u16,
     /// Ticks computed.
     pub ticks: u64,
     /// Ticks that ended after their period or were skipped; 0 in virtual time.
@@ -255,7 +257,7 @@ impl DemoSummary {
             format!(
                 "ticks         {} ({:.1} s), {}",
                 self.ticks,
-                self.ticks as f64 * 1e-3,
+                self.ticks as f64 / f64::from(self.rate_hz),
                 if self.virtual_time {
                     format!("{:.0} times faster than real time", self.realtime_factor)
                 } else {

@@ -13,7 +13,7 @@ pub fn entered(output: &TickOutput) -> impl Iterator<Item = (usize, PocketReadin
 }
 
 /// One line for people.
-pub fn zone_line(tick: u64, reading: &PocketReading) -> String {
+pub fn zone_line(seconds: f64, reading: &PocketReading) -> String {
     let what = match reading.zone {
         ForceZone::Light => "light again",
         ForceZone::TooHeavy => "too heavy: reads too deep",
@@ -22,7 +22,7 @@ pub fn zone_line(tick: u64, reading: &PocketReading) -> String {
     };
     format!(
         "{:8.3} s  {:.2} N on the floor, {what}",
-        tick as f64 * sulcus_core::TICK_S,
+        seconds,
         reading.floor_force
     )
 }

@@ -13,6 +13,9 @@ use super::{LinkConfig, LinkError, control, transport};
 /// TLS alert `no_application_protocol`: the server offers another ALPN.
 const NO_APPLICATION_PROTOCOL: u8 = 120;
 
+/// Periods that a device can be asked to keep, nanoseconds.
+const TICKS_NS: std::ops::RangeInclusive<u64> = 100_000..=10_000_000;
+
 /// A connection whose server has said hello.
 pub(super) struct Welcome {
     pub endpoint: Endpoint,
@@ -62,6 +65,9 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
     });
     control::write(&mut send, &hello).await?;
     match control::read(&mut recv).await {
+        Ok(ServerMessage::Hello(hello)) if !TICKS_NS.contains(&hello.tick_ns) => Err(
+            CodecError::NotCanonical("the server's tick is not one of 0.1 to 10 ms").into(),
+        ),
         Ok(ServerMessage::Hello(hello)) => Ok(Welcome {
             endpoint,
             connection,

@@ -7,9 +7,11 @@
 use sulcus_cases::mouth::{hands, mouth};
 use sulcus_cases::record;
 use sulcus_cases::timing::{Percentiles, keep_fastest, time, time_stages};
-use sulcus_core::{MAX_TOOLS, Scene, Stage, TICK_S, TickInput};
+use sulcus_core::{MAX_TOOLS, Scene, Stage, TickInput};
 use sulcus_operator::HandParams;
 
+/// Length of a tick, seconds.
+const TICK_S: f64 = 1e-3;
 /// When the mirror holds the tongue and the probe is in the pocket, seconds, and how long is measured from then on.
 const BEGINS: f64 = 7.0;
 const SECONDS: f64 = 10.0;

@@ -130,7 +130,7 @@ pub fn run_linked_on(
     let mut operator = Operator::new(script(&scene), params(), case.seed);
     change(&mut scene);
     let ticks = match operator.ticks() {
-        long if long as f64 * sulcus_core::TICK_S >= MINUTE_S => (LONGEST_S * 1e3) as u64,
+        long if long as f64 * scene.tick_s() >= MINUTE_S => (LONGEST_S * 1e3) as u64,
         short => short,
     };
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));

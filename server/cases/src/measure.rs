@@ -2,7 +2,7 @@
 
 use sulcus_core::math::{log_rotation, norm};
 use sulcus_core::{
-    MAX_TOOLS, Pose, Scene, TICK_S, TickInput, TickOutput, Vec3, Workspace, Wrench, output::status,
+    MAX_TOOLS, Pose, Scene, TickInput, TickOutput, Vec3, Workspace, Wrench, output::status,
 };
 
 use crate::bearing::{Bearing, imbalance};
@@ -12,8 +12,8 @@ use crate::sway::Sway;
 /// Fastest hand of the *slow force step*, m/s.
 pub const SLOW: f64 = 0.2;
 
-/// Ticks after which what a resting hand holds has settled.
-const SETTLE_TICKS: u64 = 1000;
+/// Seconds after which what a resting hand holds has settled.
+const SETTLE_S: f64 = 1.0;
 
 /// What a run amounts to. SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -100,6 +100,9 @@ pub struct Observer {
     put_out: f64,
     /// Ticks since each hand moved, and where the tool then came to be.
     resting: [(u64, Vec3); MAX_TOOLS],
+    /// Length of a tick, seconds, and ticks in which a tool comes to rest.
+    tick_s: f64,
+    settle_ticks: u64,
     /// How far a tool reaches from its working point, metres: what a turn moves.
     reach: [f64; MAX_TOOLS],
     query: FullQuery,
@@ -140,6 +143,8 @@ impl Observer {
             second_difference_count: 0,
             put_out: 0.0,
             resting: [(0, Vec3::zeros()); MAX_TOOLS],
+            tick_s: scene.tick_s(),
+            settle_ticks: scene.params.ticks_in(SETTLE_S),
             reach: std::array::from_fn(|t| {
                 let tool = scene.tools.get(t);
                 tool.map_or(0.0, |tool| tool.tree.lever_from(&tool.working_point))
@@ -242,7 +247,7 @@ impl Observer {
             } else {
                 0
             };
-            if *rest <= SETTLE_TICKS {
+            if *rest <= self.settle_ticks {
                 *place = at;
             }
             m.drift = m.drift.max(norm(&(at - *place)));
@@ -257,11 +262,11 @@ impl Observer {
             // A hand that was faster than the tool could follow has its motion's end in later ticks.
             let was_behind = self.behind[t];
             let behind = &mut self.behind[t];
-            let fast = farthest > SLOW * TICK_S && out.status & status::SETTLING != 0;
+            let fast = farthest > SLOW * self.tick_s && out.status & status::SETTLING != 0;
             *behind |= fast || out.status & status::EXHAUSTED != 0;
             *behind &= !settled;
             let ends = was_behind || *behind;
-            if farthest <= SLOW * TICK_S && !ends && norm(&before.raw.force) > 0.0 {
+            if farthest <= SLOW * self.tick_s && !ends && norm(&before.raw.force) > 0.0 {
                 m.slow_force_step = m
                     .slow_force_step
                     .max(norm(&change) - tool.stiffness_n_per_m * farthest);

@@ -9,7 +9,8 @@
 
 use std::fmt;
 
-use sulcus_core::TICK_S;
+/// Length of a tick, seconds: the paper's.
+const TICK_S: f64 = 1e-3;
 use sulcus_core::tissue::printed::stability::largest_time_step;
 
 /// Who computes.

@@ -101,7 +101,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
     let mut end = ticks;
     let mut next_look = 1;
     for k in 0..ticks {
-        let targets = script.targets((k as f64 * sulcus_core::TICK_S).min(hold));
+        let targets = script.targets((k as f64 * scene.tick_s()).min(hold));
         let mut input = TickInput::IDLE;
         for (t, target) in targets.iter().enumerate().take(scene.tools.len()) {
             let Some(target) = *target else { continue };
@@ -127,7 +127,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
             report.ticks = k + 1;
             break;
         }
-        if report.period.is_some() || k as f64 * sulcus_core::TICK_S < hold {
+        if report.period.is_some() || k as f64 * scene.tick_s() < hold {
             continue;
         }
         if let Some((at, earlier)) = &earlier

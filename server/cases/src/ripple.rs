@@ -107,7 +107,7 @@ pub fn slide<P: StageProbe>(scene: &Scene, shape: &Shape, depth: f64, probe: &mu
     let tool = &scene.tools[0];
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let reach = shape.reach();
-    let ticks = (2.0 * reach / (SPEED * sulcus_core::TICK_S)).round() as u32;
+    let ticks = (2.0 * reach / (SPEED * scene.tick_s())).round() as u32;
     let mut ripple = Ripple {
         ticks,
         ..Ripple::default()
@@ -116,7 +116,7 @@ pub fn slide<P: StageProbe>(scene: &Scene, shape: &Shape, depth: f64, probe: &mu
     let mut angles = Vec::with_capacity(ticks as usize);
     let mut forces: Vec<Vec3> = Vec::with_capacity(ticks as usize);
     for k in 0..SETTLE + ticks {
-        let x = -reach + SPEED * sulcus_core::TICK_S * f64::from(k.saturating_sub(SETTLE));
+        let x = -reach + SPEED * scene.tick_s() * f64::from(k.saturating_sub(SETTLE));
         // From 10 mm above down to the depth in the first half of the settling time.
         let above = 1.0 - (f64::from(k) / f64::from(SETTLE / 2)).min(1.0);
         let (point, normal) = shape.at(x);

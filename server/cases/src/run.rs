@@ -46,11 +46,28 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
 pub fn run_on(
     case: &Case,
     change: impl FnOnce(&mut Scene),
+    each: impl FnMut(&Seen),
+) -> CaseReport {
+    run_at(case, Params::default().rate_hz, change, each)
+}
+
+/// The same at so many ticks a second, hand and device included. (What disturbs the input does so in the ticks that it names.)
+pub fn run_at(
+    case: &Case,
+    rate_hz: u16,
+    change: impl FnOnce(&mut Scene),
     mut each: impl FnMut(&Seen),
 ) -> CaseReport {
     let mut scene = (case.scene)();
+    scene.params.rate_hz = rate_hz;
     let mut operator = match case.driver {
-        Driver::Closed(script, params) => Some(Operator::new(script(&scene), params(), case.seed)),
+        Driver::Closed(script, params) => {
+            let hand = HandParams {
+                period_s: scene.tick_s(),
+                ..params()
+            };
+            Some(Operator::new(script(&scene), hand, case.seed))
+        }
         Driver::Kinematic(_) => None,
     };
     let mut script = match case.driver {
@@ -61,7 +78,7 @@ pub fn run_on(
     let mut observer = Observer::new(&scene);
     let mut shown = Shown::NOTHING;
     let mut margin = f64::INFINITY;
-    let ticks = script.duration_s() * 1e3;
+    let ticks = script.duration_s() * (1.0 / scene.tick_s());
     let mut hands = [None; MAX_TOOLS];
     for k in 0..ticks as u64 {
         let mut input = TickInput::IDLE;
@@ -69,7 +86,7 @@ pub fn run_on(
             Some(operator) => operator.step(&shown),
             None => {
                 script.feel(&Felt { shown, hands });
-                hands = script.targets(k as f64 * sulcus_core::TICK_S);
+                hands = script.targets(k as f64 * scene.tick_s());
                 hands.map(|target| match target {
                     Some(pose) => present(&pose),
                     None => sulcus_core::ToolInput::ABSENT,
@@ -109,6 +126,10 @@ pub fn record(
     ticks: u64,
     mut each: impl FnMut(u64, &TickOutput),
 ) -> Vec<TickInput> {
+    let hand = HandParams {
+        period_s: scene.tick_s(),
+        ..hand
+    };
     let mut operator = Operator::new(script, hand, seed);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut shown = Shown::NOTHING;

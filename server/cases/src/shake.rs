@@ -1,6 +1,9 @@
 //! How a point shakes above the band of a hand's tremor: where a loop that drives itself shows.
 
-use sulcus_core::{TICK_S, Vec3};
+use sulcus_core::Vec3;
+
+/// Length of a tick of the study, seconds.
+const TICK_S: f64 = 1e-3;
 
 /// Corner of the filter, Hz. A tremor at 10 Hz comes through with a twenty-fifth of its size, a limit cycle at 24 Hz (a
 /// tool of 2 N/mm before 0.1 kg) with a third.

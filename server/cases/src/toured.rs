@@ -117,7 +117,11 @@ pub fn perform(
             })
         })
         .collect();
-    let mut operator = Operator::new(script, HandParams::default(), seed);
+    let hand = HandParams {
+        period_s: scene.tick_s(),
+        ..HandParams::default()
+    };
+    let mut operator = Operator::new(script, hand, seed);
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut shown = Shown::NOTHING;
     let mut toured = Toured {

@@ -6,6 +6,9 @@ use sulcus_core::tissue::printed::PrintedSkeleton;
 use sulcus_core::*;
 use sulcus_operator::present;
 
+/// Length of a tick, seconds.
+const TICK_S: f64 = 1e-3;
+
 #[test]
 fn the_onset_of_instability_is_within_a_hundredth_of_eq_9() {
     let table = Table::run();

@@ -22,7 +22,7 @@ fn lead(
     let mut last = None;
     for k in 0..ticks {
         let mut input = TickInput::IDLE;
-        let poses = poses(k as f64 * sulcus_core::TICK_S);
+        let poses = poses(k as f64 * 1e-3);
         for (slot, pose) in input.tools.iter_mut().zip(poses) {
             if let Some(pose) = pose {
                 *slot = present(&pose);
@@ -75,7 +75,7 @@ fn what_is_kept_of_tongue_and_gingiva_never_shows() {
     let at = mirror(&scene, 0.0);
     let touched = kept_as_plain(&scene, 2500, |k| {
         // Down, to and fro at up to 40 mm/s, levels of detail in turn, out and asleep, and down again.
-        let t = k as f64 * sulcus_core::TICK_S;
+        let t = k as f64 * 1e-3;
         let deep = if (1.6..1.9).contains(&t) {
             -8e-3
         } else {
@@ -91,7 +91,7 @@ fn what_is_kept_of_tongue_and_gingiva_never_shows() {
     let scene = pocket("0.4");
     let path = PocketPath::new(&scene, None, 1e-4, Manner::Taught).expect("a pocket");
     let touched = kept_as_plain(&scene, 2500, |k| {
-        let t = k as f64 * sulcus_core::TICK_S;
+        let t = k as f64 * 1e-3;
         let depth = if (1.5..1.8).contains(&t) {
             -6e-3
         } else {

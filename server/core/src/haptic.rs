@@ -5,7 +5,7 @@ use crate::math::{Pose, Quat, Vec3, Wrench, exp_rotation, log_rotation, norm, no
 use crate::output::status;
 use crate::params::Params;
 use crate::state::ToolState;
-use crate::{TICK_S, Tool};
+use crate::Tool;
 
 /// A twist beyond this no longer raises the torque, radians.
 const TWIST_LIMIT: f64 = std::f64::consts::FRAC_PI_2;
@@ -42,7 +42,7 @@ pub(crate) fn sanitise(
         return (pose, 0);
     }
     let mut bits = 0;
-    let seconds = ticks as f64 * TICK_S;
+    let seconds = ticks as f64 * params.tick_s();
     let step = pose.position - last.haptic.position;
     let (length, most) = (norm(&step), params.max_hand_speed * seconds);
     if length > most {

@@ -62,5 +62,6 @@ pub use workspace::Workspace;
 /// Most tools one scene can hold: one for each hand.
 pub const MAX_TOOLS: usize = 2;
 
-/// Length of one tick in seconds (1 kHz).
-pub const TICK_S: f64 = 1e-3;
+/// Length of a tick where a test says nothing else, seconds.
+#[cfg(test)]
+pub(crate) const TICK_S: f64 = 1e-3;

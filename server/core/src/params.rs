@@ -8,6 +8,9 @@ use crate::optimise::SolverKind;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Params {
+    /// Ticks a second. Default 1000, range 250..8000. Faster: textures and harder walls can be displayed (a device shows a stiffness
+    /// of about `2 b / T` at most), and less time for a tick. What is said per millisecond keeps its meaning at any rate.
+    pub rate_hz: u16,
     /// Smallest contact-prediction distance, metres. Default 3e-6, range 1e-6..1e-3. Larger: fewer
     /// substeps, more rows. Source: notes of the prototype, section 2 (the paper's fixed 0.5 mm
     /// is larger than the sphere spacing at level 3).
@@ -54,22 +57,23 @@ pub struct Params {
     pub max_force: f64,
     /// Largest torque sent to a hand, N m. Default 0.2.
     pub max_torque: f64,
-    /// Largest change of force per tick, N. Default 0.5; 1 N per tick is a wall at 2 m/s.
+    /// Largest change of force per millisecond, N. Default 0.5; 1 N per millisecond is a wall at 2 m/s.
     pub max_force_step: f64,
-    /// Largest change of torque per tick, N m. Default 0.03.
+    /// Largest change of torque per millisecond, N m. Default 0.03.
     pub max_torque_step: f64,
-    /// Largest change of the **raw** force in a tick beyond what the hand's own motion brings (`k_t |dq_h|`), N, once a tool
+    /// Largest change of the **raw** force in a millisecond beyond what the hand's own motion brings (`k_t |dq_h|`), N, once a tool
     /// bears load. Default 0.02: a tool that comes loose then settles at 20 N/s and is not felt as a click. 50 is as good as none.
     pub max_settle_step: f64,
-    /// Ticks in which the wrench ramps from zero to full after (re)entry. Default 100.
-    pub ramp_up_ticks: u16,
-    /// Ticks in which it ramps to zero on pause, stale pose or absence. Default 20.
-    pub ramp_down_ticks: u16,
+    /// Milliseconds in which the wrench ramps from zero to full after (re)entry. Default 100.
+    pub ramp_up_ms: u16,
+    /// Milliseconds in which it ramps to zero on pause, stale pose or absence. Default 20.
+    pub ramp_down_ms: u16,
 }
 
 impl Default for Params {
     fn default() -> Self {
         Self {
+            rate_hz: 1000,
             predict_min: 3e-6,
             predict_max: 5e-4,
             predict_gain: 1.2,
@@ -90,8 +94,8 @@ impl Default for Params {
             max_force_step: 0.5,
             max_torque_step: 0.03,
             max_settle_step: 0.02,
-            ramp_up_ticks: 100,
-            ramp_down_ticks: 20,
+            ramp_up_ms: 100,
+            ramp_down_ms: 20,
         }
     }
 }
@@ -109,12 +113,42 @@ pub struct ParamError {
 }
 
 impl Params {
+    /// Seconds that a tick simulates.
+    #[inline]
+    pub fn tick_s(&self) -> f64 {
+        1.0 / f64::from(self.rate_hz)
+    }
+
+    /// Nanoseconds between two ticks on a clock.
+    #[inline]
+    pub fn tick_ns(&self) -> u64 {
+        1_000_000_000 / u64::from(self.rate_hz.max(1))
+    }
+
+    /// Milliseconds that a tick simulates: what is said per millisecond, times this, is per tick. Exactly 1 at 1 kHz.
+    #[inline]
+    pub fn tick_ms(&self) -> f64 {
+        1e3 / f64::from(self.rate_hz)
+    }
+
+    /// Ticks in `seconds`, to the nearest.
+    #[inline]
+    pub fn ticks_in(&self, seconds: f64) -> u64 {
+        (seconds * f64::from(self.rate_hz) + 0.5) as u64
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors
     /// Names the first field out of range, with the value found and the range expected.
     pub fn validate(&self) -> Result<(), ParamError> {
-        let checks: [(&'static str, f64, bool, &'static str); 18] = [
+        let checks: [(&'static str, f64, bool, &'static str); 19] = [
+            (
+                "rate_hz",
+                f64::from(self.rate_hz),
+                within(f64::from(self.rate_hz), 250.0, 8000.0),
+                "250 to 8000 ticks a second",
+            ),
             (
                 "predict_min",
                 self.predict_min,

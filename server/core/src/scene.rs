@@ -13,7 +13,7 @@ use crate::tissue::{TissueError, TissueModel};
 use crate::tree::SphereTree;
 
 /// Version of the compiled scene's byte layout.
-pub const SCENE_VERSION: u16 = 6;
+pub const SCENE_VERSION: u16 = 7;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Most rows of a problem where something yields, both tools' together: the matrix of compliances is dense.
@@ -160,7 +160,7 @@ impl Scene {
     /// Seconds that one tick of this scene simulates.
     #[inline]
     pub fn tick_s(&self) -> f64 {
-        crate::TICK_S
+        self.params.tick_s()
     }
 
     /// Blend length in force on object `k`, metres; 0 where its spheres are touched as they are. Blending is
@@ -348,7 +348,7 @@ impl Scene {
             check_mesh(&part, &tool.mesh)?;
         }
         for object in &self.objects {
-            if let Err(error) = object.tissue.validate(&object.tree) {
+            if let Err(error) = object.tissue.validate(&object.tree, self.params.tick_s()) {
                 return Err(SceneError::Tissue {
                     part: format!("object `{}`", object.name),
                     source: error,

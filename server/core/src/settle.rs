@@ -14,7 +14,7 @@ use crate::state::State;
 use crate::substep::Asked;
 use crate::workspace::Workspace;
 
-/// Share per tick, on top, of what the coupling of a tool that is behind its hand has and the tool does not bear yet: where substeps
+/// Share per millisecond, on top, of what the coupling of a tool that is behind its hand has and the tool does not bear yet: where substeps
 /// have run out, as after lost packets, it comes in a tenth of a second or two whatever the way.
 const CATCH_UP: f64 = 0.03;
 
@@ -38,7 +38,8 @@ impl Settle {
             let behind = norm(&(spring - kept.raw.force));
             let wanted = &asked.wanted[t];
             let hand = wanted.moved + wanted.turned * ws.levers[t];
-            let more = fmax(asked.scene.params.max_settle_step, CATCH_UP * behind);
+            let params = &asked.scene.params;
+            let more = params.tick_ms() * fmax(params.max_settle_step, CATCH_UP * behind);
             most[t] = tool.stiffness_n_per_m * hand + more;
         }
         Self {

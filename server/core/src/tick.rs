@@ -17,8 +17,8 @@ use crate::tissue::{Hand, Hands, SiteLoad};
 use crate::workspace::Workspace;
 use crate::wrench::{Conditions, limited};
 
-/// Unusable poses in a row after which the tool counts as stale: the watchdog's time.
-const BAD_TICKS_STALE: u16 = 50;
+/// Time without a usable pose after which the tool counts as stale, seconds: the watchdog's.
+const BAD_STALE_S: f64 = 0.05;
 
 /// Runs one tick: `state` becomes the state after it. Never panics on any input, allocates nothing
 /// (with [`crate::optimise::SolverKind::ActiveSet`]), takes bounded work.
@@ -286,7 +286,7 @@ fn finish_tool(
         0
     };
     // A device that sends nothing usable is as silent as one that sends nothing.
-    let stale = slot.stale || kept.bad_ticks >= BAD_TICKS_STALE;
+    let stale = slot.stale || u64::from(kept.bad_ticks) >= scene.params.ticks_in(BAD_STALE_S);
     if stale {
         bits |= status::STALE;
     }

@@ -23,10 +23,11 @@ pub(crate) fn limited(
     params: &Params,
 ) -> (Wrench, f64, u16) {
     let mut bits = 0;
+    let ms = params.tick_ms();
     let gain = if now.wanted {
-        fmin(1.0, gain + 1.0 / f64::from(params.ramp_up_ticks.max(1)))
+        fmin(1.0, gain + ms / f64::from(params.ramp_up_ms.max(1)))
     } else {
-        crate::math::fmax(0.0, gain - 1.0 / f64::from(params.ramp_down_ticks.max(1)))
+        crate::math::fmax(0.0, gain - ms / f64::from(params.ramp_down_ms.max(1)))
     };
     if gain < 1.0 {
         bits |= status::RAMPING;
@@ -45,13 +46,13 @@ pub(crate) fn limited(
     let force = sent.force
         + clamp(
             force - sent.force,
-            params.max_force_step,
+            params.max_force_step * ms,
             status::SLEW_LIMITED,
         );
     let torque = sent.torque
         + clamp(
             torque - sent.torque,
-            params.max_torque_step,
+            params.max_torque_step * ms,
             status::SLEW_LIMITED,
         );
     // Where a limit was lowered the slew leads down to it; the scene's own limits hold at once.

@@ -113,9 +113,9 @@ fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_
         let mut model = model.clone();
         model.params = params(large);
         let model = TissueModel::Surface(Box::new(model));
-        model.validate(&tree).expect("valid");
+        model.validate(&tree, 1e-3).expect("valid");
         Organ {
-            tissue: model.ready(&tree, 6).expect("yields"),
+            tissue: model.ready(&tree, 6, 1e-3).expect("yields"),
             state: vec![0.0; model.state_len(&tree)],
             nodes: nodes.clone(),
             rest: rest.clone(),

@@ -330,7 +330,7 @@ mod tests {
         let volume: f64 = model.cells.volumes.iter().sum();
         assert!((volume - 15e-3 * 8e-3 * 6e-3).abs() < 1e-12, "{volume}");
         let model = TissueModel::Surface(Box::new(model));
-        model.validate(&tree).expect("stands");
+        model.validate(&tree, 1e-3).expect("stands");
         // The wrong unit, and another place.
         let metres = SurfaceOptions {
             elements_unit: Some(Unit::Metre),

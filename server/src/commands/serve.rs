@@ -20,7 +20,7 @@ use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerHandle};
 /// Serve one station until Ctrl-C.
 #[derive(Clone, Debug, Args)]
 #[command(
-    long_about = "Serve one station until Ctrl-C: one client at a time, simulated at 1 kHz, every session recorded and signed.\n\nThe ticket printed at the start is all that a client needs besides the address: token and certificate in one line. It is new at every start; with --token the token stays the same.",
+    long_about = "Serve one station until Ctrl-C: one client at a time, simulated at 1 kHz (--rate-hz), every session recorded and signed.\n\nThe ticket printed at the start is all that a client needs besides the address: token and certificate in one line. It is new at every start; with --token the token stays the same.",
     after_long_help = "Examples:\n  sulcus-server serve\n  sulcus-server serve --listen 0.0.0.0:4433 --scene crown.toml --recordings /srv/recordings\n  sulcus-server serve --certificate-out server.der --json | jq -r .ticket    (the first line is the address, the last the summaries)\n\nLate ticks: grant real-time scheduling with `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or raise `ulimit -r` and `ulimit -l`."
 )]
 pub struct ServeArgs {
@@ -33,6 +33,9 @@ pub struct ServeArgs {
     /// Seed of a generated patient, instead of the scene file's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// Ticks a second, 250 to 8000; the scene's own when omitted (1000 unless its file says so)
+    #[arg(long, value_name = "HZ")]
+    pub rate_hz: Option<u16>,
     /// Folder for recordings, made when missing
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
@@ -74,7 +77,7 @@ pub struct ServeArgs {
 /// # Errors
 /// A scene, port, folder or value that cannot be used: one sentence.
 pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
-    let (scene, bytes, patient) = load(args.scene.as_deref(), args.seed)?;
+    let (scene, bytes, patient) = load(args.scene.as_deref(), args.seed, args.rate_hz)?;
     let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
     config.listen = args.listen;
     config.patient = patient;
@@ -116,14 +119,18 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
 }
 
 /// A scene file or a compiled scene, its bytes, and the text of its patient (empty where there is none).
-fn load(path: Option<&Path>, seed: Option<u64>) -> anyhow::Result<(Scene, Vec<u8>, String)> {
+fn load(
+    path: Option<&Path>,
+    seed: Option<u64>,
+    rate_hz: Option<u16>,
+) -> anyhow::Result<(Scene, Vec<u8>, String)> {
     let narrator = Narrator::default();
     let say = |stage: &str, share: f64| narrator.say(stage, share);
     let options = BuildOptions {
         seed,
         ..BuildOptions::cached()
     };
-    let compiled = match path {
+    let mut compiled = match path {
         Some(path) if path.extension().is_some_and(|ending| ending == "scene") => {
             if seed.is_some() {
                 bail!(
@@ -133,7 +140,13 @@ fn load(path: Option<&Path>, seed: Option<u64>) -> anyhow::Result<(Scene, Vec<u8
             }
             let bytes = std::fs::read(path)
                 .with_context(|| format!("{}: cannot read the scene", path.display()))?;
-            let scene = Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
+            let mut scene = Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
+            let Some(rate_hz) = rate_hz else {
+                return Ok((scene, bytes, String::new()));
+            };
+            scene.params.rate_hz = rate_hz;
+            scene.validate()?;
+            let bytes = scene.to_bytes()?;
             return Ok((scene, bytes, String::new()));
         }
         Some(path) => compile_file(path, &options, &say)?,
@@ -151,6 +164,10 @@ fn load(path: Option<&Path>, seed: Option<u64>) -> anyhow::Result<(Scene, Vec<u8
             "--seed is a generated patient's, and scene `{}` has {has}",
             compiled.scene.name
         );
+    }
+    if let Some(rate_hz) = rate_hz {
+        compiled.scene.params.rate_hz = rate_hz;
+        compiled.scene.validate()?;
     }
     let bytes = compiled.scene.to_bytes()?;
     Ok((compiled.scene, bytes, compiled.patient.unwrap_or_default()))

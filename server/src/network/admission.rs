@@ -7,7 +7,7 @@ use quinn::{Connection, RecvStream, SendStream};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello, ToolInfo};
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::limits::{HELLO, NAME_BYTES};
-use sulcus_proto::{ClientMessage, CodecError, PROTOCOL_VERSION, ServerMessage, limits};
+use sulcus_proto::{ClientMessage, CodecError, PROTOCOL_VERSION, ServerMessage};
 
 use super::control::{self, ReadError};
 use super::{CLOSE_REFUSED, Shared, close_after_last_word, session};
@@ -176,7 +176,7 @@ fn server_hello(shared: &Shared, epoch: u32) -> ServerHello {
     ServerHello {
         program: env!("CARGO_PKG_VERSION").to_owned(),
         epoch,
-        tick_ns: limits::TICK_NS,
+        tick_ns: scene.params.tick_ns(),
         scene: scene.name.clone(),
         scene_hash: shared.scene_hash,
         exercise: config.exercise.name.clone(),

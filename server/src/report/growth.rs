@@ -6,7 +6,7 @@ use sulcus_cases::scenes::{self, device_over};
 use sulcus_cases::table::Driver;
 use sulcus_cases::tissue_scenes::{changed, twice};
 use sulcus_cases::{find, record};
-use sulcus_core::{MAX_TOOLS, Pose, Quat, Scene, TICK_S, TickInput, ToolInput, Vec3};
+use sulcus_core::{MAX_TOOLS, Pose, Quat, Scene, TickInput, ToolInput, Vec3};
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, present};
 use sulcus_scene::BuiltIn;
@@ -201,11 +201,11 @@ fn played(name: &str) -> (Scene, Vec<TickInput>) {
     let scene = (case.scene)();
     let (Driver::Kinematic(script) | Driver::Closed(script, _)) = case.driver;
     let script = script(&scene);
-    let ticks = (script.duration_s() / TICK_S) as u64;
+    let ticks = (script.duration_s() / scene.tick_s()) as u64;
     let at = |k: u64| {
         let mut input = TickInput::IDLE;
         input.tools = script
-            .targets(k as f64 * TICK_S)
+            .targets(k as f64 * scene.tick_s())
             .map(|pose| pose.map_or(ToolInput::ABSENT, |pose| present(&pose)));
         input
     };

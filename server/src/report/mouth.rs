@@ -4,7 +4,7 @@ use serde::Serialize;
 use sulcus_cases::inside::solid_of;
 use sulcus_cases::mouth::{PROBED, hands, mouth};
 use sulcus_cases::record;
-use sulcus_core::{MAX_TOOLS, Scene, TICK_S};
+use sulcus_core::{MAX_TOOLS, Scene};
 use sulcus_operator::HandParams;
 use sulcus_scene::blend::blend_error;
 
@@ -77,8 +77,8 @@ fn at_level(scene: &Scene, level: u8, runs: usize) -> Level {
         .find(|object| object.fdi == PROBED && object.tissue.is_rigid())
         .expect("the patient has the molar");
     let error = blend_error(&molar.tree, molar.level, &solid_of(&molar.mesh), TIP);
-    let begins = (BEGINS / TICK_S).round() as usize;
-    let ticks = ((BEGINS + SECONDS) / TICK_S).round() as u64;
+    let begins = (BEGINS / scene.tick_s()).round() as usize;
+    let ticks = ((BEGINS + SECONDS) / scene.tick_s()).round() as u64;
     let script = hands(scene, BEGINS + SECONDS + LEAVING);
     let mut contact = [0_usize; MAX_TOOLS];
     let hand = (HandParams::default(), 7);
@@ -99,7 +99,7 @@ fn at_level(scene: &Scene, level: u8, runs: usize) -> Level {
         tooth_error_max_um: error.max * 1e3,
         in_contact_percent: contact
             .iter()
-            .map(|n| 100.0 * *n as f64 * TICK_S / SECONDS)
+            .map(|n| 100.0 * *n as f64 * scene.tick_s() / SECONDS)
             .collect(),
         max_hz: times.rate_hz(),
         longer_than_us: SHARES.map(at).to_vec(),

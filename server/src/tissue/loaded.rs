@@ -10,6 +10,8 @@ use crate::realtime::thread_cpu_ns;
 
 /// Ticks in which it must come to rest: a minute.
 const MOST_TICKS: usize = 60_000;
+/// Length of a tick in which a model comes to rest, seconds.
+const TICK_S: f64 = 1e-3;
 /// Share of the displacement that may be left to go.
 const LEFT: f64 = 1e-5;
 /// Displacements under this are none, metres.
@@ -30,8 +32,8 @@ impl<'a> Loaded<'a> {
     /// # Errors
     /// If the model cannot stand.
     pub(crate) fn new(organ: &'a Organ, model: TissueModel) -> anyhow::Result<Self> {
-        model.validate(&organ.tree)?;
-        let Some(ready) = model.ready(&organ.tree, LEVEL) else {
+        model.validate(&organ.tree, TICK_S)?;
+        let Some(ready) = model.ready(&organ.tree, LEVEL, TICK_S) else {
             bail!("found a rigid model, expected one that yields");
         };
         let vertices = &organ.surface.vertices;

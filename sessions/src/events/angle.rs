@@ -12,7 +12,7 @@ use sulcus_core::tissue::gingiva::{Site, ToothFrame};
 use crate::exercise::ProbingTask;
 
 /// Ticks for which the tilt must be wrong before it is said, and right again.
-const STEADY_TICKS: u64 = 250;
+pub const STEADY_S: f64 = 0.25;
 
 /// Tilt of a working end against a tooth's axis, radians. All zero: parallel, the tip towards the root.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,14 +97,14 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Whether the tilt is right at `tick`, if something is to be said of it.
-    pub fn turns(&mut self, tick: u64, right: bool) -> Option<bool> {
+    /// Whether the tilt is right at `tick`, if something is to be said of it: it has been so for `steady` ticks.
+    pub fn turns(&mut self, tick: u64, right: bool, steady: u64) -> Option<bool> {
         if right != self.wrong {
             self.since = None;
             return None;
         }
         let since = *self.since.get_or_insert(tick);
-        if tick.saturating_sub(since) < STEADY_TICKS {
+        if tick.saturating_sub(since) < steady {
             return None;
         }
         self.wrong = !right;
@@ -205,13 +205,13 @@ mod tests {
         for tick in 0..3000u64 {
             // 200 ticks wrong, which does not last; then wrong from 1000 to 2000.
             let right = !((300..500).contains(&tick) || (1000..2000).contains(&tick));
-            told.extend(watch.turns(tick, right).map(|right| (tick, right)));
+            told.extend(watch.turns(tick, right, 250).map(|right| (tick, right)));
         }
         assert_eq!(told, [(1250, false), (2250, true)]);
         // Twice 200 ticks with a rest between are not 400.
         let mut watch = Watch::default();
-        assert!((0..200).all(|tick| watch.turns(tick, false).is_none()));
+        assert!((0..200).all(|tick| watch.turns(tick, false, 250).is_none()));
         watch.rests();
-        assert!((300..500).all(|tick| watch.turns(tick, false).is_none()));
+        assert!((300..500).all(|tick| watch.turns(tick, false, 250).is_none()));
     }
 }

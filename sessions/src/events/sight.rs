@@ -13,8 +13,8 @@ use super::pocket::Pocket;
 use super::rays::Ray;
 use crate::exercise::Target;
 
-/// Ticks between two evaluations.
-pub const EVERY: u64 = 50;
+/// Seconds between two evaluations.
+pub const EVERY_S: f64 = 0.05;
 /// How much less than asked must be free before the target counts as hidden.
 const HYSTERESIS: f64 = 0.15;
 /// Where the points are: degrees from mesial over buccal, and heights over the margin, metres.
@@ -33,6 +33,8 @@ pub struct Look {
     radii: Vec<f64>,
     rest: Vec<Vec3>,
     any: bool,
+    /// Ticks between two evaluations.
+    every: u64,
 }
 
 impl Look {
@@ -40,6 +42,7 @@ impl Look {
     pub fn new(scene: &Scene) -> Self {
         let mut look = Self {
             any: true,
+            every: scene.params.ticks_in(EVERY_S).max(1),
             ..Self::default()
         };
         for (k, object) in scene.objects.iter().enumerate() {
@@ -67,9 +70,14 @@ impl Look {
         self.radii.is_empty()
     }
 
+    /// Ticks between two evaluations.
+    pub fn every(&self) -> u64 {
+        self.every
+    }
+
     /// Whether shapes are looked at after this tick.
     pub fn is_due(&self, tick: u64) -> bool {
-        self.any && tick.is_multiple_of(EVERY)
+        self.any && tick.is_multiple_of(self.every)
     }
 
     /// Reads the centres, world axes, metres, into `out` (as many as [`Look::len`]; otherwise nothing is read). No

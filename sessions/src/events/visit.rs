@@ -7,20 +7,20 @@
 use serde_json::json;
 use sulcus_core::output::{ForceZone, PocketReading};
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_core::{Scene, TICK_S, Vec3};
+use sulcus_core::{Scene, Vec3};
 
 use super::KINDS;
-use super::angle::{Tilt, Watch};
+use super::angle::{STEADY_S, Tilt, Watch};
 use super::pocket::Pocket;
 use crate::exercise::ProbingTask;
 use crate::occurrence::Occurrence;
 
 /// A tip farther from the tooth's surface than this is not in its pocket, metres.
 const NEAR: f64 = 2e-3;
-/// Height over the margin at which a pocket is left when the tip stays so high, and for how many ticks, metres; and at
+/// Height over the margin at which a pocket is left when the tip stays so high, and for how long, metres and seconds; and at
 /// which it is left at once. Chosen: a bob is 1 to 2 mm high, and a sulcus as shallow as that.
 const ABOVE: f64 = 0.5e-3;
-const STAYS: u64 = 100;
+const STAYS: f64 = 0.1;
 const HIGH: f64 = 1.5e-3;
 /// Past a border by so much a zone changes, radians.
 const PAST: f64 = 2.0 * std::f64::consts::PI / 180.0;
@@ -105,7 +105,7 @@ impl Probe {
         self.ended = None;
         let spot = seen.and_then(|seen| self.locate(tick, seen, pockets, scene));
         let Some((spot, seen)) = spot.zip(seen) else {
-            self.leave(tick, tool, pockets, true, said);
+            self.leave((tick, tool), pockets, scene, true, said);
             return;
         };
         let Some(gingiva) = pockets[spot.pocket].gingiva(scene) else {
@@ -125,7 +125,7 @@ impl Probe {
         let moved = |visit: &Visit| visit.pocket != spot.pocket || visit.site != site;
         if self.visit.as_ref().is_some_and(moved) {
             let other_tooth = self.visit.is_some_and(|visit| visit.pocket != spot.pocket);
-            self.leave(tick, tool, pockets, other_tooth, said);
+            self.leave((tick, tool), pockets, scene, other_tooth, said);
         }
         if self.visit.is_none() {
             if let Some(out) = self.out.take()
@@ -139,7 +139,7 @@ impl Probe {
                     tick,
                     json!({
                         "tool": tool, "tooth": fdi, "from": out.site.name(), "to": site.name(),
-                        "seconds": tick.saturating_sub(out.tick) as f64 * TICK_S,
+                        "seconds": tick.saturating_sub(out.tick) as f64 * scene.tick_s(),
                     }),
                 );
             }
@@ -199,7 +199,8 @@ impl Probe {
         }
         if visit.felt {
             let tilt = Tilt::of(&gingiva.tooth, &seen.out_of_tip);
-            if let Some(right) = visit.watch.turns(tick, tilt.is_right(site, task)) {
+            let steady = scene.params.ticks_in(STEADY_S);
+            if let Some(right) = visit.watch.turns(tick, tilt.is_right(site, task), steady) {
                 say(said, KINDS[2], tick, tilt.data(tool, fdi, site, right));
             }
         } else {
@@ -236,7 +237,8 @@ impl Probe {
         let stay = self.visit.as_ref().and_then(|visit| {
             let found = spot(visit.pocket)?;
             let distance = near(visit.pocket)?;
-            let stays = |since: u64| tick.saturating_sub(since) >= STAYS;
+            let long = scene.params.ticks_in(STAYS);
+            let stays = |since: u64| tick.saturating_sub(since) >= long;
             let out = found.depth <= -ABOVE && visit.above.is_some_and(stays);
             // (A NaN is nowhere.)
             (found.depth > -HIGH && !out).then_some((found, distance))
@@ -256,9 +258,9 @@ impl Probe {
     /// Ends the visit, if there is one; `out`: out of the pocket.
     fn leave(
         &mut self,
-        tick: u64,
-        tool: usize,
+        (tick, tool): (u64, usize),
         pockets: &[Pocket],
+        scene: &Scene,
         out: bool,
         said: &mut Vec<Occurrence>,
     ) {
@@ -275,7 +277,7 @@ impl Probe {
                 "site": visit.site.name(),
                 "deepest_mm": visit.deepest.map(|depth| depth * 1e3),
                 "max_force_n": visit.max_force,
-                "seconds": tick.saturating_sub(visit.since) as f64 * TICK_S,
+                "seconds": tick.saturating_sub(visit.since) as f64 * scene.tick_s(),
             }),
         );
         self.out = out.then_some(Out {

@@ -8,12 +8,13 @@ use rapier3d::prelude::{
     ColliderBuilder, SoftBodyBuilder, SoftBodyCellModel, SoftBodyMaterial, SoftBodySolver, Vector,
 };
 use sulcus_core::tissue::TissueModel;
-use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene as Compiled, TICK_S, Vec3};
+use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene as Compiled, Vec3};
 use sulcus_scene::build::TreeOptions;
 use sulcus_scene::cache::{default_cache_dir, kept_or_built};
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::organ::{SurfaceOptions, organ};
 
+use crate::TICK_S;
 use crate::capsule::Capsule;
 use crate::engine::{Engine, Entrant};
 use crate::ours::{Ours, Skin};

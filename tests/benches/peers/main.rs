@@ -20,6 +20,9 @@ mod tooth;
 
 use std::path::PathBuf;
 
+/// Length of a tick of all of them, seconds.
+const TICK_S: f64 = 1e-3;
+
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     // `cargo test --benches` passes --test: nothing to check there.

@@ -8,8 +8,9 @@ use rapier3d::prelude::{
     RigidBodyBuilder, RigidBodyHandle, SoftBody, SoftBodyHandle, Vector,
 };
 use sulcus_core::math::{log_rotation, normalised};
-use sulcus_core::{Pose, TICK_S, Vec3};
+use sulcus_core::{Pose, Vec3};
 
+use crate::TICK_S;
 use crate::capsule::{Capsule, HALF, STIFFNESS};
 use crate::engine::{Engine, Shown};
 

@@ -6,12 +6,13 @@ use std::path::Path;
 use std::rc::Rc;
 
 use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder, TriMeshFlags};
-use sulcus_core::{Pose, Quat, Scene as Compiled, TICK_S, Vec3};
+use sulcus_core::{Pose, Quat, Scene as Compiled, Vec3};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::level_error;
 use sulcus_scene::parametric::Tooth;
 use sulcus_scene::{BuildOptions, compile_text};
 
+use crate::TICK_S;
 use crate::capsule::{Capsule, HALF};
 use crate::engine::Entrant;
 use crate::ours::{Ours, Skin};

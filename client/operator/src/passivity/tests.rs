@@ -8,6 +8,8 @@ use crate::display::Display;
 /// Mass of the device, kg, and what damps it besides, N s/m.
 const MASS: f64 = 0.1;
 const BARE: f64 = 1.0;
+/// Period of the device, s.
+const PERIOD: f64 = 1e-3;
 
 struct Run {
     /// Farthest from the middle in the last second, m.
@@ -50,7 +52,7 @@ fn plucked(
     };
     display.moved(Some(&pose(x)), 1);
     for k in 0..5000 {
-        let speed = (x - last) / TICK_S;
+        let speed = (x - last) / PERIOD;
         on_the_way.push_back(-stiffness * x - damper * speed);
         let arrived = on_the_way.pop_front().expect("one was just put in");
         last = x;
@@ -64,7 +66,7 @@ fn plucked(
             run.damping = fmax(run.damping, (force - arrived).abs() / speed.abs());
         }
         for _ in 0..10 {
-            let dt = TICK_S / 10.0;
+            let dt = PERIOD / 10.0;
             v = (v + force * dt / MASS) / (1.0 + BARE * dt / MASS);
             x += v * dt;
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use sulcus_core::{TICK_S, Vec3};
+use sulcus_core::Vec3;
 
 use super::{ABOVE, Tour, free, from_midline};
 use crate::bands;
@@ -99,7 +99,7 @@ impl Tour {
         let p = self.params;
         match self.stroke {
             Stroke::Travel => {
-                if self.travel.step() {
+                if self.travel.step(self.dt) {
                     let all = self.insertions.len();
                     self.stroke = if self.now[0] < all {
                         Stroke::Down
@@ -125,13 +125,13 @@ impl Tour {
                     };
                     // The more it feels the slower it goes.
                     let share = (1.2 - self.floor_force() / enough).clamp(0.2, 1.0);
-                    let down = speed * share * TICK_S;
+                    let down = speed * share * self.dt;
                     self.depth += down * self.paced(0.0, down);
                 }
             }
             Stroke::Up(held, to) => {
                 let near = NEAR * (self.seen - held) + 1e-3;
-                let up = p.bob_speed.min(near) * TICK_S;
+                let up = p.bob_speed.min(near) * self.dt;
                 self.depth -= up * self.paced(0.0, -up);
                 if self.seen <= held || self.depth <= held - STUCK {
                     self.stroke = Stroke::On(held, to);
@@ -139,7 +139,7 @@ impl Tour {
             }
             Stroke::On(held, to) => {
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
-                let (step, way) = (p.bob_speed * TICK_S / radius, to - self.around);
+                let (step, way) = (p.bob_speed * self.dt / radius, to - self.around);
                 let step = step * self.paced(step * way.signum(), 0.0);
                 // The walls lift the tip; where the floor comes up it is let be lifted.
                 let hit = self.force > p.turn_force;
@@ -148,9 +148,9 @@ impl Tour {
                 } else {
                     HOLD * (held - self.seen)
                 };
-                let wanted = (self.depth + pull * TICK_S).clamp(held - STUCK, held + STUCK);
+                let wanted = (self.depth + pull * self.dt).clamp(held - STUCK, held + STUCK);
                 // (A hand that pressed against a wall comes back as fast as it goes up, not at once.)
-                let most = p.bob_speed * TICK_S;
+                let most = p.bob_speed * self.dt;
                 self.depth += (wanted - self.depth).clamp(-most, most);
                 if way.abs() > step {
                     // It waits until it is clear, or as clear as it gets.
@@ -162,17 +162,17 @@ impl Tour {
                 }
             }
             Stroke::Read(left, tried) => {
-                self.depth += CORRECTION * (p.force - self.floor_force()) * TICK_S;
+                self.depth += CORRECTION * (p.force - self.floor_force()) * self.dt;
                 self.depth = self.depth.min(p.deepest);
                 let steady = (self.floor_force() - p.force).abs() < STEADY * p.force;
-                let left = if steady { left - TICK_S } else { left };
-                self.stroke = Stroke::Read(left, tried + TICK_S);
+                let left = if steady { left - self.dt } else { left };
+                self.stroke = Stroke::Read(left, tried + self.dt);
                 if left <= 0.0 || tried > PATIENCE * p.read {
                     self.call();
                 }
             }
             Stroke::Out => {
-                self.depth -= 2.0 * p.bob_speed * TICK_S;
+                self.depth -= 2.0 * p.bob_speed * self.dt;
                 if self.depth > -ABOVE {
                     return;
                 }
@@ -201,7 +201,7 @@ impl Tour {
         // Where the floor has a ridge between two places a tip that is let down too early slides back. (Who was not taught
         // how to lean does not look.)
         if self.is_taught() && self.beside > BEHIND && self.waited < WAITS {
-            self.waited += TICK_S;
+            self.waited += self.dt;
             return;
         }
         self.waited = 0.0;
@@ -220,7 +220,7 @@ impl Tour {
             self.path().pose(around, depth, self.tilt, off).position
         };
         let way = at(self.around + along, self.depth + down) - at(self.around, self.depth);
-        (HANDLE_SPEED * TICK_S / way.norm().max(1e-9)).min(1.0)
+        (HANDLE_SPEED * self.dt / way.norm().max(1e-9)).min(1.0)
     }
 
     /// The floor was felt at a stop: what comes next.

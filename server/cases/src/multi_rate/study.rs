@@ -2,7 +2,7 @@
 
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
-use sulcus_core::{Scene, TICK_S, TickInput, Vec3};
+use sulcus_core::{Params, Scene, TickInput, Vec3};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::{HandParams, Operator, Shown};
 
@@ -72,7 +72,7 @@ pub struct MultiRate {
 pub fn study(quick: bool) -> MultiRate {
     let seconds = SECONDS[usize::from(quick)];
     MultiRate {
-        slow_step_s: super::EVERY as f64 * TICK_S,
+        slow_step_s: super::EVERY as f64 * Params::default().tick_s(),
         studies: COUPLINGS
             .map(|coupling| one(&tongue(coupling), coupling, seconds))
             .to_vec(),
@@ -150,7 +150,7 @@ fn closed(scene: &Scene, rates: Rates, seconds: f64) -> Ran {
     };
     let script = Retraction::new(scene, params).expect("a tongue and a mirror");
     let mut hand = Operator::new(Box::new(script), HandParams::default(), SEED);
-    ran(scene, rates, (seconds / TICK_S) as usize, |_, shown| {
+    ran(scene, rates, (seconds / scene.tick_s()) as usize, |_, shown| {
         let mut input = TickInput::IDLE;
         input.tools = hand.step(shown);
         input

@@ -350,10 +350,10 @@ pub(super) const CASES: &[Case] = &[
         name: "pocket-flicker",
         about: "the hand from wall to wall of the pocket and back in every tick: contacts come and go, nothing grows",
         driver: Driver::Kinematic(|scene| {
-            let path = path(scene);
+            let (path, tick_s) = (path(scene), scene.tick_s());
             let pose = move |t: f64| {
                 let down = smoothstep((t - 0.2) / 1.0) - smoothstep((t - 3.0) / 1.0);
-                let odd = (t / sulcus_core::TICK_S).round() as u64 % 2 == 1;
+                let odd = (t / tick_s).round() as u64 % 2 == 1;
                 let off = if odd { 3e-4 } else { -3e-4 } * down;
                 let out = Vec3::new(0.0, 1.0, 0.0);
                 path.pose(BUCCAL, -2e-3 + 5.5e-3 * down, 0.0, out * off)

@@ -2,11 +2,13 @@
 
 use sulcus_cases::pocket::Way;
 use sulcus_core::output::PocketReading;
-use sulcus_core::{Pose, TICK_S, Tool, ToolOutput, Vec3, Wrench};
+use sulcus_core::{Pose, Tool, ToolOutput, Vec3, Wrench};
 use sulcus_operator::script::smoothstep;
 
 use crate::ways::{Descent, between};
 
+/// Length of a tick, seconds.
+const TICK_S: f64 = 1e-3;
 /// Force at which it reads, newtons.
 const FORCE: f64 = 0.2;
 /// Speeds down, and of bobs, m/s.

@@ -212,16 +212,16 @@ pub(crate) fn all_zero(numbers: &[f64]) -> bool {
 }
 
 impl TissueModel {
-    /// The model made ready for an object with the tree `rest` touched at `level`; none for what is rigid.
+    /// The model made ready for an object with the tree `rest` touched at `level`, in ticks of `tick_s` seconds; none for what is rigid.
     /// The model must have passed [`TissueModel::validate`].
-    pub fn ready(&self, rest: &SphereTree, level: u8) -> Option<Box<dyn Tissue>> {
+    pub fn ready(&self, rest: &SphereTree, level: u8, tick_s: f64) -> Option<Box<dyn Tissue>> {
         match self {
             TissueModel::Rigid => None,
-            TissueModel::Skeleton(model) => Some(skeleton::ready(model, rest)),
-            TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest, level))),
-            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest))),
+            TissueModel::Skeleton(model) => Some(skeleton::ready(model, rest, tick_s)),
+            TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest, level, tick_s))),
+            TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest, tick_s))),
             TissueModel::PrintedSkeleton(model) => {
-                Some(Box::new(ReadySkeleton::new(model, rest, level)))
+                Some(Box::new(ReadySkeleton::new(model, rest, level, tick_s)))
             }
             TissueModel::PrintedGingiva(model) => {
                 Some(Box::new(ReadyGingiva::new(model, rest, level)))
@@ -245,17 +245,17 @@ impl TissueModel {
         }
     }
 
-    /// Checks the data against the tree that it belongs to.
+    /// Checks the data against the tree that it belongs to and the length of a tick, seconds.
     ///
     /// # Errors
     /// Names the field, the value found and the value expected.
-    pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
+    pub fn validate(&self, rest: &SphereTree, tick_s: f64) -> Result<(), TissueError> {
         match self {
             TissueModel::Rigid => Ok(()),
             TissueModel::Skeleton(model) => model.validate(rest),
-            TissueModel::Surface(model) => model.validate(rest),
+            TissueModel::Surface(model) => model.validate(rest, tick_s),
             TissueModel::Gingiva(model) => model.validate(rest),
-            TissueModel::PrintedSkeleton(model) => model.validate(rest),
+            TissueModel::PrintedSkeleton(model) => model.validate(rest, tick_s),
             TissueModel::PrintedGingiva(model) => model.validate(rest),
             #[cfg(test)]
             TissueModel::Winkler(_) => Ok(()),

@@ -3,7 +3,7 @@
 use sulcus_cases::{Measures, Observer};
 use sulcus_core::math::norm;
 use sulcus_core::{
-    MAX_TOOLS, NoProbe, Pose, Scene, State, TICK_S, TickInput, TickOutput, Vec3, Workspace, tick,
+    MAX_TOOLS, NoProbe, Pose, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick,
 };
 use sulcus_operator::script::OneTool;
 use sulcus_operator::{HandParams, Operator, Script, Shown};
@@ -88,7 +88,7 @@ pub(super) fn by_hand(
     let mut observer = Observer::new(scene);
     observer.residual_every = looked;
     let mut shown = Shown::NOTHING;
-    let ticks = (seconds / TICK_S) as usize;
+    let ticks = (seconds / scene.tick_s()) as usize;
     let inputs = (0..ticks).map(|k| {
         let mut input = TickInput::IDLE;
         input.tools = operator.step(&shown);
@@ -96,7 +96,7 @@ pub(super) fn by_hand(
         observer.observe(scene, &input, &out, &ws);
         shown = Shown::from(&out);
         look(&Seen {
-            t: k as f64 * TICK_S,
+            t: k as f64 * scene.tick_s(),
             scene,
             ws: &ws,
             out: &out,

@@ -1,7 +1,7 @@
 //! Section 4.4, Eq. 9, Fig. 7 and Table 1: the benchmark with one degree of freedom.
 
 use sulcus_cases::one_dof::{DEPTH, Method, OneDof, SPEEDS, SPRINGS, Table};
-use sulcus_core::TICK_S;
+use sulcus_core::Params;
 
 use super::answers::Answers;
 
@@ -218,8 +218,8 @@ fn limits(answers: &mut Answers) {
     );
     answers.measured(
         "time-step-ms",
-        format!("{} ms", TICK_S * 1e3),
-        &[("ms", TICK_S * 1e3)],
+        format!("{} ms", Params::default().tick_s() * 1e3),
+        &[("ms", Params::default().tick_s() * 1e3)],
         "one tick; fixed",
     );
 }

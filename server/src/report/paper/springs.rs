@@ -3,7 +3,7 @@
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::printed::PrintedSkeleton;
 use sulcus_core::tissue::printed::stability::Spectrum;
-use sulcus_core::{Object, TICK_S};
+use sulcus_core::{Object, Params};
 
 use super::answers::Answers;
 
@@ -92,7 +92,7 @@ fn explicit(organ: &Object, answers: &mut Answers) {
     let scaled = spectrum.scaled(spring / printed.spring_n_per_m, 0.0);
     let grams = printed.mass_kg * 1e3;
     let as_printed = scaled.largest_time_step(damping, printed.mass_kg) * 1e3;
-    let needed = scaled.smallest_mass(damping, TICK_S) * 1e3;
+    let needed = scaled.smallest_mass(damping, Params::default().tick_s()) * 1e3;
     answers.measured(
         "eq9-tongue-limit-ms",
         format!("{as_printed:.4} ms with the printed constants and {grams} g a sphere (1 ms would take {needed:.0} g a sphere); {own:.2} ms with this program's"),

@@ -3,7 +3,7 @@
 use sulcus_cases::comparison::as_printed;
 use sulcus_cases::timing::time_stages;
 use sulcus_cases::tissue_scenes::tongue;
-use sulcus_core::{Scene, Stage, TICK_S, TickInput};
+use sulcus_core::{Scene, Stage, TickInput};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::smoothstep;
 
@@ -107,7 +107,7 @@ pub(super) fn answer(quick: bool, answers: &mut Answers) {
         mirror.pose(deep, 0.0, 3e-3 * (3.0 * (t - 0.5).max(0.0)).sin())
     };
     let ticks = FROM + TIMED[usize::from(quick)];
-    let seconds = ticks as f64 * TICK_S;
+    let seconds = ticks as f64 * scene.tick_s();
     let (_, inputs) = by_hand(&scene, hand_at(pose, seconds), (seconds, u64::MAX), |_| {});
     for (level, ids) in CASES {
         let coupled = timed(&at_level(&scene, level), &inputs);

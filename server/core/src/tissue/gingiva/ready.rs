@@ -8,7 +8,6 @@ use std::f64::consts::TAU;
 use super::kernel::{Falloff, Root, Stretch};
 use super::pocket::{self, Tip};
 use super::{Gingiva, MEMORY};
-use crate::TICK_S;
 use crate::math::{Vec3, fclamp, fmax};
 use crate::output::PocketReading;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
@@ -58,7 +57,7 @@ pub struct Ready {
 
 impl Ready {
     /// The model for the tree `rest`. It must have passed [`Gingiva::validate`].
-    pub fn new(model: &Gingiva, rest: &SphereTree) -> Self {
+    pub fn new(model: &Gingiva, rest: &SphereTree, tick_s: f64) -> Self {
         let nodes: Vec<u32> = rest.shape_at(model.level).map(|(id, _)| id).collect();
         let mut slots = vec![NONE; rest.nodes().len()];
         for (slot, &node) in nodes.iter().enumerate() {
@@ -73,7 +72,7 @@ impl Ready {
             }
         }
         let params = &model.params;
-        let kept = params.relaxation / (params.relaxation + TICK_S);
+        let kept = params.relaxation / (params.relaxation + tick_s);
         let firmness = params.firmness();
         let (wall, shear, floor) = (
             1.0 / (firmness * params.wall_stiffness),

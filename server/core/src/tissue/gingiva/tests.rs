@@ -159,7 +159,7 @@ proptest! {
         }
         let sites = everywhere(&ids);
         let n = sites.len();
-        let entries = matrix(&mut Ready::new(&model, &rest), &sites);
+        let entries = matrix(&mut Ready::new(&model, &rest, TICK_S), &sites);
         for i in 0..n {
             for j in 0..i {
                 prop_assert_eq!(entries[i * n + j], entries[j * n + i]);
@@ -175,7 +175,7 @@ proptest! {
         let (mut model, rest, ids) = gingiva(&spots, GingivaParams::default());
         // A row whose own compliance took the stretch for a point left tool and tissue 2 um inside each other.
         model.places.iter_mut().for_each(|place| place.spread = spread);
-        let mut ready = Ready::new(&model, &rest);
+        let mut ready = Ready::new(&model, &rest, TICK_S);
         let sites = everywhere(&ids);
         let n = sites.len();
         let entries = matrix(&mut ready, &sites);
@@ -188,7 +188,7 @@ proptest! {
             ready.centres(shape, &[site.sphere], &mut out);
             out[0].dot(&site.normal)
         };
-        let mut ready_to_apply = Ready::new(&model, &rest);
+        let mut ready_to_apply = Ready::new(&model, &rest, TICK_S);
         for j in 0..n {
             loads[j] += 0.5;
             ready_to_apply.apply(&sites, &loads, &free, &mut moved);
@@ -221,7 +221,7 @@ fn clamped_direction_cosines_would_not_do() {
 fn in_time_it_is_a_kelvin_voigt_solid() {
     let params = GingivaParams::default();
     let (model, rest, ids) = gingiva(&[([0.0; 3], 0.3, 2e-3)], params);
-    let mut ready = Ready::new(&model, &rest);
+    let mut ready = Ready::new(&model, &rest, TICK_S);
     let mut state = vec![0.0; model.state_len(&rest)];
     let (mut shape, mut free) = (vec![0.0; 3], vec![0.0; 3]);
     let away = model.places[ids[0] as usize].away;
@@ -269,7 +269,7 @@ fn stiffness_is_that_of_the_parameters_in_every_direction() {
     };
     let spots = [([0.0; 3], 0.0, 2e-3), ([4e-3, 0.0, -1e-3], 0.0, -1e-4)];
     let (model, rest, ids) = gingiva(&spots, params);
-    let mut ready = Ready::new(&model, &rest);
+    let mut ready = Ready::new(&model, &rest, TICK_S);
     for &id in &ids {
         let entries = matrix(&mut ready, &everywhere(&[id]));
         let compliance = Mat3::from_row_slice(&entries);
@@ -309,7 +309,7 @@ fn a_tip_of_the_size_that_depths_are_read_with_feels_the_floor_of_the_parameters
         .places
         .iter_mut()
         .for_each(|place| place.on_surface.x = 0.0);
-    let mut ready = Ready::new(&model, &rest);
+    let mut ready = Ready::new(&model, &rest, TICK_S);
     let up = |&sphere: &u32| Site {
         sphere,
         normal: Vec3::z(),
@@ -370,7 +370,7 @@ fn nodes_below_the_level_go_along_and_those_above_stay() {
     let (mut model, rest, _) = gingiva(&spots, GingivaParams::default());
     model.level = 2;
     model.validate(&rest).expect("valid");
-    let ready = Ready::new(&model, &rest);
+    let ready = Ready::new(&model, &rest, TICK_S);
     assert_eq!(ready.shape_len() + MEMORY, model.state_len(&rest));
     let shape: Vec<f64> = (0..ready.shape_len())
         .map(|k| 1e-6 * (k + 1) as f64)
@@ -402,7 +402,7 @@ fn what_cannot_stand_is_named() {
     let refused = |change: fn(&mut Gingiva)| {
         let mut bad = good.clone();
         change(&mut bad);
-        let error = TissueModel::Gingiva(Box::new(bad)).validate(&rest);
+        let error = TissueModel::Gingiva(Box::new(bad)).validate(&rest, TICK_S);
         error.expect_err("refused").to_string()
     };
     assert!(

@@ -6,7 +6,6 @@ use super::followers::Followers;
 use super::load::for_each_press;
 use super::ranged;
 use super::stability::Spectrum;
-use crate::TICK_S;
 use crate::math::{Vec3, fmax};
 use crate::scene::Object;
 use crate::tissue::skeleton::{CARRIERS, SkeletonLevel, Skin};
@@ -109,13 +108,8 @@ impl PrintedSkeleton {
 
     /// Largest spring stiffness that is stable at the tick's step with this mass (N/m) and the damping that it wants
     /// (N s/m): the given one, unless no spring is stable with that.
-    fn stiffest(&self, unit: &Spectrum) -> (f64, f64) {
-        let (b, m, dt, kp) = (
-            self.damping_n_s_per_m,
-            self.mass_kg,
-            TICK_S,
-            self.penalty_n_per_m,
-        );
+    fn stiffest(&self, unit: &Spectrum, dt: f64) -> (f64, f64) {
+        let (b, m, kp) = (self.damping_n_s_per_m, self.mass_kg, self.penalty_n_per_m);
         // b >= lambda_max dt, and b <= 2m/dt + lambda_min dt/2.
         let most = (b / dt - kp) / unit.most;
         if most > 0.0 && b <= 2.0 * m / dt + 0.5 * dt * most * unit.least {
@@ -142,7 +136,7 @@ impl PrintedSkeleton {
             .scaled(self.spring_n_per_m, self.penalty_n_per_m))
     }
 
-    pub(crate) fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
+    pub(crate) fn validate(&self, rest: &SphereTree, tick_s: f64) -> Result<(), TissueError> {
         ranged("spring_n_per_m", self.spring_n_per_m, 0.1, 1e5, "N/m")?;
         ranged(
             "damping_n_s_per_m",
@@ -162,19 +156,19 @@ impl PrintedSkeleton {
         )?;
         let graph = self.graph(rest)?;
         graph.connected()?;
-        self.stable(&graph.unit_spectrum())
+        self.stable(&graph.unit_spectrum(), tick_s)
     }
 
     /// The guard of section 4.4 for the whole skeleton at the tick's step.
-    fn stable(&self, unit: &Spectrum) -> Result<(), TissueError> {
+    fn stable(&self, unit: &Spectrum, tick_s: f64) -> Result<(), TissueError> {
         let (b, m) = (self.damping_n_s_per_m, self.mass_kg);
         let spectrum = unit.scaled(self.spring_n_per_m, self.penalty_n_per_m);
         let step = spectrum.largest_time_step(b, m);
-        if step >= TICK_S {
+        if step >= tick_s {
             return Ok(());
         }
-        let (stiffest, at) = self.stiffest(unit);
-        let damping = fmax(b, spectrum.smallest_damping(TICK_S));
+        let (stiffest, at) = self.stiffest(unit, tick_s);
+        let damping = fmax(b, spectrum.smallest_damping(tick_s));
         Err(TissueError {
             field: "explicit Euler (as printed)",
             found: format!(
@@ -183,8 +177,8 @@ impl PrintedSkeleton {
             ),
             expected: format!(
                 "a stable skeleton: spring at most {stiffest:.4e} N/m (with a damping of {at:.4e} N s/m), mass at least {:.4e} kg \
-                 (with a damping of {damping:.4e} N s/m), or a time step of at most {step:.4e} s where the tick has {TICK_S} s",
-                spectrum.smallest_mass(b, TICK_S),
+                 (with a damping of {damping:.4e} N s/m), or a time step of at most {step:.4e} s where the tick has {tick_s} s",
+                spectrum.smallest_mass(b, tick_s),
             ),
         })
     }
@@ -243,9 +237,9 @@ impl PrintedSkeleton {
 pub struct PenaltyMeter(ReadySkeleton);
 
 impl PenaltyMeter {
-    /// For `object`, whose tissue `model` is.
-    pub fn new(model: &PrintedSkeleton, object: &Object) -> Self {
-        Self(ReadySkeleton::new(model, &object.tree, object.level))
+    /// For `object`, whose tissue `model` is, in ticks of `tick_s` seconds.
+    pub fn new(model: &PrintedSkeleton, object: &Object, tick_s: f64) -> Self {
+        Self(ReadySkeleton::new(model, &object.tree, object.level, tick_s))
     }
 
     /// Sum of Eq. 2 over all pairs, newtons, and the number of pairs. `state` is the object's part of
@@ -346,11 +340,13 @@ pub(crate) struct ReadySkeleton {
     /// Level in contact.
     level: u8,
     force: Vec<f64>,
+    /// Length of a tick, seconds.
+    tick_s: f64,
 }
 
 impl ReadySkeleton {
     /// For an object touched at `level`; `model` has passed its validation.
-    pub fn new(model: &PrintedSkeleton, rest: &SphereTree, level: u8) -> Self {
+    pub fn new(model: &PrintedSkeleton, rest: &SphereTree, level: u8, tick_s: f64) -> Self {
         let followers = Followers::new(rest, model.level).carried_by(&model.carriers);
         let n = followers.movers.len();
         Self {
@@ -362,6 +358,7 @@ impl ReadySkeleton {
             model: model.clone(),
             followers,
             level,
+            tick_s,
         }
     }
 
@@ -423,7 +420,7 @@ impl Tissue for ReadySkeleton {
                 numbers.spring_n_per_m,
                 numbers.damping_n_s_per_m,
                 numbers.mass_kg,
-                TICK_S,
+                self.tick_s,
             );
             self.graph
                 .euler(numbers, &self.force, state, &mut shape[..2 * n]);

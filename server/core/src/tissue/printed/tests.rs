@@ -262,19 +262,19 @@ fn number_after(text: &str, words: &str) -> f64 {
 fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
     let tree = block();
     let mut model = skeleton(&tree);
-    model.validate(&tree).expect("the defaults are stable");
+    model.validate(&tree, TICK_S).expect("the defaults are stable");
     let spectrum = model.spectrum(&tree).expect("its own nodes");
     let unit = (spectrum.most - model.penalty_n_per_m) / model.spring_n_per_m;
     let stiffest = (model.damping_n_s_per_m / TICK_S - model.penalty_n_per_m) / unit;
     for (share, stands) in [(0.9, true), (0.99, true), (1.01, false), (1000.0, false)] {
         model.spring_n_per_m = stiffest * share;
-        let found = model.validate(&tree);
+        let found = model.validate(&tree, TICK_S);
         assert_eq!(found.is_ok(), stands, "{share}: {found:?}");
     }
     // The paper's own numbers: 0.5 N/mm, 0.6 N s/mm, 20 g.
     (model.spring_n_per_m, model.damping_n_s_per_m) = (500.0, 600.0);
     let refused = model
-        .validate(&tree)
+        .validate(&tree, TICK_S)
         .expect_err("section 8.1 at 20 g")
         .to_string();
     assert!(
@@ -291,7 +291,7 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
         let mut other = model.clone();
         other.spring_n_per_m = stiffest * share;
         other.damping_n_s_per_m = damping * 0.5 * (1.0 + share);
-        assert_eq!(other.validate(&tree).is_ok(), stands, "{share}: {refused}");
+        assert_eq!(other.validate(&tree, TICK_S).is_ok(), stands, "{share}: {refused}");
     }
     let step = number_after(&refused, "time step of at most ");
     let spectrum = model.spectrum(&tree).expect("its own nodes");
@@ -305,7 +305,7 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
     );
     for (share, stands) in [(0.999, false), (1.001, true)] {
         model.mass_kg = mass * share;
-        assert_eq!(model.validate(&tree).is_ok(), stands, "{share}");
+        assert_eq!(model.validate(&tree, TICK_S).is_ok(), stands, "{share}");
     }
 }
 
@@ -315,35 +315,35 @@ fn loose_or_unknown_spheres_are_refused() {
     let mut model = skeleton(&tree);
     model.fixed.clear();
     assert_eq!(
-        model.validate(&tree).expect_err("nothing held").field,
+        model.validate(&tree, TICK_S).expect_err("nothing held").field,
         "springs"
     );
     let mut model = skeleton(&tree);
     model.springs.push([0, 1]);
     assert_eq!(
-        model.validate(&tree).expect_err("the root").field,
+        model.validate(&tree, TICK_S).expect_err("the root").field,
         "springs"
     );
     let mut model = skeleton(&tree);
     model.fixed.push(99_999);
     assert_eq!(
-        model.validate(&tree).expect_err("no such node").field,
+        model.validate(&tree, TICK_S).expect_err("no such node").field,
         "fixed"
     );
     let mut model = skeleton(&tree);
     model.carriers = vec![model.fixed[0]; 3];
     assert_eq!(
-        model.validate(&tree).expect_err("too few").field,
+        model.validate(&tree, TICK_S).expect_err("too few").field,
         "carriers"
     );
     model.carriers = vec![0; tree.nodes().len()];
     assert_eq!(
-        model.validate(&tree).expect_err("the root").field,
+        model.validate(&tree, TICK_S).expect_err("the root").field,
         "carriers"
     );
     let mut model = skeleton(&tree);
     model.mass_kg = f64::NAN;
-    assert_eq!(model.validate(&tree).expect_err("no mass").field, "mass_kg");
+    assert_eq!(model.validate(&tree, TICK_S).expect_err("no mass").field, "mass_kg");
 }
 
 /// Where the load is and how the step goes: Eq. 1 to 5 by hand for the first two ticks.
@@ -351,7 +351,7 @@ fn loose_or_unknown_spheres_are_refused() {
 fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
     let tree = block();
     let model = skeleton(&tree);
-    let mut ready = ReadySkeleton::new(&model, &tree, 7);
+    let mut ready = ReadySkeleton::new(&model, &tree, 7, TICK_S);
     let (tool, loads) = (rod(), [Wrench::ZERO]);
     let free_node = tree
         .shape_at(2)
@@ -445,8 +445,8 @@ fn a_named_carrier_bears_and_leads() {
         .position(|id| !model.fixed.contains(id))
         .expect("one");
     model.carriers = vec![ids[free]; tree.nodes().len()];
-    model.validate(&tree).expect("fits");
-    let mut ready = ReadySkeleton::new(&model, &tree, 7);
+    model.validate(&tree, TICK_S).expect("fits");
+    let mut ready = ReadySkeleton::new(&model, &tree, 7, TICK_S);
     let (tool, loads, n) = (rod(), [Wrench::ZERO], 3 * ids.len());
     let graphic = over(Vec3::new(1.5e-3, 2e-4, 9e-4));
     let haptic = over(Vec3::new(1.5e-3, 2e-4, -4e-4));

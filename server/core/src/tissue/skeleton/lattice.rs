@@ -1,6 +1,5 @@
 //! One level of a skeleton made ready: step, compliance, displacement of what it carries.
 
-use crate::TICK_S;
 use crate::math::{Vec3, fmax, norm};
 use crate::tissue::{Gram, Site};
 use crate::tree::SphereTree;
@@ -36,6 +35,8 @@ pub(super) struct Lattice<E> {
     free: usize,
     bonds: Vec<Bond<E>>,
     law: StretchLaw,
+    /// Length of a tick, seconds.
+    tick_s: f64,
     mass: f64,
     damping: f64,
     factor: Factor<E>,
@@ -71,7 +72,7 @@ const MOST_SITES: usize = 2048;
 
 impl<E: Entry> Lattice<E> {
     /// `level` must have passed its check against `rest`.
-    pub fn new(level: &SkeletonLevel, rest: &SphereTree) -> Self {
+    pub fn new(level: &SkeletonLevel, rest: &SphereTree, tick_s: f64) -> Self {
         let free = level.free();
         // First numbered as they come, then in the order of elimination.
         let movable: Vec<usize> = (0..level.nodes.len())
@@ -115,7 +116,7 @@ impl<E: Entry> Lattice<E> {
             })
             .collect();
         let mut matrix = stiffness(&bonds, free, law.steepest());
-        let own = params.mass / (TICK_S * TICK_S) + params.damping / TICK_S;
+        let own = params.mass / (tick_s * tick_s) + params.damping / tick_s;
         for i in 0..free {
             matrix.at(i, i).add_diagonal(own);
         }
@@ -138,6 +139,7 @@ impl<E: Entry> Lattice<E> {
         Self {
             free,
             law,
+            tick_s,
             mass: params.mass,
             damping: params.damping,
             factor,
@@ -181,8 +183,8 @@ impl<E: Entry> Lattice<E> {
     /// `f(u).d + d'Kd/2` and the kinetic one by at most `-f(u).d - d'Kd - d'Bd/dt`.
     pub fn free_step(&mut self, u: &[Axes], v: &[Axes], free: &mut [Axes]) {
         let (of_u, of_v) = (
-            self.mass / (TICK_S * TICK_S) + self.damping / TICK_S,
-            self.mass / TICK_S,
+            self.mass / (self.tick_s * self.tick_s) + self.damping / self.tick_s,
+            self.mass / self.tick_s,
         );
         for ((out, u), v) in free.iter_mut().zip(u).zip(v) {
             for k in 0..4 {

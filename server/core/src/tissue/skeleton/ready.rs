@@ -1,6 +1,5 @@
 //! A skeleton in a tick: one level or two, and the way from one to the other.
 
-use crate::TICK_S;
 use crate::math::{Vec3, fclamp};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue};
 use crate::tree::SphereTree;
@@ -9,8 +8,8 @@ use super::data::Skeleton;
 use super::entry::{Axes, Block, Entry};
 use super::lattice::{Lattice, farthest, longest};
 
-/// Most that the share of the fine level changes in a tick: a whole change takes 0.2 s.
-const SHIFT: f64 = 1.0 / 200.0;
+/// Most that the share of the fine level changes in a second: a whole change takes 0.2 s.
+const SHIFT: f64 = 5.0;
 /// Displacement and velocity under which what nothing loads is at rest, metres and m/s: a hundredth of the
 /// bound on a return to rest.
 const REST_M: f64 = 1e-8;
@@ -30,6 +29,8 @@ pub(in crate::tissue) struct Ready<E> {
     fine: Option<Lattice<E>>,
     /// Share of the fine level in this tick.
     share: f64,
+    /// Length of a tick, seconds.
+    tick_s: f64,
     /// Displacements of both levels at the start of this tick, and velocities.
     start: Vec<f64>,
     velocity: Vec<f64>,
@@ -58,25 +59,26 @@ fn narrow(from: &[f64], to: &mut [f64]) {
 }
 
 /// `model` made ready for the tree `rest`; it must have passed its check against that.
-pub(in crate::tissue) fn ready(model: &Skeleton, rest: &SphereTree) -> Box<dyn Tissue> {
+pub(in crate::tissue) fn ready(model: &Skeleton, rest: &SphereTree, tick_s: f64) -> Box<dyn Tissue> {
     if model.couples() {
-        Box::new(Ready::<Block>::new(model, rest))
+        Box::new(Ready::<Block>::new(model, rest, tick_s))
     } else {
-        Box::new(Ready::<Axes>::new(model, rest))
+        Box::new(Ready::<Axes>::new(model, rest, tick_s))
     }
 }
 
 impl<E: Entry> Ready<E> {
     /// `model` must have passed its check against `rest`.
-    pub fn new(model: &Skeleton, rest: &SphereTree) -> Self {
-        let coarse = Lattice::new(&model.coarse, rest);
-        let fine = model.fine.as_ref().map(|fine| Lattice::new(fine, rest));
+    pub fn new(model: &Skeleton, rest: &SphereTree, tick_s: f64) -> Self {
+        let coarse = Lattice::new(&model.coarse, rest, tick_s);
+        let fine = model.fine.as_ref().map(|fine| Lattice::new(fine, rest, tick_s));
         let len = coarse.shape_len() + fine.as_ref().map_or(0, Lattice::<E>::shape_len);
         Self {
             rest: rest.nodes().iter().map(|node| node.centre).collect(),
             coarse,
             fine,
             share: 0.0,
+            tick_s,
             start: vec![0.0; len],
             velocity: vec![0.0; len],
         }
@@ -155,7 +157,7 @@ impl<E: Entry> Tissue for Ready<E> {
         // A level out of force is not looked at.
         let zero = |numbers: &[f64]| numbers.iter().all(|x| *x == 0.0);
         let resting = (last == 1.0 || zero(of_coarse)) && (last == 0.0 || zero(of_fine));
-        let towards = fclamp(wanted - last, -SHIFT, SHIFT);
+        let towards = fclamp(wanted - last, -SHIFT * self.tick_s, SHIFT * self.tick_s);
         self.share = if resting || towards == wanted - last {
             wanted
         } else {
@@ -274,7 +276,7 @@ impl<E: Entry> Tissue for Ready<E> {
     ) {
         let (cut, state_cut) = self.cuts();
         for ((v, now), before) in self.velocity.iter_mut().zip(shape).zip(&self.start) {
-            *v = (now - before) / TICK_S;
+            *v = (now - before) / self.tick_s;
         }
         // What is out of force is zero in a configuration, and so at rest.
         let under = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() < bound);

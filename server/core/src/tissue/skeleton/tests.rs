@@ -7,6 +7,7 @@ mod statics;
 
 use super::{CARRIERS, Skeleton, SkeletonLevel, SkeletonParams, Skin, Spring, StretchLaw, ready};
 use crate::MAX_TOOLS;
+use crate::TICK_S;
 use crate::math::{Vec3, norm};
 use crate::tissue::{Hands, Site, SiteLoad, Tissue};
 use crate::tree::{Sphere, SphereTree};
@@ -162,7 +163,7 @@ struct Bench {
 impl Bench {
     fn new(tree: &SphereTree, model: &Skeleton) -> Self {
         model.validate(tree).expect("a model that stands");
-        let ready = ready(model, tree);
+        let ready = ready(model, tree, TICK_S);
         let len = ready.shape_len();
         Self {
             state: vec![0.0; model.state_len()],

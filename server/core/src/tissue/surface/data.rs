@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::masters::Masters;
-use crate::TICK_S;
 use crate::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
@@ -74,19 +73,20 @@ pub struct SurfaceSkin {
 }
 
 impl SurfaceParams {
-    /// Checks the numbers.
+    /// Checks the numbers, for ticks of `tick_s` seconds.
     ///
     /// # Errors
     /// Names the field, the value found and the value expected.
-    pub fn validate(&self) -> Result<(), TissueError> {
+    pub fn validate(&self, tick_s: f64) -> Result<(), TissueError> {
         if !within(self.young, 100.0, 1e8) {
             return wrong("young", self.young, "100 to 1e8 Pa");
         }
         if !within(self.poisson, 0.0, 0.499) {
             return wrong("poisson", self.poisson, "0 to 0.499");
         }
-        if !within(self.relaxation, 2.0 * TICK_S, 1.0) {
-            return wrong("relaxation", self.relaxation, "0.002 to 1 s");
+        if !within(self.relaxation, 2.0 * tick_s, 1.0) {
+            let least = 2.0 * tick_s;
+            return wrong("relaxation", self.relaxation, format!("{least} to 1 s"));
         }
         if !within(self.large, 0.0, 1.0) {
             return wrong("large", self.large, "0 to 1");
@@ -108,12 +108,12 @@ impl SurfaceCompliance {
         f64::from(self.compliance[row * (row + 1) / 2 + column])
     }
 
-    /// Checks the data against the tree.
+    /// Checks the data against the tree, for ticks of `tick_s` seconds.
     ///
     /// # Errors
     /// Names the field, the value found and the value expected.
-    pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
-        self.params.validate()?;
+    pub fn validate(&self, rest: &SphereTree, tick_s: f64) -> Result<(), TissueError> {
+        self.params.validate(tick_s)?;
         let (m, cells) = (self.masters.moving(), self.cells.volumes.len());
         if !(1..=MAX_MASTERS).contains(&m) {
             return wrong("number of masters", m, "1 to 256");

@@ -2,7 +2,6 @@
 
 use super::data::{SurfaceCompliance, SurfaceSkin};
 use super::stress::quadratic_stress;
-use crate::TICK_S;
 use crate::math::{Mat3, Vec3, fmax};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
 use crate::tree::SphereTree;
@@ -76,10 +75,10 @@ fn add_rows(sum: &mut [f32], table: &[f32], by: [f32; 3]) {
 
 impl Ready {
     /// `model` must have passed its check against `rest`.
-    pub fn new(model: &SurfaceCompliance, rest: &SphereTree, level: u8) -> Self {
+    pub fn new(model: &SurfaceCompliance, rest: &SphereTree, level: u8, tick_s: f64) -> Self {
         let (params, masters) = (&model.params, model.masters.moving());
         let n = 3 * masters;
-        let new = TICK_S / (params.relaxation + TICK_S);
+        let new = tick_s / (params.relaxation + tick_s);
         let mut slots = vec![NONE; rest.nodes().len()];
         let mut compliance = Vec::new();
         for (slot, (node, _)) in rest.shape_at(level).enumerate() {
@@ -121,7 +120,7 @@ impl Ready {
             skin: model.skin.clone(),
             poisson: params.poisson,
             len: n,
-            kept: params.relaxation / (params.relaxation + TICK_S),
+            kept: params.relaxation / (params.relaxation + tick_s),
             compliance,
             slots,
             blocks,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::MAX_TOOLS;
+use crate::{MAX_TOOLS, TICK_S};
 use crate::math::{Mat3, Vec3, fmax};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueModel};
 use crate::tree::{MAX_LEVEL, Sphere, SphereTree};
@@ -77,9 +77,9 @@ impl Bench {
     fn new(large: f64) -> Self {
         let tree = tree();
         let model = TissueModel::Surface(Box::new(organ(&tree, large)));
-        model.validate(&tree).expect("valid");
+        model.validate(&tree, TICK_S).expect("valid");
         Self {
-            ready: model.ready(&tree, MAX_LEVEL).expect("yields"),
+            ready: model.ready(&tree, MAX_LEVEL, TICK_S).expect("yields"),
             state: vec![0.0; model.state_len(&tree)],
             shape: vec![0.0; N],
             tree,
@@ -197,7 +197,7 @@ fn many_spheres_have_the_compliance_that_few_have() {
         ready.add_gram(&sites, &mut Gram::new(&mut gram, m, 0));
         gram
     };
-    let ready = || Ready::new(&model, &tree, MAX_LEVEL);
+    let ready = || Ready::new(&model, &tree, MAX_LEVEL, TICK_S);
     let (few, many) = (gram(ready()), gram(ready().without_blocks()));
     let largest = few.iter().fold(0.0, |most, x| fmax(most, x.abs()));
     for (a, b) in few.iter().zip(&many) {
@@ -330,7 +330,7 @@ fn what_cannot_stand_is_named() {
     let said = |change: &dyn Fn(&mut SurfaceCompliance)| {
         let mut model = organ(&tree, 1.0);
         change(&mut model);
-        match model.validate(&tree) {
+        match model.validate(&tree, TICK_S) {
             Err(error) => error.to_string(),
             Ok(()) => panic!("stands"),
         }

@@ -35,7 +35,7 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
     } else {
         (ids[1], ids[0])
     };
-    let mut ready = Ready::new(&model, &rest);
+    let mut ready = Ready::new(&model, &rest, TICK_S);
     let mut state = vec![0.0; model.state_len(&rest)];
     let load = |sphere, tool, z| SiteLoad {
         sphere,
@@ -106,7 +106,7 @@ fn a_tip_that_slipped_out_between_two_papillae_is_in_no_pocket() {
         ([3.2e-3, 5e-4, 0.0], on, 1e-3),
     ];
     let (model, rest, _) = gingiva(&spots, GingivaParams::default());
-    let ready = Ready::new(&model, &rest);
+    let ready = Ready::new(&model, &rest, TICK_S);
     let state = vec![0.0; model.state_len(&rest)];
     let tool = needle();
     let reading = |x: f64| {

@@ -98,7 +98,7 @@ fn energy_never_grows_in_a_free_step_however_stretched_and_fast() {
             ..SOFT
         };
         let (tree, model) = soft_block(params);
-        let mut lattice = Lattice::<Axes>::new(&model.coarse, &tree);
+        let mut lattice = Lattice::<Axes>::new(&model.coarse, &tree, TICK_S);
         let n = lattice.free();
         let wave = |k: usize, t: f64| -> Axes {
             let x = t * (k + 1) as f64;
@@ -128,7 +128,7 @@ fn energy_never_grows_in_a_free_step_however_stretched_and_fast() {
 #[test]
 fn the_springs_force_is_the_slope_of_their_energy() {
     let (tree, model) = soft_block(SOFT);
-    let lattice = Lattice::<Axes>::new(&model.coarse, &tree);
+    let lattice = Lattice::<Axes>::new(&model.coarse, &tree, TICK_S);
     let at = |k: usize| -> Axes {
         let x = (k + 1) as f64;
         [libm::sin(x), libm::cos(x), libm::sin(2.0 * x), 0.0].map(|a| a * 3e-3)
@@ -159,7 +159,7 @@ fn the_springs_force_is_the_slope_of_their_energy() {
 #[test]
 fn the_sparse_inverse_is_the_dense_one() {
     let (tree, model) = soft_block(SOFT);
-    let lattice = Lattice::<Axes>::new(&model.coarse, &tree);
+    let lattice = Lattice::<Axes>::new(&model.coarse, &tree, TICK_S);
     let n = lattice.free();
     let mut matrix = lattice.stiffness_at_rest();
     for axis in 0..3 {
