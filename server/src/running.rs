@@ -12,7 +12,9 @@ use sulcus_proto::newest::ArrivalCounts;
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
-use crate::handoff::{Bell, EDGES, Edge, Flags, PoseIn, ROWS, SNAPSHOTS, WrenchOut, looks as looks_for};
+use crate::handoff::{
+    Bell, EDGES, Edge, Flags, PoseIn, ROWS, SNAPSHOTS, WrenchOut, looks as looks_for,
+};
 use crate::metrics::Metrics;
 use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
 use crate::simulation::Simulation;

@@ -6,8 +6,8 @@ use std::thread::JoinHandle;
 
 use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
-use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
 use sulcus_proto::WrenchDatagram;
+use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
 use sulcus_sessions::Row;
 use sulcus_sessions::events::Look;
 use triple_buffer::{Input, Output};
@@ -18,7 +18,6 @@ use crate::inputs::Inputs;
 use crate::metrics::{Metrics, TickTimes};
 use crate::realtime::{self, monotonic_ns, thread_cpu_ns};
 use crate::recording::Entry;
-
 
 /// Everything that the simulation thread owns.
 pub(crate) struct Simulation {

@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use sulcus_core::math::{exp_rotation, log_rotation};
 use sulcus_core::Pose;
+use sulcus_core::math::{exp_rotation, log_rotation};
 
 use crate::script::smoothstep;
 

@@ -104,7 +104,10 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
             observer.observe(scene, input, output, ws);
             chart.observe(scene, output);
             drop(events.observe(scene, output, ws));
-            zones.extend(entered(output).map(|(_, reading)| zone_line(output.tick as f64 * scene.tick_s(), &reading)));
+            zones.extend(
+                entered(output)
+                    .map(|(_, reading)| zone_line(output.tick as f64 * scene.tick_s(), &reading)),
+            );
         },
     )?;
     bar.done();

@@ -22,7 +22,6 @@ pub fn zone_line(seconds: f64, reading: &PocketReading) -> String {
     };
     format!(
         "{:8.3} s  {:.2} N on the floor, {what}",
-        seconds,
-        reading.floor_force
+        seconds, reading.floor_force
     )
 }

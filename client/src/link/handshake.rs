@@ -65,9 +65,9 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
     });
     control::write(&mut send, &hello).await?;
     match control::read(&mut recv).await {
-        Ok(ServerMessage::Hello(hello)) if !TICKS_NS.contains(&hello.tick_ns) => Err(
-            CodecError::NotCanonical("the server's tick is not one of 0.1 to 10 ms").into(),
-        ),
+        Ok(ServerMessage::Hello(hello)) if !TICKS_NS.contains(&hello.tick_ns) => {
+            Err(CodecError::NotCanonical("the server's tick is not one of 0.1 to 10 ms").into())
+        }
         Ok(ServerMessage::Hello(hello)) => Ok(Welcome {
             endpoint,
             connection,

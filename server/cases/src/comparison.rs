@@ -109,7 +109,9 @@ impl Sums {
     fn tick(&mut self, scene: &Scene, before: &State, output: &TickOutput, after: &State) {
         let meters = self.meters.get_or_insert_with(|| {
             let meter = |object: &sulcus_core::Object| match &object.tissue {
-                TissueModel::PrintedSkeleton(model) => Some(PenaltyMeter::new(model, object, scene.tick_s())),
+                TissueModel::PrintedSkeleton(model) => {
+                    Some(PenaltyMeter::new(model, object, scene.tick_s()))
+                }
                 _ => None,
             };
             scene.objects.iter().map(meter).collect()

@@ -43,11 +43,7 @@ pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
 
 /// Runs `case` on its scene as `change` leaves it, the hand's way being that of the scene as it was; `each` sees every
 /// tick.
-pub fn run_on(
-    case: &Case,
-    change: impl FnOnce(&mut Scene),
-    each: impl FnMut(&Seen),
-) -> CaseReport {
+pub fn run_on(case: &Case, change: impl FnOnce(&mut Scene), each: impl FnMut(&Seen)) -> CaseReport {
     run_at(case, Params::default().rate_hz, change, each)
 }
 

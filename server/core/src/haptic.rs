@@ -1,11 +1,11 @@
 //! What the hand asks for: the haptic pose made safe, and the way from the graphic tool to it.
 
+use crate::Tool;
 use crate::input::RawPose;
 use crate::math::{Pose, Quat, Vec3, Wrench, exp_rotation, log_rotation, norm, normalised};
 use crate::output::status;
 use crate::params::Params;
 use crate::state::ToolState;
-use crate::Tool;
 
 /// A twist beyond this no longer raises the torque, radians.
 const TWIST_LIMIT: f64 = std::f64::consts::FRAC_PI_2;

@@ -47,7 +47,9 @@ impl Yielding {
     /// All that yields in `scene`, in the order of its objects.
     pub fn all(scene: &Scene) -> Vec<Self> {
         let ready = scene.objects.iter().enumerate().filter_map(|(k, object)| {
-            let model = object.tissue.ready(&object.tree, object.level, scene.tick_s())?;
+            let model = object
+                .tissue
+                .ready(&object.tree, object.level, scene.tick_s())?;
             let (len, nodes) = (model.shape_len(), object.tree.nodes());
             Some(Self {
                 object: k,

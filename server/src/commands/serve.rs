@@ -140,7 +140,8 @@ fn load(
             }
             let bytes = std::fs::read(path)
                 .with_context(|| format!("{}: cannot read the scene", path.display()))?;
-            let mut scene = Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
+            let mut scene =
+                Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
             let Some(rate_hz) = rate_hz else {
                 return Ok((scene, bytes, String::new()));
             };

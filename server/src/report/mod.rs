@@ -9,6 +9,7 @@ mod machine;
 mod mouth;
 pub(crate) mod paper;
 mod printed;
+mod rates;
 mod rough;
 mod rows;
 mod times;
@@ -23,6 +24,7 @@ pub(crate) use loops::{Loop, Loops};
 pub(crate) use machine::Machine;
 pub(crate) use mouth::{Level, Mouth, SHARES};
 pub(crate) use printed::Beside;
+pub(crate) use rates::Rate;
 pub(crate) use rough::Rough;
 pub(crate) use rows::Row;
 #[cfg(test)]
@@ -41,6 +43,7 @@ pub(crate) struct Report {
     pub(crate) machine: Machine,
     pub(crate) rows: Vec<Row>,
     pub(crate) mouth: Mouth,
+    pub(crate) rates: Vec<Rate>,
     pub(crate) growth: Growth,
     pub(crate) random_poses: Vec<Rough>,
     pub(crate) passivity: Loops,
@@ -75,10 +78,11 @@ pub(crate) struct Options {
 }
 
 /// Parts of the work and their shares of the time, for the progress.
-const PARTS: [(&str, f64); 8] = [
-    ("the whole mouth", 0.11),
-    ("how times grow", 0.18),
-    ("hard cases", 0.32),
+const PARTS: [(&str, f64); 9] = [
+    ("the whole mouth", 0.10),
+    ("rates", 0.10),
+    ("how times grow", 0.16),
+    ("hard cases", 0.27),
     ("random poses", 0.08),
     ("passivity", 0.09),
     ("one degree of freedom", 0.01),
@@ -106,22 +110,24 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         }
     };
     let mouth = mouth::measure(quick, &part(0));
-    let growth = growth::measure(quick, &part(1));
-    let rows = rows::measure(quick, &part(2));
-    let random_poses = rough::measure(quick, &part(3));
-    let passivity = loops::measure(quick, &part(4));
-    part(5)("", 0.0);
+    let rates = rates::measure(quick, &part(1));
+    let growth = growth::measure(quick, &part(2));
+    let rows = rows::measure(quick, &part(3));
+    let random_poses = rough::measure(quick, &part(4));
+    let passivity = loops::measure(quick, &part(5));
+    part(6)("", 0.0);
     let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
-    let elements = against_fem(quick, &part(6))?;
+    let elements = against_fem(quick, &part(7))?;
     let paper = options
         .paper
-        .then(|| printed::Beside::from(paper::paper_beside(quick, &elements, &part(7))));
+        .then(|| printed::Beside::from(paper::paper_beside(quick, &elements, &part(8))));
     Ok(Report {
         program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
         quick,
         machine: Machine::here(),
         rows,
         mouth,
+        rates,
         growth,
         random_poses,
         passivity,

@@ -150,11 +150,16 @@ fn closed(scene: &Scene, rates: Rates, seconds: f64) -> Ran {
     };
     let script = Retraction::new(scene, params).expect("a tongue and a mirror");
     let mut hand = Operator::new(Box::new(script), HandParams::default(), SEED);
-    ran(scene, rates, (seconds / scene.tick_s()) as usize, |_, shown| {
-        let mut input = TickInput::IDLE;
-        input.tools = hand.step(shown);
-        input
-    })
+    ran(
+        scene,
+        rates,
+        (seconds / scene.tick_s()) as usize,
+        |_, shown| {
+            let mut input = TickInput::IDLE;
+            input.tools = hand.step(shown);
+            input
+        },
+    )
 }
 
 fn open(scene: &Scene, rates: Rates, inputs: &[TickInput]) -> Ran {

@@ -218,7 +218,9 @@ impl TissueModel {
         match self {
             TissueModel::Rigid => None,
             TissueModel::Skeleton(model) => Some(skeleton::ready(model, rest, tick_s)),
-            TissueModel::Surface(model) => Some(Box::new(surface::Ready::new(model, rest, level, tick_s))),
+            TissueModel::Surface(model) => {
+                Some(Box::new(surface::Ready::new(model, rest, level, tick_s)))
+            }
             TissueModel::Gingiva(model) => Some(Box::new(gingiva::Ready::new(model, rest, tick_s))),
             TissueModel::PrintedSkeleton(model) => {
                 Some(Box::new(ReadySkeleton::new(model, rest, level, tick_s)))

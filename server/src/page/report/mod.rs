@@ -7,6 +7,7 @@ mod cases;
 mod loops;
 mod paper;
 mod plots;
+mod rates;
 
 use std::fmt::Write;
 
@@ -49,6 +50,7 @@ pub(crate) fn page(report: &Report) -> String {
     }
     html.push_str("</div>\n");
     plots::speed(&mut html, report);
+    rates::rates(&mut html, report);
     cases::hard_cases(&mut html, report);
     cases::random_poses(&mut html, report);
     loops::loops(&mut html, report);

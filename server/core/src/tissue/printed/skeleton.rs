@@ -239,7 +239,12 @@ pub struct PenaltyMeter(ReadySkeleton);
 impl PenaltyMeter {
     /// For `object`, whose tissue `model` is, in ticks of `tick_s` seconds.
     pub fn new(model: &PrintedSkeleton, object: &Object, tick_s: f64) -> Self {
-        Self(ReadySkeleton::new(model, &object.tree, object.level, tick_s))
+        Self(ReadySkeleton::new(
+            model,
+            &object.tree,
+            object.level,
+            tick_s,
+        ))
     }
 
     /// Sum of Eq. 2 over all pairs, newtons, and the number of pairs. `state` is the object's part of

@@ -262,7 +262,9 @@ fn number_after(text: &str, words: &str) -> f64 {
 fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
     let tree = block();
     let mut model = skeleton(&tree);
-    model.validate(&tree, TICK_S).expect("the defaults are stable");
+    model
+        .validate(&tree, TICK_S)
+        .expect("the defaults are stable");
     let spectrum = model.spectrum(&tree).expect("its own nodes");
     let unit = (spectrum.most - model.penalty_n_per_m) / model.spring_n_per_m;
     let stiffest = (model.damping_n_s_per_m / TICK_S - model.penalty_n_per_m) / unit;
@@ -291,7 +293,11 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
         let mut other = model.clone();
         other.spring_n_per_m = stiffest * share;
         other.damping_n_s_per_m = damping * 0.5 * (1.0 + share);
-        assert_eq!(other.validate(&tree, TICK_S).is_ok(), stands, "{share}: {refused}");
+        assert_eq!(
+            other.validate(&tree, TICK_S).is_ok(),
+            stands,
+            "{share}: {refused}"
+        );
     }
     let step = number_after(&refused, "time step of at most ");
     let spectrum = model.spectrum(&tree).expect("its own nodes");
@@ -315,7 +321,10 @@ fn loose_or_unknown_spheres_are_refused() {
     let mut model = skeleton(&tree);
     model.fixed.clear();
     assert_eq!(
-        model.validate(&tree, TICK_S).expect_err("nothing held").field,
+        model
+            .validate(&tree, TICK_S)
+            .expect_err("nothing held")
+            .field,
         "springs"
     );
     let mut model = skeleton(&tree);
@@ -327,7 +336,10 @@ fn loose_or_unknown_spheres_are_refused() {
     let mut model = skeleton(&tree);
     model.fixed.push(99_999);
     assert_eq!(
-        model.validate(&tree, TICK_S).expect_err("no such node").field,
+        model
+            .validate(&tree, TICK_S)
+            .expect_err("no such node")
+            .field,
         "fixed"
     );
     let mut model = skeleton(&tree);
@@ -343,7 +355,10 @@ fn loose_or_unknown_spheres_are_refused() {
     );
     let mut model = skeleton(&tree);
     model.mass_kg = f64::NAN;
-    assert_eq!(model.validate(&tree, TICK_S).expect_err("no mass").field, "mass_kg");
+    assert_eq!(
+        model.validate(&tree, TICK_S).expect_err("no mass").field,
+        "mass_kg"
+    );
 }
 
 /// Where the load is and how the step goes: Eq. 1 to 5 by hand for the first two ticks.

@@ -59,7 +59,11 @@ fn narrow(from: &[f64], to: &mut [f64]) {
 }
 
 /// `model` made ready for the tree `rest`; it must have passed its check against that.
-pub(in crate::tissue) fn ready(model: &Skeleton, rest: &SphereTree, tick_s: f64) -> Box<dyn Tissue> {
+pub(in crate::tissue) fn ready(
+    model: &Skeleton,
+    rest: &SphereTree,
+    tick_s: f64,
+) -> Box<dyn Tissue> {
     if model.couples() {
         Box::new(Ready::<Block>::new(model, rest, tick_s))
     } else {
@@ -71,7 +75,10 @@ impl<E: Entry> Ready<E> {
     /// `model` must have passed its check against `rest`.
     pub fn new(model: &Skeleton, rest: &SphereTree, tick_s: f64) -> Self {
         let coarse = Lattice::new(&model.coarse, rest, tick_s);
-        let fine = model.fine.as_ref().map(|fine| Lattice::new(fine, rest, tick_s));
+        let fine = model
+            .fine
+            .as_ref()
+            .map(|fine| Lattice::new(fine, rest, tick_s));
         let len = coarse.shape_len() + fine.as_ref().map_or(0, Lattice::<E>::shape_len);
         Self {
             rest: rest.nodes().iter().map(|node| node.centre).collect(),

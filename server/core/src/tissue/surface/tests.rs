@@ -1,8 +1,8 @@
 use super::*;
-use crate::{MAX_TOOLS, TICK_S};
 use crate::math::{Mat3, Vec3, fmax};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueModel};
 use crate::tree::{MAX_LEVEL, Sphere, SphereTree};
+use crate::{MAX_TOOLS, TICK_S};
 
 const MASTERS: usize = 10;
 const N: usize = 3 * MASTERS;

@@ -1,0 +1,102 @@
+//! The rate is a parameter: the same scenes under the same hands at 1, 2 and 4 kHz.
+
+use sulcus_cases::{find, run_at};
+use sulcus_core::math::norm;
+use sulcus_core::{MAX_TOOLS, Params};
+
+/// What yields and what does not, by hand and by script, slow and fast.
+const CASES: [&str; 12] = [
+    "thin-plate-0.5",
+    "thin-plate-2",
+    "teleport",
+    "sharp-edge",
+    "wedge",
+    "tumble",
+    "pocket-0.4",
+    "pocket-rest",
+    "two-probes",
+    "tongue-10-k2",
+    "tongue-edge-0.5",
+    "organ-10-k2",
+];
+
+#[test]
+fn every_bound_of_a_case_holds_at_2_and_4_khz() {
+    // SULCUS_CASES=pocket looks at the cases with that in their names only, whichever they are.
+    let only = std::env::var("SULCUS_CASES").ok();
+    let names = sulcus_cases::TABLE.iter().map(|case| case.name);
+    let wanted = |name: &&str| match &only {
+        Some(only) => name.contains(only.as_str()),
+        None => CASES.contains(name),
+    };
+    let mut broken = Vec::new();
+    for name in names.filter(wanted) {
+        let case = find(name).expect("in the table");
+        for rate_hz in [2000, 4000] {
+            let limit = Params::default().max_settle_step * 1e3 / f64::from(rate_hz);
+            let report = run_at(case, rate_hz, |_| (), |_| ());
+            let m = &report.measures;
+            println!(
+                "{name:18} {rate_hz} Hz: residual {:.3} um, click {:.2} mN, buzz {:.4} N, exhausted {} of {}, raw {:.2} N",
+                m.residual * 1e6,
+                m.slow_force_step * 1e3,
+                m.buzz,
+                m.exhausted,
+                m.ticks,
+                m.max_raw_force,
+            );
+            let said = report.broken.into_iter();
+            broken.extend(said.map(|what| format!("{name} at {rate_hz} Hz: {what}")));
+            if m.slow_force_step > limit + 1e-9 {
+                broken.push(format!(
+                    "{name} at {rate_hz} Hz: clicks by {} N",
+                    m.slow_force_step
+                ));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// Force on the hands at every millisecond, newtons.
+fn forces(name: &str, rate_hz: u16) -> Vec<[f64; MAX_TOOLS]> {
+    let case = find(name).expect("in the table");
+    let mut forces = Vec::new();
+    let every = u64::from(rate_hz / 1000);
+    run_at(
+        case,
+        rate_hz,
+        |_| (),
+        |seen| {
+            if seen.output.tick.is_multiple_of(every) {
+                let tools = &seen.output.tools;
+                forces.push(std::array::from_fn(|t| norm(&tools[t].wrench.force)));
+            }
+        },
+    );
+    forces
+}
+
+#[test]
+fn a_press_feels_the_same_at_any_rate() {
+    // Closed loops, pressed slowly: what is left of the difference is the tremor's and the loop's own.
+    for (name, most) in [
+        ("pocket-rest", 0.01),
+        ("tongue-10-k2", 0.02),
+        ("organ-10-k2", 0.02),
+    ] {
+        let slow = forces(name, 1000);
+        let scale = slow.iter().flatten().fold(0.0, |a: f64, b| a.max(*b));
+        for rate_hz in [2000, 4000] {
+            let fast = forces(name, rate_hz);
+            let pairs = slow.iter().flatten().zip(fast.iter().flatten());
+            let squares: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+            let off = (squares / slow.len() as f64).sqrt() / scale;
+            println!(
+                "{name} at {rate_hz} Hz: {:.3} % of {scale:.2} N",
+                off * 100.0
+            );
+            assert!(scale > 0.05 && off < most, "{name} at {rate_hz} Hz: {off}");
+        }
+    }
+}
