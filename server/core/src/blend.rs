@@ -30,7 +30,7 @@ mod groups;
 mod hollowness;
 
 use crate::Scene;
-use crate::contact::Contact;
+use crate::contact::{Contact, SHORTER, SMALLEST_PREDICTION};
 use crate::math::{Vec3, exp_of_loss, fclamp, fmax, fmin};
 
 pub(crate) use groups::{Group, Groups};
@@ -52,7 +52,7 @@ const ROUNDING: f64 = 1e-12;
 /// one stands alone, hardly inset, and the other deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
 /// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some. Seeds come by their own
-/// core's gap, not by that of the surface, so what has no room here may be what is touched; where rows are written that is told.
+/// core's gap, not by that of the surface, so what has no room here may be what is touched: then only nearer ones are asked for.
 pub const MAX_SEEDS: usize = 12;
 
 /// How many blend lengths above the smallest core gap a sphere still counts: there its share,
@@ -151,6 +151,14 @@ impl Line {
     }
 }
 
+/// Where rows are written.
+pub(crate) struct Written<'a> {
+    /// The rows.
+    pub lines: &'a mut Vec<Line>,
+    /// The members of all of them.
+    pub members: &'a mut Vec<Member>,
+}
+
 /// A node's core at its object's level in contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Core {
@@ -177,13 +185,23 @@ pub(crate) fn cores(scene: &Scene, k: usize) -> Vec<Core> {
     core.collect()
 }
 
+/// A pair that is not wholly in a kept row's sum.
+#[derive(Clone, Copy, Debug)]
+struct LeftOut {
+    pair: u32,
+    /// Its share there.
+    share: f64,
+    /// The most that this pair and those of the same row after it could add to another row's sum.
+    rest: f64,
+}
+
 /// Scratch: nothing in it outlives a call.
 #[derive(Debug)]
 pub(crate) struct Blender {
     /// Pairs of one tool sphere and one object.
     pairs: Vec<Pair>,
-    /// Pairs that kept rows leave out in part or wholly, with their share there, row by row.
-    left_out: Vec<(u32, f64)>,
+    /// Pairs that kept rows leave out in part or wholly, row by row.
+    left_out: Vec<LeftOut>,
     /// Share of each pair in the row in question.
     shares: Vec<f64>,
     /// Natural logarithm of each number of pairs; of none, 0.
@@ -273,7 +291,11 @@ impl Blender {
             let share = self.shared(&nearest, k, blend);
             sum += share * pair.weight;
             if share < 1.0 {
-                self.left_out.push((k as u32, share));
+                self.left_out.push(LeftOut {
+                    pair: k as u32,
+                    share,
+                    rest: 0.0,
+                });
             }
         }
         let mut least = fmin(limit, smallest - blend * libm::log(sum));
@@ -282,9 +304,10 @@ impl Blender {
         }
         for seed in &self.pairs[1..] {
             // No more is in this seed's sum than in the nearest one's and what that leaves out.
-            let more = self.left_out.iter().fold(sum, |more, &(k, before)| {
-                let now = self.shared(seed, k as usize, blend);
-                more + fmax(0.0, now - before) * self.pairs[k as usize].weight
+            let more = self.left_out.iter().fold(sum, |more, left_out| {
+                let k = left_out.pair as usize;
+                let now = self.shared(seed, k, blend);
+                more + fmax(0.0, now - left_out.share) * self.pairs[k].weight
             });
             if smallest - blend * libm::log(more) < least {
                 least = fmin(least, self.gap_of(seed, smallest, blend));
@@ -293,19 +316,15 @@ impl Blender {
         least
     }
 
-    /// Gives the rows of the pairs with a gap under `limit` to `row`, with their members; whether these are all that there
-    /// are. And what none of the gaps of these pairs is under, metres.
-    pub fn rows(
-        &mut self,
-        blend: f64,
-        limit: f64,
-        row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
-    ) -> (bool, f64) {
+    /// Writes the rows of the pairs with a gap under `limit`, with their members. Where there are more of them than
+    /// [`MAX_SEEDS`] the limit is lowered until there is room. Returns the limit under which all rows are written (metres; 0 where
+    /// none was small enough), and what none of the gaps of these pairs is under.
+    pub fn rows(&mut self, blend: f64, limit: f64, written: &mut Written<'_>) -> (f64, f64) {
         let count = self.pairs.len();
         // Within the limit the tool may come in this pass to any wall, not only to the nearest.
         let kept = limit + blend * self.logs[count];
         let Some(smallest) = self.weigh(blend, kept) else {
-            return (true, f64::INFINITY);
+            return (limit, f64::INFINITY);
         };
         // All on one surface, those that were dropped as near as they could be.
         let dropped = (count - self.pairs.len()) as f64 * self.unfelt;
@@ -315,24 +334,35 @@ impl Blender {
             .fold(dropped, |sum, pair| sum + pair.weight);
         let least = smallest - blend * libm::log(sum) - ROUNDING;
         // Not even the surface of the nearest?
-        let all = least >= limit
+        if least >= limit
             || self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
-            || self.seeds(smallest, blend, limit, row);
-        (all, least)
-    }
-
-    fn seeds(
-        &mut self,
-        smallest: f64,
-        blend: f64,
-        limit: f64,
-        mut row: impl FnMut(Line, &mut dyn Iterator<Item = Member>),
-    ) -> bool {
-        let n = self.pairs.len();
+        {
+            return (limit, least);
+        }
         // By gap, then by contact: which rows imply which depends on nothing else.
         self.pairs
             .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
+        let (lines, members) = (written.lines.len(), written.members.len());
+        let mut room = limit;
+        while !self.seeds(smallest, blend, room, written) {
+            if room <= SMALLEST_PREDICTION {
+                return (0.0, least);
+            }
+            // At least the farthest of those that took up the room must go.
+            let farthest = written.lines[lines..]
+                .iter()
+                .fold(0.0, |most, line| fmax(most, line.gap));
+            written.lines.truncate(lines);
+            written.members.truncate(members);
+            room = fmax(fmin(SHORTER * room, farthest), SMALLEST_PREDICTION);
+        }
+        (room, least)
+    }
+
+    fn seeds(&mut self, smallest: f64, blend: f64, limit: f64, written: &mut Written<'_>) -> bool {
+        let n = self.pairs.len();
         let most = blend * self.logs[n];
+        let all = self.pairs.iter().fold(0.0, |sum, pair| sum + pair.weight);
         self.left_out.clear();
         let mut begins = [0; MAX_SEEDS + 1];
         let mut seeds = 0;
@@ -343,17 +373,26 @@ impl Blender {
             if seed.gap - most >= limit {
                 return true;
             }
-            // What this row would hold beyond a row before it.
+            // What this row would hold beyond a row before it, as far as it matters.
             let mut beyond = f64::INFINITY;
+            let (little, much) = (IMPLIED * seed.weight, IMPLIED * all);
             for kept in 0..seeds {
                 let left_out = &self.left_out[begins[kept]..begins[kept + 1]];
-                let more = left_out.iter().fold(0.0, |more, &(k, before)| {
-                    let now = self.shared(&seed, k as usize, blend);
-                    more + fmax(0.0, now - before) * self.pairs[k as usize].weight
-                });
+                let mut more = 0.0;
+                for left_out in left_out {
+                    if more > much || more + left_out.rest <= little {
+                        break;
+                    }
+                    let k = left_out.pair as usize;
+                    let now = self.shared(&seed, k, blend);
+                    more += fmax(0.0, now - left_out.share) * self.pairs[k].weight;
+                }
                 beyond = fmin(beyond, more);
+                if beyond <= little {
+                    break;
+                }
             }
-            if beyond <= IMPLIED * seed.weight {
+            if beyond <= little {
                 continue;
             }
             self.shares.clear();
@@ -371,10 +410,20 @@ impl Blender {
                 return false;
             }
             for (k, share) in self.shares.iter_mut().enumerate() {
+                let weight = self.pairs[k].weight;
                 if *share < 1.0 {
-                    self.left_out.push((k as u32, *share));
+                    self.left_out.push(LeftOut {
+                        pair: k as u32,
+                        share: *share,
+                        rest: (1.0 - *share) * weight,
+                    });
                 }
-                *share *= self.pairs[k].weight / sum;
+                *share *= weight / sum;
+            }
+            let mut rest = 0.0;
+            for left_out in self.left_out[begins[seeds]..].iter_mut().rev() {
+                rest += left_out.rest;
+                left_out.rest = rest;
             }
             seeds += 1;
             begins[seeds] = self.left_out.len();
@@ -382,14 +431,8 @@ impl Blender {
             for (pair, share) in self.pairs.iter().zip(&self.shares) {
                 normal += pair.normal * *share;
             }
-            let line = Line {
-                contact: seed.contact,
-                gap,
-                normal,
-                first: 0,
-                members: 0,
-            };
-            let mut members = self
+            let first = written.members.len();
+            let members = self
                 .pairs
                 .iter()
                 .zip(&self.shares)
@@ -399,7 +442,14 @@ impl Blender {
                     distance: pair.distance,
                     weight: *share,
                 });
-            row(line, &mut members);
+            written.members.extend(members);
+            written.lines.push(Line {
+                contact: seed.contact,
+                gap,
+                normal,
+                first: first as u32,
+                members: (written.members.len() - first) as u32,
+            });
         }
         true
     }

@@ -4,9 +4,9 @@
 use std::ops::Range;
 
 use crate::Scene;
-use crate::blend::{Group, Groups, Line, Pair, hollowness};
+use crate::blend::{Group, Groups, Line, Pair, Written, hollowness};
 use crate::contact::{Contact, Distance};
-use crate::math::{Vec3, norm};
+use crate::math::{Vec3, fmin, norm};
 use crate::metric::Metric;
 use crate::pass::Pass;
 use crate::workspace::Workspace;
@@ -34,10 +34,33 @@ pub(crate) fn runs<T>(
     })
 }
 
-/// Writes what each row is about: a contact, or on a blended object a seed with its members. In the
-/// order of the contacts' objects; tool sphere by tool sphere on a blended one. Whether every tool sphere had room for
-/// all of its rows.
-pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Distance) -> bool {
+/// Sorts the contacts with blended objects by what is summed together; to be done once for a list of contacts.
+pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, first: usize) {
+    let Pass {
+        contacts, groups, ..
+    } = &mut ws.passes[first];
+    groups.clear();
+    let contacts = contacts.as_slice();
+    for run in runs(contacts, |contact| contact.object) {
+        let k = usize::from(contacts[run.start].object);
+        if scene.blend_of(k) > 0.0 {
+            let cores = &ws.cores[k];
+            groups.add(contacts, run, |contact| {
+                contact.gap + cores[contact.object_sphere as usize].inset
+            });
+        }
+    }
+}
+
+/// Writes what each row within `d` is about: a contact, or on a blended object a seed with its members. In the
+/// order of the contacts' objects; tool sphere by tool sphere on a blended one. Returns the share of `d` within which every tool
+/// sphere had room for all of its rows, 1 as a rule. The list of contacts reaches farther than `d` where that was `narrowed` since.
+pub(crate) fn write_lines(
+    scene: &Scene,
+    ws: &mut Workspace,
+    first: usize,
+    (d, narrowed): (Distance, bool),
+) -> f64 {
     let Pass {
         contacts,
         lines,
@@ -48,22 +71,27 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
     let blender = &mut ws.blender;
     lines.clear();
     members.clear();
-    groups.clear();
-    let mut all = true;
+    let (mut share, mut next) = (1.0, 0);
     let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
         let k = usize::from(contacts[run.start].object);
         let blend = scene.blend_of(k);
         if blend == 0.0 {
-            lines.extend(run.map(|index| Line::hard(index, &contacts[index])));
+            // (What the list holds beyond `d` is left out where `d` has become shorter since.)
+            let near = |index: &usize| {
+                let contact = &contacts[*index];
+                !narrowed || contact.gap <= d.at(norm(&contact.arm))
+            };
+            let hard = run.filter(near);
+            lines.extend(hard.map(|index| Line::hard(index, &contacts[index])));
             continue;
         }
         let nodes = scene.objects[k].tree.nodes();
         // The list's gap is that of the contact spheres.
         let inset = |contact: &Contact| ws.cores[k][contact.object_sphere as usize].inset;
-        let begun = groups.all.len();
-        groups.add(contacts, run, |contact| contact.gap + inset(contact));
-        for at in begun..groups.all.len() {
+        let begun = next;
+        next += groups.all[begun..].partition_point(|group| usize::from(group.object) == k);
+        for at in begun..next {
             let group = &groups.all[at];
             let d = d.at(lever(group, groups, contacts));
             if group.is_clear_of(d, blend, 0.0) {
@@ -79,17 +107,16 @@ pub(crate) fn write_lines(scene: &Scene, ws: &mut Workspace, first: usize, d: Di
                 let gap = contact.gap + inset(contact);
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
-            let (rows, least) = blender.rows(blend, d, |mut line, shares| {
-                line.first = members.len() as u32;
-                members.extend(shares);
-                line.members = members.len() as u32 - line.first;
-                lines.push(line);
-            });
-            all &= rows;
+            let mut written = Written {
+                lines: &mut *lines,
+                members: &mut *members,
+            };
+            let (room, least) = blender.rows(blend, d, &mut written);
+            share = fmin(share, room / d);
             groups.all[at].least = least;
         }
     }
-    all
+    share
 }
 
 /// Leaves out the rows with the largest gaps until `most` are left; false when all were kept.

@@ -16,7 +16,7 @@ use crate::optimise::{
 };
 use crate::output::status;
 use crate::pass::Pass;
-use crate::rows::{bend, keep_smallest_gaps, write_lines};
+use crate::rows::{bend, group_contacts, keep_smallest_gaps, write_lines};
 use crate::settle::Settle;
 use crate::stage::{Stage, StageProbe};
 use crate::state::State;
@@ -222,32 +222,36 @@ impl<'a> Run<'a> {
         let (scene, first) = (asked.scene, self.first);
         self.passes += 1;
         probe.begin(Stage::Collide);
+        if let Some(fits) = self.fits {
+            self.d.base = fmin(self.d.base, 2.0 * fits.d.base);
+            self.d.turn = fmin(self.d.turn, 2.0 * fits.d.turn);
+        }
+        let share = self.fits.map_or(1.0, |fits| fits.share);
+        let (found, mut cut) = collide(scene, state, ws, self.group, (self.d, share));
+        self.d = found.d;
+        group_contacts(scene, ws, first);
+        // What has no room for its rows looks less far, as a full list of contacts does; the list itself serves again.
+        let mut narrowed = false;
         loop {
-            if let Some(fits) = self.fits {
-                self.d.base = fmin(self.d.base, 2.0 * fits.d.base);
-                self.d.turn = fmin(self.d.turn, 2.0 * fits.d.turn);
+            // (The rows of who had room reach farther then, which is no harm.)
+            let room = write_lines(scene, ws, first, (self.d, narrowed));
+            if room < 1.0 {
+                cut = true;
+                self.d = self.d.shortened(room, self.longest);
             }
-            let share = self.fits.map_or(1.0, |fits| fits.share);
-            let (found, cut) = collide(scene, state, ws, self.group, (self.d, share));
-            let used = found.d;
-            if cut {
-                self.fits = Some(found);
-            }
-            let all = write_lines(scene, ws, first, used);
-            self.d = used;
-            let full = !all || ws.passes[first].lines.len() > scene.most_rows();
-            if cut || full {
-                self.status |= status::CONTACTS_FULL;
-            }
-            if !full {
+            if ws.passes[first].lines.len() <= scene.most_rows() {
                 break;
             }
+            (cut, narrowed) = (true, true);
             if self.d.at(self.longest) <= SMALLEST_PREDICTION {
                 keep_smallest_gaps(ws, first, scene.most_rows());
                 break;
             }
-            // The same way out as a full list of contacts: look less far.
             self.d = self.d.shorter(self.longest);
+        }
+        if cut {
+            self.status |= status::CONTACTS_FULL;
+            self.fits = Some(Fits { d: self.d, ..found });
         }
         let mut next = 0;
         while let Some(contact) = ws.passes[first].contacts.as_slice().get(next) {

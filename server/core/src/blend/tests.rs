@@ -23,11 +23,20 @@ fn pairs(at: &Vec3, spheres: &[(Vec3, f64)]) -> Blender {
 }
 
 fn rows(at: &Vec3, spheres: &[(Vec3, f64)], blend: f64, limit: f64) -> Vec<(Line, Vec<Member>)> {
-    let mut found = Vec::new();
-    pairs(at, spheres).rows(blend, limit, |line, members| {
-        found.push((line, members.collect()));
-    });
-    found
+    let (lines, members, _) = written(&mut pairs(at, spheres), blend, limit);
+    let of = |line: &Line| members[line.first as usize..][..line.members as usize].to_vec();
+    lines.iter().map(|line| (*line, of(line))).collect()
+}
+
+/// Rows, their members, and what the blender says of them.
+fn written(blender: &mut Blender, blend: f64, limit: f64) -> (Vec<Line>, Vec<Member>, (f64, f64)) {
+    let (mut lines, mut members) = (Vec::new(), Vec::new());
+    let mut here = Written {
+        lines: &mut lines,
+        members: &mut members,
+    };
+    let said = blender.rows(blend, limit, &mut here);
+    (lines, members, said)
 }
 
 /// Smallest blended gap over all seeds, straight from the definition.
@@ -217,8 +226,9 @@ proptest! {
         blend in 1e-6..2e-4_f64) {
         let (at, by) = (Vec3::new(at.0, at.1, at.2), Vec3::new(by.0, by.1, by.2));
         let spheres: Vec<_> = places.iter().map(|p| (Vec3::new(p.0, p.1, p.2), p.3)).collect();
-        let mut any = false;
-        let (_, least) = pairs(&at, &spheres).rows(blend, limit, |line, _| any |= line.gap < limit);
+        let (lines, _, (room, least)) = written(&mut pairs(&at, &spheres), blend, limit);
+        let any = lines.iter().any(|line| line.gap < limit);
+        prop_assert!(room <= limit);
         prop_assert!(least <= smallest(&at, &spheres, blend));
         prop_assert!(least - norm(&by) <= smallest(&(at + by), &spheres, blend));
         // What lies clear of the limit by this bound has no row.
@@ -246,15 +256,18 @@ fn more_walls_than_there_is_room_for_are_told() {
     // So thin that neighbours on the circle are walls of their own.
     let blend = 2e-6;
     for (count, all) in [(MAX_SEEDS, true), (MAX_SEEDS + 1, false)] {
-        let mut seen = 0;
-        let told = pairs(&Vec3::zeros(), &walls(count)).rows(blend, 1e-5, |_, _| seen += 1);
-        let told = told.0;
-        assert_eq!((told, seen), (all, MAX_SEEDS), "{count} walls");
+        let (lines, _, (room, _)) = written(&mut pairs(&Vec3::zeros(), &walls(count)), blend, 1e-5);
+        assert_eq!(room == 1e-5, all, "{count} walls: {room}");
+        // Where there is no room for those within the limit, there is for all those within a shorter one.
+        let within = lines.iter().filter(|line| line.gap < room).count();
+        assert!(
+            within <= MAX_SEEDS && (!all || within == MAX_SEEDS),
+            "{count} walls"
+        );
     }
     // Nearer only: fewer walls, and room for all of them.
     let near = walls(MAX_SEEDS + 1);
     let at = Vec3::new(3e-6, 0.0, 0.0);
-    let mut seen = 0;
-    assert!(pairs(&at, &near).rows(blend, -1e-6, |_, _| seen += 1).0);
-    assert!(seen > 0 && seen < MAX_SEEDS);
+    let (lines, _, (room, _)) = written(&mut pairs(&at, &near), blend, -1e-6);
+    assert!(room == -1e-6 && !lines.is_empty() && lines.len() < MAX_SEEDS);
 }

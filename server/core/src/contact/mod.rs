@@ -174,7 +174,7 @@ fn outranks(a: &Contact, b: &Contact) -> bool {
 
 /// By how much a distance shrinks where a list has no room. Finer steps cost more queries of a fast tool and let it go
 /// farther in a tick.
-const SHORTER: f64 = 0.7;
+pub(crate) const SHORTER: f64 = 0.7;
 /// Prediction distance at which full lists keep the smallest gaps, metres.
 pub(crate) const SMALLEST_PREDICTION: f64 = 1e-6;
 
@@ -198,10 +198,15 @@ impl Distance {
     /// So much shorter that fewer contacts are within it, no less than [`SMALLEST_PREDICTION`]; the turn's part goes altogether where little is left
     /// at the longest lever.
     pub(crate) fn shorter(&self, longest: f64) -> Self {
+        self.shortened(SHORTER, longest)
+    }
+
+    /// The same, `share` as long.
+    pub(crate) fn shortened(&self, share: f64, longest: f64) -> Self {
         Self {
-            base: crate::math::fmax(SHORTER * self.base, SMALLEST_PREDICTION),
+            base: crate::math::fmax(share * self.base, SMALLEST_PREDICTION),
             turn: if self.at(longest) > 2.0 * SMALLEST_PREDICTION {
-                SHORTER * self.turn
+                share * self.turn
             } else {
                 0.0
             },
