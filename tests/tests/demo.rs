@@ -86,6 +86,44 @@ fn the_same_seed_gives_the_same_session_and_another_seed_another() {
     assert!(a != c, "another seed must give others");
 }
 
+/// The rate is a parameter of the scene: it travels in the recording, and server and client keep it.
+#[test]
+fn a_session_at_another_rate_is_recorded_and_replays() {
+    for (how, ticks) in [(&["--virtual"][..], 8000..=8000), (&[], 6000..=20000)] {
+        let place = Place::new();
+        let rest = [
+            "--duration",
+            "2",
+            "--exercise",
+            "crown",
+            "--rate-hz",
+            "4000",
+            "--json",
+        ];
+        let args: Vec<&str> = ["demo"].iter().chain(how).chain(&rest).copied().collect();
+        let demo = place.run(Program::Client, &args).ok().json();
+        let of = |field: &str| demo[field].as_u64().expect("a number");
+        // (A busy machine skips points of the clock's grid; they count as time that went by.)
+        assert!(ticks.contains(&(of("ticks") + of("skipped"))), "{demo}");
+        assert_eq!(
+            (of("rate_hz"), &demo["identical"]),
+            (4000, &true.into()),
+            "{demo}"
+        );
+    }
+    let place = Place::new();
+    let slow = [
+        "demo",
+        "--virtual",
+        "--exercise",
+        "crown",
+        "--rate-hz",
+        "100",
+    ];
+    let refused = place.run(Program::Client, &slow);
+    refused.refused(&["rate_hz", "100", "250 to 8000"]);
+}
+
 #[test]
 fn the_judge_in_the_tick_replays_too() {
     let place = Place::new();
