@@ -1,0 +1,498 @@
+//! Writing a review, a second at a time.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rerun::{RecordingStream, RecordingStreamBuilder};
+
+use super::layout;
+use super::normals::normals;
+use super::picture::{
+    Arrow, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, ReviewPicture, Weight,
+};
+use super::waiting::{Arrows, Lines, Poses, Series, Shapes, Times};
+use crate::{Refusal, ViewError};
+
+/// Name of the application that the viewer keeps this layout for.
+const APPLICATION: &str = "sulcus_review";
+/// How much of the session comes together before it is sent, nanoseconds.
+const TOGETHER_NS: i64 = 1_000_000_000;
+/// Where the hand is: colour of its ghost and of the line to it.
+const HAND: [u8; 3] = [90, 200, 255];
+/// How much of the ghost is seen.
+const GHOST_ALPHA: u8 = 90;
+/// Colour of what pushes on a tool in all.
+const PUSH: [u8; 3] = [255, 220, 60];
+
+/// A file for the viewer, being written.
+pub struct ReviewFile {
+    path: PathBuf,
+    stream: RecordingStream,
+    picture: ReviewPicture,
+    began: Option<Moment>,
+    last: Option<Moment>,
+    sent_ns: i64,
+    force: Series,
+    torque: Series,
+    depth: Series,
+    called: Series,
+    floor: Series,
+    work: Series,
+    tools: Vec<Poses>,
+    hands: Vec<Poses>,
+    offsets: Vec<Lines>,
+    pushes: Vec<Arrows>,
+    contacts: Arrows,
+    close_up: Poses,
+    /// One for each part; those that do not yield wait for nothing.
+    shapes: Vec<Shapes>,
+    events: (Times, Vec<String>, Vec<&'static str>),
+    lanes: BTreeMap<Lane, (Times, Vec<String>)>,
+}
+
+impl std::fmt::Debug for ReviewFile {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ReviewFile")
+            .field("path", &self.path)
+            .field("last", &self.last)
+            .finish_non_exhaustive()
+    }
+}
+
+impl ReviewFile {
+    /// Begins the file with all that does not change, and the layout.
+    ///
+    /// # Errors
+    /// If lists do not fit together or the file cannot be written.
+    pub fn create(path: &Path, picture: ReviewPicture) -> Result<Self, ViewError> {
+        picture.fits()?;
+        let failed = |source| ViewError::Write {
+            file: path.to_owned(),
+            source,
+        };
+        let stream = begin(path, &picture).map_err(failed)?;
+        let named = |root: &str| -> Vec<String> {
+            let names = picture.tools.iter().map(|tool| entity(root, &tool.name));
+            names.collect()
+        };
+        let tools = picture.tools.len();
+        let shapes = picture.parts.iter().map(|part| {
+            let path = entity(part.kind.folder(), &part.name);
+            Shapes::new(path, part.mesh.vertices.len())
+        });
+        Ok(Self {
+            path: path.to_owned(),
+            stream,
+            began: None,
+            last: None,
+            sent_ns: 0,
+            force: Series::new("/plots/force", tools),
+            torque: Series::new("/plots/torque", tools),
+            depth: Series::new("/plots/depth", 2),
+            called: Series::new("/plots/depth/called", 1),
+            floor: Series::new("/plots/floor_force", 1),
+            work: Series::new("/plots/work", picture.work.len()),
+            tools: named("/tools").into_iter().map(Poses::new).collect(),
+            hands: named("/hands").into_iter().map(Poses::new).collect(),
+            offsets: named("/offsets").into_iter().map(Lines::new).collect(),
+            pushes: picture
+                .tools
+                .iter()
+                .map(|tool| Arrows::new(entity("/forces", &format!("on {}", tool.name)), true))
+                .collect(),
+            contacts: Arrows::new("/forces/contacts".into(), false),
+            close_up: Poses::new(layout::CLOSE_UP.into()),
+            shapes: shapes.collect(),
+            events: (Times::default(), Vec::new(), Vec::new()),
+            lanes: BTreeMap::new(),
+            picture,
+        })
+    }
+
+    /// Takes in the numbers of a tick. Moments come in order.
+    ///
+    /// # Errors
+    /// If the lists do not fit the picture, or the file cannot be written.
+    pub fn tick(&mut self, at: Moment, numbers: &Numbers) -> Result<(), ViewError> {
+        let tools = self.picture.tools.len();
+        for (field, found, expected) in [
+            ("force_n", numbers.force_n.len(), tools),
+            ("torque_nmm", numbers.torque_nmm.len(), tools),
+            ("work", numbers.work.len(), self.picture.work.len()),
+        ] {
+            fit("tick", field, found, expected)?;
+        }
+        let began = *self.began.get_or_insert(at);
+        if at.session_ns - began.session_ns - self.sent_ns >= TOGETHER_NS {
+            self.sent_ns = at.session_ns - began.session_ns;
+            self.send()?;
+        }
+        self.last = Some(at);
+        self.force.push(at, &numbers.force_n);
+        self.torque.push(at, &numbers.torque_nmm);
+        self.depth
+            .push(at, &[numbers.depth_mm, numbers.prescribed_mm]);
+        self.floor.push(at, &[numbers.floor_n]);
+        self.work.push(at, &numbers.work);
+        Ok(())
+    }
+
+    /// Takes in a frame.
+    ///
+    /// # Errors
+    /// If it has another number of tools than the picture.
+    pub fn frame(&mut self, at: Moment, frame: &FramePicture) -> Result<(), ViewError> {
+        fit("frame", "tools", frame.tools.len(), self.tools.len())?;
+        let scale = self.picture.arrow_mm_per_n;
+        for (k, tool) in frame.tools.iter().enumerate() {
+            let graphic = tool.as_ref().map(|tool| &tool.graphic);
+            let haptic = tool.as_ref().and_then(|tool| tool.haptic.as_ref());
+            self.tools[k].push(at, graphic);
+            self.hands[k].push(at, haptic);
+            let line = tool.as_ref().filter(|tool| tool.haptic.is_some());
+            self.offsets[k].push(at, line.map(|tool| tool.tips));
+            let push = tool.as_ref().and_then(|tool| tool.push);
+            let arrow = push.iter().map(|push| {
+                let size = push.force_n.iter().map(|x| x * x).sum::<f32>().sqrt();
+                let colour = rerun::Color::from_rgb(PUSH[0], PUSH[1], PUSH[2]);
+                let vector = push.force_n.map(|x| x * scale);
+                (push.at, vector, colour, format!("{size:.2} N"))
+            });
+            self.pushes[k].push(at, arrow);
+        }
+        let contacts = frame.contacts.iter().map(|arrow: &Arrow| {
+            let [r, g, b] = colour_of(arrow.by);
+            let colour = rerun::Color::from_rgb(r, g, b);
+            let vector = arrow.force_n.map(|x| x * scale);
+            (arrow.at, vector, colour, String::new())
+        });
+        self.contacts.push(at, contacts);
+        self.close_up.push(at, Some(&frame.close_up));
+        Ok(())
+    }
+
+    /// Takes in a new shape of a part: where its vertices are, world axes, mm.
+    ///
+    /// # Errors
+    /// If there is no such part, it does not yield, or it has another number of vertices.
+    pub fn part(
+        &mut self,
+        at: Moment,
+        part: usize,
+        vertices: &[[f32; 3]],
+    ) -> Result<(), ViewError> {
+        let Some(of) = self.picture.parts.get(part).filter(|part| part.yields) else {
+            let yielding = self.picture.parts.iter().filter(|part| part.yields);
+            return fit(
+                "part",
+                "number among those that yield",
+                part,
+                yielding.count(),
+            );
+        };
+        fit(&of.name, "vertices", vertices.len(), of.mesh.vertices.len())?;
+        let normals = normals(vertices, &of.mesh.triangles);
+        self.shapes[part].push(at, vertices, normals);
+        Ok(())
+    }
+
+    /// Takes in a line of the log.
+    pub fn event(&mut self, at: Moment, weight: Weight, text: &str) {
+        let level = match weight {
+            Weight::Info => rerun::TextLogLevel::INFO,
+            Weight::Warning => rerun::TextLogLevel::WARN,
+            Weight::Error => rerun::TextLogLevel::ERROR,
+        };
+        self.events.0.push(at);
+        self.events.1.push(text.to_owned());
+        self.events.2.push(level);
+    }
+
+    /// Takes in a depth that the student called, mm.
+    pub fn called(&mut self, at: Moment, depth_mm: f64) {
+        self.called.push(at, &[depth_mm]);
+    }
+
+    /// From now on this is the state in a lane; nothing: none.
+    pub fn state(&mut self, at: Moment, lane: Lane, state: &str) {
+        let (times, states) = self.lanes.entry(lane).or_default();
+        times.push(at);
+        states.push(state.to_owned());
+    }
+
+    /// Sends the rest and closes the file; rows that have a time, by entity.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn finish(mut self) -> Result<BTreeMap<String, u64>, ViewError> {
+        self.bounds()?;
+        self.send()?;
+        let failed = |error| self.failed(error);
+        self.stream
+            .flush_blocking()
+            .map_err(|error| failed(Refusal::from(error)))?;
+        let mut rows = BTreeMap::new();
+        let mut add = |path: &str, times: &Times| {
+            if times.sent() > 0 {
+                rows.insert(path.to_owned(), times.sent());
+            }
+        };
+        for series in [
+            &self.force,
+            &self.torque,
+            &self.depth,
+            &self.called,
+            &self.floor,
+            &self.work,
+        ] {
+            add(&series.path, &series.times);
+        }
+        let close_up = std::slice::from_ref(&self.close_up);
+        for poses in self.tools.iter().chain(&self.hands).chain(close_up) {
+            add(&poses.path, &poses.times);
+        }
+        for lines in &self.offsets {
+            add(&lines.path, &lines.times);
+        }
+        for arrows in self.pushes.iter().chain([&self.contacts]) {
+            add(&arrows.path, &arrows.times);
+        }
+        for shapes in &self.shapes {
+            add(&shapes.path, &shapes.times);
+        }
+        add(layout::EVENTS, &self.events.0);
+        for (lane, (times, _)) in &self.lanes {
+            add(lane.path(), times);
+        }
+        Ok(rows)
+    }
+
+    fn failed(&self, source: Refusal) -> ViewError {
+        ViewError::Write {
+            file: self.path.clone(),
+            source,
+        }
+    }
+
+    fn send(&mut self) -> Result<(), ViewError> {
+        self.send_all().map_err(|source| self.failed(source))
+    }
+
+    fn send_all(&mut self) -> Result<(), Refusal> {
+        let stream = &self.stream;
+        for series in [
+            &mut self.force,
+            &mut self.torque,
+            &mut self.depth,
+            &mut self.called,
+            &mut self.floor,
+            &mut self.work,
+        ] {
+            series.send(stream)?;
+        }
+        let close_up = std::slice::from_mut(&mut self.close_up);
+        let poses = self.tools.iter_mut().chain(&mut self.hands);
+        for poses in poses.chain(close_up) {
+            poses.send(stream)?;
+        }
+        for lines in &mut self.offsets {
+            lines.send(stream)?;
+        }
+        for arrows in self.pushes.iter_mut().chain([&mut self.contacts]) {
+            arrows.send(stream)?;
+        }
+        for shapes in &mut self.shapes {
+            shapes.send(stream)?;
+        }
+        let (times, texts, levels) = &mut self.events;
+        if times.len() > 0 {
+            let columns = rerun::TextLog::update_fields()
+                .with_many_text(texts.drain(..))
+                .with_many_level(levels.drain(..))
+                .columns_of_unit_batches()?;
+            times.send(stream, layout::EVENTS, columns)?;
+        }
+        for (lane, (times, states)) in &mut self.lanes {
+            if times.len() > 0 {
+                let columns = rerun::StateChange::update_fields()
+                    .with_state(states.drain(..))
+                    .columns_of_unit_batches()?;
+                times.send(stream, lane.path(), columns)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lines across the whole plot: where the reading band is, and where trauma begins.
+    fn bounds(&mut self) -> Result<(), ViewError> {
+        let (Some(first), Some(last)) = (self.began, self.last) else {
+            return Ok(());
+        };
+        let mut lines = Vec::new();
+        lines.extend(self.picture.reading_band_n.map(|b| ("band", b.to_vec())));
+        lines.extend(self.picture.trauma_n.map(|t| ("trauma", vec![t])));
+        for (name, values) in lines {
+            let mut series = Series::new(&format!("/plots/floor_force/{name}"), values.len());
+            series.push(first, &values);
+            series.push(last, &values);
+            series
+                .send(&self.stream)
+                .map_err(|source| self.failed(source))?;
+        }
+        Ok(())
+    }
+}
+
+/// The file, with all that does not change.
+fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStream, Refusal> {
+    let stream = RecordingStreamBuilder::new(APPLICATION)
+        // Whatever the environment says of Rerun: a file was asked for.
+        .enabled(true)
+        .save(path)?;
+    stream.send_recording_name(picture.name.as_str())?;
+    stream.disable_timeline("log_time");
+    stream.disable_timeline("log_tick");
+    crate::layout::send(
+        &stream,
+        APPLICATION,
+        super::waiting::SESSION,
+        &layout::of(picture),
+    )?;
+    stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    for part in &picture.parts {
+        let path = entity(part.kind.folder(), &part.name);
+        // Where it is, comes with the time, if it moves; a constant would win over that.
+        stream.log_static(path, &mesh(&part.mesh, part.yields, [255; 4]))?;
+    }
+    for tool in &picture.tools {
+        let shown = mesh(&tool.mesh, false, [255; 4]);
+        stream.log_static(entity("/tools", &tool.name), &shown)?;
+        let ghost = MeshPicture {
+            colour: HAND,
+            vertex_colours: Vec::new(),
+            ..tool.mesh.clone()
+        };
+        let ghost = mesh(&ghost, false, [255, 255, 255, GHOST_ALPHA]);
+        stream.log_static(entity("/hands", &tool.name), &ghost)?;
+        let line = rerun::LineStrips3D::update_fields()
+            .with_radii([0.08])
+            .with_colors([rerun::Color::from_rgb(HAND[0], HAND[1], HAND[2])]);
+        stream.log_static(entity("/offsets", &tool.name), &line)?;
+        let thick = rerun::Arrows3D::update_fields().with_radii([0.22]);
+        stream.log_static(entity("/forces", &format!("on {}", tool.name)), &thick)?;
+    }
+    let thin = rerun::Arrows3D::update_fields().with_radii([0.09]);
+    stream.log_static("/forces/contacts", &thin)?;
+    for (path, labels) in [
+        (layout::TEETH, &picture.teeth),
+        (layout::SITES, &picture.sites),
+    ] {
+        log_labels(&stream, path, labels)?;
+    }
+    let about = rerun::TextDocument::new(picture.about.as_str())
+        .with_media_type(rerun::MediaType::markdown());
+    stream.log_static(layout::ABOUT, &about)?;
+    layout::styles(&stream, picture)?;
+    Ok(stream)
+}
+
+fn log_labels(stream: &RecordingStream, path: &str, labels: &[Label]) -> Result<(), Refusal> {
+    if labels.is_empty() {
+        return Ok(());
+    }
+    let points = rerun::Points3D::new(labels.iter().map(|label| label.at))
+        .with_labels(labels.iter().map(|label| label.text.as_str()))
+        .with_show_labels(true)
+        .with_colors([rerun::Color::from_rgb(190, 230, 190)])
+        .with_radii([0.12]);
+    stream.log_static(path, &points)?;
+    Ok(())
+}
+
+/// Colour of a contact's arrow, by what pushes.
+fn colour_of(kind: PartKind) -> [u8; 3] {
+    match kind {
+        PartKind::Tooth => [120, 170, 255],
+        PartKind::Gingiva => [255, 90, 80],
+        PartKind::Tongue => [255, 150, 60],
+        PartKind::Other => [200, 200, 200],
+    }
+}
+
+/// The constant part of a mesh: without its vertices where they come with the time.
+fn mesh(mesh: &MeshPicture, moves: bool, tint: [u8; 4]) -> rerun::Mesh3D {
+    let mut shown =
+        rerun::Mesh3D::update_fields().with_triangle_indices(mesh.triangles.iter().copied());
+    if !moves {
+        shown = shown
+            .with_vertex_positions(mesh.vertices.iter().copied())
+            .with_vertex_normals(normals(&mesh.vertices, &mesh.triangles));
+    }
+    if mesh.vertex_colours.is_empty() {
+        let [r, g, b] = mesh.colour;
+        shown.with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(r, g, b, tint[3]))
+    } else {
+        let colours = mesh.vertex_colours.iter();
+        shown
+            .with_vertex_colors(colours.map(|[r, g, b]| rerun::Color::from_rgb(*r, *g, *b)))
+            .with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(
+                tint[0], tint[1], tint[2], tint[3],
+            ))
+    }
+}
+
+/// An entity's path; names may hold anything.
+pub(super) fn entity(root: &str, name: &str) -> String {
+    let plain: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
+        .collect();
+    let plain = if plain.is_empty() {
+        "_".to_owned()
+    } else {
+        plain
+    };
+    format!("{root}/{plain}")
+}
+
+fn fit(part: &str, field: &'static str, found: usize, expected: usize) -> Result<(), ViewError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(ViewError::Fit {
+        part: part.to_owned(),
+        field,
+        found,
+        expected,
+    })
+}
+
+impl ReviewPicture {
+    fn fits(&self) -> Result<(), ViewError> {
+        let tools = self.tools.iter().map(|tool| (&tool.name, &tool.mesh));
+        for (name, mesh) in tools.chain(self.parts.iter().map(|part| (&part.name, &part.mesh))) {
+            let vertices = mesh.vertices.len();
+            let corner = mesh.triangles.iter().flatten().max();
+            if let Some(&corner) = corner.filter(|&&corner| corner as usize >= vertices) {
+                fit(
+                    name,
+                    "largest vertex index of a triangle, plus one",
+                    corner as usize + 1,
+                    vertices,
+                )?;
+            }
+            if !mesh.vertex_colours.is_empty() {
+                fit(name, "vertex_colours", mesh.vertex_colours.len(), vertices)?;
+            }
+        }
+        if self.probe >= self.tools.len() {
+            fit(
+                "picture",
+                "tools up to the probe",
+                self.tools.len(),
+                self.probe + 1,
+            )?;
+        }
+        Ok(())
+    }
+}
