@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 #[derive(Args)]
 pub(super) struct ReviewArgs {
@@ -19,12 +19,23 @@ pub(super) struct ReviewArgs {
     /// Show up to this second of the session
     #[arg(long, value_name = "S")]
     to: Option<f64>,
+    /// Where the slider stands when the file is opened: `end` for a picture of that moment
+    #[arg(long, value_enum, default_value_t = SliderAt::Start)]
+    slider: SliderAt,
     /// Only write the file
     #[arg(long)]
     no_open: bool,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SliderAt {
+    /// Where the file begins
+    Start,
+    /// Where it ends
+    End,
 }
 
 /// Built without Rerun.
@@ -43,7 +54,7 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
 
     use super::print::{at, object, say};
     use crate::read::Recording;
-    use crate::review::{ReviewError, Window, review};
+    use crate::review::{ReviewError, Slider, Window, review};
 
     let window = Window {
         from_s: args.from,
@@ -73,7 +84,11 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         bar.set_style(style);
     }
     let began = std::time::Instant::now();
-    let found = review(&recording, &out, window, &mut |ticks| {
+    let slider = match args.slider {
+        SliderAt::Start => Slider::Start,
+        SliderAt::End => Slider::End,
+    };
+    let found = review(&recording, &out, window, slider, &mut |ticks| {
         bar.set_position(ticks)
     });
     bar.finish_and_clear();

@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sulcus_core::output::ForceZone;
 use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
-use sulcus_view::{Lane, Moment, ReviewFile, ViewError};
+use sulcus_view::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
+
+pub use sulcus_view::Slider;
 
 use crate::exercise::Exercise;
 use crate::occurrence::zone_name;
@@ -61,7 +63,7 @@ pub struct ReviewReport {
     pub ticks: u64,
     /// Pictures of the mouth.
     pub frames: u64,
-    /// Shapes of tissue.
+    /// Shapes of tissue that is not at rest.
     pub shapes: u64,
     /// Lines of the log shown.
     pub events: u64,
@@ -113,7 +115,8 @@ pub enum ReviewError {
     },
 }
 
-/// Replays a recording and writes what can be seen of it within `window` to `out`; `progress` is told the number of ticks
+/// Replays a recording and writes what can be seen of it within `window` to `out`, to be opened with the
+/// slider there; `progress` is told the number of ticks
 /// done, now and then. The file is there when all of it is, and not before.
 ///
 /// # Errors
@@ -122,6 +125,7 @@ pub fn review(
     recording: &Recording,
     out: &Path,
     window: Window,
+    slider: Slider,
     progress: &mut dyn FnMut(u64),
 ) -> Result<ReviewReport, ReviewError> {
     let scene = recording.scene()?;
@@ -137,7 +141,10 @@ pub fn review(
         });
     }
     let begun = Begun(beside(out));
-    let picture = picture::of(recording, &scene, &exercise);
+    let picture = ReviewPicture {
+        slider,
+        ..picture::of(recording, &scene, &exercise)
+    };
     let file = ReviewFile::create(&begun.0, picture)?;
     let mut take = Take {
         every: frames_every(&scene),

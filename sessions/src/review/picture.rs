@@ -4,7 +4,9 @@ use sulcus_core::math::norm;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{DisplayMesh, Object, Scene, Vec3};
-use sulcus_view::{Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, ToolPicture};
+use sulcus_view::{
+    Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, Slider, ToolPicture,
+};
 
 use super::frame::millimetres;
 use crate::exercise::Exercise;
@@ -50,6 +52,7 @@ pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> R
             "collide-and-solve passes".to_owned(),
             "contact rows".to_owned(),
         ],
+        slider: Slider::Start,
     }
 }
 

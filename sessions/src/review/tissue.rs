@@ -1,12 +1,9 @@
-//! Shapes of what yields, when they have changed enough to be seen.
+//! Shapes of what yields, while it is not at rest.
 
 use sulcus_core::{DisplaySkin, Scene, Vec3, Workspace};
 use sulcus_view::{Moment, ReviewFile, ViewError};
 
-/// A shape is shown anew when a vertex has gone farther than this since, mm.
-const SEEN: f32 = 0.02;
-/// Steps of a millimetre that vertices are rounded to: bytes of what has not moved stay the same, and pack well.
-const STEPS: f32 = 256.0;
+use super::frame::millimetres;
 
 /// All that yields.
 pub(super) struct Tissues {
@@ -20,9 +17,9 @@ struct Tissue {
     skin: Option<DisplaySkin>,
     rest: Vec<Vec3>,
     moved: Vec<Vec3>,
-    /// As shown last, mm; none yet.
-    shown: Option<Vec<[f32; 3]>>,
-    /// Whether it was shown at rest last.
+    /// In millimetres.
+    shape: Vec<[f32; 3]>,
+    /// Whether it was at rest last.
     at_rest: bool,
 }
 
@@ -38,7 +35,7 @@ impl Tissues {
                 skin: None,
                 moved: vec![Vec3::zeros(); rest.len()],
                 rest,
-                shown: None,
+                shape: Vec::new(),
                 at_rest: true,
             }
         });
@@ -73,10 +70,10 @@ impl Tissues {
 }
 
 impl Tissue {
-    /// Its vertices, if they are not where they were shown last.
+    /// Its vertices, unless it rests and has rested.
     fn changed(&mut self, scene: &Scene, ws: &Workspace) -> Option<&[[f32; 3]]> {
         let rests = ws.shape_of(self.object).iter().all(|x| *x == 0.0);
-        if rests && self.at_rest && self.shown.is_some() {
+        if rests && self.at_rest {
             return None;
         }
         self.at_rest = rests;
@@ -89,22 +86,9 @@ impl Tissue {
             skin.displacements(&ws.carriers_moved(scene, self.object), &mut self.moved);
         }
         let at = self.rest.iter().zip(&self.moved);
-        let now = at.map(|(rest, moved)| {
-            let mm = (rest + moved) * 1e3;
-            [mm.x, mm.y, mm.z].map(|x| (x as f32 * STEPS).round() / STEPS)
-        });
-        let now: Vec<[f32; 3]> = now.collect();
-        if let Some(before) = &self.shown
-            && !rests
-            && !differ(before, &now)
-        {
-            return None;
-        }
-        Some(self.shown.insert(now))
+        self.shape.clear();
+        self.shape
+            .extend(at.map(|(rest, moved)| millimetres(&(rest + moved))));
+        Some(&self.shape)
     }
-}
-
-fn differ(before: &[[f32; 3]], now: &[[f32; 3]]) -> bool {
-    let apart = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|k| (a[k] - b[k]).abs() > SEEN);
-    before.iter().zip(now).any(apart)
 }

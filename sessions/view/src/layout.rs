@@ -4,7 +4,7 @@
 //! archetypes that say so are public, and where each goes in the store is what that builder itself does with the properties
 //! that it knows: `view/ID/PROPERTY`.
 
-use rerun::external::re_log_types::{BlueprintActivationCommand, EntityPath, EntityPathPart};
+use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes as blueprint;
 use rerun::external::re_sdk_types::blueprint::components::{
     AutoLayout, AutoViews, ColumnShare, ContainerKind, IncludedContent, PanelState, PlayState,
@@ -12,7 +12,6 @@ use rerun::external::re_sdk_types::blueprint::components::{
 };
 use rerun::external::re_sdk_types::datatypes::{Bool, Uuid};
 use rerun::log::LogMsg;
-use rerun::blueprint::Visualizer;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder};
 
 use crate::Refusal;
@@ -36,7 +35,6 @@ pub(crate) struct View {
     origin: String,
     contents: Vec<String>,
     properties: Vec<(&'static str, Box<dyn AsComponents>)>,
-    overrides: Vec<(EntityPath, Visualizer)>,
 }
 
 impl View {
@@ -48,7 +46,6 @@ impl View {
             origin: "/".into(),
             contents: contents.iter().map(|&path| path.to_owned()).collect(),
             properties: Vec::new(),
-            overrides: Vec::new(),
         }
     }
 
@@ -58,16 +55,10 @@ impl View {
         self
     }
 
-    /// A property, by the name of its archetype.
+    /// A property, by the name of its archetype; or `defaults`: what holds for all entities of the view that do not say it
+    /// themselves.
     pub fn with(mut self, name: &'static str, property: impl AsComponents + 'static) -> Self {
         self.properties.push((name, Box::new(property)));
-        self
-    }
-
-    /// Shows one entity otherwise than it is logged, in this view alone.
-    pub fn showing(mut self, entity: &str, visualizer: impl Into<Visualizer>) -> Self {
-        self.overrides
-            .push((EntityPath::from(entity), visualizer.into()));
         self
     }
 
@@ -76,12 +67,13 @@ impl View {
     }
 }
 
-/// Sends the layout with the recording that `stream` writes: `timeline` is the one that the slider moves on, at rest. Views
+/// Sends the layout with the recording that `stream` writes: `timeline` is the one that the slider moves on. Views
 /// and containers are numbered in the order of the tree, so that the same layout has the same names every time.
 pub(crate) fn send(
     stream: &RecordingStream,
     application: &'static str,
     timeline: &str,
+    play: PlayState,
     root: &Part,
 ) -> Result<(), Refusal> {
     let (store, messages) = RecordingStreamBuilder::new(application)
@@ -104,7 +96,7 @@ pub(crate) fn send(
     let time = blueprint::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)
         .with_timeline(TimelineName(timeline.into()))
-        .with_play_state(PlayState::Paused);
+        .with_play_state(play);
     store.log("time_panel", &time)?;
     let messages: Vec<LogMsg> = messages.take();
     let Some(blueprint_id) = messages.first().map(|first| first.store_id().clone()) else {
@@ -166,24 +158,6 @@ impl Writer {
         self.store.log(path, &named)?;
         for (name, property) in &view.properties {
             self.store.log(format!("{path}/{name}"), &**property)?;
-        }
-        for (entity, visualizer) in &view.overrides {
-            let at = |parts: &[&str]| -> EntityPath {
-                parts
-                    .iter()
-                    .map(|&part| EntityPathPart::new(part))
-                    .collect()
-            };
-            let base = EntityPath::from(format!("{path}/ViewContents/overrides"))
-                .join(entity)
-                .join(&at(&["visualizers"]));
-            let place = base.join(&at(&[&visualizer.id.0.to_string()]));
-            let kind = blueprint::VisualizerInstruction::new(visualizer.visualizer_type.clone());
-            self.store.log(place.clone(), &kind)?;
-            let overrides = visualizer.overrides.iter().cloned();
-            self.store.log_serialized_batches(place, false, overrides)?;
-            let active = blueprint::ActiveVisualizers::new([visualizer.id.clone()]);
-            self.store.log(base, &active)?;
         }
         Ok(())
     }

@@ -25,7 +25,7 @@ mod viewer;
 pub use read::{Rows, count_rows};
 pub use review::{
     Arrow, Eye, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, PartPicture,
-    ReviewFile, ReviewPicture, Standing, ToolPicture, ToolStanding, Weight,
+    ReviewFile, ReviewPicture, Slider, Standing, ToolPicture, ToolStanding, Weight,
 };
 pub use tree::{LevelPicture, TreePicture, write_tree};
 pub use viewer::{NoViewer, open_viewer, version as viewer_version};

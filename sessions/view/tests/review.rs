@@ -2,7 +2,8 @@
 
 use sulcus_view::{
     Arrow, Eye, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, PartPicture,
-    ReviewFile, ReviewPicture, Standing, ToolPicture, ToolStanding, ViewError, Weight, count_rows,
+    ReviewFile, ReviewPicture, Slider, Standing, ToolPicture, ToolStanding, ViewError, Weight,
+    count_rows,
 };
 
 fn tetrahedron() -> MeshPicture {
@@ -59,6 +60,7 @@ fn picture() -> ReviewPicture {
         close_up: eye,
         arrow_mm_per_n: 10.0,
         work: vec!["passes".into()],
+        slider: Slider::Start,
     }
 }
 
@@ -140,7 +142,6 @@ fn every_row_is_read_back() {
         ("/forces/contacts", 70),
         ("/forces/on_probe", 70),
         ("/close_up", 70),
-        ("/mouth/tongue/tongue", 70),
         ("/events", 3),
         ("/lanes/force_on_floor", 3),
     ] {
@@ -152,7 +153,19 @@ fn every_row_is_read_back() {
     assert_eq!(rows["/mouth/teeth/tooth_36"].constant, 1);
     assert_eq!(rows["/labels/teeth"].constant, 1);
     assert!(!rows.contains_key("/labels/sites"), "there is none");
-    assert!(!said.contains_key("/mouth/gingiva/gingiva_36"), "never moved");
+    assert_eq!(rows["/mouth/gingiva/gingiva_36"].constant, 1, "never moved");
+    // One vertex moves; its patches are there at the beginning, and each time it has moved.
+    let patches = rows.iter();
+    let patches = patches.filter(|(path, _)| path.starts_with("/mouth/tongue/tongue/"));
+    let of: Vec<u64> = patches.map(|(_, of)| of.timed).collect();
+    assert!(
+        of.contains(&71) && of.iter().all(|rows| [1, 71].contains(rows)),
+        "{of:?}"
+    );
+    assert!(
+        !rows.contains_key("/mouth/tongue/tongue"),
+        "it would stand beside its patches"
+    );
     assert_eq!(rows["/plots/floor_force/trauma"].timed, 2);
 }
 
@@ -173,10 +186,7 @@ fn what_does_not_fit_is_refused_by_name() {
     );
     let mut wrong = picture();
     wrong.tools[0].mesh.vertex_colours.pop();
-    assert_eq!(
-        refused(wrong),
-        "probe: vertex_colours is 3, expected 4"
-    );
+    assert_eq!(refused(wrong), "probe: vertex_colours is 3, expected 4");
     let mut file = ReviewFile::create(&path, picture()).expect("begins");
     let mut few = numbers();
     few.force_n.pop();

@@ -1,15 +1,15 @@
 //! How a review is laid out: the mouth on the left, numbers over time and the log on the right.
 
 use rerun::RecordingStream;
-use rerun::blueprint::components::{BackgroundKind, Corner2D, Eye3DKind};
+use rerun::blueprint::components::{BackgroundKind, Eye3DKind};
 use rerun::components::{AggregationPolicy, MarkerShape};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis, TextLogColumns,
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns,
 };
 use rerun::external::re_sdk_types::blueprint::components::{TextLogColumn, TimelineColumn};
 use rerun::external::re_sdk_types::blueprint::datatypes;
 
-use super::picture::{Eye, Lane, PartKind, ReviewPicture};
+use super::picture::{Eye, Lane, ReviewPicture};
 use super::write::entity;
 use crate::Refusal;
 use crate::layout::{Part, View};
@@ -50,29 +50,54 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
     let space = Part::Column(vec![(1.1, overview.into_part()), (1.0, Part::Row(below))]);
     let log = View::new("TextLog", "what happened", &[EVENTS]).with("TextLogColumns", columns());
     let about = View::new("TextDocument", "this session, and how to read it", &[ABOUT]);
+    let named = |names: &[&str], colours: [&str; 2]| -> String {
+        let pairs = colours.iter().zip(names);
+        let pairs: Vec<String> = pairs.map(|(c, name)| format!("{c}: {name}")).collect();
+        format!(" ({})", pairs.join("; "))
+    };
+    let tools: Vec<&str> = picture
+        .tools
+        .iter()
+        .map(|tool| tool.name.as_str())
+        .collect();
+    let hands = named(&tools, ["yellow", "blue"]);
+    let work: Vec<&str> = picture.work.iter().map(String::as_str).collect();
+    let work = named(&work, ["grey", "green"]);
     let numbers = Part::Column(vec![
-        (0.75, lanes(picture)),
+        (1.3, lanes(picture)),
         (
             1.15,
             plot(
-                "force on the floor of the pocket, N",
+                "force on the floor of the pocket, N (green: reading band; red: trauma)",
                 "/plots/floor_force/**",
             ),
         ),
         (
             1.15,
-            plot("depth of the tip below the margin, mm", "/plots/depth/**"),
+            plot(
+                "depth of the tip below the margin, mm (grey: prescribed; diamonds: called)",
+                "/plots/depth/**",
+            ),
         ),
-        (0.9, plot("force on the hand, N", "/plots/force/**")),
-        (0.8, plot("torque on the hand, N mm", "/plots/torque/**")),
+        (
+            0.9,
+            plot(&format!("force on the hand, N{hands}"), "/plots/force/**"),
+        ),
+        (
+            0.8,
+            plot(
+                &format!("torque on the hand, N mm{hands}"),
+                "/plots/torque/**",
+            ),
+        ),
         (
             0.7,
             plot(
-                "work of each tick (a recording holds no times)",
+                &format!("work of a tick{work} (a recording holds no times)"),
                 "/plots/work/**",
             ),
         ),
-        (1.3, Part::Tabs(vec![log.into_part(), about.into_part()])),
+        (1.4, Part::Tabs(vec![log.into_part(), about.into_part()])),
     ]);
     Part::Row(vec![(1.55, space), (1.0, numbers)])
 }
@@ -118,26 +143,19 @@ fn close_up(picture: &ReviewPicture) -> Part {
         "/forces/contacts",
         SITES,
     ];
-    let mut view =
-        space("pocket (gingiva seen through)", &contents, picture.close_up).origin(CLOSE_UP);
-    let gingivae = picture
-        .parts
-        .iter()
-        .filter(|part| part.kind == PartKind::Gingiva);
-    for part in gingivae {
-        let [r, g, b] = if part.mesh.vertex_colours.is_empty() {
-            part.mesh.colour
-        } else {
-            [255; 3]
-        };
-        let through = rerun::Rgba32::from_unmultiplied_rgba(r, g, b, SEE_THROUGH);
-        let shown = rerun::Mesh3D::update_fields()
-            .with_albedo_factor(through)
-            // The far side of the collar would only cloud what is in it.
-            .with_face_rendering(rerun::components::MeshFaceRendering::Front);
-        view = view.showing(&entity(part.kind.folder(), &part.name), &shown);
-    }
-    view.into_part()
+    // What leaves its tint to the view: the gingivae. Of these the near side alone; the far one would only cloud what is in it.
+    let through = rerun::Mesh3D::update_fields()
+        .with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(
+            255,
+            255,
+            255,
+            SEE_THROUGH,
+        ))
+        .with_face_rendering(rerun::components::MeshFaceRendering::Front);
+    space("pocket (gingiva seen through)", &contents, picture.close_up)
+        .origin(CLOSE_UP)
+        .with("defaults", through)
+        .into_part()
 }
 
 fn lanes(picture: &ReviewPicture) -> Part {
@@ -151,11 +169,7 @@ fn lanes(picture: &ReviewPicture) -> Part {
 
 fn plot(name: &str, contents: &str) -> Part {
     View::new("TimeSeries", name, &[contents])
-        .with(
-            "PlotLegend",
-            PlotLegend::new().with_corner(Corner2D::LeftTop),
-        )
-        .with("ScalarAxis", ScalarAxis::new())
+        .with("PlotLegend", PlotLegend::new().with_visible(false))
         .into_part()
 }
 

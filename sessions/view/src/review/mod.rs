@@ -6,7 +6,8 @@
 //! | entity | rows | what |
 //! |---|---|---|
 //! | `/mouth/teeth/*`, `/mouth/jaw/*` | one, constant | meshes, mm |
-//! | `/mouth/gingiva/*`, `/mouth/tongue/*` | one for each shape | meshes; vertices and normals when they have moved |
+//! | `/mouth/gingiva/*`, `/mouth/tongue/*` | one, constant | meshes of what never moved |
+//! | `/mouth/gingiva/*/*`, `/mouth/tongue/*/*` | one for each new shape | patches of the meshes of what did: vertices and normals |
 //! | `/tools/*` | one a frame | graphic tool: where the instrument is |
 //! | `/hands/*`, `/offsets/*` | one a frame | haptic tool: where the hand is, when that is not where the instrument is, and a line between the tips |
 //! | `/forces/contacts`, `/forces/on_*` | one a frame | what pushes on the tool: each contact, and all together, with newtons |
@@ -17,12 +18,13 @@
 
 mod layout;
 mod normals;
+mod patches;
 mod picture;
 mod waiting;
 mod write;
 
 pub use picture::{
     Arrow, Eye, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, PartPicture,
-    ReviewPicture, Standing, ToolPicture, ToolStanding, Weight,
+    ReviewPicture, Slider, Standing, ToolPicture, ToolStanding, Weight,
 };
 pub use write::ReviewFile;

@@ -80,6 +80,15 @@ pub struct Eye {
     pub on: [f32; 3],
 }
 
+/// Where the slider stands when the file is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slider {
+    /// Where the file begins: to be played.
+    Start,
+    /// Where it ends: for a picture of that moment.
+    End,
+}
+
 /// All of a review that does not change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReviewPicture {
@@ -111,6 +120,8 @@ pub struct ReviewPicture {
     pub arrow_mm_per_n: f32,
     /// Numbers of work of a tick, for the legend.
     pub work: Vec<String>,
+    /// Where the slider stands when the file is opened.
+    pub slider: Slider,
 }
 
 /// A moment of the session.

@@ -1,16 +1,20 @@
 //! Writing a review, a second at a time.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
+use rerun::blueprint::components::PlayState;
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
 use super::layout;
 use super::normals::normals;
+use super::patches::Patches;
 use super::picture::{
-    Arrow, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, ReviewPicture, Weight,
+    Arrow, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, ReviewPicture,
+    Slider, Weight,
 };
-use super::waiting::{Arrows, Lines, Poses, Series, Shapes, Times};
+use super::waiting::{Arrows, Lines, Poses, Series, Times};
 use crate::{Refusal, ViewError};
 
 /// Name of the application that the viewer keeps this layout for.
@@ -44,8 +48,8 @@ pub struct ReviewFile {
     pushes: Vec<Arrows>,
     contacts: Arrows,
     close_up: Poses,
-    /// One for each part; those that do not yield wait for nothing.
-    shapes: Vec<Shapes>,
+    /// Of each part that has moved.
+    patches: BTreeMap<usize, Patches>,
     events: (Times, Vec<String>, Vec<&'static str>),
     lanes: BTreeMap<Lane, (Times, Vec<String>)>,
 }
@@ -76,10 +80,6 @@ impl ReviewFile {
             names.collect()
         };
         let tools = picture.tools.len();
-        let shapes = picture.parts.iter().map(|part| {
-            let path = entity(part.kind.folder(), &part.name);
-            Shapes::new(path, part.mesh.vertices.len())
-        });
         Ok(Self {
             path: path.to_owned(),
             stream,
@@ -102,7 +102,7 @@ impl ReviewFile {
                 .collect(),
             contacts: Arrows::new("/forces/contacts".into(), false),
             close_up: Poses::new(layout::CLOSE_UP.into()),
-            shapes: shapes.collect(),
+            patches: BTreeMap::new(),
             events: (Times::default(), Vec::new(), Vec::new()),
             lanes: BTreeMap::new(),
             picture,
@@ -171,7 +171,8 @@ impl ReviewFile {
         Ok(())
     }
 
-    /// Takes in a new shape of a part: where its vertices are, world axes, mm.
+    /// Takes in the shape of a part that is not at rest, or has just come to it: where its vertices are, world axes, mm.
+    /// A part is at rest until its first shape. After the tick of the same moment.
     ///
     /// # Errors
     /// If there is no such part, it does not yield, or it has another number of vertices.
@@ -182,17 +183,25 @@ impl ReviewFile {
         vertices: &[[f32; 3]],
     ) -> Result<(), ViewError> {
         let Some(of) = self.picture.parts.get(part).filter(|part| part.yields) else {
-            let yielding = self.picture.parts.iter().filter(|part| part.yields);
-            return fit(
-                "part",
-                "number among those that yield",
-                part,
-                yielding.count(),
-            );
+            return fit(&format!("part {part}"), "number of parts that yield", 0, 1);
         };
         fit(&of.name, "vertices", vertices.len(), of.mesh.vertices.len())?;
-        let normals = normals(vertices, &of.mesh.triangles);
-        self.shapes[part].push(at, vertices, normals);
+        let patches = match self.patches.entry(part) {
+            Entry::Occupied(there) => there.into_mut(),
+            Entry::Vacant(first) => {
+                let mut patches = Patches::new(&entity(of.kind.folder(), &of.name), &of.mesh);
+                let begun = patches.begin(&self.stream, &of.mesh);
+                begun.map_err(|source| ViewError::Write {
+                    file: self.path.clone(),
+                    source,
+                })?;
+                if let Some(began) = self.began.filter(|began| *began < at) {
+                    patches.push(began, &of.mesh.vertices);
+                }
+                first.insert(patches)
+            }
+        };
+        patches.push(at, vertices);
         Ok(())
     }
 
@@ -227,6 +236,7 @@ impl ReviewFile {
     pub fn finish(mut self) -> Result<BTreeMap<String, u64>, ViewError> {
         self.bounds()?;
         self.send()?;
+        self.unmoved().map_err(|source| self.failed(source))?;
         let failed = |error| self.failed(error);
         self.stream
             .flush_blocking()
@@ -257,8 +267,8 @@ impl ReviewFile {
         for arrows in self.pushes.iter().chain([&self.contacts]) {
             add(&arrows.path, &arrows.times);
         }
-        for shapes in &self.shapes {
-            add(&shapes.path, &shapes.times);
+        for (path, times) in self.patches.values().flat_map(Patches::times) {
+            add(path, times);
         }
         add(layout::EVENTS, &self.events.0);
         for (lane, (times, _)) in &self.lanes {
@@ -301,8 +311,8 @@ impl ReviewFile {
         for arrows in self.pushes.iter_mut().chain([&mut self.contacts]) {
             arrows.send(stream)?;
         }
-        for shapes in &mut self.shapes {
-            shapes.send(stream)?;
+        for patches in self.patches.values_mut() {
+            patches.send(stream)?;
         }
         let (times, texts, levels) = &mut self.events;
         if times.len() > 0 {
@@ -319,6 +329,20 @@ impl ReviewFile {
                     .columns_of_unit_batches()?;
                 times.send(stream, lane.path(), columns)?;
             }
+        }
+        Ok(())
+    }
+
+    /// What never moved, once.
+    fn unmoved(&self) -> Result<(), Refusal> {
+        for (k, part) in self.picture.parts.iter().enumerate() {
+            if self.patches.contains_key(&k) {
+                continue;
+            }
+            let path = entity(part.kind.folder(), &part.name);
+            // What may be seen through takes its tint from the view.
+            let tint = (part.kind != PartKind::Gingiva).then_some([255; 4]);
+            self.stream.log_static(path, &mesh(&part.mesh, tint))?;
         }
         Ok(())
     }
@@ -356,23 +380,22 @@ fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStream, Refusa
         &stream,
         APPLICATION,
         super::waiting::SESSION,
+        match picture.slider {
+            Slider::Start => PlayState::Paused,
+            Slider::End => PlayState::Following,
+        },
         &layout::of(picture),
     )?;
     stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    for part in &picture.parts {
-        let path = entity(part.kind.folder(), &part.name);
-        // Where it is, comes with the time, if it moves; a constant would win over that.
-        stream.log_static(path, &mesh(&part.mesh, part.yields, [255; 4]))?;
-    }
     for tool in &picture.tools {
-        let shown = mesh(&tool.mesh, false, [255; 4]);
+        let shown = mesh(&tool.mesh, Some([255; 4]));
         stream.log_static(entity("/tools", &tool.name), &shown)?;
         let ghost = MeshPicture {
             colour: HAND,
             vertex_colours: Vec::new(),
             ..tool.mesh.clone()
         };
-        let ghost = mesh(&ghost, false, [255, 255, 255, GHOST_ALPHA]);
+        let ghost = mesh(&ghost, Some([255, 255, 255, GHOST_ALPHA]));
         stream.log_static(entity("/hands", &tool.name), &ghost)?;
         let line = rerun::LineStrips3D::update_fields()
             .with_radii([0.08])
@@ -419,26 +442,32 @@ fn colour_of(kind: PartKind) -> [u8; 3] {
     }
 }
 
-/// The constant part of a mesh: without its vertices where they come with the time.
-fn mesh(mesh: &MeshPicture, moves: bool, tint: [u8; 4]) -> rerun::Mesh3D {
-    let mut shown =
-        rerun::Mesh3D::update_fields().with_triangle_indices(mesh.triangles.iter().copied());
-    if !moves {
-        shown = shown
-            .with_vertex_positions(mesh.vertices.iter().copied())
-            .with_vertex_normals(normals(&mesh.vertices, &mesh.triangles));
-    }
-    if mesh.vertex_colours.is_empty() {
-        let [r, g, b] = mesh.colour;
-        shown.with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(r, g, b, tint[3]))
+/// A mesh that does not move, with a tint, or with that of the view.
+fn mesh(mesh: &MeshPicture, tint: Option<[u8; 4]>) -> rerun::Mesh3D {
+    let one = [mesh.colour];
+    let each = if mesh.vertex_colours.is_empty() {
+        one.iter().cycle().take(mesh.vertices.len())
     } else {
-        let colours = mesh.vertex_colours.iter();
-        shown
-            .with_vertex_colors(colours.map(|[r, g, b]| rerun::Color::from_rgb(*r, *g, *b)))
-            .with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(
-                tint[0], tint[1], tint[2], tint[3],
-            ))
-    }
+        mesh.vertex_colours.iter().cycle().take(mesh.vertices.len())
+    };
+    let shown = rerun::Mesh3D::new(mesh.vertices.iter().copied())
+        .with_triangle_indices(mesh.triangles.iter().copied())
+        .with_vertex_normals(normals(&mesh.vertices, &mesh.triangles))
+        .with_vertex_colors(colours(each));
+    let Some([r, g, b, a]) = tint else {
+        return shown;
+    };
+    shown
+        .with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(r, g, b, a))
+        .with_face_rendering(rerun::components::MeshFaceRendering::DoubleSided)
+}
+
+/// As Rerun has them.
+pub(super) fn colours<'a>(
+    of: impl IntoIterator<Item = &'a [u8; 3]>,
+) -> impl Iterator<Item = rerun::Color> {
+    of.into_iter()
+        .map(|[r, g, b]| rerun::Color::from_rgb(*r, *g, *b))
 }
 
 /// An entity's path; names may hold anything.
