@@ -153,7 +153,7 @@ fn what_is_read_back_has_a_row_for_every_tick_picture_and_event() {
         "/tools/rod",
         "/hands/rod",
         "/offsets/rod",
-        "/forces/contacts",
+        "/contacts/rod",
         "/forces/on_rod",
         "/close_up",
     ] {

@@ -43,6 +43,18 @@ impl Eyes {
         output.tools[self.probe].pocket.map(|reading| reading.zone)
     }
 
+    /// The pocket that the tip is in: the gingiva's object, and whether it is on the cheek's side.
+    pub fn side(&self, scene: &Scene, output: &TickOutput) -> Option<(u16, bool)> {
+        let reading = output.tools[self.probe].pocket.as_ref()?;
+        match &scene.objects.get(usize::from(reading.object))?.tissue {
+            TissueModel::Gingiva(gingiva) => {
+                let site = gingiva.site_at(reading.around);
+                Some((reading.object, site.is_buccal()))
+            }
+            _ => None,
+        }
+    }
+
     /// What a tick says in numbers.
     pub fn numbers(&self, scene: &Scene, input: &TickInput, output: &TickOutput) -> Numbers {
         let tools = || held(scene, input, output);
@@ -83,7 +95,7 @@ impl Eyes {
         output: &TickOutput,
         ws: &Workspace,
     ) -> FramePicture {
-        let mut contacts = Vec::new();
+        let mut contacts = vec![Vec::new(); scene.tools.len()];
         // Of each tool: sum of the forces, and of the places by force.
         let mut sums = vec![(Vec3::zeros(), Vec3::zeros(), 0.0); scene.tools.len()];
         for (contact, load) in ws.contacts() {
@@ -103,7 +115,7 @@ impl Eyes {
             sum.2 += load;
             let kind = self.kinds.get(usize::from(contact.object));
             if load >= LEAST_N {
-                contacts.push(Arrow {
+                contacts[slot].push(Arrow {
                     at: millimetres(&at),
                     force_n: plain(&force),
                     by: kind.copied().unwrap_or(PartKind::Other),

@@ -143,6 +143,8 @@ pub fn review(
     let begun = Begun(beside(out));
     let picture = ReviewPicture {
         slider,
+        span_ns: [whole.from_s.max(window.from_s), whole.to_s.min(window.to_s)]
+            .map(|seconds| (seconds * 1e9).round() as i64),
         ..picture::of(recording, &scene, &exercise)
     };
     let file = ReviewFile::create(&begun.0, picture)?;
@@ -155,6 +157,7 @@ pub fn review(
         next_frame: 0,
         counts: (0, 0),
         zone: None,
+        side: None,
         failed: None,
     };
     let options = ReplayOptions::default();
@@ -250,6 +253,8 @@ struct Take {
     counts: (u64, u64),
     /// Zone of force shown.
     zone: Option<ForceZone>,
+    /// Gingiva and side whose sites are named.
+    side: Option<(u16, bool)>,
     failed: Option<ViewError>,
 }
 
@@ -281,6 +286,12 @@ impl Take {
             let name = zone.map_or(String::new(), |zone| zone_name(zone).replace('_', " "));
             self.file.state(at, Lane::Zone, &name);
             self.zone = zone;
+        }
+        // The names stay until the tip is elsewhere.
+        let side = self.eyes.side(scene, output);
+        if let Some((object, buccal)) = side.filter(|_| side != self.side) {
+            self.file.sites(at, &picture::sites(scene, object, buccal));
+            self.side = side;
         }
         if frame {
             self.counts.1 += 1;

@@ -13,14 +13,19 @@ use crate::exercise::Exercise;
 use crate::read::Recording;
 
 /// Length of an arrow for a newton, mm.
-const ARROW_MM_PER_N: f32 = 10.0;
+const ARROW_MM_PER_N: f32 = 20.0;
 /// Distance of the eye that sees the tongue held aside from what it looks at, mm.
-const RETRACTION_MM: f64 = 105.0;
+const RETRACTION_MM: f64 = 75.0;
 /// Where the close-up's eye is, and what it looks at, mm: x outward from the tooth, z up.
 const CLOSE_UP: Eye = Eye {
-    at: [24.0, 0.0, 11.0],
+    at: [15.0, 0.0, 6.0],
     on: [0.0, 0.0, 1.5],
 };
+
+/// Height of a site's name above the margin, metres: clear of the pocket.
+const LABEL_UP: f64 = 4.5e-3;
+/// Least height of the eye that sees the tongue over the horizontal, as a tangent: the other side's teeth stand lower.
+const RETRACTION_UP: f64 = 1.0;
 
 pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> ReviewPicture {
     let probe = probe_of(scene);
@@ -41,7 +46,7 @@ pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> R
         probe,
         parts: scene.objects.iter().map(part).collect(),
         teeth: teeth(scene),
-        sites: sites(scene, exercise),
+        span_ns: [0, 0],
         reading_band_n: pocketed.then_some(exercise.probing.force_n),
         trauma_n: gingiva.map(|(_, gingiva)| gingiva.params.trauma),
         overview: overview(scene),
@@ -130,13 +135,20 @@ fn teeth(scene: &Scene) -> Vec<Label> {
         .collect()
 }
 
-/// Names beside the margin, of the sites on the exercise's tour.
-fn sites(scene: &Scene, exercise: &Exercise) -> Vec<Label> {
-    let at = |(fdi, site): (u8, Site)| {
-        let of = |(object, _): &(&Object, &Gingiva)| object.fdi == fdi;
-        let named = gingivae(scene).find(of);
-        // A gingiva without a number of its own is the only one's.
-        let (object, gingiva) = named.or_else(|| gingivae(scene).find(|(o, _)| o.fdi == 0))?;
+/// Names on the crown above the sites of one side of the tooth in the gingiva `object`.
+pub(super) fn sites(scene: &Scene, object: u16, buccal: bool) -> Vec<Label> {
+    let Some((object, gingiva)) =
+        scene
+            .objects
+            .get(usize::from(object))
+            .and_then(|object| match &object.tissue {
+                TissueModel::Gingiva(gingiva) => Some((object, gingiva)),
+                _ => None,
+            })
+    else {
+        return Vec::new();
+    };
+    let label = |site: Site| {
         let around = middle_of(site, gingiva.proximal);
         let out =
             gingiva.tooth.mesial * libm::cos(around) + gingiva.tooth.buccal * libm::sin(around);
@@ -150,14 +162,16 @@ fn sites(scene: &Scene, exercise: &Exercise) -> Vec<Label> {
             near.then(|| (point - gingiva.tooth.origin).dot(&out))
         });
         let reach = reach.fold(3e-3, |a, b| if b > a { b } else { a });
-        let place =
-            gingiva.tooth.origin + out * (reach + 5e-4) + gingiva.tooth.axis * (height + 5e-4);
-        Some(Label {
+        let place = gingiva.tooth.origin + out * reach + gingiva.tooth.axis * (height + LABEL_UP);
+        Label {
             at: millimetres(&place),
-            text: format!("{fdi} {}", short(site)),
-        })
+            text: format!("{} {}", object.fdi, short(site)),
+        }
     };
-    exercise.tour().filter_map(at).collect()
+    let side = Site::ALL.into_iter();
+    side.filter(|site| site.is_buccal() == buccal)
+        .map(label)
+        .collect()
 }
 
 /// Angle of the middle of a site's zone, radians from mesial over buccal.
@@ -192,12 +206,12 @@ fn overview(scene: &Scene) -> Eye {
     let middle = (low + high) / 2.0;
     let size = norm(&(high - low));
     Eye {
-        at: millimetres(&(middle + Vec3::new(0.62, -0.22, 0.80) * size)),
+        at: millimetres(&(middle + Vec3::new(0.46, -0.18, 0.60) * size)),
         on: millimetres(&middle),
     }
 }
 
-/// As the operator sees the target, from nearer.
+/// From the side on which the operator's eye is, nearer and higher: over the teeth of the other side.
 fn retraction(scene: &Scene, exercise: &Exercise) -> Option<Eye> {
     let objects = scene.objects.iter();
     let tongue = objects
@@ -218,6 +232,9 @@ fn retraction(scene: &Scene, exercise: &Exercise) -> Option<Eye> {
             ((low + high) / 2.0, Vec3::new(0.8, -0.4, 0.6))
         }
     };
+    let flat = Vec3::new(from.x, from.y, 0.0);
+    let up = norm(&flat) * RETRACTION_UP;
+    let from = Vec3::new(from.x, from.y, if from.z < up { up } else { from.z });
     Some(Eye {
         at: millimetres(&(on + from / norm(&from).max(1e-9) * (RETRACTION_MM * 1e-3))),
         on: millimetres(&on),

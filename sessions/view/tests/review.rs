@@ -52,7 +52,7 @@ fn picture() -> ReviewPicture {
             at: [0.0, 0.0, 2.0],
             text: "36".into(),
         }],
-        sites: Vec::new(),
+        span_ns: [1_000_000, 3_500_000_000],
         reading_band_n: Some([0.2, 0.25]),
         trauma_n: Some(0.5),
         overview: eye,
@@ -101,7 +101,7 @@ fn frame(tick: i64) -> FramePicture {
     FramePicture {
         tools: vec![Some(probe), None],
         // Any number of them, none too.
-        contacts: vec![arrow; (tick % 4) as usize],
+        contacts: vec![vec![arrow; (tick % 4) as usize], Vec::new()],
         close_up: standing,
     }
 }
@@ -118,6 +118,9 @@ fn every_row_is_read_back() {
             file.frame(at(tick), &frame(tick)).expect("fits");
             moving[3][2] += 0.1;
             file.part(at(tick), 2, &moving).expect("fits");
+        }
+        if tick == 2000 {
+            file.sites(at(tick), &picture().teeth);
         }
         if tick % 1000 == 0 {
             file.event(at(tick), Weight::Warning, "heavy");
@@ -139,7 +142,7 @@ fn every_row_is_read_back() {
         ("/tools/mirror", 70),
         ("/hands/mirror", 70),
         ("/offsets/probe", 70),
-        ("/forces/contacts", 70),
+        ("/contacts/probe", 70),
         ("/forces/on_probe", 70),
         ("/close_up", 70),
         ("/events", 3),
@@ -152,7 +155,7 @@ fn every_row_is_read_back() {
     assert!(rows.values().all(|of| of.chunks <= 5), "{rows:?}");
     assert_eq!(rows["/mouth/teeth/tooth_36"].constant, 1);
     assert_eq!(rows["/labels/teeth"].constant, 1);
-    assert!(!rows.contains_key("/labels/sites"), "there is none");
+    assert_eq!(rows["/labels/sites"].timed, 1);
     assert_eq!(rows["/mouth/gingiva/gingiva_36"].constant, 1, "never moved");
     // One vertex moves; its patches are there at the beginning, and each time it has moved.
     let patches = rows.iter();

@@ -4,10 +4,12 @@ use rerun::RecordingStream;
 use rerun::blueprint::components::{BackgroundKind, Eye3DKind};
 use rerun::components::{AggregationPolicy, MarkerShape};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns,
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
 };
+use rerun::external::re_sdk_types::blueprint::components::LinkAxis;
 use rerun::external::re_sdk_types::blueprint::components::{TextLogColumn, TimelineColumn};
 use rerun::external::re_sdk_types::blueprint::datatypes;
+use rerun::external::re_sdk_types::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
 
 use super::picture::{Eye, Lane, ReviewPicture};
 use super::write::entity;
@@ -29,8 +31,14 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
     let mut below = vec![(1.0, close_up(picture))];
     if let Some(eye) = picture.retraction {
         let tongue = space(
-            "tongue, from where the operator looks",
-            &["/mouth/**", "/tools/**", "/forces/**", TEETH],
+            "tongue",
+            &[
+                "/mouth/**",
+                "/tools/**",
+                "/forces/**",
+                "/contacts/**",
+                TEETH,
+            ],
             eye,
         );
         below.push((1.0, tongue.into_part()));
@@ -43,6 +51,7 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
             "/hands/**",
             "/offsets/**",
             "/forces/**",
+            "/contacts/**",
             TEETH,
         ],
         picture.overview,
@@ -132,6 +141,7 @@ fn close_up(picture: &ReviewPicture) -> Part {
         entity("/offsets", tool),
         entity("/forces", &format!("on {tool}")),
     );
+    let contacts = entity("/contacts", tool);
     let contents = [
         "/mouth/teeth/**",
         "/mouth/gingiva/**",
@@ -140,7 +150,7 @@ fn close_up(picture: &ReviewPicture) -> Part {
         &hand,
         &offset,
         &push,
-        "/forces/contacts",
+        &contacts,
         SITES,
     ];
     // What leaves its tint to the view: the gingivae. Of these the near side alone; the far one would only cloud what is in it.
@@ -164,11 +174,28 @@ fn lanes(picture: &ReviewPicture) -> Part {
         .get(picture.probe)
         .map_or("probe", |tool| &tool.name);
     let name = format!("where the {tool} is, how heavy, and whether the target is seen");
-    View::new("StateTimeline", name, &["/lanes/**"]).into_part()
+    View::new("StateTimeline", name, &["/lanes/**"])
+        .with("TimeAxis", all_of(picture))
+        .into_part()
+}
+
+/// All of what is shown.
+fn all_of(picture: &ReviewPicture) -> TimeAxis {
+    let [start, end] = picture
+        .span_ns
+        .map(|ns| TimeRangeBoundary::Absolute(TimeInt(ns)));
+    TimeAxis::new()
+        .with_link(LinkAxis::LinkToGlobal)
+        .with_view_range(TimeRange { start, end })
 }
 
 fn plot(name: &str, contents: &str) -> Part {
     View::new("TimeSeries", name, &[contents])
+        // Plots are moved together.
+        .with(
+            "TimeAxis",
+            TimeAxis::new().with_link(LinkAxis::LinkToGlobal),
+        )
         .with("PlotLegend", PlotLegend::new().with_visible(false))
         .into_part()
 }

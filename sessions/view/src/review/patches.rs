@@ -86,6 +86,8 @@ impl Patches {
                 .with_vertex_colors(super::write::colours(&of.vertex_colours));
             stream.log_static(patch.path.as_str(), &shown)?;
         }
+        // Columns do not wait for what was logged before them: a viewer would have vertices and no triangles.
+        stream.flush_blocking()?;
         Ok(())
     }
 

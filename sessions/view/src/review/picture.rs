@@ -104,8 +104,8 @@ pub struct ReviewPicture {
     pub parts: Vec<PartPicture>,
     /// Numbers of the teeth.
     pub teeth: Vec<Label>,
-    /// Names of the sites that the exercise visits.
-    pub sites: Vec<Label>,
+    /// First and last moment of what is shown, nanoseconds since the session began.
+    pub span_ns: [i64; 2],
     /// Force on the floor at which a depth is to be read, N.
     pub reading_band_n: Option<[f64; 2]>,
     /// Force on the floor from which healthy tissue bleeds, N.
@@ -188,8 +188,8 @@ pub struct Arrow {
 pub struct FramePicture {
     /// In the order of the picture's tools; none where no hand holds it.
     pub tools: Vec<Option<ToolStanding>>,
-    /// Single contacts that bear load.
-    pub contacts: Vec<Arrow>,
+    /// Single contacts that bear load, of each tool.
+    pub contacts: Vec<Vec<Arrow>>,
     /// The frame in which the close-up is seen.
     pub close_up: Standing,
 }

@@ -86,7 +86,10 @@ impl Series {
     }
 }
 
-/// Poses of one entity. What is not there has no size.
+/// Size of what is not there. (None at all is no transform for the viewer.)
+const NOTHING: f32 = 1e-6;
+
+/// Poses of one entity. What is not there has hardly any size.
 #[derive(Debug)]
 pub(crate) struct Poses {
     pub path: String,
@@ -112,7 +115,8 @@ impl Poses {
         self.at.push(standing.map_or([0.0; 3], |s| s.at));
         let upright = [0.0, 0.0, 0.0, 1.0];
         self.turned.push(standing.map_or(upright, |s| s.turned));
-        self.size.push(if standing.is_some() { 1.0 } else { 0.0 });
+        self.size
+            .push(if standing.is_some() { 1.0 } else { NOTHING });
     }
 
     pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
@@ -221,6 +225,47 @@ impl Lines {
         }
         let columns = rerun::LineStrips3D::update_fields()
             .with_strips(self.strips.drain(..))
+            .columns(std::mem::take(&mut self.lengths))?;
+        self.times.send(stream, &self.path, columns)
+    }
+}
+
+/// Words at places, any number in a row.
+#[derive(Debug)]
+pub(crate) struct Words {
+    pub path: String,
+    pub times: Times,
+    lengths: Vec<usize>,
+    at: Vec<[f32; 3]>,
+    texts: Vec<String>,
+}
+
+impl Words {
+    pub fn new(path: String) -> Self {
+        Self {
+            path,
+            times: Times::default(),
+            lengths: Vec::new(),
+            at: Vec::new(),
+            texts: Vec::new(),
+        }
+    }
+
+    pub fn push(&mut self, at: Moment, labels: &[super::picture::Label]) {
+        self.times.push(at);
+        self.lengths.push(labels.len());
+        self.at.extend(labels.iter().map(|label| label.at));
+        self.texts
+            .extend(labels.iter().map(|label| label.text.clone()));
+    }
+
+    pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
+        if self.times.len() == 0 {
+            return Ok(());
+        }
+        let columns = rerun::Points3D::update_fields()
+            .with_positions(self.at.drain(..))
+            .with_labels(self.texts.drain(..))
             .columns(std::mem::take(&mut self.lengths))?;
         self.times.send(stream, &self.path, columns)
     }

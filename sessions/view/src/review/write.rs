@@ -14,7 +14,7 @@ use super::picture::{
     Arrow, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, ReviewPicture,
     Slider, Weight,
 };
-use super::waiting::{Arrows, Lines, Poses, Series, Times};
+use super::waiting::{Arrows, Lines, Poses, Series, Times, Words};
 use crate::{Refusal, ViewError};
 
 /// Name of the application that the viewer keeps this layout for.
@@ -46,7 +46,8 @@ pub struct ReviewFile {
     hands: Vec<Poses>,
     offsets: Vec<Lines>,
     pushes: Vec<Arrows>,
-    contacts: Arrows,
+    contacts: Vec<Arrows>,
+    sites: Words,
     close_up: Poses,
     /// Of each part that has moved.
     patches: BTreeMap<usize, Patches>,
@@ -100,7 +101,11 @@ impl ReviewFile {
                 .iter()
                 .map(|tool| Arrows::new(entity("/forces", &format!("on {}", tool.name)), true))
                 .collect(),
-            contacts: Arrows::new("/forces/contacts".into(), false),
+            contacts: named("/contacts")
+                .into_iter()
+                .map(|path| Arrows::new(path, false))
+                .collect(),
+            sites: Words::new(layout::SITES.into()),
             close_up: Poses::new(layout::CLOSE_UP.into()),
             patches: BTreeMap::new(),
             events: (Times::default(), Vec::new(), Vec::new()),
@@ -142,7 +147,9 @@ impl ReviewFile {
     /// # Errors
     /// If it has another number of tools than the picture.
     pub fn frame(&mut self, at: Moment, frame: &FramePicture) -> Result<(), ViewError> {
-        fit("frame", "tools", frame.tools.len(), self.tools.len())?;
+        let tools = self.tools.len();
+        fit("frame", "tools", frame.tools.len(), tools)?;
+        fit("frame", "contacts", frame.contacts.len(), tools)?;
         let scale = self.picture.arrow_mm_per_n;
         for (k, tool) in frame.tools.iter().enumerate() {
             let graphic = tool.as_ref().map(|tool| &tool.graphic);
@@ -160,13 +167,15 @@ impl ReviewFile {
             });
             self.pushes[k].push(at, arrow);
         }
-        let contacts = frame.contacts.iter().map(|arrow: &Arrow| {
-            let [r, g, b] = colour_of(arrow.by);
-            let colour = rerun::Color::from_rgb(r, g, b);
-            let vector = arrow.force_n.map(|x| x * scale);
-            (arrow.at, vector, colour, String::new())
-        });
-        self.contacts.push(at, contacts);
+        for (waiting, contacts) in self.contacts.iter_mut().zip(&frame.contacts) {
+            let arrows = contacts.iter().map(|arrow: &Arrow| {
+                let [r, g, b] = colour_of(arrow.by);
+                let colour = rerun::Color::from_rgb(r, g, b);
+                let vector = arrow.force_n.map(|x| x * scale);
+                (arrow.at, vector, colour, String::new())
+            });
+            waiting.push(at, arrows);
+        }
         self.close_up.push(at, Some(&frame.close_up));
         Ok(())
     }
@@ -203,6 +212,11 @@ impl ReviewFile {
         };
         patches.push(at, vertices);
         Ok(())
+    }
+
+    /// From now on these are the names beside the sites in the close-up.
+    pub fn sites(&mut self, at: Moment, labels: &[Label]) {
+        self.sites.push(at, labels);
     }
 
     /// Takes in a line of the log.
@@ -264,13 +278,14 @@ impl ReviewFile {
         for lines in &self.offsets {
             add(&lines.path, &lines.times);
         }
-        for arrows in self.pushes.iter().chain([&self.contacts]) {
+        for arrows in self.pushes.iter().chain(&self.contacts) {
             add(&arrows.path, &arrows.times);
         }
         for (path, times) in self.patches.values().flat_map(Patches::times) {
             add(path, times);
         }
         add(layout::EVENTS, &self.events.0);
+        add(&self.sites.path, &self.sites.times);
         for (lane, (times, _)) in &self.lanes {
             add(lane.path(), times);
         }
@@ -308,12 +323,13 @@ impl ReviewFile {
         for lines in &mut self.offsets {
             lines.send(stream)?;
         }
-        for arrows in self.pushes.iter_mut().chain([&mut self.contacts]) {
+        for arrows in self.pushes.iter_mut().chain(&mut self.contacts) {
             arrows.send(stream)?;
         }
         for patches in self.patches.values_mut() {
             patches.send(stream)?;
         }
+        self.sites.send(stream)?;
         let (times, texts, levels) = &mut self.events;
         if times.len() > 0 {
             let columns = rerun::TextLog::update_fields()
@@ -403,33 +419,25 @@ fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStream, Refusa
         stream.log_static(entity("/offsets", &tool.name), &line)?;
         let thick = rerun::Arrows3D::update_fields().with_radii([0.22]);
         stream.log_static(entity("/forces", &format!("on {}", tool.name)), &thick)?;
+        let thin = rerun::Arrows3D::update_fields().with_radii([0.09]);
+        stream.log_static(entity("/contacts", &tool.name), &thin)?;
     }
-    let thin = rerun::Arrows3D::update_fields().with_radii([0.09]);
-    stream.log_static("/forces/contacts", &thin)?;
-    for (path, labels) in [
-        (layout::TEETH, &picture.teeth),
-        (layout::SITES, &picture.sites),
-    ] {
-        log_labels(&stream, path, labels)?;
+    let look = rerun::Points3D::update_fields()
+        .with_show_labels(true)
+        .with_colors([rerun::Color::from_rgb(190, 230, 190)])
+        .with_radii([0.12]);
+    stream.log_static(layout::SITES, &look)?;
+    if !picture.teeth.is_empty() {
+        let teeth = look
+            .with_positions(picture.teeth.iter().map(|label| label.at))
+            .with_labels(picture.teeth.iter().map(|label| label.text.as_str()));
+        stream.log_static(layout::TEETH, &teeth)?;
     }
     let about = rerun::TextDocument::new(picture.about.as_str())
         .with_media_type(rerun::MediaType::markdown());
     stream.log_static(layout::ABOUT, &about)?;
     layout::styles(&stream, picture)?;
     Ok(stream)
-}
-
-fn log_labels(stream: &RecordingStream, path: &str, labels: &[Label]) -> Result<(), Refusal> {
-    if labels.is_empty() {
-        return Ok(());
-    }
-    let points = rerun::Points3D::new(labels.iter().map(|label| label.at))
-        .with_labels(labels.iter().map(|label| label.text.as_str()))
-        .with_show_labels(true)
-        .with_colors([rerun::Color::from_rgb(190, 230, 190)])
-        .with_radii([0.12]);
-    stream.log_static(path, &points)?;
-    Ok(())
 }
 
 /// Colour of a contact's arrow, by what pushes.
