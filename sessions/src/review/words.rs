@@ -203,3 +203,64 @@ fn plainly(what: &Occurrence) -> String {
     });
     format!("{name}: {}", said.collect::<Vec<_>>().join(", "))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn said(kind: &str, data: serde_json::Value) -> String {
+        sentence(&Occurrence {
+            kind: kind.into(),
+            tick: 7,
+            data,
+        })
+    }
+
+    #[test]
+    fn events_are_told_as_a_dentist_says_them() {
+        let at = |more: serde_json::Value| {
+            let mut data = json!({"tool": 0, "tooth": 36, "site": "mesiobuccal"});
+            for (key, value) in more.as_object().expect("an object") {
+                data[key] = value.clone();
+            }
+            data
+        };
+        for (kind, data, expected) in [
+            (
+                "floor_felt",
+                at(json!({"depth_mm": 4.04, "force_n": 0.2151})),
+                "36 mesiobuccal: floor felt at 4.0 mm with 0.22 N",
+            ),
+            (
+                "left_site",
+                at(json!({"deepest_mm": null, "max_force_n": 0.1, "seconds": 1.25})),
+                "36 mesiobuccal: left after 1.2 s, never at the reading force, at most 0.10 N on the floor",
+            ),
+            (
+                "force_zone",
+                json!({"zone": "too_heavy", "floor_force_n": 0.31, "depth_mm": 4.2}),
+                "force on the floor: too heavy, 0.31 N at 4.2 mm",
+            ),
+            (
+                "target_hidden",
+                json!({"tooth": 37, "free": 0.25}),
+                "37 is hidden: 25 % of it free of the tongue",
+            ),
+            (
+                "reading_called",
+                at(json!({"depth_mm": 4})),
+                "36 mesiobuccal: called 4 mm",
+            ),
+            // Of another version, or a client's own.
+            (
+                "some_thing",
+                json!({"a_b": "x", "c": 1}),
+                "some thing: a b x, c 1",
+            ),
+            ("floor_felt", json!(null), ": floor felt at ? mm with ? N"),
+        ] {
+            assert_eq!(said(kind, data), expected);
+        }
+    }
+}

@@ -12,7 +12,7 @@
 //! `mesa-vulkan-drivers`) is made by `picture.py` beside this crate's manifest:
 //!
 //! ```text
-//! sulcus-sessions review SESSION.mcap --from 20 --to 24 --out part.rrd --no-open
+//! sulcus-sessions review SESSION.mcap --to 24 --slider end --out part.rrd --no-open
 //! python sessions/view/picture.py part.rrd part.png
 //! ```
 
