@@ -11,8 +11,8 @@ use rerun::external::re_sdk_types::blueprint::components::{TextLogColumn, Timeli
 use rerun::external::re_sdk_types::blueprint::datatypes;
 use rerun::external::re_sdk_types::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
 
+use super::begin::entity;
 use super::picture::{Eye, Lane, ReviewPicture};
-use super::write::entity;
 use crate::Refusal;
 use crate::layout::{Part, View};
 

@@ -1,6 +1,7 @@
 //! A recorded session for the viewer: the mouth and the tools in space, forces as arrows, what was measured as plots,
 //! what happened as a log, all on the session's time.
 
+mod begin;
 mod layout;
 mod normals;
 mod patches;

@@ -83,7 +83,7 @@ impl Patches {
             };
             let shown = rerun::Mesh3D::update_fields()
                 .with_triangle_indices(of.triangles)
-                .with_vertex_colors(super::write::colours(&of.vertex_colours));
+                .with_vertex_colors(super::begin::colours(&of.vertex_colours));
             stream.log_static(patch.path.as_str(), &shown)?;
         }
         // Columns do not wait for what was logged before them: a viewer would have vertices and no triangles.
