@@ -31,6 +31,8 @@ pub mod occurrence;
 pub mod read;
 pub mod record;
 pub mod replay;
+#[cfg(feature = "review")]
+pub mod review;
 pub mod row;
 mod scan;
 pub mod statement;

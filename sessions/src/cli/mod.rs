@@ -3,6 +3,7 @@
 mod info;
 mod print;
 mod replay;
+mod review;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -37,6 +38,12 @@ enum Command {
         after_long_help = "Examples:\n  sulcus-sessions replay session.mcap\n  sulcus-sessions replay session.mcap --signer station.pub --json\n  sulcus-sessions replay session.mcap --solver clarabel    (bits differ; shows by how many newtons)\n  sulcus-sessions replay recordings/*.mcap --audit"
     )]
     Replay(replay::ReplayArgs),
+    /// Replays a session and writes what happened for the Rerun viewer: mouth, tools, forces, plots, log
+    #[command(
+        long_about = "Replays a session and writes what happened as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer where `rerun` of the right version is on PATH. A recording whose replay differs is not shown.",
+        after_long_help = "Examples:\n  sulcus-sessions review session.mcap\n  sulcus-sessions review session.mcap --from 20 --to 30 --out part.rrd --no-open\n  sulcus-sessions review session.mcap --no-open --json | tail -n 1 | jq .rows"
+    )]
+    Review(review::ReviewArgs),
 }
 
 /// Runs the program with these arguments, the first of which is its name.
@@ -56,6 +63,7 @@ where
     let json = match &cli.command {
         Command::Info(args) => args.json,
         Command::Replay(args) => args.json,
+        Command::Review(args) => args.json,
     };
     let outcome = match cli.command {
         Command::Info(args) => for_each(&args.files, args.json, "bytes", info::info_of),
@@ -64,6 +72,7 @@ where
                 replay::replay_of(path, &options)
             })
         }),
+        Command::Review(args) => review::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         if json {

@@ -1,0 +1,146 @@
+//! `review`: a recorded session for the Rerun viewer.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+
+#[derive(Args)]
+pub(super) struct ReviewArgs {
+    /// Recording
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// File to write; without it, the recording's name with the ending `.rrd`
+    #[arg(long, value_name = "FILE.rrd")]
+    out: Option<PathBuf>,
+    /// Show from this second of the session on
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    from: f64,
+    /// Show up to this second of the session
+    #[arg(long, value_name = "S")]
+    to: Option<f64>,
+    /// Where the slider stands when the file is opened: `end` for a picture of that moment
+    #[arg(long, value_enum, default_value_t = SliderAt::Start)]
+    slider: SliderAt,
+    /// Only write the file
+    #[arg(long)]
+    no_open: bool,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SliderAt {
+    /// Where the file begins
+    Start,
+    /// Where it ends
+    End,
+}
+
+/// Built without Rerun.
+#[cfg(not(feature = "review"))]
+pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
+    anyhow::bail!(
+        "{}: this program was built without `review`, which needs Rerun; build it with: cargo build --release -p sulcus-sessions --features review",
+        args.file.display()
+    )
+}
+
+#[cfg(feature = "review")]
+pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
+    use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+    use serde_json::json;
+
+    use super::print::{at, object, say};
+    use crate::read::Recording;
+    use crate::review::{ReviewError, Slider, Window, review};
+
+    let window = Window {
+        from_s: args.from,
+        to_s: args.to.unwrap_or(f64::INFINITY),
+    };
+    // A NaN is in no order.
+    if !(window.from_s >= 0.0 && window.from_s < window.to_s) {
+        anyhow::bail!(
+            "--from is {} s and --to {} s, expected 0 or more, and --from before --to",
+            window.from_s,
+            window.to_s
+        );
+    }
+    let file = args.file.display().to_string();
+    let out = match &args.out {
+        Some(out) => out.clone(),
+        None => args.file.with_extension("rrd"),
+    };
+    if out == args.file {
+        anyhow::bail!("{file}: --out is the recording itself, expected another file");
+    }
+    let recording = Recording::open(&args.file).map_err(|error| at(&args.file, &error))?;
+    // Draws nothing when standard error is no terminal.
+    let bar =
+        ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
+        bar.set_style(style);
+    }
+    let began = std::time::Instant::now();
+    let slider = match args.slider {
+        SliderAt::Start => Slider::Start,
+        SliderAt::End => Slider::End,
+    };
+    let found = review(&recording, &out, window, slider, &mut |ticks| {
+        bar.set_position(ticks)
+    });
+    bar.finish_and_clear();
+    let report = match found {
+        Ok(report) => report,
+        Err(error @ ReviewError::Differs { tick, .. }) => {
+            // As with `replay`, no mistake of the user's: a finding.
+            let why = at(&args.file, &error);
+            super::print::complain(&why);
+            if args.json {
+                say(&json!({
+                    "file": file,
+                    "identical": false,
+                    "first_divergent_tick": tick,
+                    "error": why.to_string(),
+                })
+                .to_string())?;
+            }
+            return Ok(ExitCode::from(1));
+        }
+        Err(error) => return Err(at(&args.file, &error)),
+    };
+    let seconds = began.elapsed().as_secs_f64();
+    let opened = (!args.no_open).then(|| sulcus_view::open_viewer(&report.out));
+    let note = match &opened {
+        None => format!(
+            "to look at it: rerun {} (viewer {}: pip install rerun-sdk=={})",
+            report.out.display(),
+            sulcus_view::viewer_version(),
+            sulcus_view::viewer_version()
+        ),
+        Some(Ok(())) => "opened in the Rerun viewer".to_owned(),
+        Some(Err(why)) => why.to_string(),
+    };
+    if args.json {
+        let mut json = object(serde_json::to_value(&report)?);
+        json.insert("file".to_owned(), json!(file));
+        json.insert("identical".to_owned(), json!(true));
+        json.insert("seconds".to_owned(), json!(seconds));
+        json.insert("opened".to_owned(), json!(matches!(opened, Some(Ok(())))));
+        json.insert("note".to_owned(), json!(note));
+        say(&serde_json::Value::Object(json).to_string())?;
+    } else {
+        say(&format!(
+            "{}\n  {} ticks, {} pictures, {} shapes of tissue, {} events: {:.1} MB in {seconds:.1} s\n  {note}",
+            report.out.display(),
+            report.ticks,
+            report.frames,
+            report.shapes,
+            report.events,
+            report.bytes as f64 * 1e-6
+        ))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,180 @@
+//! A tick as numbers and as a picture.
+
+use sulcus_core::math::norm;
+use sulcus_core::output::{ForceZone, status};
+use sulcus_core::tissue::TissueModel;
+use sulcus_core::{Pose, Scene, TickInput, TickOutput, ToolOutput, Vec3, Workspace};
+use sulcus_view::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
+
+use super::follow::Follow;
+use super::picture::{kind_of, outward, probe_of};
+
+/// A contact that bears less is not drawn, N.
+const LEAST_N: f64 = 0.005;
+/// The hand is drawn where its tip or grip is farther than this from the instrument's, metres.
+const APART: f64 = 1e-4;
+
+/// How ticks are looked at.
+pub(super) struct Eyes {
+    probe: usize,
+    kinds: Vec<PartKind>,
+    follow: Follow,
+}
+
+impl Eyes {
+    pub fn new(scene: &Scene) -> Self {
+        let probe = probe_of(scene);
+        let park = &scene.tools[probe].park;
+        let away = outward(scene, &park.transform(&scene.tools[probe].tip));
+        Self {
+            probe,
+            kinds: scene.objects.iter().map(kind_of).collect(),
+            follow: Follow::new(libm::atan2(away.y, away.x)),
+        }
+    }
+
+    /// Moves the close-up's frame on, `step_s` after the last time.
+    pub fn follow(&mut self, scene: &Scene, output: &TickOutput, step_s: f64) {
+        self.follow.step(scene, output, self.probe, step_s);
+    }
+
+    /// How heavy the probe is, while it is in a pocket.
+    pub fn zone(&self, output: &TickOutput) -> Option<ForceZone> {
+        output.tools[self.probe].pocket.map(|reading| reading.zone)
+    }
+
+    /// The pocket that the tip is in: the gingiva's object, and whether it is on the cheek's side.
+    pub fn side(&self, scene: &Scene, output: &TickOutput) -> Option<(u16, bool)> {
+        let reading = output.tools[self.probe].pocket.as_ref()?;
+        match &scene.objects.get(usize::from(reading.object))?.tissue {
+            TissueModel::Gingiva(gingiva) => {
+                let site = gingiva.site_at(reading.around);
+                Some((reading.object, site.is_buccal()))
+            }
+            _ => None,
+        }
+    }
+
+    /// What a tick says in numbers.
+    pub fn numbers(&self, scene: &Scene, input: &TickInput, output: &TickOutput) -> Numbers {
+        let tools = || held(scene, input, output);
+        let size = |of: fn(&ToolOutput) -> Vec3, scale: f64| {
+            tools()
+                .map(|tool| tool.map_or(0.0, |tool| norm(&of(tool)) * scale))
+                .collect()
+        };
+        let reading = output.tools[self.probe].pocket;
+        let prescribed = reading.as_ref().and_then(|reading| {
+            match &scene.objects.get(usize::from(reading.object))?.tissue {
+                TissueModel::Gingiva(gingiva) => {
+                    Some(gingiva.prescribed(gingiva.site_at(reading.around)).depth)
+                }
+                _ => None,
+            }
+        });
+        let mm = |metres: Option<f64>| metres.map_or(f64::NAN, |metres| metres * 1e3);
+        let sum = |of: fn(&ToolOutput) -> f64| tools().flatten().map(of).sum::<f64>();
+        Numbers {
+            force_n: size(|tool| tool.wrench.force, 1.0),
+            torque_nmm: size(|tool| tool.wrench.torque, 1e3),
+            depth_mm: mm(reading.map(|reading| reading.depth)),
+            prescribed_mm: mm(prescribed),
+            floor_n: reading.map_or(0.0, |reading| reading.floor_force),
+            work: vec![
+                sum(|tool| f64::from(tool.substeps)),
+                sum(|tool| f64::from(tool.rows)),
+            ],
+        }
+    }
+
+    /// What a tick looks like.
+    pub fn frame(
+        &self,
+        scene: &Scene,
+        input: &TickInput,
+        output: &TickOutput,
+        ws: &Workspace,
+    ) -> FramePicture {
+        let mut contacts = vec![Vec::new(); scene.tools.len()];
+        // Of each tool: sum of the forces, and of the places by force.
+        let mut sums = vec![(Vec3::zeros(), Vec3::zeros(), 0.0); scene.tools.len()];
+        for (contact, load) in ws.contacts() {
+            let slot = usize::from(contact.tool);
+            let (Some(tool), Some(sum)) = (scene.tools.get(slot), sums.get_mut(slot)) else {
+                continue;
+            };
+            let Some(node) = tool.tree.nodes().get(contact.tool_sphere as usize) else {
+                continue;
+            };
+            let sphere = node.sphere();
+            let centre = output.tools[slot].graphic.transform(&sphere.centre);
+            let at = centre - contact.normal * sphere.radius;
+            let force = contact.normal * load;
+            sum.0 += force;
+            sum.1 += at * load;
+            sum.2 += load;
+            let kind = self.kinds.get(usize::from(contact.object));
+            if load >= LEAST_N {
+                contacts[slot].push(Arrow {
+                    at: millimetres(&at),
+                    force_n: plain(&force),
+                    by: kind.copied().unwrap_or(PartKind::Other),
+                });
+            }
+        }
+        let tools = held(scene, input, output).enumerate().map(|(k, out)| {
+            let (out, tool) = (out?, &scene.tools[k]);
+            let tips = [&out.graphic, &out.haptic].map(|pose| pose.transform(&tool.tip));
+            let grips = norm(&(out.haptic.position - out.graphic.position));
+            let apart = norm(&(tips[1] - tips[0])) > APART || grips > APART;
+            let (force, places, load) = sums[k];
+            Some(ToolStanding {
+                graphic: standing(&out.graphic),
+                haptic: apart.then(|| standing(&out.haptic)),
+                tips: tips.map(|tip| millimetres(&tip)),
+                push: (norm(&force) >= LEAST_N && load > 0.0).then(|| Arrow {
+                    at: millimetres(&(places / load)),
+                    force_n: plain(&force),
+                    by: PartKind::Other,
+                }),
+            })
+        });
+        FramePicture {
+            tools: tools.collect(),
+            contacts,
+            close_up: self.follow.standing(),
+        }
+    }
+}
+
+/// What a tick says of each of the scene's tools; none where no hand holds it.
+fn held<'a>(
+    scene: &Scene,
+    input: &TickInput,
+    output: &'a TickOutput,
+) -> impl Iterator<Item = Option<&'a ToolOutput>> {
+    let tools = input.tools.iter().zip(&output.tools);
+    let tools = tools
+        .map(|(asked, said)| (asked.present && said.status & status::ABSENT == 0).then_some(said));
+    tools
+        .take(scene.tools.len())
+        .collect::<Vec<_>>()
+        .into_iter()
+}
+
+fn standing(pose: &Pose) -> Standing {
+    let q = pose.orientation.coords;
+    Standing {
+        at: millimetres(&pose.position),
+        turned: [q.x, q.y, q.z, q.w].map(|x| x as f32),
+    }
+}
+
+/// For the eye: millimetres.
+pub(super) fn millimetres(at: &Vec3) -> [f32; 3] {
+    plain(&(at * 1e3))
+}
+
+fn plain(v: &Vec3) -> [f32; 3] {
+    [v.x, v.y, v.z].map(|x| x as f32)
+}

@@ -1,0 +1,94 @@
+//! Shapes of what yields, while it is not at rest.
+
+use sulcus_core::{DisplaySkin, Scene, Vec3, Workspace};
+use sulcus_view::{Moment, ReviewFile, ViewError};
+
+use super::frame::millimetres;
+
+/// All that yields.
+pub(super) struct Tissues {
+    parts: Vec<Tissue>,
+    shapes: u64,
+}
+
+struct Tissue {
+    object: usize,
+    /// What carries its vertices; made when it first moves.
+    skin: Option<DisplaySkin>,
+    rest: Vec<Vec3>,
+    moved: Vec<Vec3>,
+    /// In millimetres.
+    shape: Vec<[f32; 3]>,
+    /// Whether it was at rest last.
+    at_rest: bool,
+}
+
+impl Tissues {
+    pub fn new(scene: &Scene) -> Self {
+        let yielding = scene.objects.iter().enumerate();
+        let yielding = yielding.filter(|(_, object)| !object.tissue.is_rigid());
+        let parts = yielding.map(|(object, of)| {
+            let vertices = of.mesh.vertices.iter();
+            let rest: Vec<Vec3> = vertices.map(|v| Vec3::from(v.map(f64::from))).collect();
+            Tissue {
+                object,
+                skin: None,
+                moved: vec![Vec3::zeros(); rest.len()],
+                rest,
+                shape: Vec::new(),
+                at_rest: true,
+            }
+        });
+        Self {
+            parts: parts.collect(),
+            shapes: 0,
+        }
+    }
+
+    /// Shapes shown.
+    pub fn shapes(&self) -> u64 {
+        self.shapes
+    }
+
+    /// Shows what has moved since the last frame.
+    pub fn frame(
+        &mut self,
+        scene: &Scene,
+        ws: &Workspace,
+        at: Moment,
+        file: &mut ReviewFile,
+    ) -> Result<(), ViewError> {
+        for part in &mut self.parts {
+            let object = part.object;
+            if let Some(shape) = part.changed(scene, ws) {
+                file.part(at, object, shape)?;
+                self.shapes += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Tissue {
+    /// Its vertices, unless it rests and has rested.
+    fn changed(&mut self, scene: &Scene, ws: &Workspace) -> Option<&[[f32; 3]]> {
+        let rests = ws.shape_of(self.object).iter().all(|x| *x == 0.0);
+        if rests && self.at_rest {
+            return None;
+        }
+        self.at_rest = rests;
+        if rests {
+            self.moved.fill(Vec3::zeros());
+        } else {
+            let skin = self
+                .skin
+                .get_or_insert_with(|| DisplaySkin::of(&scene.objects[self.object]));
+            skin.displacements(&ws.carriers_moved(scene, self.object), &mut self.moved);
+        }
+        let at = self.rest.iter().zip(&self.moved);
+        self.shape.clear();
+        self.shape
+            .extend(at.map(|(rest, moved)| millimetres(&(rest + moved))));
+        Some(&self.shape)
+    }
+}

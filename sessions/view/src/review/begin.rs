@@ -1,0 +1,127 @@
+//! What a review says once: meshes, looks, words, layout.
+
+use std::path::Path;
+
+use rerun::blueprint::components::PlayState;
+use rerun::{RecordingStream, RecordingStreamBuilder};
+
+use super::layout;
+use super::normals::normals;
+use super::picture::{MeshPicture, PartKind, ReviewPicture, Slider};
+use crate::Refusal;
+
+/// Name of the application that the viewer keeps this layout for.
+const APPLICATION: &str = "sulcus_review";
+/// Where the hand is: colour of its ghost and of the line to it.
+const HAND: [u8; 3] = [90, 200, 255];
+/// How much of the ghost is seen.
+const GHOST_ALPHA: u8 = 90;
+
+/// The file, with all that does not change.
+pub(super) fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStream, Refusal> {
+    let stream = RecordingStreamBuilder::new(APPLICATION)
+        // Whatever the environment says of Rerun: a file was asked for.
+        .enabled(true)
+        .save(path)?;
+    stream.send_recording_name(picture.name.as_str())?;
+    stream.disable_timeline("log_time");
+    stream.disable_timeline("log_tick");
+    crate::layout::send(
+        &stream,
+        APPLICATION,
+        super::waiting::SESSION,
+        match picture.slider {
+            Slider::Start => PlayState::Paused,
+            Slider::End => PlayState::Following,
+        },
+        &layout::of(picture),
+    )?;
+    stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    for tool in &picture.tools {
+        let shown = mesh(&tool.mesh, Some([255; 4]));
+        stream.log_static(entity("/tools", &tool.name), &shown)?;
+        let ghost = MeshPicture {
+            colour: HAND,
+            vertex_colours: Vec::new(),
+            ..tool.mesh.clone()
+        };
+        let ghost = mesh(&ghost, Some([255, 255, 255, GHOST_ALPHA]));
+        stream.log_static(entity("/hands", &tool.name), &ghost)?;
+        let line = rerun::LineStrips3D::update_fields()
+            .with_radii([0.08])
+            .with_colors([rerun::Color::from_rgb(HAND[0], HAND[1], HAND[2])]);
+        stream.log_static(entity("/offsets", &tool.name), &line)?;
+        let thick = rerun::Arrows3D::update_fields().with_radii([0.22]);
+        stream.log_static(entity("/forces", &format!("on {}", tool.name)), &thick)?;
+        let thin = rerun::Arrows3D::update_fields().with_radii([0.09]);
+        stream.log_static(entity("/contacts", &tool.name), &thin)?;
+    }
+    let look = rerun::Points3D::update_fields()
+        .with_show_labels(true)
+        .with_colors([rerun::Color::from_rgb(190, 230, 190)])
+        .with_radii([0.12]);
+    stream.log_static(layout::SITES, &look)?;
+    if !picture.teeth.is_empty() {
+        let teeth = look
+            .with_positions(picture.teeth.iter().map(|label| label.at))
+            .with_labels(picture.teeth.iter().map(|label| label.text.as_str()));
+        stream.log_static(layout::TEETH, &teeth)?;
+    }
+    let about = rerun::TextDocument::new(picture.about.as_str())
+        .with_media_type(rerun::MediaType::markdown());
+    stream.log_static(layout::ABOUT, &about)?;
+    layout::styles(&stream, picture)?;
+    Ok(stream)
+}
+
+/// Colour of a contact's arrow, by what pushes.
+pub(super) fn colour_of(kind: PartKind) -> [u8; 3] {
+    match kind {
+        PartKind::Tooth => [120, 170, 255],
+        PartKind::Gingiva => [255, 90, 80],
+        PartKind::Tongue => [255, 150, 60],
+        PartKind::Other => [200, 200, 200],
+    }
+}
+
+/// A mesh that does not move, with a tint, or with that of the view.
+pub(super) fn mesh(mesh: &MeshPicture, tint: Option<[u8; 4]>) -> rerun::Mesh3D {
+    let one = [mesh.colour];
+    let each = if mesh.vertex_colours.is_empty() {
+        one.iter().cycle().take(mesh.vertices.len())
+    } else {
+        mesh.vertex_colours.iter().cycle().take(mesh.vertices.len())
+    };
+    let shown = rerun::Mesh3D::new(mesh.vertices.iter().copied())
+        .with_triangle_indices(mesh.triangles.iter().copied())
+        .with_vertex_normals(normals(&mesh.vertices, &mesh.triangles))
+        .with_vertex_colors(colours(each));
+    let Some([r, g, b, a]) = tint else {
+        return shown;
+    };
+    shown
+        .with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(r, g, b, a))
+        .with_face_rendering(rerun::components::MeshFaceRendering::DoubleSided)
+}
+
+/// As Rerun has them.
+pub(super) fn colours<'a>(
+    of: impl IntoIterator<Item = &'a [u8; 3]>,
+) -> impl Iterator<Item = rerun::Color> {
+    of.into_iter()
+        .map(|[r, g, b]| rerun::Color::from_rgb(*r, *g, *b))
+}
+
+/// An entity's path; names may hold anything.
+pub(super) fn entity(root: &str, name: &str) -> String {
+    let plain: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
+        .collect();
+    let plain = if plain.is_empty() {
+        "_".to_owned()
+    } else {
+        plain
+    };
+    format!("{root}/{plain}")
+}

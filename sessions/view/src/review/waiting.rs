@@ -1,0 +1,272 @@
+//! Rows that wait to be sent as columns.
+
+use rerun::{RecordingStream, SerializedComponentColumn, TimeColumn};
+
+use super::picture::Moment;
+use crate::Refusal;
+
+/// Timeline of the session's time.
+pub(crate) const SESSION: &str = "session";
+/// Timeline of ticks.
+pub(crate) const TICK: &str = "tick";
+
+/// Times of the rows that wait at one entity, and how many were sent.
+#[derive(Debug, Default)]
+pub(crate) struct Times {
+    ticks: Vec<i64>,
+    nanoseconds: Vec<i64>,
+    sent: u64,
+}
+
+impl Times {
+    pub fn push(&mut self, at: Moment) {
+        self.ticks.push(at.tick);
+        self.nanoseconds.push(at.session_ns);
+    }
+
+    pub fn len(&self) -> usize {
+        self.ticks.len()
+    }
+
+    /// Rows sent so far.
+    pub fn sent(&self) -> u64 {
+        self.sent
+    }
+
+    /// Sends the waiting rows of an entity with these columns, one entry a row each.
+    pub fn send(
+        &mut self,
+        stream: &RecordingStream,
+        path: &str,
+        columns: impl IntoIterator<Item = SerializedComponentColumn>,
+    ) -> Result<(), Refusal> {
+        self.sent += self.ticks.len() as u64;
+        let times = [
+            TimeColumn::new_duration_nanos(SESSION, self.nanoseconds.drain(..)),
+            TimeColumn::new_sequence(TICK, self.ticks.drain(..)),
+        ];
+        stream.send_columns(path, times, columns)?;
+        Ok(())
+    }
+}
+
+/// Rows of numbers, as many in each, for a plot.
+#[derive(Debug)]
+pub(crate) struct Series {
+    pub path: String,
+    pub times: Times,
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl Series {
+    pub fn new(path: &str, width: usize) -> Self {
+        Self {
+            path: path.to_owned(),
+            times: Times::default(),
+            width,
+            values: Vec::new(),
+        }
+    }
+
+    pub fn push(&mut self, at: Moment, values: &[f64]) {
+        debug_assert_eq!(values.len(), self.width);
+        self.times.push(at);
+        self.values.extend_from_slice(values);
+    }
+
+    pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
+        let rows = self.times.len();
+        if rows == 0 || self.width == 0 {
+            return Ok(());
+        }
+        let scalars = rerun::Scalars::new(std::mem::take(&mut self.values));
+        let columns = scalars.columns(std::iter::repeat_n(self.width, rows))?;
+        self.times.send(stream, &self.path, columns)
+    }
+}
+
+/// Size of what is not there. (None at all is no transform for the viewer.)
+const NOTHING: f32 = 1e-6;
+
+/// Poses of one entity. What is not there has hardly any size.
+#[derive(Debug)]
+pub(crate) struct Poses {
+    pub path: String,
+    pub times: Times,
+    at: Vec<[f32; 3]>,
+    turned: Vec<[f32; 4]>,
+    size: Vec<f32>,
+}
+
+impl Poses {
+    pub fn new(path: String) -> Self {
+        Self {
+            path,
+            times: Times::default(),
+            at: Vec::new(),
+            turned: Vec::new(),
+            size: Vec::new(),
+        }
+    }
+
+    pub fn push(&mut self, at: Moment, standing: Option<&super::picture::Standing>) {
+        self.times.push(at);
+        self.at.push(standing.map_or([0.0; 3], |s| s.at));
+        let upright = [0.0, 0.0, 0.0, 1.0];
+        self.turned.push(standing.map_or(upright, |s| s.turned));
+        self.size
+            .push(if standing.is_some() { 1.0 } else { NOTHING });
+    }
+
+    pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
+        if self.times.len() == 0 {
+            return Ok(());
+        }
+        let columns = rerun::Transform3D::update_fields()
+            .with_many_translation(self.at.drain(..))
+            .with_many_quaternion(self.turned.drain(..).map(rerun::Quaternion::from_xyzw))
+            .with_many_scale(self.size.drain(..).map(rerun::Scale3D::uniform))
+            .columns_of_unit_batches()?;
+        self.times.send(stream, &self.path, columns)
+    }
+}
+
+/// Arrows of one entity, any number in a row, with or without words.
+#[derive(Debug)]
+pub(crate) struct Arrows {
+    pub path: String,
+    pub times: Times,
+    lengths: Vec<usize>,
+    origins: Vec<[f32; 3]>,
+    vectors: Vec<[f32; 3]>,
+    colours: Vec<rerun::Color>,
+    labels: Option<Vec<String>>,
+}
+
+impl Arrows {
+    pub fn new(path: String, labelled: bool) -> Self {
+        Self {
+            path,
+            times: Times::default(),
+            lengths: Vec::new(),
+            origins: Vec::new(),
+            vectors: Vec::new(),
+            colours: Vec::new(),
+            labels: labelled.then(Vec::new),
+        }
+    }
+
+    /// A row of arrows: origin, vector (mm), colour and word.
+    pub fn push(
+        &mut self,
+        at: Moment,
+        arrows: impl Iterator<Item = ([f32; 3], [f32; 3], rerun::Color, String)>,
+    ) {
+        let before = self.origins.len();
+        for (origin, vector, colour, label) in arrows {
+            self.origins.push(origin);
+            self.vectors.push(vector);
+            self.colours.push(colour);
+            if let Some(labels) = &mut self.labels {
+                labels.push(label);
+            }
+        }
+        self.times.push(at);
+        self.lengths.push(self.origins.len() - before);
+    }
+
+    pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
+        if self.times.len() == 0 {
+            return Ok(());
+        }
+        let arrows = rerun::Arrows3D::update_fields()
+            .with_vectors(self.vectors.drain(..))
+            .with_origins(self.origins.drain(..))
+            .with_colors(self.colours.drain(..));
+        let arrows = match &mut self.labels {
+            Some(labels) => arrows.with_labels(labels.drain(..)),
+            None => arrows,
+        };
+        let lengths = std::mem::take(&mut self.lengths);
+        self.times
+            .send(stream, &self.path, arrows.columns(lengths)?)
+    }
+}
+
+/// A line between two points, or none, in each row.
+#[derive(Debug)]
+pub(crate) struct Lines {
+    pub path: String,
+    pub times: Times,
+    lengths: Vec<usize>,
+    strips: Vec<[[f32; 3]; 2]>,
+}
+
+impl Lines {
+    pub fn new(path: String) -> Self {
+        Self {
+            path,
+            times: Times::default(),
+            lengths: Vec::new(),
+            strips: Vec::new(),
+        }
+    }
+
+    pub fn push(&mut self, at: Moment, line: Option<[[f32; 3]; 2]>) {
+        self.times.push(at);
+        self.lengths.push(usize::from(line.is_some()));
+        self.strips.extend(line);
+    }
+
+    pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
+        if self.times.len() == 0 {
+            return Ok(());
+        }
+        let columns = rerun::LineStrips3D::update_fields()
+            .with_strips(self.strips.drain(..))
+            .columns(std::mem::take(&mut self.lengths))?;
+        self.times.send(stream, &self.path, columns)
+    }
+}
+
+/// Words at places, any number in a row.
+#[derive(Debug)]
+pub(crate) struct Words {
+    pub path: String,
+    pub times: Times,
+    lengths: Vec<usize>,
+    at: Vec<[f32; 3]>,
+    texts: Vec<String>,
+}
+
+impl Words {
+    pub fn new(path: String) -> Self {
+        Self {
+            path,
+            times: Times::default(),
+            lengths: Vec::new(),
+            at: Vec::new(),
+            texts: Vec::new(),
+        }
+    }
+
+    pub fn push(&mut self, at: Moment, labels: &[super::picture::Label]) {
+        self.times.push(at);
+        self.lengths.push(labels.len());
+        self.at.extend(labels.iter().map(|label| label.at));
+        self.texts
+            .extend(labels.iter().map(|label| label.text.clone()));
+    }
+
+    pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
+        if self.times.len() == 0 {
+            return Ok(());
+        }
+        let columns = rerun::Points3D::update_fields()
+            .with_positions(self.at.drain(..))
+            .with_labels(self.texts.drain(..))
+            .columns(std::mem::take(&mut self.lengths))?;
+        self.times.send(stream, &self.path, columns)
+    }
+}

@@ -1,0 +1,113 @@
+//! Finding the viewer and starting it.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Version of Rerun that files are written with. A viewer of another version may refuse them.
+pub fn version() -> String {
+    let version = rerun::build_info().version;
+    format!("{}.{}.{}", version.major, version.minor, version.patch)
+}
+
+/// Why no viewer was started.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoViewer {
+    /// There is none.
+    #[error(
+        "no Rerun viewer on PATH; to get it: pip install rerun-sdk=={expected}, then: rerun {file}"
+    )]
+    Missing {
+        /// Version that is needed.
+        expected: String,
+        /// What to open.
+        file: String,
+    },
+    /// It is another version.
+    #[error(
+        "the Rerun viewer on PATH says `{found}`, the file is for {expected}: pip install rerun-sdk=={expected}, then: rerun {file}"
+    )]
+    Version {
+        /// What it says of itself.
+        found: String,
+        /// Version that is needed.
+        expected: String,
+        /// What to open.
+        file: String,
+    },
+    /// It does not start.
+    #[error("the Rerun viewer does not start: {why}")]
+    Start {
+        /// What the system said.
+        why: String,
+    },
+}
+
+/// Opens `file` in the viewer that is installed here as `rerun`; it runs on by itself.
+///
+/// # Errors
+/// Says how to get the viewer when there is none, or one of another version.
+pub fn open_viewer(file: &Path) -> Result<(), NoViewer> {
+    open_with("rerun", file)
+}
+
+fn open_with(program: &str, file: &Path) -> Result<(), NoViewer> {
+    let expected = version();
+    let name = file.display().to_string();
+    let asked = Command::new(program)
+        .arg("--version")
+        .stdin(Stdio::null())
+        .output();
+    let said = match asked {
+        Ok(output) => String::from_utf8_lossy(&output.stdout).into_owned(),
+        Err(_) => {
+            return Err(NoViewer::Missing {
+                expected,
+                file: name,
+            });
+        }
+    };
+    // `rerun-cli 0.36.3 [rustc ...] x86_64-unknown-linux-gnu ...`
+    if said.split_whitespace().nth(1) != Some(expected.as_str()) {
+        return Err(NoViewer::Version {
+            found: said.chars().take(60).collect::<String>().trim().to_owned(),
+            expected,
+            file: name,
+        });
+    }
+    Command::new(program)
+        .arg(file)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .map(drop)
+        .map_err(|error| NoViewer::Start {
+            why: error.to_string(),
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_has_no_viewer_is_told_how_to_get_the_right_one() {
+        let told = open_with("no-such-program-anywhere", Path::new("a.rrd"))
+            .expect_err("there is none")
+            .to_string();
+        let version = version();
+        assert!(
+            told.contains(&format!("pip install rerun-sdk=={version}"))
+                && told.ends_with("rerun a.rrd"),
+            "{told}"
+        );
+        assert!(version.starts_with("0."), "{version}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn another_program_is_not_taken_for_the_viewer() {
+        let told = open_with("echo", Path::new("a.rrd")).expect_err("it is echo");
+        assert!(matches!(told, NoViewer::Version { .. }), "{told:?}");
+    }
+}
