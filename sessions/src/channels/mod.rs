@@ -41,8 +41,10 @@ mod views;
 pub use cadence::{FRAMES_HZ, WRENCHES_HZ};
 pub use foxglove_types::Schema;
 pub(crate) use foxglove_types::{log, schema_of};
+pub(crate) use names::paths;
 pub use own_types::v1;
 pub use shapes::{Sampler, Shapes};
+pub(crate) use tool::is_held;
 pub use views::Views;
 
 /// Topic of the session's log for viewers.

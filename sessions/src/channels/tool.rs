@@ -16,7 +16,7 @@ use crate::occurrence::zone_name;
 const LISTED: usize = 32;
 
 /// Whether anybody holds it.
-pub(super) fn is_held(output: &ToolOutput) -> bool {
+pub(crate) fn is_held(output: &ToolOutput) -> bool {
     output.status & status::ABSENT == 0
 }
 
