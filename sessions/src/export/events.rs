@@ -41,9 +41,9 @@ impl EventTable {
     pub fn line(&mut self, event: &Event) -> Result<(), ExportError> {
         // What was said before the first tick has a negative time.
         let seconds = if event.time_unix_ns >= self.began_unix_ns {
-            (event.time_unix_ns - self.began_unix_ns) as f64 * 1e-9
+            (event.time_unix_ns - self.began_unix_ns) as f64 / 1e9
         } else {
-            -((self.began_unix_ns - event.time_unix_ns) as f64 * 1e-9)
+            -((self.began_unix_ns - event.time_unix_ns) as f64 / 1e9)
         };
         let level = match event.level {
             Level::Info => "info",

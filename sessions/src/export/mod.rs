@@ -177,7 +177,7 @@ pub fn export(
                 return;
             };
             let Row { time_unix_ns, .. } = row;
-            let seconds = time_unix_ns.saturating_sub(began) as f64 * 1e-9;
+            let seconds = time_unix_ns.saturating_sub(began) as f64 / 1e9;
             let written = match &mut ticks {
                 Some(ticks) => ticks.line(&row, output),
                 None => Ok(()),

@@ -114,7 +114,7 @@ impl TickTable {
             return Ok(());
         }
         let input = &row.input;
-        let seconds = row.time_unix_ns.saturating_sub(self.began_unix_ns) as f64 * 1e-9;
+        let seconds = row.time_unix_ns.saturating_sub(self.began_unix_ns) as f64 / 1e9;
         let mut line = std::mem::take(&mut self.line);
         line.clear();
         for field in [
