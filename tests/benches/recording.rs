@@ -135,11 +135,11 @@ fn run(scene: &Scene, inputs: &[TickInput], mut queue: Option<&mut Queue>) -> Ve
     let mut times = Vec::with_capacity(inputs.len());
     let begin = monotonic_ns();
     for (k, input) in inputs.iter().enumerate() {
-        sleep_until(begin + k as u64 * 1_000_000);
+        sleep_until(begin + k as u64 * scene.params.tick_ns());
         let cpu = cpu_ns();
         let output = tick(scene, &mut state, &mut ws, input, &mut NoProbe);
         if let Some(queue) = &mut queue {
-            let unix_ns = output.tick * 1_000_000;
+            let unix_ns = output.tick * scene.params.tick_ns();
             queue.push(unix_ns, input, &output, &ws, cpu_ns() - cpu);
         }
         times.push(cpu_ns() - cpu);
@@ -154,7 +154,7 @@ fn main() {
     }
     let scene = Arc::new(mouth(1, false, 3));
     let script = hands(&scene, BEGINS + SECONDS + LEAVING);
-    let ticks = ((BEGINS + SECONDS) * 1e3) as u64;
+    let ticks = scene.params.ticks_in(BEGINS + SECONDS);
     let hand = (HandParams::default(), 7);
     let inputs = record(&scene, Box::new(script), hand, ticks, |_, _| {});
     let folder = tempfile::tempdir().expect("a folder");
@@ -170,8 +170,14 @@ fn main() {
         assert_eq!(queue.dropped, 0, "the recorder kept up");
         eprintln!("run {k}: {:.1} MB", bytes as f64 * 1e-6);
     }
-    let measured =
-        |times: &[u64]| Percentiles::of(times.iter().skip((BEGINS * 1e3) as usize).copied());
+    let measured = |times: &[u64]| {
+        Percentiles::of(
+            times
+                .iter()
+                .skip(scene.params.ticks_in(BEGINS) as usize)
+                .copied(),
+        )
+    };
     let (without, with) = (measured(&without), measured(&with));
     println!("thread CPU time of a tick and its hand-over, us");
     println!(
