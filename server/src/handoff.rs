@@ -20,6 +20,8 @@ pub(crate) const SNAPSHOTS: usize = 3;
 pub(crate) fn looks(every: u64) -> usize {
     ROWS / every.max(1) as usize + 1
 }
+/// Shapes for viewers on their way: a quarter of a second's. Where none is left, a frame is left out, and the next one is not.
+pub(crate) const SHAPES: usize = 16;
 /// Seconds between two snapshots.
 pub(crate) const SNAPSHOT_S: f64 = 10.0;
 

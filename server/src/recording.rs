@@ -12,7 +12,8 @@ use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
 use sulcus_sessions::events::Look;
 use sulcus_sessions::{
-    Events, Exercise, Level, RecordError, Recorder, Row, SessionEnd, SessionHeader, StationKey,
+    Events, Exercise, Level, RecordError, Recorder, Row, Sampler, SessionEnd, SessionHeader,
+    Shapes, StationKey, Views,
 };
 
 use crate::ServerConfig;
@@ -32,10 +33,13 @@ pub(crate) const EVENTS: usize = 256;
     reason = "nearly all are ticks, and a box would be allocated in the tick's thread"
 )]
 pub(crate) enum Entry {
-    /// A tick, and what it put out: the events of the exercise are found in it here, not in the tick's thread.
-    Tick(Row, TickOutput),
+    /// A tick, what it put out and its thread CPU time, nanoseconds: the events of the exercise are found in it here, and
+    /// what viewers read is made of it, not in the tick's thread.
+    Tick(Row, TickOutput, u32),
     /// What a tick, which follows, left of the shapes that are looked at ([`sulcus_sessions::events::Look`]).
     Look(u64, Vec<Vec3>),
+    /// What a tick, which follows, left for viewers.
+    Shapes(Box<Shapes>),
     Snapshot {
         unix_ns: u64,
         tick: u64,
@@ -80,7 +84,7 @@ impl Plan {
 }
 
 /// A recorder with header, scene and the state before the first tick, and its file's name.
-pub(crate) struct Open(Recorder, String, Narrator);
+pub(crate) struct Open(Recorder, String, Narrator, Views);
 
 /// Finds the events of a session.
 pub(crate) struct Narrator {
@@ -112,6 +116,11 @@ impl Open {
     pub fn narrator(&self) -> &Narrator {
         &self.2
     }
+
+    /// What copies the shapes for viewers.
+    pub fn sampler(&self) -> Sampler {
+        self.3.sampler()
+    }
 }
 
 /// Buffers that the recorder gives back to the simulation.
@@ -120,6 +129,8 @@ pub(crate) struct Returned {
     pub snapshots: Producer<Vec<u8>>,
     /// Of looks.
     pub looks: Producer<Vec<Vec3>>,
+    /// Of shapes for viewers.
+    pub shapes: Producer<Box<Shapes>>,
 }
 
 /// Opens a recording under a name that no file has.
@@ -147,12 +158,13 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         .to_string_lossy()
         .into_owned();
     let begin = State::new(&config.scene).to_bytes();
-    recorder
+    let views = recorder
         .snapshot(plan.started_unix_ns, 0, &begin)
         .and_then(|()| recorder.event(plan.started_unix_ns, Level::Info, &plan.client))
-        .and_then(|()| recorder.flush())
+        .and_then(|()| Views::open(&config.scene, &mut recorder, plan.started_unix_ns))
         .map_err(|error| error.to_string())?;
-    Ok(Open(recorder, name, Narrator::new(config)))
+    recorder.flush().map_err(|error| error.to_string())?;
+    Ok(Open(recorder, name, Narrator::new(config), views))
 }
 
 /// The key that signs recordings: in the file named, else at its usual place; made on first use.
@@ -170,11 +182,13 @@ pub(crate) fn spawn(
     flags: Arc<Flags>,
     bell: Bell,
 ) -> std::io::Result<JoinHandle<Report>> {
-    let Open(recorder, file_name, narrator) = open;
+    let Open(recorder, file_name, narrator, views) = open;
     let thread = Thread {
         recorder,
         narrator,
+        views,
         look: None,
+        shapes: None,
         entries,
         returned,
         network,
@@ -190,8 +204,11 @@ pub(crate) fn spawn(
 struct Thread {
     recorder: Recorder,
     narrator: Narrator,
+    views: Views,
     /// The newest.
     look: Option<(u64, Vec<Vec3>)>,
+    /// The newest.
+    shapes: Option<Box<Shapes>>,
     entries: Consumer<Entry>,
     returned: Returned,
     network: Receiver<FromNetwork>,
@@ -244,9 +261,13 @@ impl Thread {
     fn drain(&mut self) {
         while let Ok(entry) = self.entries.pop() {
             let result = match entry {
-                Entry::Tick(row, output) => self.tick(&row, &output),
+                Entry::Tick(row, output, cpu_ns) => self.tick(&row, &output, cpu_ns),
                 Entry::Look(tick, centres) => {
                     self.look = Some((tick, centres));
+                    Ok(())
+                }
+                Entry::Shapes(shapes) => {
+                    self.shapes = Some(shapes);
                     Ok(())
                 }
                 Entry::Snapshot {
@@ -264,8 +285,8 @@ impl Thread {
         }
     }
 
-    /// Writes a tick's row, and what happened in it.
-    fn tick(&mut self, row: &Row, output: &TickOutput) -> Result<(), RecordError> {
+    /// Writes a tick's row, what happened in it, and what viewers read of it.
+    fn tick(&mut self, row: &Row, output: &TickOutput, cpu_ns: u32) -> Result<(), RecordError> {
         self.recorder.push(row)?;
         let look = self.look.take();
         let ours = look.as_ref().filter(|(tick, _)| *tick == output.tick);
@@ -278,7 +299,20 @@ impl Thread {
         if let Some((_, centres)) = look {
             let _ = self.returned.looks.push(centres);
         }
-        Ok(())
+        let shapes = self.shapes.take();
+        let scene = &self.narrator.scene;
+        let written = self.views.tick(
+            &mut self.recorder,
+            scene,
+            row,
+            output,
+            cpu_ns,
+            shapes.as_deref(),
+        );
+        if let Some(shapes) = shapes {
+            let _ = self.returned.shapes.push(shapes);
+        }
+        written
     }
 
     /// Keeps the first failure and tells the network, which ends the session.
@@ -322,6 +356,7 @@ mod tests {
         let (mut entries, entries_out) = rtrb::RingBuffer::new(8);
         let (snapshots, _snapshots) = rtrb::RingBuffer::new(1);
         let (looks, _looks) = rtrb::RingBuffer::new(1);
+        let (shapes, _shapes) = rtrb::RingBuffer::new(1);
         let (network, network_out) = std::sync::mpsc::sync_channel(EVENTS);
         let (flags, bell) = (Arc::new(Flags::default()), Bell::new().expect("eventfd"));
         let row = |tick| Row {
@@ -334,7 +369,7 @@ mod tests {
         };
         for tick in [1, 2, 2] {
             entries
-                .push(Entry::Tick(row(tick), output(tick)))
+                .push(Entry::Tick(row(tick), output(tick), 0))
                 .expect("room");
         }
         let scene = Arc::new(Scene {
@@ -348,11 +383,16 @@ mod tests {
             events: Events::new(&scene, &Exercise::free("free", 1.0)),
             scene,
         };
-        let open = Open(recorder, "session.mcap".into(), narrator);
+        let views = Views::open(&narrator.scene, &mut recorder, 0).expect("opened");
+        let open = Open(recorder, "session.mcap".into(), narrator, views);
         let thread = spawn(
             open,
             entries_out,
-            Returned { snapshots, looks },
+            Returned {
+                snapshots,
+                looks,
+                shapes,
+            },
             network_out,
             flags.clone(),
             bell,

@@ -9,11 +9,12 @@ use sulcus_core::{State, Vec3};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Event};
 use sulcus_proto::newest::ArrivalCounts;
+use sulcus_sessions::Shapes;
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
 use crate::handoff::{
-    Bell, EDGES, Edge, Flags, PoseIn, ROWS, SNAPSHOTS, WrenchOut, looks as looks_for,
+    Bell, EDGES, Edge, Flags, PoseIn, ROWS, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for,
 };
 use crate::metrics::Metrics;
 use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
@@ -100,11 +101,19 @@ impl Running {
             let look = recorder.narrator().look().clone();
             let (mut looks, looks_out) = RingBuffer::new(looks_for(look.every()));
             while looks.push(vec![Vec3::zeros(); look.len()]).is_ok() {}
+            let sampler = recorder.sampler();
+            let (mut shapes, shapes_out) = RingBuffer::new(SHAPES);
+            let room = Shapes::new(&config.scene);
+            while shapes.push(Box::new(room.like())).is_ok() {}
             let (to_recorder, from_network) = sync_channel(EVENTS);
             let recorder = recording::spawn(
                 recorder,
                 entries_out,
-                Returned { snapshots, looks },
+                Returned {
+                    snapshots,
+                    looks,
+                    shapes,
+                },
                 from_network,
                 flags.clone(),
                 bell.clone(),
@@ -120,6 +129,8 @@ impl Running {
                 buffers: buffers_out,
                 look,
                 looks: looks_out,
+                sampler,
+                shapes: shapes_out,
                 detail: config.detail,
                 real_time: config.real_time,
             };

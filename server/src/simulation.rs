@@ -8,8 +8,8 @@ use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_proto::WrenchDatagram;
 use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
-use sulcus_sessions::Row;
 use sulcus_sessions::events::Look;
+use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 
 use crate::detail::{Chooser, Detail};
@@ -35,6 +35,10 @@ pub(crate) struct Simulation {
     pub look: Look,
     /// Buffers for that, which the recorder gives back.
     pub looks: Consumer<Vec<Vec3>>,
+    /// What is read of the shapes for viewers.
+    pub sampler: Sampler,
+    /// Buffers for that, which the recorder gives back.
+    pub shapes: Consumer<Box<Shapes>>,
     /// Level of detail of tissue.
     pub detail: Detail,
     pub real_time: bool,
@@ -170,17 +174,18 @@ impl Ticker {
         ));
         self.link.bell.ring();
         let unix_ns = self.grid.unix_ns(now_ns);
-        self.record(unix_ns, &input, &output);
+        let cpu_ns = cpu_end.saturating_sub(cpu);
+        self.record(unix_ns, &input, &output, cpu_ns);
         if output.tick >= self.next_snapshot {
             self.next_snapshot = output.tick + self.scene.params.ticks_in(SNAPSHOT_S);
             self.snapshot(unix_ns);
         }
-        self.chooser.took(cpu_end.saturating_sub(cpu));
+        self.chooser.took(cpu_ns);
         self.metrics.skipped += u64::from(skipped);
         self.metrics.late += u64::from(wall_end > self.grid.next_ns);
         let times = TickTimes {
             wake_ns: now_ns.saturating_sub(point_ns),
-            cpu_ns: cpu_end.saturating_sub(cpu),
+            cpu_ns,
             wall_ns: wall_end.saturating_sub(wall),
         };
         self.metrics.tick(times, &output);
@@ -199,7 +204,7 @@ impl Ticker {
 
     /// Queues the tick for the record and its events, and before it the shapes that are looked at. (Should the queue be
     /// full, the row is missing too, and that is counted.)
-    fn record(&mut self, unix_ns: u64, input: &TickInput, output: &TickOutput) {
+    fn record(&mut self, unix_ns: u64, input: &TickInput, output: &TickOutput, cpu_ns: u64) {
         if self.link.look.is_due(output.tick)
             && let Ok(mut centres) = self.link.looks.pop()
         {
@@ -211,8 +216,19 @@ impl Ticker {
                 std::mem::forget(entry);
             }
         }
+        if self.link.sampler.is_due(output.tick)
+            && let Ok(mut shapes) = self.link.shapes.pop()
+        {
+            let sampler = &self.link.sampler;
+            sampler.read(output.tick, &self.workspace, &mut shapes);
+            if let Err(PushError::Full(entry)) = self.link.entries.push(Entry::Shapes(shapes)) {
+                std::mem::forget(entry);
+            }
+        }
         let row = Row::new(unix_ns, input, output);
-        if self.link.entries.push(Entry::Tick(row, *output)).is_err() {
+        let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
+        let entry = Entry::Tick(row, *output, cpu_ns);
+        if self.link.entries.push(entry).is_err() {
             self.metrics.rows_dropped += 1;
         }
     }

@@ -104,6 +104,9 @@ fn bench(rows: usize) -> Bench {
     let look = Look::new(&scene);
     let (mut looks, looks_out) = RingBuffer::new(16);
     while looks.push(vec![Vec3::zeros(); look.len()]).is_ok() {}
+    let sampler = Sampler::new(&scene);
+    let (mut shapes, shapes_out) = RingBuffer::new(32);
+    while shapes.push(Box::new(Shapes::new(&scene))).is_ok() {}
     let simulation = Simulation {
         scene,
         poses: poses_out,
@@ -115,6 +118,8 @@ fn bench(rows: usize) -> Bench {
         buffers: buffers_out,
         look,
         looks: looks_out,
+        sampler,
+        shapes: shapes_out,
         detail: Detail::default(),
         real_time: false,
     };
@@ -171,7 +176,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
     let (mut tick, mut snapshots) = (0, 0);
     while let Ok(entry) = bench.entries.pop() {
         match entry {
-            Entry::Tick(row, output) => {
+            Entry::Tick(row, output, _) => {
                 tick += 1 + u64::from(row.input.skipped);
                 assert_eq!((row.tick, row.hash), (tick, output.hash));
                 assert_eq!(output.tick, tick);
@@ -181,6 +186,9 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
                     of > tick && of.is_multiple_of(50),
                     "a look comes before its tick"
                 );
+            }
+            Entry::Shapes(shapes) => {
+                assert!(shapes.tick() > tick, "shapes come before their tick");
             }
             Entry::Snapshot {
                 tick: of, bytes, ..
@@ -208,6 +216,7 @@ fn a_recorder_that_stalls_costs_rows_and_says_so() {
     let mut bench = bench(4);
     // On a busy machine ten ticks may go past one at which shapes are looked at, which would take a slot.
     bench.ticker.link.look = Look::default();
+    bench.ticker.link.shapes = RingBuffer::new(1).1;
     // Nor may a snapshot come before the ring is full, wherever the clock's grid is by then.
     bench.ticker.next_snapshot = u64::MAX;
     for _ in 0..4 {

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::bytes::hex;
 use crate::read::{Ending, ReadError, Recording};
+use crate::sizes::{Sizes, sizes};
 use crate::statement::SessionEnd;
 use crate::verify::{Signature, verify};
 
@@ -19,6 +20,8 @@ pub struct Info {
     pub bytes: u64,
     /// Bytes for each minute of the session; `None` when it is too short to say.
     pub bytes_per_minute: Option<f64>,
+    /// Where its bytes are, what a minute takes, and what an hour will.
+    pub sizes: Sizes,
     /// From the first row to the last, seconds.
     pub duration_s: f64,
     /// Rows.
@@ -86,6 +89,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     Ok(Info {
         file: path.display().to_string(),
         bytes: recording.len(),
+        sizes: sizes(recording, duration_s)?,
         bytes_per_minute: (duration_s > 0.0).then(|| body as f64 / duration_s * 60.0),
         duration_s,
         ticks: facts.rows,
@@ -147,6 +151,7 @@ impl fmt::Display for Info {
             format!(", {:.2} MB per minute", rate * 1e-6)
         });
         writeln!(f, "  size       {:.2} MB{rate}", self.bytes as f64 * 1e-6)?;
+        writeln!(f, "{}", self.sizes)?;
         match &self.scene {
             Some(name) => writeln!(
                 f,

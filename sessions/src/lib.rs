@@ -9,7 +9,8 @@
 //!   station, opaque learner id, blake3 of every attachment, the signer's public key
 //! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
 //!   [`SignedStatement`]; `/events`: [`Event`]; the layouts stand in the file, as schemas
-//! - channels of other names are for viewers, and are skipped here
+//! - the rest is for viewers ([`channels`]), in chunks of its own, not signed, and skipped here: what a replay and a grade rest
+//!   on are the exact channels
 //!
 //! # Invariants
 //! - The file on disk is a clean prefix at any moment: chunks are appended whole.
@@ -19,9 +20,11 @@
 pub mod audit;
 mod bytes;
 mod chain;
+pub mod channels;
 mod cli;
 pub mod events;
 pub mod exercise;
+pub mod export;
 pub mod header;
 pub mod info;
 pub mod key;
@@ -35,12 +38,14 @@ pub mod replay;
 pub mod review;
 pub mod row;
 mod scan;
+pub mod sizes;
 pub mod statement;
 mod storage;
 pub mod verify;
 mod walk;
 
 pub use audit::{AuditReport, AuditRow, audit_tick};
+pub use channels::{Sampler, Shapes, Views};
 pub use cli::run;
 pub use events::Events;
 pub use exercise::Exercise;

@@ -2,6 +2,7 @@
 
 mod begin;
 mod error;
+mod viewers;
 
 use std::fs::OpenOptions;
 use std::path::Path;
@@ -10,6 +11,7 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 
 use crate::chain::{Chain, Link};
+use crate::channels;
 use crate::header::{self, SessionHeader};
 use crate::key::StationKey;
 use crate::message::{Event, Level, Topic};
@@ -19,6 +21,7 @@ use crate::storage::{FileStorage, Sink, Storage};
 
 use begin::{begin, reason};
 pub use error::RecordError;
+use viewers::Waiting;
 
 /// Record time between two flushes: what kill -9 can cost, besides the chunk being written.
 const FLUSH_EVERY_NS: u64 = 100_000_000;
@@ -43,6 +46,10 @@ pub struct Recorder {
     /// Gone after the first failure, or when finished.
     writer: Option<mcap::Writer<NoSeek<Sink>>>,
     ids: [u16; Topic::ALL.len()],
+    /// Channel of the log for viewers.
+    log: u16,
+    /// Messages for viewers that are not in a chunk yet.
+    waiting: Waiting,
     key: StationKey,
     chain: Chain,
     hashes: [[u8; 32]; 3],
@@ -93,10 +100,12 @@ impl Recorder {
         };
         let metadata = header.to_metadata(&key.public());
         let digest = header::digest(&metadata);
-        let (writer, ids) = begin(storage, header, metadata).map_err(stopped)?;
+        let begun = begin(storage, header, metadata).map_err(stopped)?;
         Ok(Self {
-            writer: Some(writer),
-            ids,
+            writer: Some(begun.writer),
+            ids: begun.ids,
+            log: begun.log,
+            waiting: Waiting::default(),
             key,
             chain: Chain::new(digest),
             hashes: [digest, header.scene_hash(), header.exercise_hash()],
@@ -155,7 +164,7 @@ impl Recorder {
         self.put(Topic::Snapshots, time_unix_ns, &bytes)
     }
 
-    /// Adds something worth reading to the session's log.
+    /// Adds something worth reading to the session's log, and to the log for viewers.
     ///
     /// # Errors
     /// The first failure to write.
@@ -172,16 +181,19 @@ impl Recorder {
         }
         .to_bytes();
         self.chain.add(Link::Event, None, &bytes);
-        self.put(Topic::Events, time_unix_ns, &bytes)
+        self.put(Topic::Events, time_unix_ns, &bytes)?;
+        let log = channels::log(time_unix_ns, level, text);
+        self.view(self.log, time_unix_ns, &log)
     }
 
-    /// Closes the chunk and hands it to the system. [`Recorder::push`] does so by itself every
-    /// 100 ms of record time; call this when rows stop coming.
+    /// Closes the chunks and hands them to the system. [`Recorder::push`] does so by itself every
+    /// 100 ms of record time (what viewers read: every 500 ms); call this when rows stop coming.
     ///
     /// # Errors
     /// The first failure to write.
     pub fn flush(&mut self) -> Result<(), RecordError> {
-        self.write(|writer| writer.flush())
+        self.write(|writer| writer.flush())?;
+        self.flush_views()
     }
 
     /// Rows that came after writing had failed.
@@ -199,6 +211,7 @@ impl Recorder {
     /// # Errors
     /// When writing fails or has failed before.
     pub fn finish(mut self, end: SessionEnd) -> Result<Finished, RecordError> {
+        self.flush()?;
         self.sign(self.last_time, Some(end))?;
         let rows = self.rows();
         let stopped = |what: String| RecordError::Stopped { rows, what };
@@ -222,7 +235,8 @@ impl Recorder {
             self.times = Some((flushed, now));
         }
         if now.abs_diff(flushed) >= FLUSH_EVERY_NS {
-            self.flush()?;
+            self.write(|writer| writer.flush())?;
+            self.flush_views_if_due()?;
             self.times = self.times.map(|(_, signed)| (now, signed));
         }
         Ok(())

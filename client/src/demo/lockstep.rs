@@ -8,7 +8,9 @@ use sulcus_cases::Observer;
 use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
-use sulcus_sessions::{Events, Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+use sulcus_sessions::{
+    Events, Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views,
+};
 
 use super::zones::{entered, zone_line};
 use crate::calls::calls;
@@ -62,6 +64,8 @@ pub fn run(
     let scene = prepared.scene.clone();
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     recorder.snapshot(started, 0, &state.to_bytes())?;
+    let mut views = Views::open(&scene, &mut recorder, started)?;
+    let (mut sampler, mut shapes) = (views.sampler(), Shapes::new(&scene));
     let (mut cpu, mut wall) = (histogram(), histogram());
     let mut shown = Shown::NOTHING;
     let mut observer = Observer::new(&scene);
@@ -83,12 +87,27 @@ pub fn run(
         }
         let (wall_0, cpu_0) = (Instant::now(), thread_cpu_ns());
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
-        cpu.saturating_record(thread_cpu_ns() - cpu_0);
+        let cpu_ns = thread_cpu_ns() - cpu_0;
+        cpu.saturating_record(cpu_ns);
         wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
         shown = as_sent(&output);
         observer.observe(&scene, &input, &output, &ws);
         let now = started + k * scene.params.tick_ns();
-        recorder.push(&Row::new(now, &input, &output))?;
+        let row = Row::new(now, &input, &output);
+        recorder.push(&row)?;
+        let due = sampler.is_due(output.tick);
+        if due {
+            sampler.read(output.tick, &ws, &mut shapes);
+        }
+        let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
+        views.tick(
+            &mut recorder,
+            &scene,
+            &row,
+            &output,
+            cpu_ns,
+            due.then_some(&shapes),
+        )?;
         for said in events.observe(&scene, &output, &ws) {
             recorder.event(now, said.level(), &said.to_string())?;
         }

@@ -173,6 +173,11 @@ impl Workspace {
         self.slots[k].map_or(&[], |slot| &self.yielding[slot].shape)
     }
 
+    /// Whether object `k` was touched in the last tick or is on its way back to rest; never a rigid one.
+    pub fn is_awake(&self, k: usize) -> bool {
+        self.slots[k].is_some_and(|slot| !self.yielding[slot].still)
+    }
+
     /// How far the carriers of object `k`'s [`crate::DisplaySkin`] had gone at the end of the last tick, by index, world axes,
     /// metres.
     pub fn carriers_moved(&self, scene: &Scene, k: usize) -> Vec<Vec3> {

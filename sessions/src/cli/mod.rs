@@ -1,5 +1,6 @@
 //! The command line: what is asked, what is printed, and the exit code.
 
+mod export;
 mod info;
 mod print;
 mod replay;
@@ -44,6 +45,12 @@ enum Command {
         after_long_help = "Examples:\n  sulcus-sessions review session.mcap\n  sulcus-sessions review session.mcap --from 20 --to 30 --out part.rrd --no-open\n  sulcus-sessions review session.mcap --no-open --json | tail -n 1 | jq .rows"
     )]
     Review(review::ReviewArgs),
+    /// Writes recorded sessions as tables and meshes for other programs
+    #[command(
+        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nEverything comes from a replay, so it is exact. ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those that people see, deformed as the tissue was; meshes/frames.csv says which file shows which part when.",
+        after_long_help = "Examples:\n  sulcus-sessions export session.mcap --out session\n  sulcus-sessions export session.mcap --out session --csv --every-ticks 10\n  sulcus-sessions export session.mcap --out session --meshes obj --at 12.5 --at 13"
+    )]
+    Export(export::ExportArgs),
 }
 
 /// Runs the program with these arguments, the first of which is its name.
@@ -64,9 +71,13 @@ where
         Command::Info(args) => args.json,
         Command::Replay(args) => args.json,
         Command::Review(args) => args.json,
+        Command::Export(args) => args.json,
     };
     let outcome = match cli.command {
         Command::Info(args) => for_each(&args.files, args.json, "bytes", info::info_of),
+        Command::Export(args) => for_each(&args.files, args.json, "ticks", |path| {
+            export::export_of(path, &args)
+        }),
         Command::Replay(args) => replay::options(&args).and_then(|options| {
             for_each(&args.files, args.json, "ticks", |path| {
                 replay::replay_of(path, &options)

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use foxglove::messages::Log;
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions};
 
+use crate::channels;
 use crate::header::{self, SessionHeader};
 use crate::message::Topic;
 use crate::storage::{Sink, Storage};
@@ -17,7 +19,14 @@ pub(super) fn reason(error: &mcap::McapError) -> String {
     }
 }
 
-pub(super) type Begun = (mcap::Writer<NoSeek<Sink>>, [u16; Topic::ALL.len()]);
+/// A file whose header is written.
+pub(super) struct Begun {
+    pub writer: mcap::Writer<NoSeek<Sink>>,
+    /// Channels of what is exact.
+    pub ids: [u16; Topic::ALL.len()],
+    /// Channel of the log for viewers.
+    pub log: u16,
+}
 
 /// Header, attachments, metadata and channels, flushed.
 pub(super) fn begin(
@@ -27,7 +36,10 @@ pub(super) fn begin(
 ) -> mcap::McapResult<Begun> {
     let mut writer = WriteOptions::new()
         .library(format!("sulcus {}", header.program_version))
-        .compression(Some(Compression::Lz4))
+        // Of two hands' exact rows zstd leaves 81 % of what lz4 leaves, for a few microseconds a tick. No threads of its own.
+        .compression(Some(Compression::Zstd))
+        .compression_level(1)
+        .compression_threads(0)
         .chunk_size(Some(256 << 10))
         // Chunks are appended whole: whatever ends the program, the file is a clean prefix.
         .disable_seeking(true)
@@ -57,6 +69,9 @@ pub(super) fn begin(
         ids[topic as usize] =
             writer.add_channel(schema, topic.name(), topic.encoding(), &BTreeMap::new())?;
     }
+    let log = channels::schema_of::<Log>("foxglove.Log");
+    let schema = writer.add_schema(log.name, "protobuf", log.data)?;
+    let log = writer.add_channel(schema, channels::LOG, "protobuf", &BTreeMap::new())?;
     writer.flush()?;
-    Ok((writer, ids))
+    Ok(Begun { writer, ids, log })
 }

@@ -1,0 +1,91 @@
+//! Spheres as points: at rest once, then where they go while their tissue is awake.
+
+use foxglove::messages::PointCloud;
+use sulcus_core::tissue::Tissue;
+use sulcus_core::{Object, SphereTree, Vec3};
+
+use super::foxglove_types::cloud;
+
+/// Points of one object at most: of a finer tree a coarser level is shown.
+const MAX_POINTS: usize = 1024;
+/// Places are rounded to this part of a metre: 8 um, less than a pixel where a tooth fills a screen; a power of two, so that
+/// the digits left out are zeros. (Clouds of two hands in a mouth: 4.6 MB a minute; 10.9 at a micrometre.)
+const STEPS_PER_M: f64 = 131_072.0;
+
+/// The finest level of a tree that is touched, and is not too many points.
+pub(super) fn shown_level(tree: &SphereTree, touched: u8) -> u8 {
+    let fits = |level: &u8| tree.shape_at(*level).count() <= MAX_POINTS;
+    (0..=touched).rev().find(fits).unwrap_or(0)
+}
+
+/// Spheres of a level, with their radii.
+pub(super) fn at_rest(unix_ns: u64, frame: &str, tree: &SphereTree, level: u8) -> PointCloud {
+    let mut data = Vec::new();
+    for (_, node) in tree.shape_at(level) {
+        put(&mut data, &node.centre);
+        data.extend((node.contact_radius as f32).to_le_bytes());
+    }
+    cloud(unix_ns, frame, &["x", "y", "z", "radius"], data)
+}
+
+fn put(data: &mut Vec<u8>, centre: &Vec3) {
+    for x in centre.iter() {
+        let rounded = (x * STEPS_PER_M).round() / STEPS_PER_M;
+        data.extend((rounded as f32).to_le_bytes());
+    }
+}
+
+/// The spheres of one tissue.
+pub(super) struct Cloud {
+    model: Box<dyn Tissue>,
+    /// Zeros: the configuration at rest.
+    rest: Vec<f64>,
+    ids: Vec<u32>,
+    centres: Vec<Vec3>,
+    /// Of the last message.
+    last: Vec<u8>,
+    awake: bool,
+}
+
+impl Cloud {
+    /// Of an object; none of what is rigid.
+    pub fn new(object: &Object) -> Option<Self> {
+        let model = object.tissue.ready(&object.tree, object.level)?;
+        let level = shown_level(&object.tree, object.level);
+        let ids: Vec<u32> = object.tree.shape_at(level).map(|(id, _)| id).collect();
+        Some(Self {
+            rest: vec![0.0; model.shape_len()],
+            model,
+            centres: vec![Vec3::zeros(); ids.len()],
+            ids,
+            last: Vec::new(),
+            awake: false,
+        })
+    }
+
+    /// The message for a tick after which the tissue had this configuration, or slept (`None`): nothing where it would
+    /// say the same again.
+    pub fn after(&mut self, unix_ns: u64, shape: Option<&[f64]>) -> Option<PointCloud> {
+        let awake = shape.is_some();
+        if !awake && !self.awake {
+            return None;
+        }
+        self.awake = awake;
+        let data = self.points(shape);
+        if data == self.last {
+            return None;
+        }
+        self.last.clone_from(&data);
+        Some(cloud(unix_ns, super::WORLD, &["x", "y", "z"], data))
+    }
+
+    fn points(&mut self, shape: Option<&[f64]>) -> Vec<u8> {
+        let shape = shape.unwrap_or(&self.rest);
+        self.model.centres(shape, &self.ids, &mut self.centres);
+        let mut data = Vec::with_capacity(12 * self.centres.len());
+        for centre in &self.centres {
+            put(&mut data, centre);
+        }
+        data
+    }
+}

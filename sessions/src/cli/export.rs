@@ -1,0 +1,115 @@
+//! `export`: recordings as files for other programs.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
+
+use super::print::{Outcome, at, object};
+use crate::export::{ExportOptions, Exported, MeshFormat, export};
+use crate::read::Recording;
+
+#[derive(Args)]
+pub(super) struct ExportArgs {
+    /// Recordings
+    #[arg(required = true, value_name = "FILE")]
+    pub(super) files: Vec<PathBuf>,
+    /// Folder for what is written; of several recordings each has a folder of its own in it
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Tables ticks.csv and events.csv (the default where no meshes are asked for)
+    #[arg(long)]
+    pub(super) csv: bool,
+    /// A line of ticks.csv for every N ticks
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub(super) every_ticks: u64,
+    /// Meshes as they were deformed
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, default_missing_value = "ply")]
+    pub(super) meshes: Option<Format>,
+    /// Meshes at this time, seconds from the first tick; may be given more than once
+    #[arg(long, value_name = "SECONDS", requires = "meshes")]
+    pub(super) at: Vec<f64>,
+    /// Meshes every so many seconds (the default where no time is given: 1)
+    #[arg(long, value_name = "SECONDS", requires = "meshes")]
+    pub(super) every: Option<f64>,
+    /// Print one JSON object on the last line of standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum Format {
+    /// Wavefront, text
+    Obj,
+    /// Stanford, binary
+    Ply,
+}
+
+impl ExportArgs {
+    fn options(&self) -> ExportOptions {
+        let meshes = self.meshes.map(|format| match format {
+            Format::Obj => MeshFormat::Obj,
+            Format::Ply => MeshFormat::Ply,
+        });
+        ExportOptions {
+            tables: self.csv || meshes.is_none(),
+            every_ticks: self.every_ticks,
+            meshes,
+            at_s: self.at.clone(),
+            every_s: self.every.or(self.at.is_empty().then_some(1.0)),
+        }
+    }
+
+    fn folder(&self, file: &Path) -> PathBuf {
+        match self.files.as_slice() {
+            [_] => self.out.clone(),
+            _ => self.out.join(file.file_stem().unwrap_or_default()),
+        }
+    }
+}
+
+pub(super) fn export_of(path: &Path, args: &ExportArgs) -> anyhow::Result<Outcome> {
+    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    // Draws nothing when standard error is no terminal.
+    let bar =
+        ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
+        bar.set_style(style);
+    }
+    let folder = args.folder(path);
+    let done = export(&recording, &args.options(), &folder, &mut |ticks| {
+        bar.set_position(ticks)
+    });
+    bar.finish_and_clear();
+    let done = done.map_err(|error| at(path, &error))?;
+    let mut json = object(serde_json::to_value(&done)?);
+    json.insert("file".to_owned(), json!(path.display().to_string()));
+    json.insert("folder".to_owned(), json!(folder.display().to_string()));
+    Ok(Outcome {
+        json,
+        text: text(path, &folder, &done),
+        finding: !done.identical,
+    })
+}
+
+fn text(path: &Path, folder: &Path, done: &Exported) -> String {
+    let mut lines = vec![format!("{} -> {}", path.display(), folder.display())];
+    if done.tick_lines > 0 {
+        lines.push(format!("  ticks.csv  {} lines", done.tick_lines));
+        lines.push(format!("  events.csv {} lines", done.event_lines));
+    }
+    if done.mesh_files > 0 {
+        lines.push(format!(
+            "  meshes     {} files, {} times",
+            done.mesh_files, done.mesh_frames
+        ));
+    }
+    lines.push(match done.first_divergent_tick {
+        None => format!("  replay     identical, {} ticks", done.ticks),
+        Some(tick) => {
+            format!("  replay     DIFFERS from tick {tick}: this is what the replay gave")
+        }
+    });
+    lines.join("\n")
+}

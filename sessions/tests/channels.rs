@@ -1,0 +1,173 @@
+//! Channels for viewers beside the exact record: what they add, and what they leave alone.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::collections::BTreeMap;
+
+use common::*;
+use sulcus_core::{NoProbe, State, Workspace, tick};
+use sulcus_sessions::*;
+
+/// A session with channels for viewers; ticks come as `ticks` says, so that some may be missing.
+fn recorded_with_views(ticks: u64, skip: std::ops::Range<u64>) -> Vec<u8> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let scene = scene();
+    let mut recorder = Recorder::create(&path, &header(&scene), key()).unwrap();
+    let (mut state, mut workspace) = (State::new(&scene), Workspace::new(&scene));
+    recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
+    let mut views = Views::open(&scene, &mut recorder, BEGAN).unwrap();
+    let (mut sampler, mut shapes) = (views.sampler(), Shapes::new(&scene));
+    recorder.event(BEGAN, Level::Warning, "begins").unwrap();
+    let mut missed = 0;
+    for k in 0..ticks {
+        if skip.contains(&k) {
+            missed += 1;
+            continue;
+        }
+        let mut input = input(k);
+        input.skipped = std::mem::take(&mut missed);
+        let output = tick(&scene, &mut state, &mut workspace, &input, &mut NoProbe);
+        let row = Row::new(BEGAN + output.tick * 1_000_000, &input, &output);
+        recorder.push(&row).unwrap();
+        let due = sampler.is_due(output.tick);
+        if due {
+            sampler.read(output.tick, &workspace, &mut shapes);
+        }
+        let shapes = due.then_some(&shapes);
+        views
+            .tick(&mut recorder, &scene, &row, &output, 1000, shapes)
+            .unwrap();
+    }
+    let end = SessionEnd {
+        ticks: recorder.rows(),
+        ..SessionEnd::default()
+    };
+    recorder.finish(end).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+fn replayed(bytes: Vec<u8>) -> ReplayReport {
+    let recording = Recording::from_bytes(bytes).unwrap();
+    let options = ReplayOptions::default();
+    replay(&recording, &options, &mut |_| {}).unwrap()
+}
+
+/// Messages by topic, with their times.
+fn messages(bytes: &[u8]) -> BTreeMap<String, Vec<u64>> {
+    let mut found: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+    for message in mcap::MessageStream::new(bytes).unwrap() {
+        let message = message.unwrap();
+        let topic = message.channel.topic.clone();
+        found.entry(topic).or_default().push(message.log_time);
+    }
+    found
+}
+
+#[test]
+fn replay_and_signature_do_not_notice_them() {
+    let bytes = recorded_with_views(2000, 0..0);
+    let report = replayed(bytes.clone());
+    assert!(report.identical && report.gradable, "{report:?}");
+    // An editor that takes them out, or alters them, changes nothing that anything rests on.
+    let without = with_messages(&bytes, |topic, _| {
+        topic.starts_with("/exact") || topic == "/events"
+    });
+    assert!(replayed(without).gradable);
+    let altered = with_messages(&bytes, |topic, data| {
+        if topic.starts_with("/tools") {
+            data.reverse();
+        }
+        true
+    });
+    assert!(replayed(altered).gradable);
+}
+
+#[test]
+fn rates_hold_over_ticks_that_were_missed() {
+    let bytes = recorded_with_views(1600, 500..700);
+    let found = messages(&bytes);
+    let frames = found["/tools/rod/haptic"].len();
+    // Every sixteenth of 1600 ticks, and the first; a hole of 200 takes twelve or thirteen.
+    assert!((88..=90).contains(&frames), "{frames}");
+    let wrenches = found["/tools/rod/wrench"].len();
+    assert!((175..=178).contains(&wrenches), "{wrenches}");
+    assert_eq!(found["/log"].len(), found["/events"].len());
+    // Nothing here yields: what rests is shown once.
+    assert_eq!(found["/objects/balls/spheres"], [BEGAN]);
+    assert_eq!(found["/tools/rod/spheres"], [BEGAN]);
+    let rows: Vec<u64> = found["/exact/ticks"].clone();
+    for (topic, times) in &found {
+        let there = |time: &u64| *time == BEGAN || rows.binary_search(time).is_ok();
+        assert!(times.iter().all(there), "{topic}");
+    }
+}
+
+#[test]
+fn exact_and_other_messages_never_share_a_chunk() {
+    let bytes = recorded_with_views(3000, 0..0);
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let mut kinds = [0; 2];
+    for chunk in &summary.chunk_indexes {
+        let topics: Vec<bool> = summary
+            .stream_chunk(&bytes, chunk)
+            .unwrap()
+            .map(|message| message.unwrap().channel.topic.clone())
+            .map(|topic| topic.starts_with("/exact") || topic == "/events")
+            .collect();
+        assert!(topics.windows(2).all(|pair| pair[0] == pair[1]));
+        if let Some(exact) = topics.first() {
+            kinds[usize::from(*exact)] += 1;
+        }
+    }
+    // Every 100 ms and every 500 ms.
+    assert!(
+        kinds[1] >= 30 && (6..kinds[1]).contains(&kinds[0]),
+        "{kinds:?}"
+    );
+}
+
+#[test]
+fn info_says_where_every_byte_is() {
+    let bytes = recorded_with_views(3000, 0..0);
+    let recording = Recording::from_bytes(bytes.clone()).unwrap();
+    let info = info(std::path::Path::new("x.mcap"), &recording).unwrap();
+    let sizes = &info.sizes;
+    let sum = sizes.header_bytes as f64 + sizes.exact_bytes + sizes.view_bytes + sizes.rest_bytes;
+    assert!(
+        (sum - bytes.len() as f64).abs() < 1e-3,
+        "{sum} of {}",
+        bytes.len()
+    );
+    let found = messages(&bytes);
+    for channel in &sizes.channels {
+        let there = found.get(&channel.topic).map_or(0, Vec::len);
+        assert_eq!(channel.messages, there as u64, "{}", channel.topic);
+        let exact = channel.topic.starts_with("/exact") || channel.topic == "/events";
+        assert_eq!(channel.exact, exact);
+    }
+    assert!(
+        found
+            .keys()
+            .all(|topic| sizes.channels.iter().any(|of| of.topic == *topic))
+    );
+    let rows = sizes
+        .channels
+        .iter()
+        .find(|of| of.topic == "/exact/ticks")
+        .unwrap();
+    assert_eq!(rows.message_bytes, 3000 * Row::BYTES as u64);
+    // One hand, no tissue.
+    let exact = sizes.exact_mb_per_minute.unwrap();
+    assert!(exact > 1.0 && exact < 9.0, "{exact}");
+    let text = info.to_string();
+    for words in [
+        "exact ",
+        "viewers ",
+        "foxglove.PoseInFrame",
+        "per station hour",
+    ] {
+        assert!(text.contains(words), "{words} in {text}");
+    }
+}
