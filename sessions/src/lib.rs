@@ -10,6 +10,7 @@
 //! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
 //!   [`SignedStatement`]; `/events`: [`Event`]; the layouts stand in the file, as schemas
 //! - channels of other names are for viewers, and are skipped here
+//! - metadata `sulcus.recovered`, where a torn file was written anew ([`recover()`]): how it ended, and what is missing
 //!
 //! # Invariants
 //! - The file on disk is a clean prefix at any moment: chunks are appended whole.
@@ -20,16 +21,20 @@ pub mod audit;
 mod bytes;
 mod chain;
 mod cli;
+pub mod compare;
 pub mod events;
 pub mod exercise;
+mod format;
 pub mod header;
 pub mod info;
 pub mod key;
 pub mod message;
 mod naming;
 pub mod occurrence;
+pub mod program;
 pub mod read;
 pub mod record;
+pub mod recover;
 pub mod replay;
 pub mod row;
 mod scan;
@@ -37,9 +42,11 @@ pub mod statement;
 mod storage;
 pub mod verify;
 mod walk;
+pub mod whatif;
 
 pub use audit::{AuditReport, AuditRow, audit_tick};
 pub use cli::run;
+pub use compare::{Apart, CompareError, ComparisonReport, Side, compare};
 pub use events::Events;
 pub use exercise::Exercise;
 pub use header::SessionHeader;
@@ -47,11 +54,15 @@ pub use info::{Info, info};
 pub use key::{KeyError, PublicKey, StationKey};
 pub use message::{Event, Level, Message};
 pub use occurrence::Occurrence;
+pub use program::Program;
 pub use read::{Ending, Facts, ReadError, Recording};
 pub use record::{Finished, RecordError, Recorder};
+pub use recover::{Lost, LostChannel, RecoverError, Recovered, recover, recover_to};
 pub use replay::{
-    Difference, Divergence, ReplayError, ReplayOptions, ReplayReport, replay, replay_observed,
+    Deviation, Difference, Divergence, Part, ReplayError, ReplayOptions, ReplayReport, Span,
+    replay, replay_observed,
 };
 pub use row::Row;
 pub use statement::{SessionEnd, SignedStatement, Statement};
 pub use verify::{Signature, Verdict, verify};
+pub use whatif::{TissueChoice, WhatIf, WhatIfError};

@@ -17,7 +17,8 @@ use crate::row::Row;
 use crate::statement::{SessionEnd, Statement};
 use crate::storage::{FileStorage, Sink, Storage};
 
-use begin::{begin, reason};
+use begin::begin;
+pub(crate) use begin::reason;
 pub use error::RecordError;
 
 /// Record time between two flushes: what kill -9 can cost, besides the chunk being written.
