@@ -11,6 +11,7 @@
 //!   [`SignedStatement`]; `/events`: [`Event`]; the layouts stand in the file, as schemas
 //! - the rest is for viewers ([`channels`]), in chunks of its own, not signed, and skipped here: what a replay and a grade rest
 //!   on are the exact channels
+//! - metadata `sulcus.recovered`, where a torn file was written anew ([`recover()`]): how it ended, and what is missing
 //!
 //! # Invariants
 //! - The file on disk is a clean prefix at any moment: chunks are appended whole.
@@ -22,17 +23,21 @@ mod bytes;
 mod chain;
 pub mod channels;
 mod cli;
+pub mod compare;
 pub mod events;
 pub mod exercise;
 pub mod export;
+mod format;
 pub mod header;
 pub mod info;
 pub mod key;
 pub mod message;
 mod naming;
 pub mod occurrence;
+pub mod program;
 pub mod read;
 pub mod record;
+pub mod recover;
 pub mod replay;
 #[cfg(feature = "review")]
 pub mod review;
@@ -43,10 +48,12 @@ pub mod statement;
 mod storage;
 pub mod verify;
 mod walk;
+pub mod whatif;
 
 pub use audit::{AuditReport, AuditRow, audit_tick};
 pub use channels::{Sampler, Shapes, Views};
 pub use cli::run;
+pub use compare::{Apart, CompareError, ComparisonReport, Side, compare};
 pub use events::Events;
 pub use exercise::Exercise;
 pub use header::SessionHeader;
@@ -54,11 +61,15 @@ pub use info::{Info, info};
 pub use key::{KeyError, PublicKey, StationKey};
 pub use message::{Event, Level, Message};
 pub use occurrence::Occurrence;
+pub use program::Program;
 pub use read::{Ending, Facts, ReadError, Recording};
 pub use record::{Finished, RecordError, Recorder};
+pub use recover::{Lost, LostChannel, RecoverError, Recovered, recover, recover_to};
 pub use replay::{
-    Difference, Divergence, ReplayError, ReplayOptions, ReplayReport, replay, replay_observed,
+    Deviation, Difference, Divergence, Part, ReplayError, ReplayOptions, ReplayReport, Span,
+    replay, replay_observed,
 };
 pub use row::Row;
 pub use statement::{SessionEnd, SignedStatement, Statement};
 pub use verify::{Signature, Verdict, verify};
+pub use whatif::{TissueChoice, WhatIf, WhatIfError};

@@ -10,6 +10,7 @@ use sulcus_core::{Scene, SceneError};
 use crate::header::SessionHeader;
 use crate::key::PublicKey;
 use crate::message::Message;
+use crate::program::Program;
 use crate::scan;
 use crate::statement::SessionEnd;
 
@@ -37,14 +38,14 @@ pub enum ReadError {
         at: u64,
     },
     /// Another version of the layout.
-    #[error(
-        "recording has format version `{found}`, this program reads `{expected}`: use the Sulcus version that wrote it"
-    )]
+    #[error("recording has format version `{found}`, this program reads `{expected}`: {advice}")]
     Version {
         /// Version found.
         found: String,
         /// Version that is read.
         expected: &'static str,
+        /// What the version is, and what to do.
+        advice: String,
     },
     /// The header is there, and wrong.
     #[error("recording's header is damaged: {what}")]
@@ -65,8 +66,16 @@ pub enum ReadError {
         what: String,
     },
     /// The scene cannot be used.
-    #[error("recording's scene cannot be used: {0}")]
-    Scene(#[from] SceneError),
+    #[error(
+        "recording's scene cannot be used by this program ({}), recorded by {recorded_by}: {source}",
+        Program::this()
+    )]
+    Scene {
+        /// Who could.
+        recorded_by: Program,
+        /// What is wrong.
+        source: Box<SceneError>,
+    },
 }
 
 /// How a recording ends.
@@ -82,6 +91,13 @@ pub enum Ending {
         /// What is missing.
         why: String,
     },
+    /// Properly, but without the station's last statement: what a torn file held was written anew ([`crate::recover()`]).
+    Recovered {
+        /// How the torn file ended.
+        was: String,
+        /// What was missing.
+        missing: String,
+    },
     /// With bytes that are wrong. What is before is whole; what is after is not read.
     Damaged {
         /// Where the wrong bytes begin.
@@ -96,6 +112,13 @@ impl std::fmt::Display for Ending {
         match self {
             Self::Finished => f.write_str("finished"),
             Self::CutOff { at_byte, why } => write!(f, "cut off after {at_byte} bytes: {why}"),
+            // A file's own words may hold anything, also what a terminal obeys.
+            Self::Recovered { was, missing } => write!(
+                f,
+                "recovered from one that was {}; missing: {}",
+                was.escape_debug(),
+                missing.escape_debug()
+            ),
             Self::Damaged { at_byte, why } => write!(f, "damaged at byte {at_byte}: {why}"),
         }
     }
@@ -201,7 +224,10 @@ impl Recording {
     /// # Errors
     /// When its bytes are not a scene of this version.
     pub fn scene(&self) -> Result<Scene, ReadError> {
-        Ok(Scene::from_bytes(&self.header.scene)?)
+        Scene::from_bytes(&self.header.scene).map_err(|source| ReadError::Scene {
+            recorded_by: Program::of(&self.header),
+            source: Box::new(source),
+        })
     }
 
     /// The key that the recording says it was signed with. Whether it was is for

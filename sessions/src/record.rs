@@ -19,7 +19,8 @@ use crate::row::Row;
 use crate::statement::{SessionEnd, Statement};
 use crate::storage::{FileStorage, Sink, Storage};
 
-use begin::{begin, reason};
+use begin::begin;
+pub(crate) use begin::reason;
 pub use error::RecordError;
 use viewers::Waiting;
 

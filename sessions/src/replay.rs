@@ -1,27 +1,37 @@
 //! Running a recorded session again, bit for bit.
 
+mod deviation;
+mod gradable;
+mod run;
+mod span;
+
 use std::time::Instant;
 
 use serde::Serialize;
-use sulcus_core::optimise::SolverKind;
-use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
+use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
 
-use crate::audit::{AuditReport, audit_tick};
+use crate::audit::AuditReport;
 use crate::key::PublicKey;
 use crate::message::Message;
+use crate::program::Program;
 use crate::read::{Ending, ReadError, Recording};
-use crate::row::Row;
 use crate::verify::{Signature, Verifier};
+
+pub use deviation::Deviation;
+pub use span::{Part, Span};
+
+use run::Run;
+pub(crate) use run::recorded as recorded_state;
 
 /// How to replay.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReplayOptions {
-    /// Another solver than the scene's: then bits differ, and the forces' deviation is what counts.
-    pub solver: Option<SolverKind>,
     /// Let the judge solve every tick's problem again.
     pub audit: bool,
     /// The only key whose signature is accepted; `None`: the one that the recording names.
     pub trust: Option<PublicKey>,
+    /// Which part of the session; all of it unless said otherwise.
+    pub span: Span,
 }
 
 /// What differed first.
@@ -64,8 +74,16 @@ pub struct ReplayReport {
     pub divergence: Option<Divergence>,
     /// Largest difference between recorded and replayed force over all ticks, newtons.
     pub max_force_deviation_n: f64,
+    /// How far the replay was from the record; zero throughout when identical.
+    pub deviation: Deviation,
     /// Simulated time over the time that the replay took.
     pub realtime_factor: f64,
+    /// The part that was run, where not all was asked for.
+    pub part: Option<Part>,
+    /// The program that recorded.
+    pub recorded_by: Program,
+    /// The program that replayed: this one.
+    pub replayed_by: Program,
     /// What the signatures say.
     pub signature: Signature,
     /// Whether the key was given from outside, rather than taken from the recording.
@@ -85,9 +103,9 @@ pub struct ReplayReport {
 impl ReplayReport {
     /// Whether there is something to say but "all is well": it differs, a signature does not hold, bytes
     /// are damaged, or it cannot be graded (a recording that was cut off is sound as far as it goes, and
-    /// is not the whole session).
+    /// is not the whole session). Where only a part was asked for, that part is not graded, and need not be.
     pub fn is_finding(&self) -> bool {
-        !self.gradable
+        (!self.gradable && self.part.is_none())
             || !self.identical
             || !self.chain_ok
             || matches!(self.signature, Signature::Invalid { .. })
@@ -102,18 +120,28 @@ pub enum ReplayError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The state to begin with is not one of the scene.
-    #[error("recording's first snapshot cannot be used: {0}")]
+    #[error("recording's snapshot to begin with cannot be used: {0}")]
     Snapshot(String),
+    /// The part asked for is not in the session.
+    #[error("{field} is {found}, expected {expected}")]
+    Span {
+        /// `from` or `to`.
+        field: &'static str,
+        /// Value found, seconds.
+        found: f64,
+        /// What it must be.
+        expected: String,
+    },
 }
 
 /// Ticks between two reports of progress.
-const REPORT_EVERY: u64 = 500;
+pub(crate) const REPORT_EVERY: u64 = 500;
 
-/// Runs all recorded inputs again from the first snapshot and compares everything; `progress` is
-/// told the number of ticks done, now and then.
+/// Runs recorded inputs again, from the first snapshot or the one before the part asked for, and compares
+/// everything; `progress` is told the number of ticks done, now and then.
 ///
 /// # Errors
-/// When the recording, its scene or its first snapshot cannot be used.
+/// When the recording, its scene or its snapshot to begin with cannot be used, or lacks the part asked for.
 pub fn replay(
     recording: &Recording,
     options: &ReplayOptions,
@@ -132,37 +160,45 @@ pub fn replay_observed(
     progress: &mut dyn FnMut(u64),
     observe: &mut dyn FnMut(&Scene, &TickInput, &TickOutput, &Workspace),
 ) -> Result<ReplayReport, ReplayError> {
-    let mut scene = recording.scene()?;
-    scene.params.solver = options.solver.unwrap_or(scene.params.solver);
+    let scene = recording.scene()?;
+    let part = options.span.part(recording, scene.tick_s())?;
     let mut verifier = Verifier::new(recording);
-    let mut run = Run::new(&scene, options);
+    let mut run = Run::new(&scene, options.audit);
     let began = Instant::now();
     for message in recording.messages() {
         let message = message?;
+        // The whole chain, whatever the part: a signature is over all of it.
         verifier.message(&message);
         match &message {
-            Message::Row(row) => {
+            Message::Row(row) if part.runs(row.tick) => {
                 let output = run.row(row);
-                observe(&scene, &row.input, &output, &run.workspace);
+                observe(&scene, &row.input, &output, run.workspace());
+                if run.ticks.is_multiple_of(REPORT_EVERY) {
+                    progress(run.ticks);
+                }
             }
-            Message::Snapshot { tick, state } => run.snapshot(*tick, state)?,
-            Message::Signed(_) | Message::Event(_) => {}
-        }
-        if run.ticks.is_multiple_of(REPORT_EVERY) {
-            progress(run.ticks);
+            Message::Snapshot { tick, state } if part.looks_at(*tick) => {
+                run.snapshot(*tick, state)?
+            }
+            _ => {}
         }
     }
     progress(run.ticks);
     let simulated_s = run.simulated_ticks as f64 * scene.tick_s();
     let realtime_factor = simulated_s / began.elapsed().as_secs_f64().max(1e-9);
     let verdict = verifier.finish(options.trust.as_ref());
+    let deviation = run.deviation();
     let mut report = ReplayReport {
         ticks: run.ticks,
         identical: run.first.is_none(),
         first_divergent_tick: run.first.as_ref().map(|first| first.0),
         divergence: run.first.map(|(_, divergence)| divergence),
-        max_force_deviation_n: run.max_force_deviation_n,
+        max_force_deviation_n: deviation.max_force_n,
+        deviation,
         realtime_factor,
+        part: (!options.span.is_all()).then_some(part),
+        recorded_by: Program::of(recording.header()),
+        replayed_by: Program::this(),
         signature: verdict.signature,
         signer_trusted: options.trust.is_some(),
         chain_ok: verdict.chain_ok,
@@ -171,155 +207,7 @@ pub fn replay_observed(
         reason: None,
         audit: run.audit,
     };
-    report.reason = why_not_gradable(recording, options, &report);
+    report.reason = gradable::why_not(recording, &report);
     report.gradable = report.reason.is_none();
     Ok(report)
-}
-
-fn why_not_gradable(
-    recording: &Recording,
-    options: &ReplayOptions,
-    report: &ReplayReport,
-) -> Option<String> {
-    if let Some(tick) = report.first_divergent_tick {
-        return Some(if options.solver.is_some() {
-            format!("replayed with another solver, which differs from tick {tick}")
-        } else {
-            format!("the replay differs from tick {tick}")
-        });
-    }
-    let end = match (&report.signature, recording.facts().end) {
-        (Signature::Valid { .. }, Some(end)) => end,
-        (Signature::Invalid { reason, .. }, _) => return Some(reason.clone()),
-        _ => return Some(format!("the recording is {}", report.ending)),
-    };
-    if end.dropped_rows > 0 {
-        return Some(format!(
-            "{} rows were dropped while recording",
-            end.dropped_rows
-        ));
-    }
-    (end.ticks != report.ticks).then(|| {
-        format!(
-            "the session ran {} ticks, the recording has {}",
-            end.ticks, report.ticks
-        )
-    })
-}
-
-/// A replay under way.
-struct Run<'a> {
-    scene: &'a Scene,
-    workspace: Workspace,
-    state: State,
-    started: bool,
-    /// A different solver goes its own way; it is not led back at snapshots.
-    free: bool,
-    ticks: u64,
-    simulated_ticks: u64,
-    first: Option<(u64, Divergence)>,
-    max_force_deviation_n: f64,
-    audit: Option<AuditReport>,
-}
-
-impl<'a> Run<'a> {
-    fn new(scene: &'a Scene, options: &ReplayOptions) -> Self {
-        Self {
-            scene,
-            workspace: Workspace::new(scene),
-            state: State::new(scene),
-            started: false,
-            free: options.solver.is_some(),
-            ticks: 0,
-            simulated_ticks: 0,
-            first: None,
-            max_force_deviation_n: 0.0,
-            audit: options.audit.then(AuditReport::default),
-        }
-    }
-
-    fn row(&mut self, row: &Row) -> TickOutput {
-        let output = tick(
-            self.scene,
-            &mut self.state,
-            &mut self.workspace,
-            &row.input,
-            &mut NoProbe,
-        );
-        self.ticks += 1;
-        self.simulated_ticks += 1 + u64::from(row.input.skipped);
-        let again = Row::new(row.time_unix_ns, &row.input, &output);
-        for (a, b) in row.wrench.iter().zip(&again.wrench) {
-            let square = |k: usize| (f64::from(a[k]) - f64::from(b[k])).powi(2);
-            let deviation = (square(0) + square(1) + square(2)).sqrt();
-            // A row may claim anything; what is no number is as far off as can be said.
-            let deviation = if deviation.is_finite() {
-                deviation
-            } else {
-                f64::MAX
-            };
-            self.max_force_deviation_n = self.max_force_deviation_n.max(deviation);
-        }
-        let what = if again.tick != row.tick {
-            Some(Difference::Tick)
-        } else if again.hash != row.hash {
-            Some(Difference::Hash)
-        } else if again.to_bytes() != row.to_bytes() {
-            Some(Difference::Output)
-        } else {
-            None
-        };
-        if let Some(what) = what {
-            self.differs(row.tick, what, row.hash, again.hash);
-        }
-        if let Some(audit) = &mut self.audit
-            && let Some(found) = audit_tick(self.scene, &self.workspace)
-        {
-            audit.add(row.tick, &found);
-        }
-        output
-    }
-
-    fn snapshot(&mut self, of: u64, bytes: &[u8]) -> Result<(), ReplayError> {
-        if self.started && self.state.to_bytes() == bytes {
-            return Ok(());
-        }
-        let recorded = State::from_bytes(self.scene, bytes)
-            .map_err(|error| error.to_string())
-            .and_then(|state| match state.tick {
-                tick if tick == of => Ok(state),
-                tick => Err(format!("it says tick {of}, and holds tick {tick}")),
-            });
-        match recorded {
-            Ok(state) if !self.started => {
-                self.state = state;
-                self.started = true;
-            }
-            Err(what) if !self.started => return Err(ReplayError::Snapshot(what)),
-            recorded => {
-                let hash = recorded.as_ref().map_or(0, |state| state.hash);
-                // Where the rows differed before, the snapshot adds nothing.
-                if self.first.is_none() {
-                    self.differs(of, Difference::Snapshot, hash, self.state.hash);
-                }
-                if let (Ok(state), false) = (recorded, self.free) {
-                    self.state = state;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn differs(&mut self, tick: u64, what: Difference, recorded: u64, replayed: u64) {
-        let (_, divergence) = self.first.get_or_insert_with(|| {
-            let divergence = Divergence {
-                what,
-                hash_recorded: format!("{recorded:016x}"),
-                hash_replayed: format!("{replayed:016x}"),
-                ticks: 0,
-            };
-            (tick, divergence)
-        });
-        divergence.ticks += 1;
-    }
 }

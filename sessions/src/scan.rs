@@ -5,10 +5,12 @@ use std::ops::Range;
 
 use mcap::records::op;
 
+use crate::format;
 use crate::header::{self, FORMAT_VERSION, METADATA, SCENE, SessionHeader, TEXTS};
 use crate::key::PublicKey;
 use crate::message::{Message, Topic};
 use crate::read::{Bytes, Ending, Facts, ReadError, Recording};
+use crate::recover;
 use crate::walk::{self, Framed, Stop, Walk};
 
 /// Which channel is which topic; `None` for those of viewers.
@@ -21,7 +23,7 @@ pub(crate) fn scan(bytes: Bytes) -> Result<Recording, ReadError> {
     let (header, signer, header_digest) = check_header(pairs_and_files)?;
     let mut pass = Pass::default();
     let ending = match pass.run(&mut walk) {
-        Ok(()) => Ending::Finished,
+        Ok(ending) => ending,
         Err(Stop::Torn(why)) => Ending::CutOff {
             at_byte: walk.at as u64,
             why: why.to_owned(),
@@ -105,6 +107,7 @@ fn check_header(
     let found = pairs.get("format_version").cloned().unwrap_or_default();
     if found != FORMAT_VERSION {
         return Err(ReadError::Version {
+            advice: format::advice(&found),
             found: found.escape_debug().to_string(),
             expected: FORMAT_VERSION,
         });
@@ -134,10 +137,12 @@ struct Pass {
     facts: Facts,
     /// Tick of the last row or snapshot.
     tick: u64,
+    /// What a recovery says of itself.
+    recovered: Option<Pairs>,
 }
 
 impl Pass {
-    fn run(&mut self, walk: &mut Walk<'_>) -> Result<(), Stop> {
+    fn run(&mut self, walk: &mut Walk<'_>) -> Result<Ending, Stop> {
         loop {
             let record = walk.peek()?;
             match record.opcode {
@@ -146,7 +151,8 @@ impl Pass {
                 op::METADATA if is_second_header(&record) => {
                     return Err(Stop::Damaged("there is a second header".to_owned()));
                 }
-                op::MESSAGE_INDEX | op::ATTACHMENT | op::METADATA => {}
+                op::METADATA => self.note(&record),
+                op::MESSAGE_INDEX | op::ATTACHMENT => {}
                 opcode if opcode >= 0x80 => {}
                 opcode => {
                     return Err(Stop::Damaged(format!(
@@ -168,11 +174,27 @@ impl Pass {
                 break;
             }
         }
-        match self.facts.end {
-            Some(_) => Ok(()),
-            None => Err(Stop::Damaged(
+        match (self.facts.end, &self.recovered) {
+            (Some(_), _) => Ok(Ending::Finished),
+            (None, Some(pairs)) => {
+                let said = |key| pairs.get(key).cloned().unwrap_or_default();
+                Ok(Ending::Recovered {
+                    was: said(recover::WAS),
+                    missing: said(recover::MISSING),
+                })
+            }
+            (None, None) => Err(Stop::Damaged(
                 "the file is complete, but the station's last statement is missing".to_owned(),
             )),
+        }
+    }
+
+    /// Keeps what a recovery says of itself.
+    fn note(&mut self, record: &Framed<'_>) {
+        if let Some((name, pairs)) = walk::metadata(record.body)
+            && name == recover::METADATA
+        {
+            self.recovered = Some(pairs);
         }
     }
 

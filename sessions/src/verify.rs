@@ -99,30 +99,41 @@ impl<'a> Verifier<'a> {
             Ok(()) => {}
             Err(reason) => {
                 self.first_problem
-                    .get_or_insert((reason.to_owned(), signed.statement.tick));
+                    .get_or_insert((reason, signed.statement.tick));
             }
         }
     }
 
-    fn check(&mut self, signed: &SignedStatement) -> Result<(), &'static str> {
+    fn check(&mut self, signed: &SignedStatement) -> Result<(), String> {
         let (says, header) = (&signed.statement, &self.recording.header);
         let follows = says.head == *self.chain.head()
             && says.rows == self.chain.rows()
             && says.tick == self.chain.tick();
         self.chain_ok &= follows;
         if !signed.is_signed_by(&self.recording.signer) {
-            return Err("the signature is not the station's: this statement was forged or altered");
-        }
-        if says.header != self.recording.header_digest
-            || says.scene != header.scene_hash()
-            || says.exercise != header.exercise_hash()
-        {
             return Err(
-                "the header (learner, station, scene, exercise) is not the one that was signed",
+                "the signature is not the station's: this statement was forged or altered"
+                    .to_owned(),
             );
         }
+        let not_signed = |what| Err(format!("the {what} is not the one that was signed"));
+        if says.scene != header.scene_hash() {
+            return not_signed("scene");
+        }
+        if says.exercise != header.exercise_hash() {
+            return not_signed("exercise");
+        }
+        if says.header != self.recording.header_digest {
+            return not_signed("header (learner, station, patient, rubric, ...)");
+        }
         if !follows {
-            return Err("the rows are not those that were signed: the recording was edited");
+            let stretch = match self.last_valid_tick {
+                Some(good) => format!("between ticks {good} and {}", says.tick),
+                None => format!("up to tick {}", says.tick),
+            };
+            return Err(format!(
+                "{stretch}: a row, snapshot or event is not what was signed"
+            ));
         }
         Ok(())
     }

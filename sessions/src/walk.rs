@@ -125,6 +125,14 @@ pub(crate) fn unpack(
     Ok(())
 }
 
+/// Whether what there is of a chunk begins as ours do, though the rest may be torn or wrong.
+pub(crate) fn is_chunk_header(body: &[u8]) -> bool {
+    let mut cut = Cut(body);
+    // Times, unpacked length, CRC.
+    let packed_with = cut.take(16 + 8 + 4).and_then(|_| cut.string());
+    packed_with == Some("lz4")
+}
+
 /// Bounds what the chunk's header claims, before anything is allocated for it.
 fn check_chunk(body: &[u8]) -> Result<(), String> {
     let parse = || {

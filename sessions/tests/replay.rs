@@ -4,7 +4,7 @@
 mod common;
 
 use common::*;
-use sulcus_core::optimise::SolverKind;
+use sulcus_core::output::status;
 use sulcus_sessions::*;
 
 fn replayed(bytes: &[u8]) -> ReplayReport {
@@ -170,7 +170,7 @@ fn dropped_rows_at_the_end_or_a_wrong_count_make_it_ungradable() {
 }
 
 #[test]
-fn skipped_ticks_pauses_and_nonsense_poses_replay() {
+fn skipped_ticks_commands_and_nonsense_poses_replay() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("session.mcap");
     let mut session = Session::begin(&path, key());
@@ -178,6 +178,7 @@ fn skipped_ticks_pauses_and_nonsense_poses_replay() {
         let mut given = input(k);
         given.skipped = if k % 97 == 0 { (k % 13) as u16 } else { 0 };
         given.paused = (600..700).contains(&k);
+        given.force_limit_n = if (800..900).contains(&k) { 0.05 } else { 0.0 };
         given.tools[0].present = !(1000..1100).contains(&k);
         given.tools[0].stale = (1300..1320).contains(&k);
         if k % 251 == 0 {
@@ -187,30 +188,101 @@ fn skipped_ticks_pauses_and_nonsense_poses_replay() {
         session.recorder.push(&row).unwrap();
     }
     session.finish();
-    let report = replayed(&std::fs::read(path).unwrap());
+    let bytes = std::fs::read(path).unwrap();
+    let report = replayed(&bytes);
     assert!(report.identical && report.gradable, "{report:?}");
+    // The commands did something.
+    let recording = Recording::from_bytes(bytes).unwrap();
+    let felt = |k: &dyn Fn(&Row) -> bool| {
+        let forces = recording
+            .messages()
+            .filter_map(|message| match message.unwrap() {
+                Message::Row(row) if k(&row) => Some(row.wrench[0][2].abs()),
+                _ => None,
+            });
+        forces.fold(0.0, f32::max)
+    };
+    assert!(felt(&|row| row.input.paused && row.status[0] & status::RAMPING == 0) == 0.0);
+    let limited =
+        felt(&|row| row.input.force_limit_n > 0.0 && row.status[0] & status::SLEW_LIMITED == 0);
+    assert!((0.04..=0.0501).contains(&limited), "{limited}");
+    assert!(felt(&|_| true) > 0.2);
 }
 
 #[test]
-fn another_solver_differs_in_bits_and_hardly_in_newtons() {
-    let recording = Recording::from_bytes(recorded(1500)).unwrap();
-    let options = ReplayOptions {
-        solver: Some(SolverKind::Clarabel),
-        ..ReplayOptions::default()
-    };
-    let report = replay(&recording, &options, &mut |_| {}).unwrap();
-    assert!(!report.identical && !report.gradable);
-    assert!(report.reason.as_ref().unwrap().contains("another solver"));
+fn another_programs_replay_says_how_far_it_is_off() {
+    // As if another version had recorded: its tick let the tool sink a little deeper, and signed what it gave.
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let mut session = Session::begin_by(&path, key(), "0.0.9");
+    session.scene.tools[0].stiffness_n_per_m *= 1.01;
+    session.snapshot_every = 500;
+    session.run(1500);
+    session.finish();
+    let report = replayed(&std::fs::read(path).unwrap());
     assert!(
-        report.max_force_deviation_n > 0.0 && report.max_force_deviation_n < 0.05,
+        !report.identical && !report.gradable && report.chain_ok,
         "{report:?}"
     );
-    // The scene's own solver, named, is no difference.
-    let options = ReplayOptions {
-        solver: Some(SolverKind::ActiveSet),
-        ..ReplayOptions::default()
+    assert!(
+        matches!(report.signature, Signature::Valid { .. }),
+        "it is genuine"
+    );
+    assert_eq!(
+        (report.recorded_by.version.as_str(), report.replayed_by),
+        ("0.0.9", Program::this())
+    );
+    let deviation = report.deviation;
+    assert!(
+        deviation.max_force_n > 1e-3 && deviation.max_force_n < 0.1,
+        "{deviation:?}"
+    );
+    assert!(deviation.rms_force_n > 0.0 && deviation.rms_force_n < deviation.max_force_n);
+    assert!(deviation.max_force_tick >= report.first_divergent_tick);
+    assert!(
+        deviation.max_pose_mm.is_some_and(|mm| mm < 0.1),
+        "{deviation:?}"
+    );
+    let reason = report.reason.unwrap();
+    for word in ["differs from tick", "recorded by 0.0.9", "force by up to"] {
+        assert!(reason.contains(word), "`{word}` is not in: {reason}");
+    }
+}
+
+#[test]
+fn a_scene_of_another_version_names_who_could_read_it() {
+    let bytes = recorded(50);
+    let recording = Recording::from_bytes(bytes).unwrap();
+    let mut scene = recording.header().scene.clone();
+    scene[8] = scene[8].wrapping_add(1); // the layout's version
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let header = SessionHeader {
+        program_version: "0.0.9".into(),
+        ..SessionHeader::new(scene)
     };
-    assert!(replay(&recording, &options, &mut |_| {}).unwrap().identical);
+    let mut recorder = Recorder::create(&path, &header, key()).unwrap();
+    for message in recording.messages() {
+        match message.unwrap() {
+            Message::Row(row) => recorder.push(&row).unwrap(),
+            Message::Snapshot { tick, state } => recorder.snapshot(BEGAN, tick, &state).unwrap(),
+            _ => {}
+        }
+    }
+    recorder
+        .finish(SessionEnd {
+            ticks: 50,
+            ..SessionEnd::default()
+        })
+        .unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let error = replay(&recording, &ReplayOptions::default(), &mut |_| {})
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("recorded by 0.0.9") && error.contains("has version"),
+        "{error}"
+    );
 }
 
 #[test]

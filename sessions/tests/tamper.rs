@@ -152,6 +152,7 @@ fn nothing_in_the_header_can_be_exchanged() {
                 metadata: &mut |pairs| {
                     pairs.insert(field.to_owned(), "9".to_owned());
                 },
+                attachment: &mut |_, _| {},
             },
         );
         let report = replayed(forged, None);
@@ -207,5 +208,196 @@ fn leaving_out_the_last_statement_does_not_make_a_finished_session() {
             ..
         }
     ));
+    assert!(report.is_finding() && !report.gradable);
+}
+
+/// The reason of an invalid signature, and its place.
+fn invalid(report: &ReplayReport) -> (&str, Option<u64>) {
+    match &report.signature {
+        Signature::Invalid { reason, at } => (reason, *at),
+        _ => panic!("{report:?}"),
+    }
+}
+
+#[test]
+fn an_attachment_cannot_be_exchanged() {
+    let original = recorded(200);
+    for (name, said) in [
+        ("scene.bin", "the scene is not the one that was signed"),
+        ("exercise", "the exercise is not the one that was signed"),
+        (
+            "patient",
+            "the header (learner, station, patient, rubric, ...) is not the one that was signed",
+        ),
+        (
+            "rubric",
+            "the header (learner, station, patient, rubric, ...) is not the one that was signed",
+        ),
+    ] {
+        let change = |data: &mut Vec<u8>| {
+            if name == "scene.bin" {
+                // A scene that is one: a softer tool.
+                let mut scene = sulcus_core::Scene::from_bytes(data).unwrap();
+                scene.tools[0].stiffness_n_per_m *= 0.9;
+                *data = scene.to_bytes().unwrap();
+            } else {
+                data.push(b'#');
+            }
+        };
+        // Clumsily: the header's hash is not the attachment's.
+        let error =
+            Recording::from_bytes(with_attachment(&original, name, false, change)).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "recording's header is damaged: attachment `{name}` does not match the hash that the header gives"
+            )
+        );
+        // Carefully: then it is not what was signed.
+        let report = replayed(with_attachment(&original, name, true, change), None);
+        assert_eq!(invalid(&report), (said, Some(200)), "{name}");
+        assert!(report.is_finding() && !report.gradable && !report.chain_ok);
+        assert_eq!(report.identical, name != "scene.bin");
+    }
+}
+
+#[test]
+fn a_changed_pose_wrench_snapshot_or_event_is_found_with_its_place() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let mut session = Session::begin(&path, key());
+    session.snapshot_every = 700;
+    session.run(11_000);
+    session
+        .recorder
+        .event(BEGAN + 11_000_000_000, Level::Info, "late")
+        .unwrap();
+    session.finish();
+    let original = std::fs::read(path).unwrap();
+    // In the second stretch: the first one is still good, and the signature says so.
+    let row = |k: u64, at: usize| {
+        with_messages(&original, move |topic, data| {
+            if topic == "/exact/ticks" && data[..8] == k.to_le_bytes() {
+                data[at] ^= 1;
+            }
+            true
+        })
+    };
+    let between = "between ticks 10001 and 11000: a row, snapshot or event is not what was signed";
+    let pose = replayed(row(10_400, 30), None);
+    assert_eq!(pose.first_divergent_tick, Some(10_400));
+    assert_eq!(pose.divergence.as_ref().unwrap().what, Difference::Hash);
+    assert_eq!(invalid(&pose), (between, Some(11_000)));
+    let wrench = replayed(row(10_500, Row::BYTES - 8 - 2 * 26 + 8), None);
+    assert_eq!(wrench.first_divergent_tick, Some(10_500));
+    assert_eq!(wrench.divergence.as_ref().unwrap().what, Difference::Output);
+    assert_eq!(invalid(&wrench), (between, Some(11_000)));
+    let edited = with_messages(&original, |topic, data| {
+        if topic == "/exact/snapshots" && data[..8] == 10_500u64.to_le_bytes() {
+            data[60] ^= 1;
+        }
+        true
+    });
+    let snapshot = replayed(edited, None);
+    assert_eq!(snapshot.first_divergent_tick, Some(10_500));
+    assert_eq!(
+        snapshot.divergence.as_ref().unwrap().what,
+        Difference::Snapshot
+    );
+    assert_eq!(invalid(&snapshot), (between, Some(11_000)));
+    // An event is in no state: only the signature over its stretch tells.
+    for change in ["lame", "late\u{7}"] {
+        let edited = with_messages(&original, |topic, data| {
+            if topic == "/events" {
+                *data = String::from_utf8(data.clone())
+                    .unwrap()
+                    .replace("late", change)
+                    .into_bytes();
+            }
+            true
+        });
+        // (A raw control character is no JSON.)
+        let event = match Recording::from_bytes(edited.clone()).map(|r| r.ending().clone()) {
+            Ok(Ending::Finished) => replayed(edited, None),
+            other => {
+                assert!(
+                    change.contains('\u{7}') && matches!(other, Ok(Ending::Damaged { .. })),
+                    "{other:?}"
+                );
+                continue;
+            }
+        };
+        assert!(event.identical);
+        assert_eq!(invalid(&event), (between, Some(11_000)));
+    }
+}
+
+#[test]
+fn a_chunk_cut_out_of_the_file_is_missed() {
+    let original = recorded(3000);
+    // Byte for byte, without a tool: the record's frame says where it ends.
+    let chunks = chunks(&original);
+    assert!(chunks.len() > 20);
+    let gone = chunks[chunks.len() / 2].clone();
+    let mut edited = original[..gone.start].to_vec();
+    edited.extend_from_slice(&original[gone.end..]);
+    let rows = |bytes: &[u8]| Recording::from_bytes(bytes.to_vec()).unwrap().facts().rows;
+    let missing = rows(&original) - rows(&edited);
+    assert!(missing > 50, "{missing}");
+    let report = replayed(edited, None);
+    let tick = report.first_divergent_tick.unwrap();
+    assert_eq!(report.divergence.as_ref().unwrap().what, Difference::Tick);
+    assert!(
+        tick > missing && tick < 3000,
+        "the first row behind the gap: {tick}"
+    );
+    let (reason, at) = invalid(&report);
+    assert_eq!(
+        reason,
+        "up to tick 3000: a row, snapshot or event is not what was signed"
+    );
+    assert_eq!(at, Some(3000));
+    assert!(
+        !report.gradable
+            && report
+                .reason
+                .unwrap()
+                .contains(&format!("differs from tick {tick}"))
+    );
+}
+
+/// Where the chunks of a file are.
+fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut at = mcap::MAGIC.len();
+    while at + mcap::MAGIC.len() < bytes.len() {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        if bytes[at] == mcap::records::op::CHUNK {
+            found.push(at..at + 9 + length);
+        }
+        at += 9 + length;
+    }
+    found
+}
+
+#[test]
+fn dropped_rows_are_not_gradable_even_when_signed() {
+    // The station itself says so: nothing is forged, and still no grade may rest on it.
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let mut session = Session::begin(&path, key());
+    session.run(300);
+    let end = SessionEnd {
+        ticks: 307,
+        dropped_rows: 7,
+        ..SessionEnd::default()
+    };
+    session.recorder.finish(end).unwrap();
+    let report = replayed(std::fs::read(path).unwrap(), Some(key().public()));
+    assert!(matches!(report.signature, Signature::Valid { .. }) && report.identical);
+    assert_eq!(
+        report.reason.as_deref(),
+        Some("7 rows were dropped while recording")
+    );
     assert!(report.is_finding() && !report.gradable);
 }

@@ -141,7 +141,7 @@ pub fn run(
 }
 
 /// What the wire would carry: f32, widened.
-fn as_sent(output: &TickOutput) -> Shown {
+pub fn as_sent(output: &TickOutput) -> Shown {
     let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
     Shown {
         wrenches: std::array::from_fn(|t| {

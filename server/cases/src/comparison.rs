@@ -4,7 +4,8 @@ use std::fmt;
 
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
-use sulcus_core::tissue::printed::{PenaltyMeter, PrintedGingiva, PrintedSkeleton};
+use sulcus_core::tissue::printed::PenaltyMeter;
+pub use sulcus_core::tissue::printed::as_printed;
 use sulcus_core::tissue::{Hand, Hands, TissueModel};
 use sulcus_core::{MAX_TOOLS, Scene, State, TickOutput, Vec3};
 use sulcus_operator::HandParams;
@@ -36,31 +37,6 @@ impl fmt::Display for Method {
             Method::Printed => "as printed",
             Method::PrintedUnlimited => "as printed, unlimited",
         })
-    }
-}
-
-/// The scene with every tissue as printed: the same trees, springs and directions from the tooth, and no limit to what a force may
-/// change by.
-pub fn as_printed(scene: &mut Scene) {
-    scene.params.max_settle_step = 50.0;
-    let tooth_of = |fdi: u8| {
-        let rigid = |k: &usize| scene.objects[*k].tissue.is_rigid();
-        let all = || (0..scene.objects.len()).filter(rigid);
-        let same = all().find(|&k| fdi != 0 && scene.objects[k].fdi == fdi);
-        same.or_else(|| all().next()).unwrap_or(0) as u16
-    };
-    let teeth: Vec<u16> = scene.objects.iter().map(|o| tooth_of(o.fdi)).collect();
-    for (object, tooth) in scene.objects.iter_mut().zip(teeth) {
-        let printed = match &object.tissue {
-            TissueModel::Skeleton(coupled) => {
-                TissueModel::PrintedSkeleton(PrintedSkeleton::of(&coupled.coarse, &object.tree))
-            }
-            TissueModel::Gingiva(coupled) => {
-                TissueModel::PrintedGingiva(PrintedGingiva::of(coupled, &object.tree, tooth))
-            }
-            _ => continue,
-        };
-        object.tissue = printed;
     }
 }
 

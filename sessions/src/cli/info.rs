@@ -1,24 +1,67 @@
 //! `info`: what recordings hold.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::print::{Outcome, at, object};
+use super::print::{Outcome, at, for_each, object};
 use crate::info::info;
 use crate::read::Recording;
+use crate::recover::{RecoverError, recover};
+use crate::verify::Signature;
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
     /// Recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
+    /// Write what is whole of a torn or damaged recording (one FILE) to this new file, with a proper end, and say what is missing
+    #[arg(long, value_name = "OUT")]
+    pub(super) recover: Option<PathBuf>,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
-pub(super) fn info_of(path: &Path) -> anyhow::Result<Outcome> {
+/// `info`, or with `--recover` what was recovered.
+pub(super) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
+    let Some(out) = &args.recover else {
+        return for_each(&args.files, args.json, "bytes", info_of);
+    };
+    anyhow::ensure!(
+        args.files.len() == 1,
+        "--recover takes one recording, found {}: name one, and its own new file",
+        args.files.len()
+    );
+    for_each(&args.files, args.json, "bytes", |path| {
+        recover_to(path, out)
+    })
+}
+
+fn recover_to(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
+    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let bar = ProgressBar::with_draw_target(Some(recording.len()), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes}, {eta} left")
+    {
+        bar.set_style(style);
+    }
+    let recovered = recover(&recording, out, &mut |bytes| bar.set_position(bytes));
+    bar.finish_and_clear();
+    let recovered = match recovered {
+        // It names the other file.
+        Err(error @ RecoverError::Write { .. }) => Err(error.into()),
+        other => other.map_err(|error| at(path, &error)),
+    }?;
+    Ok(Outcome {
+        json: object(serde_json::to_value(&recovered)?),
+        text: recovered.to_string(),
+        finding: matches!(recovered.signature, Signature::Invalid { .. }),
+    })
+}
+
+fn info_of(path: &Path) -> anyhow::Result<Outcome> {
     let recording = Recording::open(path).map_err(|error| at(path, &error))?;
     let info = info(path, &recording).map_err(|error| at(path, &error))?;
     Ok(Outcome {

@@ -1,7 +1,9 @@
 //! The command line: what is asked, what is printed, and the exit code.
 
+mod compared;
 mod export;
 mod info;
+mod parallel;
 mod print;
 mod replay;
 mod review;
@@ -12,7 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use serde_json::json;
 
-use print::{complain, for_each};
+use print::complain;
 
 /// Looks at recorded sessions: what they are, and whether they are what happened.
 #[derive(Parser)]
@@ -30,13 +32,13 @@ struct Cli {
 enum Command {
     /// Says what recordings hold: duration, scene, exercise, station, size, ending, signature
     #[command(
-        after_long_help = "Examples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending"
+        after_long_help = "A recording that was cut off (kill -9, power loss, full disk) is read as far as it goes; --recover makes a whole file of it: every whole chunk, an index, a proper end, and a note that it was recovered and what is missing. Its signatures hold as far as they went; a session without its end cannot be graded.\n\nExamples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending\n  sulcus-sessions info torn.mcap --recover whole.mcap"
     )]
     Info(info::InfoArgs),
     /// Runs recorded sessions again and compares every state, wrench, snapshot and signature
     #[command(
-        long_about = "Runs recorded sessions again and compares every state, wrench, snapshot and signature.\n\nA recording holds its compiled scene and the input of every tick, so that the same program gives the same bits. The first tick that differs is named. Signatures show whether the recording is what the station recorded: without --signer the key is taken from the recording itself, so compare its fingerprint.",
-        after_long_help = "Examples:\n  sulcus-sessions replay session.mcap\n  sulcus-sessions replay session.mcap --signer station.pub --json\n  sulcus-sessions replay session.mcap --solver clarabel    (bits differ; shows by how many newtons)\n  sulcus-sessions replay recordings/*.mcap --audit"
+        long_about = replay::ABOUT,
+        after_long_help = replay::EXAMPLES
     )]
     Replay(replay::ReplayArgs),
     /// Replays a session and writes what happened for the Rerun viewer: mouth, tools, forces, plots, log
@@ -74,16 +76,12 @@ where
         Command::Export(args) => args.json,
     };
     let outcome = match cli.command {
-        Command::Info(args) => for_each(&args.files, args.json, "bytes", info::info_of),
         Command::Export(args) => for_each(&args.files, args.json, "ticks", |path| {
             export::export_of(path, &args)
         }),
-        Command::Replay(args) => replay::options(&args).and_then(|options| {
-            for_each(&args.files, args.json, "ticks", |path| {
-                replay::replay_of(path, &options)
-            })
-        }),
         Command::Review(args) => review::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Replay(args) => replay::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         if json {

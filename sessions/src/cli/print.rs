@@ -31,6 +31,59 @@ pub(super) fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
     }
 }
 
+/// What was printed so far, and what is to be printed last.
+pub(super) struct Tally {
+    json: bool,
+    code: u8,
+    objects: Vec<Value>,
+}
+
+impl Tally {
+    pub(super) fn new(json: bool) -> Self {
+        Self {
+            json,
+            code: 0,
+            objects: Vec::new(),
+        }
+    }
+
+    /// Prints what a file came to, or that it cannot be used.
+    pub(super) fn add(
+        &mut self,
+        path: &Path,
+        outcome: anyhow::Result<Outcome>,
+    ) -> anyhow::Result<()> {
+        match outcome {
+            Ok(outcome) => {
+                self.code = self.code.max(u8::from(outcome.finding));
+                if !self.json {
+                    say(&outcome.text)?;
+                }
+                self.objects.push(Value::Object(outcome.json));
+            }
+            Err(error) => {
+                self.code = 2;
+                complain(&error);
+                self.objects
+                    .push(json!({"file": path.display().to_string(), "error": error.to_string()}));
+            }
+        }
+        Ok(())
+    }
+
+    /// Prints the last line, and gives the worst exit code.
+    pub(super) fn finish(self, total: &str) -> anyhow::Result<ExitCode> {
+        if self.json {
+            let object = match <[Value; 1]>::try_from(self.objects) {
+                Ok([only]) => only,
+                Err(objects) => summary(objects, total),
+            };
+            say(&object.to_string())?;
+        }
+        Ok(ExitCode::from(self.code))
+    }
+}
+
 /// Does `one` to every file, prints, and gives the worst exit code; sums `total` over the files.
 pub(super) fn for_each(
     files: &[PathBuf],
@@ -38,33 +91,11 @@ pub(super) fn for_each(
     total: &str,
     one: impl Fn(&Path) -> anyhow::Result<Outcome>,
 ) -> anyhow::Result<ExitCode> {
-    let mut code = 0;
-    let mut objects = Vec::new();
+    let mut tally = Tally::new(json);
     for path in files {
-        match one(path) {
-            Ok(outcome) => {
-                code = code.max(u8::from(outcome.finding));
-                if !json {
-                    say(&outcome.text)?;
-                }
-                objects.push(Value::Object(outcome.json));
-            }
-            Err(error) => {
-                code = 2;
-                complain(&error);
-                objects
-                    .push(json!({"file": path.display().to_string(), "error": error.to_string()}));
-            }
-        }
+        tally.add(path, one(path))?;
     }
-    if json {
-        let object = match <[Value; 1]>::try_from(objects) {
-            Ok([only]) => only,
-            Err(objects) => summary(objects, total),
-        };
-        say(&object.to_string())?;
-    }
-    Ok(ExitCode::from(code))
+    tally.finish(total)
 }
 
 /// Several files as one object: `identical` only when every one is.

@@ -1,109 +1,214 @@
 //! `replay`: recorded sessions run again.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use sulcus_core::optimise::SolverKind;
 
+use super::compared::comparison_of;
+use super::parallel::{Progress, for_each_at_once};
 use super::print::{Outcome, at, object};
 use crate::key::PublicKey;
 use crate::read::Recording;
-use crate::replay::{ReplayOptions, ReplayReport, replay};
+use crate::replay::{ReplayOptions, ReplayReport, Span, replay};
+use crate::whatif::{TissueChoice, WhatIf};
+
+pub(super) const ABOUT: &str = "\
+Runs recorded sessions again and compares every state, wrench, snapshot and signature.
+
+A recording holds its compiled scene and the input of every tick, so that the same program gives the same bits. The first \
+tick that differs is named; where another version recorded, also how far the replay is from the record. Signatures show \
+whether the recording is what the station recorded: without --signer the key is taken from the recording itself, so compare its \
+fingerprint.
+
+--from and --to replay a part: it begins with the snapshot before it (there is one every ten seconds), and what is run is \
+compared as in a replay of all.
+
+--solver, --tissue, --level, --detail and --blend ask \"what if\": then this is no replay but a comparison, and says so \
+(`comparison: true`, never identical). Both scenes, the recorded and the changed one, are run on the recorded motion, which does not \
+answer to the changed forces. Only what the compiled scene holds can be asked: tissue that is rigid or as printed, levels \
+that its trees have. Finer trees, other organs or elasticity take its meshes: compile another scene for them.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  sulcus-sessions replay session.mcap
+  sulcus-sessions replay session.mcap --signer station.pub --json
+  sulcus-sessions replay session.mcap --from 30 --to 42.5
+  sulcus-sessions replay recordings/*.mcap --audit --jobs 4
+  sulcus-sessions replay session.mcap --solver clarabel     by how many newtons the judge would have differed
+  sulcus-sessions replay session.mcap --tissue rigid        what nothing that yields would have felt like
+  sulcus-sessions replay session.mcap --level 2 --to 10     coarser teeth";
 
 #[derive(Args)]
 pub(super) struct ReplayArgs {
     /// Recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
+    /// Begin here, in seconds of session time, with the snapshot before it
+    #[arg(long, value_name = "S")]
+    from: Option<f64>,
+    /// End here, in seconds of session time
+    #[arg(long, value_name = "S")]
+    to: Option<f64>,
     /// Let an independent solver judge the answer of every tick
     #[arg(long)]
-    pub(super) audit: bool,
-    /// Replay with this solver instead of the scene's
-    #[arg(long, value_enum)]
-    pub(super) solver: Option<Solver>,
+    audit: bool,
+    #[command(flatten)]
+    what_if: WhatIfArgs,
     /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
-    pub(super) signer: Option<String>,
+    signer: Option<String>,
+    /// Files replayed at once; all cores unless said otherwise
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
+/// What is to be different.
+#[derive(Args)]
+#[group(id = "what_if", multiple = true, conflicts_with = "audit")]
+struct WhatIfArgs {
+    /// What if: this solver in the tick
+    #[arg(long, value_enum)]
+    solver: Option<Solver>,
+    /// What if: tissue like this
+    #[arg(long, value_enum)]
+    tissue: Option<Tissue>,
+    /// What if: everything rigid touched at this level of its sphere tree (as far as its tree goes)
+    #[arg(long, value_name = "N")]
+    level: Option<u8>,
+    /// What if: tissues that have two levels of detail at this one, 0 or 1
+    #[arg(long, value_name = "N")]
+    detail: Option<u8>,
+    /// What if: trees calibrated for it touched as one smooth surface, or every sphere as it is
+    #[arg(long, value_enum)]
+    blend: Option<Switch>,
+}
+
 #[derive(Clone, Copy, ValueEnum)]
-pub(super) enum Solver {
+enum Solver {
     /// The solver of the tick
     ActiveSet,
     /// The judge
     Clarabel,
 }
 
-impl From<Solver> for SolverKind {
-    fn from(solver: Solver) -> Self {
-        match solver {
-            Solver::ActiveSet => Self::ActiveSet,
-            Solver::Clarabel => Self::Clarabel,
+#[derive(Clone, Copy, ValueEnum)]
+enum Tissue {
+    /// Nothing yields
+    Rigid,
+    /// Springs and gingivae by the paper's own equations
+    Printed,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
+impl WhatIfArgs {
+    fn what_if(&self) -> WhatIf {
+        WhatIf {
+            solver: self.solver.map(|solver| match solver {
+                Solver::ActiveSet => SolverKind::ActiveSet,
+                Solver::Clarabel => SolverKind::Clarabel,
+            }),
+            tissue: self.tissue.map(|tissue| match tissue {
+                Tissue::Rigid => TissueChoice::Rigid,
+                Tissue::Printed => TissueChoice::Printed,
+            }),
+            level: self.level,
+            detail: self.detail,
+            blend: self.blend.map(|blend| blend == Switch::On),
         }
     }
 }
 
-pub(super) fn options(args: &ReplayArgs) -> anyhow::Result<ReplayOptions> {
-    let trust = args
-        .signer
-        .as_deref()
-        .map(PublicKey::from_file_or_hex)
-        .transpose()?;
-    Ok(ReplayOptions {
-        solver: args.solver.map(Into::into),
+pub(super) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
+    let signer = args.signer.as_deref();
+    let options = ReplayOptions {
         audit: args.audit,
-        trust,
-    })
+        trust: signer.map(PublicKey::from_file_or_hex).transpose()?,
+        span: Span {
+            from_s: args.from,
+            to_s: args.to,
+        },
+    };
+    let what_if = args.what_if.what_if();
+    for_each_at_once(
+        &args.files,
+        args.json,
+        "ticks",
+        args.jobs,
+        |path, progress| {
+            if what_if.is_asked() {
+                comparison_of(path, &what_if, &options, progress)
+            } else {
+                replay_of(path, &options, progress)
+            }
+        },
+    )
 }
 
-pub(super) fn replay_of(path: &Path, options: &ReplayOptions) -> anyhow::Result<Outcome> {
+fn replay_of(path: &Path, options: &ReplayOptions, progress: &Progress) -> anyhow::Result<Outcome> {
     let recording = Recording::open(path).map_err(|error| at(path, &error))?;
-    // Draws nothing when standard error is no terminal.
-    let bar =
-        ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
-        bar.set_style(style);
-    }
-    let report = replay(&recording, options, &mut |ticks| bar.set_position(ticks));
-    bar.finish_and_clear();
-    let report = report.map_err(|error| at(path, &error))?;
+    let mut tell = progress.file(recording.facts().rows);
+    let report = replay(&recording, options, &mut tell).map_err(|error| at(path, &error))?;
+    // (Of a part, the rest.)
+    tell(recording.facts().rows);
     let mut json = object(serde_json::to_value(&report)?);
     json.insert("file".to_owned(), json!(path.display().to_string()));
     let ours = PublicKey::of_this_station().map(|key| key == recording.signer());
     json.insert("signed_by_this_station".to_owned(), json!(ours));
     Ok(Outcome {
         json,
-        text: format!("{}\n{}", path.display(), text(&report, options, ours)),
+        text: format!("{}\n{}", path.display(), text(&report, ours)),
         finding: report.is_finding(),
     })
 }
 
-pub(super) fn text(report: &ReplayReport, options: &ReplayOptions, ours: Option<bool>) -> String {
+fn text(report: &ReplayReport, ours: Option<bool>) -> String {
     let mut lines = vec![match (&report.divergence, report.first_divergent_tick) {
         (Some(d), Some(tick)) => format!(
-            "  DIFFERS    first at tick {tick} ({:?}: recorded {}, replayed {}), {} of {} ticks; force by up to {:.3e} N{}",
-            d.what,
-            d.hash_recorded,
-            d.hash_replayed,
-            d.ticks,
-            report.ticks,
-            report.max_force_deviation_n,
-            if options.solver.is_some() {
-                " (another solver never gives the same bits)"
-            } else {
-                ""
-            }
+            "  DIFFERS    first at tick {tick} ({:?}: recorded {}, replayed {}), {} of {} ticks",
+            d.what, d.hash_recorded, d.hash_replayed, d.ticks, report.ticks,
         ),
         _ => format!(
             "  identical  {} ticks, {:.1} times real time",
             report.ticks, report.realtime_factor
         ),
     }];
+    if !report.identical {
+        let d = &report.deviation;
+        let at = d
+            .max_force_tick
+            .map_or(String::new(), |tick| format!(" at tick {tick}"));
+        let pose = d.max_pose_mm.map_or(String::new(), |mm| {
+            format!(", graphic tools at snapshots by up to {mm:.3e} mm")
+        });
+        lines.push(format!(
+            "  deviation  force by up to {:.3e} N{at} (rms {:.3e} N), torque by up to {:.3e} N m{pose}; status in {} ticks",
+            d.max_force_n, d.rms_force_n, d.max_torque_nm, d.status_ticks
+        ));
+    }
+    if report.recorded_by != report.replayed_by {
+        lines.push(format!(
+            "  programs   recorded by {}, replayed by {}",
+            report.recorded_by, report.replayed_by
+        ));
+    }
+    if let Some(part) = &report.part {
+        lines.push(format!(
+            "  part       ticks {} to {}, from the snapshot of tick {}",
+            part.from_tick, part.to_tick, part.snapshot_tick
+        ));
+    }
     // Whoever makes a whole file anew can sign it with a key of their own: say whose key it is.
     let whose = match ours {
         _ if report.signer_trusted => "",

@@ -12,7 +12,7 @@ use crate::message::Topic;
 use crate::storage::{Sink, Storage};
 
 /// mcap's own text for an I/O error does not say which.
-pub(super) fn reason(error: &mcap::McapError) -> String {
+pub(crate) fn reason(error: &mcap::McapError) -> String {
     match error {
         mcap::McapError::Io(source) => source.to_string(),
         other => other.to_string(),

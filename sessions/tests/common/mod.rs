@@ -85,6 +85,7 @@ pub fn header(scene: &Scene) -> SessionHeader {
     SessionHeader {
         exercise_name: "touch".into(),
         exercise: "title = \"touch three balls\"\n".into(),
+        patient: "condition = \"healthy\"\n".into(),
         rubric: "{}".into(),
         seed: 7,
         station: "bench 3".into(),
@@ -105,8 +106,17 @@ pub struct Session {
 
 impl Session {
     pub fn begin(path: &Path, key: StationKey) -> Self {
+        Self::begin_by(path, key, &header(&scene()).program_version)
+    }
+
+    /// As if a program of that version did.
+    pub fn begin_by(path: &Path, key: StationKey, version: &str) -> Self {
         let scene = scene();
-        let mut recorder = Recorder::create(path, &header(&scene), key).unwrap();
+        let header = SessionHeader {
+            program_version: version.to_owned(),
+            ..header(&scene)
+        };
+        let mut recorder = Recorder::create(path, &header, key).unwrap();
         let state = State::new(&scene);
         recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
         recorder
@@ -180,6 +190,49 @@ pub struct Edit<'a> {
     pub message: &'a mut dyn FnMut(&str, &mut Vec<u8>) -> bool,
     /// Changes the header.
     pub metadata: &'a mut dyn FnMut(&mut BTreeMap<String, String>),
+    /// Changes the bytes of an attachment.
+    pub attachment: &'a mut dyn FnMut(&str, &mut Vec<u8>),
+}
+
+/// The file with one attachment changed, and its hash in the header made right, or not.
+pub fn with_attachment(
+    bytes: &[u8],
+    name: &str,
+    rehash: bool,
+    mut change: impl FnMut(&mut Vec<u8>),
+) -> Vec<u8> {
+    let mut hash = None;
+    let mut changed = |found: &str, data: &mut Vec<u8>| {
+        if found == name {
+            change(data);
+            hash = Some(blake3::hash(data).to_hex().to_string());
+        }
+    };
+    // The attachments come first, so that a first pass finds the hash.
+    let edited = rewritten(
+        bytes,
+        &mut Edit {
+            message: &mut |_, _| true,
+            metadata: &mut |_| {},
+            attachment: &mut changed,
+        },
+    );
+    let hash = hash.expect("an attachment of that name");
+    if !rehash {
+        return edited;
+    }
+    rewritten(
+        &edited,
+        &mut Edit {
+            message: &mut |_, _| true,
+            metadata: &mut |pairs| {
+                pairs
+                    .insert(format!("blake3 {name}"), hash.clone())
+                    .expect("it was there");
+            },
+            attachment: &mut |_, _| {},
+        },
+    )
 }
 
 /// The file written anew, as an honest MCAP tool would, with changes.
@@ -219,15 +272,19 @@ pub fn rewritten(bytes: &[u8], edit: &mut Edit<'_>) -> Vec<u8> {
                         .unwrap();
                 }
             }
-            Record::Attachment { header, data, .. } => writer
-                .attach(&Attachment {
-                    log_time: header.log_time,
-                    create_time: header.create_time,
-                    name: header.name,
-                    media_type: header.media_type,
-                    data,
-                })
-                .unwrap(),
+            Record::Attachment { header, data, .. } => {
+                let mut data = data.into_owned();
+                (edit.attachment)(&header.name, &mut data);
+                writer
+                    .attach(&Attachment {
+                        log_time: header.log_time,
+                        create_time: header.create_time,
+                        name: header.name,
+                        media_type: header.media_type,
+                        data: data.into(),
+                    })
+                    .unwrap();
+            }
             Record::Metadata(mut metadata) => {
                 (edit.metadata)(&mut metadata.metadata);
                 writer.write_metadata(&metadata).unwrap();
@@ -248,6 +305,7 @@ pub fn with_messages(bytes: &[u8], mut message: impl FnMut(&str, &mut Vec<u8>) -
         &mut Edit {
             message: &mut message,
             metadata: &mut |_| {},
+            attachment: &mut |_, _| {},
         },
     )
 }

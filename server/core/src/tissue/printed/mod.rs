@@ -35,11 +35,13 @@ mod skeleton;
 pub mod stability;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 pub use gingiva::PrintedGingiva;
 pub(crate) use gingiva::ReadyGingiva;
 pub(crate) use skeleton::ReadySkeleton;
 pub use skeleton::{PenaltyMeter, PrintedSkeleton};
+pub use whole::as_printed;
 
 use super::{TissueError, wrong};
 use crate::params::within;

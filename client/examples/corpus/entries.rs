@@ -1,0 +1,166 @@
+//! What is in the corpus.
+
+use anyhow::Context;
+use sulcus_cases::table::Driver;
+use sulcus_client::exercise;
+use sulcus_client::progress::Steps;
+use sulcus_core::{Scene, TickInput};
+use sulcus_operator::{HandParams, Operator};
+use sulcus_scene::BuiltIn;
+use sulcus_sessions::Exercise;
+
+use crate::cut;
+
+/// One recording.
+pub struct Entry {
+    /// Name of the file.
+    pub name: &'static str,
+    /// Name of the exercise, or `hard/NAME`.
+    pub exercise: &'static str,
+    /// The scene.
+    pub scene: fn() -> anyhow::Result<Scene>,
+    /// How much of it is performed, seconds; a hard case has its own length.
+    pub performed_s: f64,
+    /// How many ticks are recorded at most.
+    pub ticks: u64,
+    /// What an instructor and the network do to the input.
+    pub disturb: fn(u64, &mut TickInput),
+}
+
+const fn exercise(
+    name: &'static str,
+    scene: fn() -> anyhow::Result<Scene>,
+    performed_s: f64,
+) -> Entry {
+    Entry {
+        name,
+        exercise: name,
+        scene,
+        performed_s,
+        ticks: 1200,
+        disturb: |_, _| {},
+    }
+}
+
+macro_rules! hard {
+    ($($name:literal)*) => {
+        [$(Entry {
+            name: concat!("hard-", $name),
+            exercise: concat!("hard/", $name),
+            scene: || {
+                let case = sulcus_cases::find($name).context("no such case")?;
+                cut::small((case.scene)(), |_| true, false)
+            },
+            performed_s: 0.0,
+            ticks: 800,
+            disturb: |_, _| {},
+        }),*]
+    };
+}
+
+const EXERCISES: [Entry; 6] = [
+    exercise("crown", || built_in(BuiltIn::Crown), 20.0),
+    exercise("probing", || built_in(BuiltIn::Pocket), 20.0),
+    exercise("retraction", || built_in(BuiltIn::Tongue), 20.0),
+    exercise("bimanual", one_tooth, 30.0),
+    Entry {
+        name: "commands",
+        disturb: commands,
+        ..exercise("crown", || built_in(BuiltIn::Crown), 10.0)
+    },
+    Entry {
+        name: "crown-2khz",
+        ..exercise("crown", fast, 10.0)
+    },
+];
+
+const HARD: [Entry; 8] = hard![
+    "wedge" "peg-in-hole" "infeasible" "thin-plate-0.3mm-2" "nan-poses" "two-probes" "tongue-teleport" "pocket-flicker"
+];
+
+/// All recordings.
+pub const ENTRIES: [&Entry; 14] = {
+    let mut all = [&EXERCISES[0]; 14];
+    let mut k = 0;
+    while k < 14 {
+        all[k] = if k < 6 { &EXERCISES[k] } else { &HARD[k - 6] };
+        k += 1;
+    }
+    all
+};
+
+/// A pause, a limit of force, skipped ticks, a stale and an absent tool, one after the other, again and again.
+fn commands(tick: u64, input: &mut TickInput) {
+    let k = tick % 600;
+    input.paused = (50..100).contains(&k);
+    input.force_limit_n = if (200..300).contains(&k) { 0.08 } else { 0.0 };
+    input.skipped = if k == 350 { 3 } else { 0 };
+    input.tools[0].stale = (400..430).contains(&k);
+    input.tools[0].age_ticks = if input.tools[0].stale { 60 } else { 0 };
+    input.tools[0].present &= !(500..520).contains(&k);
+}
+
+fn built_in(which: BuiltIn) -> anyhow::Result<Scene> {
+    let scene = exercise::compile(None, which, None, &Steps)?.scene;
+    cut::small(scene, |_| true, false)
+}
+
+/// The crown at two thousand ticks a second.
+fn fast() -> anyhow::Result<Scene> {
+    let mut scene = built_in(BuiltIn::Crown)?;
+    scene.params.rate_hz = 2000;
+    Ok(scene)
+}
+
+/// Of the whole mouth the tooth that the bimanual exercise begins with, its gingiva, and the tongue.
+fn one_tooth() -> anyhow::Result<Scene> {
+    let scene = exercise::compile(None, BuiltIn::Mouth, None, &Steps)?.scene;
+    cut::small(
+        scene,
+        |object| object.fdi == 36 || object.name == "tongue",
+        true,
+    )
+}
+
+impl Entry {
+    /// The exercise, as long as it is performed.
+    pub fn definition(&self) -> anyhow::Result<Exercise> {
+        if self.exercise.starts_with("hard/") {
+            return Ok(Exercise::free(self.exercise, 1.0));
+        }
+        let mut exercise = exercise::find(self.exercise)?;
+        exercise.duration_s = self.performed_s;
+        Ok(exercise)
+    }
+
+    /// Who performs it in `scene`.
+    pub fn operator(&self, scene: &Scene) -> anyhow::Result<Operator> {
+        let (script, hand) = match self.exercise.strip_prefix("hard/") {
+            Some(case) => match sulcus_cases::find(case).context("no such case")?.driver {
+                Driver::Kinematic(script) => (script(scene), HandParams::default()),
+                Driver::Closed(script, hand) => (script(scene), hand()),
+            },
+            None => {
+                let script = exercise::script(scene, &self.definition()?, None, 1)?;
+                (script, HandParams::default())
+            }
+        };
+        let hand = HandParams {
+            period_s: scene.tick_s(),
+            ..hand
+        };
+        Ok(Operator::new(script, hand, 1))
+    }
+
+    /// What happens to the input on its way.
+    pub fn disturb(&self, tick: u64, input: &mut TickInput) {
+        if let Some(case) = self
+            .exercise
+            .strip_prefix("hard/")
+            .and_then(sulcus_cases::find)
+        {
+            (case.disturb)(tick, input);
+        }
+        (self.disturb)(tick, input);
+    }
+}

@@ -1,0 +1,152 @@
+//! Performing an entry: once to see where things happen, once to record that.
+
+use std::path::Path;
+
+use sulcus_client::demo::lockstep::as_sent;
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
+use sulcus_operator::{Operator, Shown};
+use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+
+use crate::entries::Entry;
+
+/// When the corpus says that it began: the first of January 2026.
+const BEGAN_UNIX_NS: u64 = 1_767_225_600_000_000_000;
+/// Seed of the key that signs the corpus: no station's.
+const KEY: [u8; 32] = *b"sulcus corpus: nobody's station.";
+
+/// The part that is recorded.
+pub struct Window {
+    /// The snapshot that it begins with is that after this tick of the performance.
+    pub from: u64,
+    /// Its last tick.
+    pub to: u64,
+    /// Tool-ticks in contact.
+    pub contact: usize,
+    /// Times that a tool touched or let go.
+    pub changes: usize,
+}
+
+/// A performance under way.
+struct Performance<'a> {
+    entry: &'a Entry,
+    scene: &'a Scene,
+    operator: Operator,
+    state: State,
+    workspace: Workspace,
+    shown: Shown,
+    done: u64,
+}
+
+impl<'a> Performance<'a> {
+    fn new(entry: &'a Entry, scene: &'a Scene) -> anyhow::Result<Self> {
+        Ok(Self {
+            entry,
+            scene,
+            operator: entry.operator(scene)?,
+            state: State::new(scene),
+            workspace: Workspace::new(scene),
+            shown: Shown::NOTHING,
+            done: 0,
+        })
+    }
+
+    fn step(&mut self) -> (TickInput, TickOutput) {
+        let mut input = TickInput::IDLE;
+        input.tools = self.operator.step(&self.shown);
+        self.entry.disturb(self.done, &mut input);
+        let (state, ws) = (&mut self.state, &mut self.workspace);
+        let output = tick(self.scene, state, ws, &input, &mut NoProbe);
+        self.shown = as_sent(&output);
+        self.done += 1;
+        (input, output)
+    }
+}
+
+/// Performs all of it; says for each tick which tools bear load, one bit each.
+pub fn look(entry: &Entry, scene: &Scene) -> anyhow::Result<Vec<u8>> {
+    let mut performance = Performance::new(entry, scene)?;
+    let ticks = performance.operator.ticks();
+    Ok((0..ticks)
+        .map(|_| {
+            let (_, output) = performance.step();
+            let bears = output.tools.iter().map(|tool| u8::from(tool.active > 0));
+            bears.fold(0, |bits, bit| bits << 1 | bit)
+        })
+        .collect())
+}
+
+/// The window of at most `length` ticks with the most changes of contact, among those in which at least half of what any window
+/// touches is touched.
+pub fn window(touched: &[u8], length: u64) -> Window {
+    let length = (length as usize).min(touched.len());
+    let contact_in = |from: usize| -> usize {
+        let bits = touched[from..from + length].iter();
+        bits.map(|bits| bits.count_ones() as usize).sum()
+    };
+    // Often enough: windows overlap by nine tenths.
+    let starts = (0..=touched.len() - length).step_by((length / 10).max(1));
+    let starts: Vec<usize> = starts.collect();
+    let most = starts
+        .iter()
+        .map(|from| contact_in(*from))
+        .max()
+        .unwrap_or_default();
+    let changes_in = |from: usize| -> usize {
+        let pairs = touched[from..from + length].windows(2);
+        pairs
+            .map(|pair| (pair[0] ^ pair[1]).count_ones() as usize)
+            .sum()
+    };
+    let busy = starts
+        .into_iter()
+        .filter(|from| 2 * contact_in(*from) >= most);
+    // (The first of the best.)
+    let best = busy
+        .rev()
+        .max_by_key(|from| changes_in(*from))
+        .unwrap_or_default();
+    Window {
+        from: best as u64,
+        to: (best + length) as u64,
+        contact: contact_in(best),
+        changes: changes_in(best),
+    }
+}
+
+/// Performs it again and records the window, with a snapshot in the middle.
+pub fn record(entry: &Entry, scene: &Scene, window: &Window, path: &Path) -> anyhow::Result<()> {
+    let mut performance = Performance::new(entry, scene)?;
+    for _ in 0..window.from {
+        performance.step();
+    }
+    let mut header = SessionHeader::new(scene.to_bytes()?);
+    header.exercise_name = entry.exercise.into();
+    header.exercise = entry.definition()?.definition(1)?;
+    header.seed = 1;
+    header.station = "corpus".into();
+    header.started_unix_ns = BEGAN_UNIX_NS;
+    let time = |tick: u64| BEGAN_UNIX_NS + tick * scene.params.tick_ns();
+    let mut recorder = Recorder::create(path, &header, StationKey::from_seed(KEY))?;
+    let state = &performance.state;
+    let begins = time(state.tick);
+    recorder.snapshot(begins, state.tick, &state.to_bytes())?;
+    let said = format!(
+        "ticks {} to {} of a performance of `{}`",
+        window.from, window.to, entry.exercise
+    );
+    recorder.event(begins, Level::Info, &said)?;
+    let length = window.to - window.from;
+    for k in 1..=length {
+        let (input, output) = performance.step();
+        let now = time(output.tick);
+        recorder.push(&Row::new(now, &input, &output))?;
+        if k == length / 2 {
+            recorder.snapshot(now, output.tick, &performance.state.to_bytes())?;
+        }
+    }
+    recorder.finish(SessionEnd {
+        ticks: length,
+        ..SessionEnd::default()
+    })?;
+    Ok(())
+}

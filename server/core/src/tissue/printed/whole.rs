@@ -1,0 +1,30 @@
+//! A whole scene as printed.
+
+use super::{PrintedGingiva, PrintedSkeleton};
+use crate::scene::Scene;
+use crate::tissue::TissueModel;
+
+/// The scene with every tissue as printed: the same trees, springs and directions from the tooth, and no limit to what a force may
+/// change by. What the paper has not stays as it is.
+pub fn as_printed(scene: &mut Scene) {
+    scene.params.max_settle_step = 50.0;
+    let tooth_of = |fdi: u8| {
+        let rigid = |k: &usize| scene.objects[*k].tissue.is_rigid();
+        let all = || (0..scene.objects.len()).filter(rigid);
+        let same = all().find(|&k| fdi != 0 && scene.objects[k].fdi == fdi);
+        same.or_else(|| all().next()).unwrap_or(0) as u16
+    };
+    let teeth: Vec<u16> = scene.objects.iter().map(|o| tooth_of(o.fdi)).collect();
+    for (object, tooth) in scene.objects.iter_mut().zip(teeth) {
+        let printed = match &object.tissue {
+            TissueModel::Skeleton(coupled) => {
+                TissueModel::PrintedSkeleton(PrintedSkeleton::of(&coupled.coarse, &object.tree))
+            }
+            TissueModel::Gingiva(coupled) => {
+                TissueModel::PrintedGingiva(PrintedGingiva::of(coupled, &object.tree, tooth))
+            }
+            _ => continue,
+        };
+        object.tissue = printed;
+    }
+}

@@ -1,0 +1,117 @@
+//! One of the two sides of a comparison.
+
+use serde::Serialize;
+use sulcus_core::output::status;
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
+
+use super::timed;
+
+/// What one side came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Side {
+    /// Wall time of a tick, mean, microseconds.
+    pub tick_us: f64,
+    /// Ticks in which a tool bore load.
+    pub contact_ticks: u64,
+    /// Largest force sent to a hand, newtons.
+    pub max_force_n: f64,
+    /// Deepest overlap of a converged tick, over the pairs of spheres in its problem, micrometres.
+    pub max_residual_um: f64,
+    /// Ticks in which substeps ran out.
+    pub exhausted: u64,
+    /// Ticks in which the solver had no usable answer.
+    pub failed: u64,
+    /// Deepest reading in a pocket, millimetres; `None` where no tip was in one.
+    pub deepest_mm: Option<f64>,
+}
+
+/// A side under way.
+pub(super) struct Running<'a> {
+    scene: &'a Scene,
+    state: State,
+    workspace: Workspace,
+    side: Side,
+    ticks: u64,
+    seconds: f64,
+}
+
+impl<'a> Running<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        Self {
+            scene,
+            state: State::new(scene),
+            workspace: Workspace::new(scene),
+            side: Side::default(),
+            ticks: 0,
+            seconds: 0.0,
+        }
+    }
+
+    pub fn begin_with(&mut self, state: State) {
+        self.state = state;
+    }
+
+    /// Begins with the tools of `state` where they are. What tissue remembers is taken over where both sides' tissue has the same
+    /// numbers to remember, otherwise it begins at rest, unloaded.
+    pub fn begin_like(&mut self, state: &State) {
+        let bytes = state.to_bytes();
+        if let Ok(same) = State::from_bytes(self.scene, &bytes) {
+            self.state = same;
+            return;
+        }
+        self.state.tick = state.tick;
+        self.state.hash = state.hash;
+        self.state.tools = state.tools;
+    }
+
+    /// Runs a tick; `counts` it or only goes through it.
+    pub fn tick(&mut self, input: &TickInput, counts: bool) -> TickOutput {
+        let (output, seconds) = timed(|| {
+            tick(
+                self.scene,
+                &mut self.state,
+                &mut self.workspace,
+                input,
+                &mut NoProbe,
+            )
+        });
+        self.ticks += 1;
+        self.seconds += seconds;
+        if counts {
+            self.count(&output);
+        }
+        output
+    }
+
+    fn count(&mut self, output: &TickOutput) {
+        let mut bits = 0;
+        let mut touches = false;
+        for tool in &output.tools {
+            bits |= tool.status;
+            touches |= tool.active > 0;
+            let side = &mut self.side;
+            side.max_force_n = side.max_force_n.max(tool.wrench.force.norm());
+            if tool.converged && tool.min_gap.is_finite() {
+                side.max_residual_um = side.max_residual_um.max(-tool.min_gap * 1e6);
+            }
+            if let Some(reading) = &tool.pocket {
+                let before = side.deepest_mm.unwrap_or_default();
+                side.deepest_mm = Some(before.max(reading.depth * 1e3));
+            }
+        }
+        self.side.contact_ticks += u64::from(touches);
+        self.side.exhausted += u64::from(bits & status::EXHAUSTED != 0);
+        self.side.failed += u64::from(bits & status::SOLVER_FAILED != 0);
+    }
+
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    pub fn side(&self) -> Side {
+        Side {
+            tick_us: self.seconds / self.ticks.max(1) as f64 * 1e6,
+            ..self.side
+        }
+    }
+}

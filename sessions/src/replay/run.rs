@@ -1,0 +1,122 @@
+//! A replay under way.
+
+use sulcus_core::{NoProbe, Scene, State, TickOutput, Workspace, tick};
+
+use super::deviation::Deviating;
+use super::{Deviation, Difference, Divergence, ReplayError};
+use crate::audit::{AuditReport, audit_tick};
+use crate::row::Row;
+
+pub(super) struct Run<'a> {
+    scene: &'a Scene,
+    workspace: Workspace,
+    state: State,
+    started: bool,
+    pub ticks: u64,
+    /// With those that were skipped.
+    pub simulated_ticks: u64,
+    pub first: Option<(u64, Divergence)>,
+    deviating: Deviating,
+    pub audit: Option<AuditReport>,
+}
+
+impl<'a> Run<'a> {
+    pub fn new(scene: &'a Scene, audit: bool) -> Self {
+        Self {
+            scene,
+            workspace: Workspace::new(scene),
+            state: State::new(scene),
+            started: false,
+            ticks: 0,
+            simulated_ticks: 0,
+            first: None,
+            deviating: Deviating::default(),
+            audit: audit.then(AuditReport::default),
+        }
+    }
+
+    pub fn workspace(&self) -> &Workspace {
+        &self.workspace
+    }
+
+    pub fn deviation(&self) -> Deviation {
+        self.deviating.done()
+    }
+
+    pub fn row(&mut self, row: &Row) -> TickOutput {
+        let output = tick(
+            self.scene,
+            &mut self.state,
+            &mut self.workspace,
+            &row.input,
+            &mut NoProbe,
+        );
+        self.ticks += 1;
+        self.simulated_ticks += 1 + u64::from(row.input.skipped);
+        let again = Row::new(row.time_unix_ns, &row.input, &output);
+        self.deviating.row(row, &again);
+        let what = if again.tick != row.tick {
+            Some(Difference::Tick)
+        } else if again.hash != row.hash {
+            Some(Difference::Hash)
+        } else if again.to_bytes() != row.to_bytes() {
+            Some(Difference::Output)
+        } else {
+            None
+        };
+        if let Some(what) = what {
+            self.differs(row.tick, what, row.hash, again.hash);
+        }
+        if let Some(audit) = &mut self.audit
+            && let Some(found) = audit_tick(self.scene, &self.workspace)
+        {
+            audit.add(row.tick, &found);
+        }
+        output
+    }
+
+    /// Begins with the first; compares every other, and goes on from the recorded state where it is another.
+    pub fn snapshot(&mut self, of: u64, bytes: &[u8]) -> Result<(), ReplayError> {
+        if self.started && self.state.to_bytes() == bytes {
+            return Ok(());
+        }
+        let recorded = recorded(self.scene, of, bytes);
+        if !self.started {
+            self.state = recorded.map_err(ReplayError::Snapshot)?;
+            self.started = true;
+            return Ok(());
+        }
+        // Where the rows differed before, the snapshot adds nothing.
+        if self.first.is_none() {
+            let hash = recorded.as_ref().map_or(0, |state| state.hash);
+            self.differs(of, Difference::Snapshot, hash, self.state.hash);
+        }
+        if let Ok(state) = recorded {
+            self.deviating.snapshot(&state, &self.state);
+            self.state = state;
+        }
+        Ok(())
+    }
+
+    fn differs(&mut self, tick: u64, what: Difference, recorded: u64, replayed: u64) {
+        let (_, divergence) = self.first.get_or_insert_with(|| {
+            let divergence = Divergence {
+                what,
+                hash_recorded: format!("{recorded:016x}"),
+                hash_replayed: format!("{replayed:016x}"),
+                ticks: 0,
+            };
+            (tick, divergence)
+        });
+        divergence.ticks += 1;
+    }
+}
+
+/// The state in a snapshot's bytes, which must be that of its tick.
+pub(crate) fn recorded(scene: &Scene, of: u64, bytes: &[u8]) -> Result<State, String> {
+    let state = State::from_bytes(scene, bytes).map_err(|error| error.to_string())?;
+    match state.tick {
+        tick if tick == of => Ok(state),
+        tick => Err(format!("it says tick {of}, and holds tick {tick}")),
+    }
+}
