@@ -1,5 +1,6 @@
 //! The command line: what is asked, what is printed, and the exit code.
 
+mod grade;
 mod info;
 mod print;
 mod replay;
@@ -37,6 +38,9 @@ enum Command {
         after_long_help = "Examples:\n  sulcus-sessions replay session.mcap\n  sulcus-sessions replay session.mcap --signer station.pub --json\n  sulcus-sessions replay session.mcap --solver clarabel    (bits differ; shows by how many newtons)\n  sulcus-sessions replay recordings/*.mcap --audit"
     )]
     Replay(replay::ReplayArgs),
+    /// Grades recorded sessions from their replay: table, JSON, CSV, pages with a periodontal chart
+    #[command(long_about = grade::LONG_ABOUT, after_long_help = grade::EXAMPLES)]
+    Grade(grade::GradeArgs),
 }
 
 /// Runs the program with these arguments, the first of which is its name.
@@ -56,6 +60,7 @@ where
     let json = match &cli.command {
         Command::Info(args) => args.json,
         Command::Replay(args) => args.json,
+        Command::Grade(args) => args.json,
     };
     let outcome = match cli.command {
         Command::Info(args) => for_each(&args.files, args.json, "bytes", info::info_of),
@@ -64,6 +69,7 @@ where
                 replay::replay_of(path, &options)
             })
         }),
+        Command::Grade(args) => grade::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         if json {
