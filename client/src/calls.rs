@@ -11,6 +11,9 @@ pub fn calls(operator: &mut Operator) -> Vec<Call> {
         tooth: said.tooth,
         site: said.site,
         depth_mm: said.depth_mm,
+        recession_mm: Some(said.recession_mm),
+        bleeding: Some(said.bleeding),
+        furcation: None,
     };
     operator.calls().into_iter().map(call).collect()
 }

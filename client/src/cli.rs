@@ -9,7 +9,7 @@ use sulcus_operator::Habit;
 /// Periodontal training with touch: the student's side.
 ///
 /// Without a command it runs the demo: an embedded server on loopback, a simulated operator who holds the tongue
-/// aside with a mirror and probes two molars of a whole mouth over real QUIC, in 70 seconds, the session recorded to
+/// aside with a mirror and probes two molars of a whole mouth over real QUIC, in about a minute, the session recorded to
 /// MCAP and replayed as a check.
 #[derive(Debug, Parser)]
 #[command(name = "sulcus-client", version, after_long_help = EXAMPLES)]
@@ -21,7 +21,7 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  sulcus-client                                   the demo: both hands in a whole mouth, 70 s, recorded and replayed
+  sulcus-client                                   the demo: both hands in a whole mouth, a minute, recorded, replayed, graded
   sulcus-client demo --virtual --duration 60      the same in virtual time, as fast as it goes
   sulcus-client demo --scene server/scenes/crown.toml --json
   sulcus-client demo --exercise probing           one tooth's pocket, in real time
@@ -58,7 +58,7 @@ pub struct DemoArgs {
     /// List the exercises and stop
     #[arg(long)]
     pub list_exercises: bool,
-    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
+    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
     /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a whole mouth
@@ -76,6 +76,9 @@ pub struct DemoArgs {
     /// Folder for recordings; created when missing
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
+    /// Opaque learner id for the recording; never a name
+    #[arg(long, value_name = "ID", default_value = "")]
+    pub learner: String,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
     pub json: bool,
@@ -103,7 +106,7 @@ pub struct RunArgs {
     /// What the simulated operator performs: an exercise by name, or a file of one (ending in .toml)
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
-    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads
+    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
     /// Scene that the simulated operator knows, when it is not the exercise's own; must be the server's
@@ -176,6 +179,7 @@ impl Default for DemoArgs {
             solver: SolverArg::ActiveSet,
             rate_hz: None,
             recordings: "recordings".into(),
+            learner: String::new(),
             json: false,
         }
     }

@@ -18,19 +18,31 @@ pub trait Device: Send {
     fn calls(&mut self) -> Vec<Call> {
         Vec::new()
     }
+    /// Whether the person at the device has nothing left to do. Most devices never know.
+    fn is_done(&self) -> bool {
+        false
+    }
 }
 
 /// The simulated operator as a device.
-pub struct Simulated(pub Operator);
+pub struct Simulated {
+    /// Who performs.
+    pub operator: Operator,
+    /// Whether it ends when there is nothing left to do, or when its time is up.
+    pub until_done: bool,
+}
 
 impl Device for Simulated {
     fn name(&self) -> &str {
         "simulated"
     }
     fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
-        self.0.step(shown)
+        self.operator.step(shown)
     }
     fn calls(&mut self) -> Vec<Call> {
-        calls(&mut self.0)
+        calls(&mut self.operator)
+    }
+    fn is_done(&self) -> bool {
+        self.until_done && self.operator.is_done()
     }
 }

@@ -57,7 +57,7 @@ pub struct LoopReport {
 pub type Disturb = fn(u64, &mut TickInput);
 
 /// Runs `device` on `link` for `periods` periods of the server's tick, and the few more that it takes to let the hand go; or
-/// until someone interrupts it, or the server is gone. `done` counts along.
+/// until someone interrupts it, there is nothing left to do, or the server is gone. `done` counts along.
 pub fn run(
     link: &mut Link,
     device: &mut dyn Device,
@@ -79,7 +79,7 @@ pub fn run(
     loop {
         report.interrupted |= interrupt::asked();
         // The end, too, lets the hand go by the slew limit: the loop goes on until nothing is displayed.
-        let leaving = report.interrupted || report.periods >= periods;
+        let leaving = report.interrupted || report.periods >= periods || device.is_done();
         if leaving && report.last_displayed_n == 0.0 {
             break;
         }

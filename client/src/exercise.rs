@@ -16,7 +16,7 @@ use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_operator::{Habit, HandParams, Operator, Script};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::exercise::Kind;
-use sulcus_sessions::{Events, Exercise};
+use sulcus_sessions::{Events, Exercise, Rubric};
 
 use crate::progress::Steps;
 
@@ -67,12 +67,16 @@ pub struct Prepared {
     pub scene_bytes: Arc<Vec<u8>>,
     /// Text of the scene's patient; empty where it has none.
     pub patient: String,
+    /// Opaque learner id for a recording; may be empty.
+    pub learner: String,
     /// Who performs it.
     pub operator: Operator,
     /// The hard case behind it, if it is one.
     pub case: Option<&'static Case>,
-    /// Length, ticks.
+    /// Length, ticks; the most of it where it ends with the operator.
     pub ticks: u64,
+    /// Whether it ends when the operator has nothing left to do: where no length was asked for.
+    pub until_done: bool,
     /// What was noticed while compiling.
     pub warnings: Vec<String>,
 }
@@ -89,6 +93,16 @@ impl Prepared {
     /// Never for an exercise that was read from a valid text.
     pub fn definition(&self, seed: u64) -> anyhow::Result<String> {
         Ok(self.exercise.definition(seed)?)
+    }
+
+    /// The rubric as it goes into the recording (TOML), definitions included; empty where nothing is asked that is graded.
+    ///
+    /// # Errors
+    /// Never for a rubric that is built in.
+    pub fn rubric(&self) -> anyhow::Result<String> {
+        let rubric = Rubric::of(&self.exercise);
+        let text = rubric.map(|rubric| rubric.definition()).transpose()?;
+        Ok(text.unwrap_or_default())
     }
 }
 
@@ -294,6 +308,8 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
         scene_bytes: Arc::new(scene_bytes),
         patient,
         ticks: operator.ticks(),
+        until_done: asked.duration_s.is_none(),
+        learner: String::new(),
         operator,
         case: hard,
         warnings,

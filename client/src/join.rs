@@ -51,7 +51,10 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     }
     let ran = perform(
         link,
-        Simulated(prepared.operator),
+        Simulated {
+            operator: prepared.operator,
+            until_done: prepared.until_done,
+        },
         prepared.ticks,
         None,
         &steps,

@@ -122,6 +122,9 @@ impl Device for Calling {
             tooth,
             site: Site::Buccal,
             depth_mm: 2,
+            recession_mm: None,
+            bleeding: None,
+            furcation: None,
         };
         match self.1 {
             // The second is about a tooth that is not there.
@@ -283,7 +286,7 @@ fn exercises_are_found_by_name_or_file_and_what_cannot_be_is_said() {
     let text = exercise::find("probing").unwrap().definition(1).unwrap();
     let mine = text
         .replace("name = \"probing\"", "name = \"mine\"")
-        .replace("20.0", "3.5");
+        .replace("40.0", "3.5");
     std::fs::write(&file, mine).unwrap();
     let found = exercise::find(file.to_str().unwrap()).unwrap();
     assert_eq!((found.name.as_str(), found.duration_s), ("mine", 3.5));

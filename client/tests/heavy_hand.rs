@@ -37,6 +37,8 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
         scene: Arc::new(scene),
         patient: String::new(),
         ticks: operator.ticks(),
+        until_done: false,
+        learner: String::new(),
         operator,
         case: None,
         warnings: Vec::new(),

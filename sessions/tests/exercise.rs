@@ -21,7 +21,7 @@ fn the_built_in_ones_are_all_there() {
     assert_eq!(tour[0], (36, Site::DistoBuccal));
     assert_eq!(tour[8], (37, Site::MesioLingual));
     assert_eq!(all[3].target.unwrap().tooth, 37);
-    assert_eq!(all[1].probing, Default::default());
+    assert_eq!(all[0].probing, Default::default());
 }
 
 #[test]
@@ -76,14 +76,14 @@ fn what_is_wrong_is_named() {
         ),
         (
             PROBING,
-            "duration_s = 20.0",
+            "duration_s = 40.0",
             "duration_s = nan",
             &["duration_s is NaN s", "0.1 to 86400 s"],
         ),
         (
             PROBING,
-            "duration_s = 20.0",
-            "duration_s = 20.0\nspeed = 3",
+            "duration_s = 40.0",
+            "duration_s = 40.0\nspeed = 3",
             &["unknown field `speed`", "duration_s"],
         ),
         (PROBING, "name = \"probing\"", "", &["missing field `name`"]),
@@ -101,8 +101,8 @@ fn what_is_wrong_is_named() {
         ),
         (
             PROBING,
-            "duration_s = 20.0",
-            "duration_s = 20.0\nseed = -1",
+            "duration_s = 40.0",
+            "duration_s = 40.0\nseed = -1",
             &["seed", "0 to 2^64"],
         ),
         (

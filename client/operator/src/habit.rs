@@ -19,11 +19,13 @@ pub enum Habit {
     SpotProbes,
     /// Takes one mark for another.
     Misreads,
+    /// Stops 1.2 mm below the margin, before the floor.
+    StopsShort,
 }
 
 impl Habit {
     /// All of them.
-    pub const ALL: [Habit; 7] = [
+    pub const ALL: [Habit; 8] = [
         Habit::HeavyHand,
         Habit::WrongAngle,
         Habit::SkipsSites,
@@ -31,6 +33,7 @@ impl Habit {
         Habit::LetsTongueGo,
         Habit::SpotProbes,
         Habit::Misreads,
+        Habit::StopsShort,
     ];
 
     /// Share of the tour after which the mirror lets the tongue go; 1 for an operator who holds it to the end.
@@ -51,6 +54,7 @@ impl Habit {
             Habit::LetsTongueGo => "lets-tongue-go",
             Habit::SpotProbes => "spot-probes",
             Habit::Misreads => "misreads",
+            Habit::StopsShort => "stops-short",
         }
     }
 }

@@ -33,7 +33,7 @@ pub struct PocketPath {
     pub slot: usize,
     /// How far inside the tooth's surface the tip is meant to be, so that its side stays on it, metres.
     pub hug: f64,
-    /// What is seen of the gingiva: where its margin is and its zones, not how deep it is.
+    /// What is seen of the gingiva: where its margin is, on the tooth too, its zones and its blood, not how deep it is.
     gingiva: Gingiva,
     tool: ToolFrame,
     tip: f64,
@@ -89,7 +89,7 @@ impl PocketPath {
             tooth: gingiva.tooth,
             margin: gingiva.margin.clone(),
             proximal: gingiva.proximal,
-            sites: [Prescribed::default(); 6],
+            sites: gingiva.sites.map(|site| Prescribed { depth: 0.0, ..site }),
             places: Vec::new(),
             level: gingiva.level,
         };
@@ -128,7 +128,7 @@ impl PocketPath {
         &self.gingiva.tooth
     }
 
-    /// What is seen of the gingiva: its margin and its zones. Its depths are not known here.
+    /// What is seen of the gingiva: its margin, its zones, its blood. Its depths are not known here.
     pub fn gingiva(&self) -> &Gingiva {
         &self.gingiva
     }

@@ -29,15 +29,19 @@ impl From<&TickOutput> for Shown {
     }
 }
 
-/// A depth that the operator says aloud.
+/// What the operator says aloud of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Call {
     /// FDI number of the tooth.
     pub tooth: u8,
     /// Which of its sites.
     pub site: Site,
-    /// Whole millimetres.
+    /// Depth, whole millimetres.
     pub depth_mm: u8,
+    /// How far the margin is seen below the cemento-enamel junction, whole millimetres; negative above it.
+    pub recession_mm: i8,
+    /// Whether it is seen to bleed.
+    pub bleeding: bool,
 }
 
 /// What an operator perceives in one millisecond.

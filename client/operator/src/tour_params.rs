@@ -103,6 +103,9 @@ impl Default for TourParams {
 /// How far from the midline the line angle is, metres: where an upright probe goes down beside a neighbour.
 const LINE_ANGLE: f64 = 3.3e-3;
 
+/// How far below the margin a hand goes that stops before the floor, metres.
+const SHORT: f64 = 1.2e-3;
+
 impl Habit {
     /// What the habit makes of a tour; `seed` decides mistakes.
     pub fn spoil(self, params: &mut TourParams, tour: &mut Vec<Visit>, seed: u64) {
@@ -144,6 +147,7 @@ impl Habit {
                 params.manner = Manner::Upright;
             }
             Habit::Misreads => params.misread = Some(seed),
+            Habit::StopsShort => params.deepest = SHORT,
         }
     }
 }

@@ -3,12 +3,10 @@
 use std::path::Path;
 
 use sulcus_cases::{Chart, Measures, Observer};
-use sulcus_core::Scene;
 use sulcus_sessions::events::Tally;
-use sulcus_sessions::events::call::{Call, READING_CALLED};
+use sulcus_sessions::grade::{Grade, Standard, finish, run};
 use sulcus_sessions::{
-    Events, Exercise, Message, Occurrence, Recording, ReplayOptions, ReplayReport, Signature,
-    replay_observed,
+    Exercise, Recording, ReplayOptions, ReplayReport, Signature, replay_observed,
 };
 
 use super::summary::{EventsSummary, PocketSummary, SiteSummary, TissueSummary};
@@ -30,6 +28,8 @@ pub struct Checked {
     pub tally: Tally,
     /// Depths that were called.
     pub calls: Vec<Called>,
+    /// The grade; none where nothing is asked that is graded.
+    pub grade: Option<Grade>,
     /// Whether anything in the scene yields.
     yields: bool,
     /// Size of the file.
@@ -92,7 +92,8 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let scene = recording.scene()?;
     let (mut observer, mut chart) = (Observer::new(&scene), Chart::default());
     let exercise = Exercise::recorded(&recording.header().exercise);
-    let mut events = Events::new(&scene, &exercise);
+    let standard = Standard::of(recording.header(), &exercise, None)?;
+    let mut watcher = run::watcher(&scene, &exercise, standard.as_ref());
     let mut zones = Vec::new();
     let rows = recording.len().max(1) as f64;
     let bar = steps.bar("replaying");
@@ -103,7 +104,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         &mut |scene, input, output, ws| {
             observer.observe(scene, input, output, ws);
             chart.observe(scene, output);
-            drop(events.observe(scene, output, ws));
+            watcher.observe(scene, output, ws);
             zones.extend(
                 entered(output)
                     .map(|(_, reading)| zone_line(output.tick as f64 * scene.tick_s(), &reading)),
@@ -112,28 +113,25 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     )?;
     bar.done();
     let bytes = std::fs::metadata(path)?.len();
+    let tally = *watcher.events.tally();
+    // One replay for the check and the grade.
+    let grade = standard.map(|standard| {
+        let standard = Some(&standard);
+        finish(&recording, &scene, &exercise, standard, watcher, &report)
+    });
+    let called = run::calls(&recording, &scene)?;
     Ok(Checked {
         report,
         measures: observer.measures(),
         zones,
         chart,
-        tally: *events.tally(),
-        calls: called(&recording, &scene)?,
+        tally,
+        calls: called
+            .iter()
+            .filter_map(|call| Called::of(call, &scene))
+            .collect(),
+        grade: grade.transpose()?.map(|graded| graded.grade),
         yields: scene.yields(),
         bytes,
     })
-}
-
-/// The readings called in a recording, as far as they make sense.
-fn called(recording: &Recording, scene: &Scene) -> anyhow::Result<Vec<Called>> {
-    let mut all = Vec::new();
-    for message in recording.messages() {
-        let Message::Event(event) = message? else {
-            continue;
-        };
-        let said = Occurrence::parse(&event.text).filter(|said| said.kind == READING_CALLED);
-        let call = said.and_then(|said| Call::read(&said.data, scene).ok());
-        all.extend(call.and_then(|call| Called::of(&call, scene)));
-    }
-    Ok(all)
 }

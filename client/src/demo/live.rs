@@ -35,6 +35,8 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     };
     config.station = "demo".into();
     config.patient.clone_from(&prepared.patient);
+    config.rubric = prepared.rubric()?;
+    config.learner.clone_from(&args.learner);
     let server = Server::start(config)?;
     let link = Link::connect(LinkConfig::new(
         server.local_addr(),
@@ -45,7 +47,10 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     let disturb = prepared.case.map(|case| case.disturb);
     let ran = perform(
         link,
-        Simulated(prepared.operator),
+        Simulated {
+            operator: prepared.operator,
+            until_done: prepared.until_done,
+        },
         prepared.ticks,
         disturb,
         steps,
@@ -110,6 +115,6 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         pocket: checked.pocket(),
         tissue: checked.tissue(),
         events: Some(checked.events()),
-        grade: None,
+        grade: checked.grade,
     })
 }

@@ -56,7 +56,9 @@ pub fn run(
     header.exercise_name = prepared.exercise.name.clone();
     header.exercise = prepared.definition(seed)?;
     header.patient.clone_from(&prepared.patient);
+    header.rubric = prepared.rubric()?;
     header.seed = seed;
+    header.learner_id.clone_from(&prepared.learner);
     header.station = "virtual".into();
     header.started_unix_ns = started;
     let (mut recorder, recording) = Recorder::create_in(folder, &header, &key)?;
@@ -76,7 +78,8 @@ pub fn run(
     let begin = Instant::now();
     let mut done = 0;
     for k in 1..=ticks {
-        if interrupt::asked() {
+        let over = prepared.until_done && prepared.operator.is_done();
+        if over || interrupt::asked() {
             break;
         }
         done = k;

@@ -39,6 +39,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         rate_hz: args.rate_hz,
     };
     let mut prepared = exercise::prepare(&asked, &steps)?;
+    prepared.learner.clone_from(&args.learner);
     if prepared.case.is_some() && args.duration.is_some() {
         eprintln!(
             "warning: `{}` has its own length; --duration has no effect",
@@ -116,6 +117,6 @@ fn run_virtual(
         pocket: checked.pocket(),
         tissue: checked.tissue(),
         events: Some(checked.events()),
-        grade: None,
+        grade: checked.grade,
     })
 }

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use sulcus_proto::Percentiles;
+use sulcus_sessions::Grade;
 use sulcus_sessions::events::Tally;
 
 use crate::calls::Called;
@@ -71,8 +72,8 @@ pub struct DemoSummary {
     pub tissue: Option<TissueSummary>,
     /// What happened in the exercise, found in the replay.
     pub events: Option<EventsSummary>,
-    /// Null until there is grading.
-    pub grade: Option<()>,
+    /// What the program proposes as a grade; null where nothing is asked that is graded.
+    pub grade: Option<Grade>,
 }
 
 /// Energy of the force displayed.
@@ -316,7 +317,9 @@ impl DemoSummary {
             Some(tick) => format!("replay        DIFFERS from tick {tick} on"),
             None => "replay        DIFFERS".into(),
         });
-        if !self.gradable {
+        if let Some(grade) = &self.grade {
+            lines.extend(grade_lines(grade));
+        } else if !self.gradable {
             lines.push("grading       NOT POSSIBLE: the recording is not complete".into());
         }
         if !self.signature_valid {
@@ -337,6 +340,34 @@ impl DemoSummary {
             "  cargo run --release -p sulcus-sessions -- replay --audit {}",
             self.recording.display()
         ));
+        if self.grade.is_some() {
+            lines.push(format!(
+                "  cargo run --release -p sulcus-sessions -- grade --html pages {}",
+                self.recording.display()
+            ));
+        }
         lines.join("\n")
     }
+}
+
+/// The grade, in short: the whole of it is for `sulcus-sessions grade`.
+fn grade_lines(grade: &Grade) -> Vec<String> {
+    let Some(score) = grade.score else {
+        let why = grade.reason.as_deref().unwrap_or("for no reason known");
+        return vec![format!("grade         NONE: {why}")];
+    };
+    let rubric = grade.rubric.as_ref().map_or(String::new(), |used| {
+        format!(" (rubric {}, version {})", used.name, used.version)
+    });
+    let passed = if grade.passed == Some(true) {
+        "passed"
+    } else {
+        "NOT PASSED"
+    };
+    let mut lines = vec![format!(
+        "grade         {score:.1} of 100 proposed, {passed}{rubric}"
+    )];
+    let practise = grade.advice.iter();
+    lines.extend(practise.map(|advice| format!("              practise: {}", advice.title)));
+    lines
 }

@@ -51,9 +51,12 @@ pub struct ServeArgs {
     /// Opaque learner id for recordings when the client names none; never a name
     #[arg(long, value_name = "ID", default_value = "")]
     pub learner: String,
-    /// Name of the exercise
+    /// Name of the exercise; of a built-in one the definition and the rubric go into the recordings
     #[arg(long, value_name = "NAME", default_value = "free")]
     pub exercise: String,
+    /// Rubric for the recordings instead of the exercise's own
+    #[arg(long, value_name = "FILE")]
+    pub rubric: Option<PathBuf>,
     /// Simulate tissue at its finer level while ticks take less CPU time than this on average, microseconds; default: always
     /// the coarse level, as graded sessions need it
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(10..=900))]
@@ -83,10 +86,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     config.patient = patient;
     config.station.clone_from(&args.station);
     config.learner.clone_from(&args.learner);
-    config.exercise = Exercise {
-        name: args.exercise.clone(),
-        ..Exercise::default()
-    };
+    (config.exercise, config.rubric) = exercise(&args.exercise, args.rubric.as_deref())?;
     config.station_key.clone_from(&args.key);
     if let Some(budget_us) = args.detail_budget {
         config.detail = Detail::ByTime(Budget {
@@ -116,6 +116,30 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     server.shutdown();
     let sessions = server.join()?;
     Ok(report(&sessions, args))
+}
+
+/// What a student is asked to do, and the rubric's text (empty where nothing is asked that is graded).
+fn exercise(name: &str, rubric: Option<&Path>) -> anyhow::Result<(Exercise, String)> {
+    let all = sulcus_sessions::Exercise::built_in();
+    let built_in = all.into_iter().find(|one| one.name == name);
+    let rubric = match rubric {
+        Some(file) => Some(sulcus_sessions::Rubric::open(file)?),
+        None => built_in.as_ref().and_then(sulcus_sessions::Rubric::of),
+    };
+    let rubric = rubric.map(|rubric| rubric.definition()).transpose()?;
+    let exercise = match built_in {
+        Some(one) => Exercise {
+            name: one.name.clone(),
+            text: one.task.clone(),
+            definition: one.definition(0)?,
+            seed: 0,
+        },
+        None => Exercise {
+            name: name.to_owned(),
+            ..Exercise::default()
+        },
+    };
+    Ok((exercise, rubric.unwrap_or_default()))
 }
 
 /// A scene file or a compiled scene, its bytes, and the text of its patient (empty where there is none).

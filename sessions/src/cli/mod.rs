@@ -2,6 +2,7 @@
 
 mod compared;
 mod export;
+mod grade;
 mod info;
 mod parallel;
 mod print;
@@ -53,6 +54,9 @@ enum Command {
         after_long_help = "Examples:\n  sulcus-sessions export session.mcap --out session\n  sulcus-sessions export session.mcap --out session --csv --every-ticks 10\n  sulcus-sessions export session.mcap --out session --meshes obj --at 12.5 --at 13"
     )]
     Export(export::ExportArgs),
+    /// Grades recorded sessions from their replay: table, JSON, CSV, pages with a periodontal chart
+    #[command(long_about = grade::LONG_ABOUT, after_long_help = grade::EXAMPLES)]
+    Grade(grade::GradeArgs),
 }
 
 /// Runs the program with these arguments, the first of which is its name.
@@ -74,6 +78,7 @@ where
         Command::Replay(args) => args.json,
         Command::Review(args) => args.json,
         Command::Export(args) => args.json,
+        Command::Grade(args) => args.json,
     };
     let outcome = match cli.command {
         Command::Export(args) => for_each(&args.files, args.json, "ticks", |path| {
@@ -82,6 +87,7 @@ where
         Command::Review(args) => review::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Grade(args) => grade::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         if json {

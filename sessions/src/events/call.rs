@@ -1,4 +1,5 @@
-//! Depths that a student calls: what a client says, logged as it is, and read with suspicion afterwards.
+//! What a student calls of a site: a depth, and recession, bleeding and furcation where they are called too. It is what a
+//! client says: logged as it is, and read with suspicion afterwards.
 
 use serde_json::{Value, json};
 use sulcus_core::Scene;
@@ -11,6 +12,8 @@ use crate::occurrence::Occurrence;
 pub const READING_CALLED: &str = "reading_called";
 /// Deepest that can be called, mm.
 const MOST_MM: u64 = 20;
+/// Least and most recession that can be called, mm.
+const RECESSION_MM: [i64; 2] = [-10, 20];
 
 /// A depth that was called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +24,13 @@ pub struct Call {
     pub site: Site,
     /// Whole millimetres.
     pub depth_mm: u8,
+    /// How far the margin lies below the cemento-enamel junction, whole millimetres, negative above it; none where it
+    /// was not called.
+    pub recession_mm: Option<i8>,
+    /// Whether it bleeds; none where it was not called.
+    pub bleeding: Option<bool>,
+    /// Grade of the furcation there (Hamp 1975: 0 to 3), in the middle of a side; none where it was not called.
+    pub furcation: Option<u8>,
 }
 
 /// Why data is not a call.
@@ -38,7 +48,20 @@ pub struct CallError {
 impl Call {
     /// The event's data.
     pub fn data(&self) -> Value {
-        json!({ "tooth": self.tooth, "site": self.site.name(), "depth_mm": self.depth_mm })
+        let mut data =
+            json!({ "tooth": self.tooth, "site": self.site.name(), "depth_mm": self.depth_mm });
+        // What was not called has no key.
+        let more = [
+            ("recession_mm", self.recession_mm.map(Value::from)),
+            ("bleeding", self.bleeding.map(Value::from)),
+            ("furcation", self.furcation.map(Value::from)),
+        ];
+        for (key, value) in more {
+            if let Some(value) = value {
+                data[key] = value;
+            }
+        }
+        data
     }
 
     /// The call as it stands in a session's log.
@@ -94,10 +117,46 @@ impl Call {
         let Some(depth_mm) = depth.and_then(|mm| u8::try_from(mm).ok()) else {
             return wrong("depth_mm", format!("0 to {MOST_MM}, whole millimetres"));
         };
+        let called = |key: &str| Some(&data[key]).filter(|value| !value.is_null());
+        let recession_mm = match called("recession_mm") {
+            None => None,
+            Some(value) => {
+                let [least, most] = RECESSION_MM;
+                let whole = value.as_i64().filter(|mm| (least..=most).contains(mm));
+                let Some(mm) = whole.and_then(|mm| i8::try_from(mm).ok()) else {
+                    return wrong(
+                        "recession_mm",
+                        format!("{least} to {most}, whole millimetres, or none"),
+                    );
+                };
+                Some(mm)
+            }
+        };
+        let bleeding = match called("bleeding") {
+            None => None,
+            Some(Value::Bool(bleeds)) => Some(*bleeds),
+            Some(_) => return wrong("bleeding", "true, false, or none".into()),
+        };
+        let furcation = match called("furcation") {
+            None => None,
+            Some(value) => {
+                let grade = value.as_u64().filter(|grade| *grade <= 3);
+                let Some(grade) = grade.filter(|_| !site.is_proximal()) else {
+                    return wrong(
+                        "furcation",
+                        "0 to 3, in the middle of a side, or none".into(),
+                    );
+                };
+                Some(grade as u8)
+            }
+        };
         Ok(Self {
             tooth,
             site,
             depth_mm,
+            recession_mm,
+            bleeding,
+            furcation,
         })
     }
 

@@ -12,7 +12,7 @@
 //! | `bleeding` | after a site that bleeds, or trauma | tool, tooth, site, cause |
 //! | `force_zone` | a hand becomes too heavy ([`Occurrence::force_zone`]) | |
 //! | `target_visible`, `target_hidden` | by rays from the eye | tooth, free, free_past_mirror, of |
-//! | `reading_called` | a client says it ([`call`]) | tooth, site, depth_mm |
+//! | `reading_called` | a client says it ([`call`]) | tooth, site, depth_mm, and where called recession_mm, bleeding, furcation |
 //!
 //! Forces are in newtons, depths along the tooth's axis below the gingival margin, angles in degrees. Nothing here
 //! reads a clock; time is the tick's number, so that skipped ticks count.
@@ -20,9 +20,10 @@
 pub mod angle;
 mod bleeding;
 pub mod call;
-mod pocket;
+pub(crate) mod pocket;
 pub mod rays;
 pub mod sight;
+pub mod standing;
 mod tally;
 mod visit;
 
@@ -34,6 +35,7 @@ use crate::exercise::Exercise;
 use crate::occurrence::Occurrence;
 
 pub use sight::Look;
+pub use standing::Standing;
 pub use tally::Tally;
 
 use bleeding::Bleeding;
@@ -115,6 +117,20 @@ impl Events {
     /// Counts so far.
     pub fn tally(&self) -> &Tally {
         &self.tally
+    }
+
+    /// Where a tool's tip was in the tick taken in last; none where it is in no pocket, or is no probe.
+    pub fn standing(&self, tool: usize) -> Option<&Standing> {
+        self.probes.get(tool)?.standing()
+    }
+
+    /// Whether the target was visible when it was looked at last; none without a target, or before the first look.
+    pub fn is_target_visible(&self) -> Option<bool> {
+        let looked = self.tally.looks > 0;
+        self.sight
+            .as_ref()
+            .filter(|_| looked)
+            .map(Sight::is_visible)
     }
 
     /// Takes in a tick; `shapes` is the workspace as that tick left it. Returns what happened, in a fixed order.

@@ -12,6 +12,7 @@ use sulcus_core::{Scene, Vec3};
 use super::KINDS;
 use super::angle::{STEADY_S, Tilt, Watch};
 use super::pocket::Pocket;
+use super::standing::Standing;
 use crate::exercise::ProbingTask;
 use crate::occurrence::Occurrence;
 
@@ -76,6 +77,7 @@ pub struct Probe {
     out: Option<Out>,
     /// The visit that ended in this tick.
     ended: Option<Visit>,
+    standing: Option<Standing>,
 }
 
 /// Where a tip is now.
@@ -92,6 +94,11 @@ impl Probe {
         self.ended.as_ref()
     }
 
+    /// Where the tip is, in the tick observed last.
+    pub fn standing(&self) -> Option<&Standing> {
+        self.standing.as_ref()
+    }
+
     /// Takes in a tick of tool `t`; `seen` is none where no hand holds it.
     pub fn observe(
         &mut self,
@@ -103,6 +110,7 @@ impl Probe {
         said: &mut Vec<Occurrence>,
     ) {
         self.ended = None;
+        self.standing = None;
         let spot = seen.and_then(|seen| self.locate(tick, seen, pockets, scene));
         let Some((spot, seen)) = spot.zip(seen) else {
             self.leave((tick, tool), pockets, scene, true, said);
@@ -197,8 +205,20 @@ impl Probe {
         } else if force < LET_GO * from {
             visit.felt = false;
         }
+        let tilt = Tilt::of(&gingiva.tooth, &seen.out_of_tip);
+        self.standing = Some(Standing {
+            tooth: fdi,
+            site,
+            around: spot.around,
+            from_axis: gingiva.tooth.from_axis(&seen.tip),
+            depth: spot.depth,
+            force,
+            zone: spot
+                .reading
+                .map_or(ForceZone::Light, |reading| reading.zone),
+            tilt,
+        });
         if visit.felt {
-            let tilt = Tilt::of(&gingiva.tooth, &seen.out_of_tip);
             let steady = scene.params.ticks_in(STEADY_S);
             if let Some(right) = visit.watch.turns(tick, tilt.is_right(site, task), steady) {
                 say(said, KINDS[2], tick, tilt.data(tool, fdi, site, right));

@@ -285,10 +285,15 @@ impl Tour {
             Some(blur) => blur.call(&self.tool.bands, right),
             None => right,
         };
+        // A zone is read when the walk has been through it: by then blood shows.
+        let (site, gingiva) = (self.zone().site, self.path().gingiva());
+        let (seen, trauma) = (gingiva.prescribed(site), gingiva.params.trauma);
         self.calls.push(Call {
             tooth: self.path().fdi,
-            site: self.zone().site,
+            site,
             depth_mm,
+            recession_mm: (seen.recession * 1e3).round() as i8,
+            bleeding: seen.bleeds || self.params.force >= trauma,
         });
         self.returning = false;
         self.again = 0;

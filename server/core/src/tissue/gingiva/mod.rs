@@ -56,6 +56,12 @@ impl ToothFrame {
         let angle = libm::atan2(from.dot(&self.buccal), from.dot(&self.mesial));
         (angle, from.dot(&self.axis))
     }
+
+    /// Distance of a point from the axis, metres.
+    pub fn from_axis(&self, point: &Vec3) -> f64 {
+        let from = point - self.origin;
+        norm(&(from - self.axis * from.dot(&self.axis)))
+    }
 }
 
 /// What the model knows of one node of the gingiva's tree.

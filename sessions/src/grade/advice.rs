@@ -1,0 +1,90 @@
+//! What to practise next: where most points were lost, with the zones that show it.
+
+use super::definitions;
+use super::sites::{Finding, SiteGrade};
+use super::{Advice, MetricGrade};
+
+/// Most pieces of advice that are given: more are not heard.
+const MOST: usize = 4;
+/// A metric with at least this score is no matter for advice.
+const GOOD: f64 = 80.0;
+/// Most zones that are named.
+const MOST_ZONES: usize = 4;
+
+/// The advice of a session, the dearest first.
+pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade]) -> Vec<Advice> {
+    let mut lost: Vec<(f64, &MetricGrade)> = metrics
+        .iter()
+        .filter_map(|metric| {
+            let score = metric.score.filter(|score| *score < GOOD)?;
+            let points = metric.weight * (100.0 - score);
+            (points > 0.0).then_some((points, metric))
+        })
+        .collect();
+    // (Stable: of equal ones the table's order.)
+    lost.sort_by(|a, b| b.0.total_cmp(&a.0));
+    lost.truncate(MOST);
+    lost.into_iter()
+        .map(|(_, metric)| {
+            let known = definitions::find(metric.name).map_or("", |known| known.advice);
+            Advice {
+                metric: metric.name,
+                title: metric.title,
+                text: known.into(),
+                sites: shown_by(metric.name, sites),
+            }
+        })
+        .collect()
+}
+
+/// The zones that show a weakness, in words.
+fn shown_by(metric: &str, sites: &[SiteGrade]) -> Vec<String> {
+    let number = |x: Option<f64>| x.map_or("nothing".into(), |x| format!("{x:.1} mm"));
+    let of = |site: &SiteGrade| -> Option<String> {
+        let called = site
+            .called_mm
+            .map_or("not called".into(), |mm| format!("called {mm}"));
+        // (What is prescribed is shown on request alone.)
+        let reach = format!("reached {}", number(site.measured_mm.or(site.deepest_mm)));
+        let says = match metric {
+            "zones_charted" => match site.finding {
+                Finding::Missed | Finding::NotProbed | Finding::NotCalled => {
+                    site.finding.words().to_owned()
+                }
+                _ => return None,
+            },
+            "floor_reached" if site.finding == Finding::NeverReachedFloor => reach,
+            "misread" if site.finding == Finding::Misread => format!("{reach}, {called}"),
+            "called_exact" | "called_within_1mm" | "called_bias" => {
+                let error = site.error_mm().filter(|error| error.abs() > 1.0)?;
+                let way = if error > 0.0 {
+                    "too deep"
+                } else {
+                    "too shallow"
+                };
+                format!("{called}, {way}: {}", site.finding.words())
+            }
+            "touches_too_heavy" | "trauma_events" => {
+                let force = site.max_force_n.filter(|force| *force > 0.3)?;
+                format!("up to {force:.2} N")
+            }
+            "touches_too_light" => {
+                let force = site.max_force_n.filter(|force| *force < 0.1)?;
+                format!("{force:.2} N at most")
+            }
+            "angle_mid" if !site.site.is_proximal() && site.tilt_right == Some(false) => {
+                format!("{:.0} degrees off the axis", site.tilt_deg?)
+            }
+            "angle_proximal" if site.site.is_proximal() && site.tilt_right == Some(false) => {
+                format!("{:.0} degrees into the col", site.into_col_deg?)
+            }
+            "bleeding_agreement" if site.bleeding_called.is_some_and(|said| said != site.bled) => {
+                if site.bled { "bled" } else { "did not bleed" }.to_owned()
+            }
+            _ => return None,
+        };
+        Some(format!("{} {}: {says}", site.tooth, site.site.name()))
+    };
+    let asked = sites.iter().filter(|site| site.asked);
+    asked.filter_map(of).take(MOST_ZONES).collect()
+}

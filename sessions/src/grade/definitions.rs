@@ -1,0 +1,378 @@
+//! What is measured: one table with every metric's name, unit, definition, source, what it needs, and what to say to someone
+//! who is weak there. A rubric weighs these, and carries the definitions with it into the recording.
+
+use crate::exercise::{Exercise, Kind};
+
+/// What an exercise must have for a metric to mean anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Zones to probe.
+    Zones,
+    /// Zones beside a neighbour.
+    ProximalZones,
+    /// Zones in the middle of a side.
+    MidZones,
+    /// A target to see past the tongue.
+    Target,
+    /// Both: two hands.
+    BothHands,
+    /// A tool that is no probe.
+    Mirror,
+    /// A crown to be followed.
+    Crown,
+    /// Nothing.
+    Nothing,
+}
+
+impl Needs {
+    /// Whether the exercise has it.
+    pub fn are_met(self, exercise: &Exercise) -> bool {
+        let zones = !exercise.zones.is_empty();
+        let any = |proximal: bool| {
+            exercise
+                .tour()
+                .any(|(_, site)| site.is_proximal() == proximal)
+        };
+        match self {
+            Self::Zones => zones,
+            Self::ProximalZones => any(true),
+            Self::MidZones => any(false),
+            Self::Target => exercise.target.is_some(),
+            Self::BothHands => zones && exercise.target.is_some(),
+            Self::Mirror => matches!(exercise.kind, Kind::Retraction | Kind::Bimanual),
+            Self::Crown => exercise.kind == Kind::Crown,
+            Self::Nothing => true,
+        }
+    }
+}
+
+/// A metric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Definition {
+    /// In rubrics and JSON.
+    pub name: &'static str,
+    /// For people.
+    pub title: &'static str,
+    /// Unit; empty for a pure number.
+    pub unit: &'static str,
+    /// What exactly is measured.
+    pub definition: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// When it applies.
+    pub needs: Needs,
+    /// Whether it scores nothing where there is nothing to measure, because what it measures was asked for; else it is left out.
+    pub missing_is_zero: bool,
+    /// What to practise.
+    pub advice: &'static str,
+}
+
+const CHOSEN: &str = "chosen for this simulator";
+
+/// All metrics, in the order of pages.
+pub const METRICS: [Definition; 25] = [
+    Definition {
+        name: "zones_charted",
+        title: "zones probed and called",
+        unit: "%",
+        definition: "Share of the zones asked for in which the tip was below the margin for 0.2 s or more and of which a depth was called.",
+        source: "whole circumference, six zones a tooth: SDCEP periodontalcare.sdcep.org.uk; Boyd",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Probe and call every zone asked for, the whole way round the tooth.",
+    },
+    Definition {
+        name: "tour_order",
+        title: "order of the tour",
+        unit: "%",
+        definition: "Of the zones asked for that were called: the share that lies in the longest run called in the order of the exercise.",
+        source: "a fixed tour is taught so that no zone is left out; texts differ, the order is the exercise's",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Keep to one fixed tour: it is how no zone is forgotten.",
+    },
+    Definition {
+        name: "floor_reached",
+        title: "floor reached",
+        unit: "%",
+        definition: "Of the zones asked for that the tip was in: the share in which its deepest place, at a force on the floor inside the target band, came within `reached_mm` of the prescribed depth.",
+        source: "deepest reading of each zone: SDCEP, Boyd; interproximal under-reading: Feng 2013",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Go on along the tooth until the floor yields softly at the taught force: the tip did not get there.",
+    },
+    Definition {
+        name: "misread",
+        title: "band misread",
+        unit: "%",
+        definition: "Of the zones whose floor was reached and whose depth was called: the share whose called depth is more than `misread_mm` from the depth that the tip reached.",
+        source: "reading the bands at the margin, apart from where the tip was: Haptodont doi 10.1145/3421765; LMU epub 45788",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "The tip was on the floor, the mark was read wrong: look along the margin, count the bands from the tip.",
+    },
+    Definition {
+        name: "called_exact",
+        title: "depth called exactly",
+        unit: "%",
+        definition: "Of the zones asked for that were called: the share whose called depth is the whole millimetre nearest to the prescribed one (at a tie either).",
+        source: "students 34.8 % on manikins with preset truth (LMU epub 45788), 63 % in clinic (Jansen 2025)",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Call the depth that the band shows, to the millimetre.",
+    },
+    Definition {
+        name: "called_within_1mm",
+        title: "depth called within 1 mm",
+        unit: "%",
+        definition: "Of the zones asked for that were called: the share whose called depth is within 1 mm of the prescribed one.",
+        source: "students 79.9 % (LMU epub 45788), trained examiners 97.4 % (CMN 762)",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Called depths are more than 1 mm off: see for each zone whether the tip stopped short or the band was misread.",
+    },
+    Definition {
+        name: "called_bias",
+        title: "mean error of calls",
+        unit: "mm",
+        definition: "Mean of called less prescribed depth over the zones asked for that were called: positive reads too deep.",
+        source: "students tend to over-read: LMU epub 45788",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Calls are off in one direction: too deep with a heavy hand, too shallow short of the floor.",
+    },
+    Definition {
+        name: "touches_too_light",
+        title: "touches too light",
+        unit: "%",
+        definition: "Share of the touches of the floor whose largest force stays under the target band. A touch begins at 0.02 N on the floor and ends when the force has been under 0.01 N for 50 ms, or the tip leaves the tooth.",
+        source: "recommended 10 to 25 g: Gehrig, Boyd, Polson 1980, Lang 1991",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Press until the floor is felt clearly; a touch that is too light reads too shallow.",
+    },
+    Definition {
+        name: "touches_too_heavy",
+        title: "touches too heavy",
+        unit: "%",
+        definition: "Share of the touches of the floor (see touches_too_light) whose largest force is more than 0.05 N above the target band: what a hand's tremor adds is forgiven.",
+        source: "\"a strong possibility of traumatising healthy tissue above 0.25 N\": Karayiannis 1992",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Lighten the hand: 10 to 25 g is enough, more reads too deep and makes healthy tissue bleed.",
+    },
+    Definition {
+        name: "force_in_band",
+        title: "time on the floor in the band",
+        unit: "%",
+        definition: "Of the time with 0.02 N or more on the floor: the share with a force inside the target band.",
+        source: "as touches_too_light; strokes pass through lighter forces, so that 100 % is no aim",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Hold the taught force while the band is read.",
+    },
+    Definition {
+        name: "trauma_events",
+        title: "trauma, times",
+        unit: "",
+        definition: "Entries of the force on a floor into the scene's zone of trauma (0.5 N by default).",
+        source: "bleeding of healthy gingiva grows with force: Lang 1991",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "At this force healthy tissue bleeds, and bleeding on probing says nothing any more.",
+    },
+    Definition {
+        name: "damage_events",
+        title: "damage, times",
+        unit: "",
+        definition: "Entries of the force on a floor into the scene's zone of damage (1.96 N by default).",
+        source: "200 g is above all that clinicians press: Freed 1983",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "This force damages: lift the hand at the first resistance and begin again.",
+    },
+    Definition {
+        name: "angle_mid",
+        title: "parallel at mid sites",
+        unit: "%",
+        definition: "Of the mid zones asked for that the tip was in: the share where the working end was within the exercise's `mid_tilt_deg` of the tooth's axis at the deepest place.",
+        source: "parallel to the long axis: Boyd; rdhmag 14285040",
+        needs: Needs::MidZones,
+        missing_is_zero: true,
+        advice: "In the middle of a side hold the probe parallel to the tooth's long axis.",
+    },
+    Definition {
+        name: "angle_proximal",
+        title: "tilted into the col",
+        unit: "%",
+        definition: "Of the proximal zones asked for that the tip was in: the share where the working end was tilted towards the neighbour and the midline by the exercise's `proximal_tilt_deg` at the deepest place, and by no more than `mid_tilt_deg` any other way.",
+        source: "tilt under the contact into the col: inspiredhygiene.com; rdhmag; 10 to 15 degrees are taught",
+        needs: Needs::ProximalZones,
+        missing_is_zero: true,
+        advice: "At the contact tilt the probe so that the tip passes under it into the col; upright it reads too shallow.",
+    },
+    Definition {
+        name: "walking_step",
+        title: "walking step",
+        unit: "mm",
+        definition: "Median distance along the tooth between neighbouring places where the floor was touched, side by side of each tooth; places nearer than 0.4 mm are one.",
+        source: "steps of 1 mm, 1 to 2 mm in other texts: Gehrig (LWW)",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Walk on by a millimetre between two touches; what lies between is not known.",
+    },
+    Definition {
+        name: "withdrawals",
+        title: "withdrawals between zones",
+        unit: "",
+        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth.",
+        source: "repeated withdrawal traumatises: Gehrig (LWW); spot probing as an error: dimensionsofdentalhygiene.com",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Stay in the pocket between the zones of a side: bob, do not pull out.",
+    },
+    Definition {
+        name: "recession_within_1mm",
+        title: "recession called within 1 mm",
+        unit: "%",
+        definition: "Of the zones asked for whose recession was called: the share within 1 mm of the prescribed one (positive: margin below the cemento-enamel junction).",
+        source: "students 94.4 %: LMU epub 45788",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Measure the margin from the cemento-enamel junction, and mind the sign: recession is positive.",
+    },
+    Definition {
+        name: "bleeding_agreement",
+        title: "bleeding called as it was",
+        unit: "%",
+        definition: "Of the zones asked for whose bleeding was called: the share where it bled in the replay if, and only if, bleeding was called.",
+        source: "students agree with staff on 86 %: synapsesocial 69e07e",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Look back at each zone after the probe has passed: blood comes late.",
+    },
+    Definition {
+        name: "target_visible",
+        title: "target seen past the tongue",
+        unit: "%",
+        definition: "Share of the time in which the target was visible past the tongue, by rays from the eye: between the first and the last moment of the probe in a pocket; without zones, while a hand holds a tool.",
+        source: "retraction and sight with the mirror are taught; share chosen for this simulator",
+        needs: Needs::Target,
+        missing_is_zero: true,
+        advice: "Hold the tongue aside for as long as the probe is at work.",
+    },
+    Definition {
+        name: "coordination",
+        title: "both hands at once",
+        unit: "%",
+        definition: "Share of the time of the probe in a pocket in which the target was visible and the mirror steady: no farther than `steady_mm` from where it was half a second before.",
+        source: CHOSEN,
+        needs: Needs::BothHands,
+        missing_is_zero: true,
+        advice: "Let the mirror's hand stay still while the probe's hand works.",
+    },
+    Definition {
+        name: "mirror_force",
+        title: "force of the mirror",
+        unit: "N",
+        definition: "95th percentile of the force on the mirror while it touches something (0.02 N or more).",
+        source: "a relaxed tongue gives way at 1 to 3 N: Haptodont; limit chosen for this simulator",
+        needs: Needs::Mirror,
+        missing_is_zero: false,
+        advice: "Hold the tongue aside gently: more force hurts and shows no more.",
+    },
+    Definition {
+        name: "contact_force",
+        title: "force along the crown",
+        unit: "N",
+        definition: "95th percentile of the force on the probe while it touches something (0.02 N or more).",
+        source: "light touch is taught; limit chosen for this simulator",
+        needs: Needs::Crown,
+        missing_is_zero: false,
+        advice: "Let the tip glide: a light touch tells more.",
+    },
+    Definition {
+        name: "smoothness",
+        title: "smoothness (SPARC)",
+        unit: "",
+        definition: "Median spectral arc length of the leading tool's free-space moves: speed of the tip low-passed at 20 Hz, spectrum up to 20 Hz, amplitude threshold 0.05, padding 2^4. Less negative is smoother.",
+        source: "Balasubramanian 2015, J NeuroEng Rehabil 12:112; reference code siva82kb/SPARC",
+        needs: Needs::Nothing,
+        missing_is_zero: false,
+        advice: "Move from place to place in one flowing movement, with the hand rested.",
+    },
+    Definition {
+        name: "path_length",
+        title: "path through the air",
+        unit: "mm",
+        definition: "Way of the leading tool's tip, low-passed at 20 Hz, while it touches nothing.",
+        source: "economy of movement; no norm is known",
+        needs: Needs::Nothing,
+        missing_is_zero: false,
+        advice: "Take the shortest way between two teeth.",
+    },
+    Definition {
+        name: "time",
+        title: "time",
+        unit: "s",
+        definition: "From the first to the last moment of the probe in a pocket; without zones, of a hand holding a tool.",
+        source: "limit of the exercise",
+        needs: Needs::Nothing,
+        missing_is_zero: false,
+        advice: "Speed comes with a fixed tour; never at the cost of a zone.",
+    },
+];
+
+/// The metric of that name.
+pub fn find(name: &str) -> Option<&'static Definition> {
+    METRICS.iter().find(|metric| metric.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_metric_has_a_name_of_its_own_and_words() {
+        for (k, metric) in METRICS.iter().enumerate() {
+            assert_eq!(METRICS.iter().position(|m| m.name == metric.name), Some(k));
+            for words in [
+                metric.title,
+                metric.definition,
+                metric.source,
+                metric.advice,
+            ] {
+                assert!(words.len() > 3, "{}: `{words}`", metric.name);
+            }
+            assert_eq!(find(metric.name), Some(metric));
+        }
+        assert_eq!(find("charm"), None);
+    }
+
+    #[test]
+    fn metrics_apply_where_the_exercise_has_what_they_need() {
+        let names = |exercise: &str| -> Vec<&str> {
+            let all = Exercise::built_in();
+            let exercise = all.iter().find(|one| one.name == exercise);
+            let exercise = exercise.unwrap_or_else(|| panic!("built in"));
+            let apply = METRICS.iter().filter(|m| m.needs.are_met(exercise));
+            apply.map(|m| m.name).collect()
+        };
+        assert_eq!(
+            names("retraction"),
+            [
+                "target_visible",
+                "mirror_force",
+                "smoothness",
+                "path_length",
+                "time"
+            ]
+        );
+        assert_eq!(
+            names("crown"),
+            ["contact_force", "smoothness", "path_length", "time"]
+        );
+        assert!(!names("probing").contains(&"coordination"));
+        assert_eq!(names("bimanual").len(), METRICS.len() - 1);
+    }
+}

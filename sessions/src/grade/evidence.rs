@@ -1,0 +1,192 @@
+//! What a grade rests on, gathered tick by tick from a replay.
+
+use sulcus_core::output::status;
+use sulcus_core::tissue::gingiva::Site;
+use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
+
+use super::floor::FloorTime;
+use super::hands::{Hands, Moment, Pressed, Steady};
+use super::moves::Moves;
+use super::rubric::Settings;
+use super::series::Series;
+use super::touches::Touches;
+use super::zones::Zones;
+use crate::events::Events;
+use crate::exercise::Exercise;
+use crate::occurrence::{FORCE_ZONE, Occurrence};
+
+/// All that was seen of a session.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// Zones probed.
+    pub zones: Zones,
+    /// Touches of the floor.
+    pub touches: Touches,
+    /// Time on the floor.
+    pub floor: FloorTime,
+    /// Both hands.
+    pub hands: Hands,
+    /// How hard the mirror was pressed, and the probe.
+    pub mirror: Pressed,
+    /// See `mirror`.
+    pub probe: Pressed,
+    /// The way of every tool.
+    pub moves: [Moves; MAX_TOOLS],
+    /// For plots.
+    pub series: Series,
+    /// Zones that bled, whatever the cause.
+    pub bled: Vec<(u8, Site)>,
+    /// Times that the tip was withdrawn between two zones of a side.
+    pub withdrawals: usize,
+    /// Entries into the zones of trauma and of damage.
+    pub trauma: usize,
+    /// See `trauma`.
+    pub damage: usize,
+    /// Slot of the tool that leads: the first probe, else the first tool.
+    pub leading: usize,
+    steady: Steady,
+    mirror_slot: Option<usize>,
+    has_zones: bool,
+    first_tick: Option<u64>,
+    last_tick: u64,
+}
+
+impl Evidence {
+    /// Nothing seen yet.
+    pub fn new(scene: &Scene, exercise: &Exercise) -> Self {
+        let dt = scene.tick_s();
+        let is_probe = |tool: &sulcus_core::Tool| !tool.bands.is_empty();
+        let probe = scene.tools.iter().position(is_probe);
+        Self {
+            zones: Zones::default(),
+            touches: Touches::default(),
+            floor: FloorTime::default(),
+            hands: Hands::default(),
+            mirror: Pressed::default(),
+            probe: Pressed::default(),
+            moves: std::array::from_fn(|_| Moves::new(dt)),
+            series: Series::default(),
+            bled: Vec::new(),
+            withdrawals: 0,
+            trauma: 0,
+            damage: 0,
+            // Where the mirror alone is asked for, it leads.
+            leading: match exercise.kind {
+                crate::exercise::Kind::Retraction => scene.tools.iter().position(|t| !is_probe(t)),
+                _ => probe,
+            }
+            .unwrap_or(0),
+            steady: Steady::default(),
+            mirror_slot: scene.tools.iter().position(|tool| !is_probe(tool)),
+            has_zones: !exercise.zones.is_empty(),
+            first_tick: None,
+            last_tick: 0,
+        }
+    }
+
+    /// Takes in a tick, with `events` as they are after it.
+    pub fn observe(&mut self, scene: &Scene, output: &TickOutput, events: &Events, set: &Settings) {
+        let tick_s = scene.tick_s();
+        let first = *self.first_tick.get_or_insert(output.tick);
+        // What was skipped went by too.
+        let ticks = match self.last_tick {
+            0 => 1,
+            last => output.tick.saturating_sub(last).max(1),
+        };
+        self.last_tick = output.tick;
+        let dt = ticks as f64 * tick_s;
+        let at_s = output.tick.saturating_sub(first) as f64 * tick_s;
+        let present = |t: usize| output.tools[t].status & status::ABSENT == 0;
+        let held = |t: &usize| *t < scene.tools.len() && present(*t);
+
+        let mut standing = None;
+        for (t, tool) in scene.tools.iter().enumerate() {
+            let out = &output.tools[t];
+            let here = held(&t);
+            let force = out.raw_wrench.force;
+            let force = force.dot(&force).sqrt();
+            let in_pocket = events.standing(t).is_some();
+            let tip = here.then(|| (out.graphic.transform(&tool.tip), force < FREE && !in_pocket));
+            self.moves[t].observe(tip);
+            if here {
+                let pressed = if self.mirror_slot == Some(t) {
+                    &mut self.mirror
+                } else {
+                    &mut self.probe
+                };
+                pressed.observe(force);
+            }
+            standing = standing.or(events.standing(t));
+        }
+        if let Some(at) = standing {
+            self.zones.observe(at, dt, set.force_n);
+            self.floor.observe(at, dt, set.force_n);
+        }
+        self.touches.observe(standing, dt);
+        let mirror = self.mirror_slot.filter(held);
+        let mirror = mirror.map(|t| output.tools[t].graphic.transform(&scene.tools[t].tip));
+        let visible = events.is_target_visible();
+        let moment = Moment {
+            in_pocket: self
+                .has_zones
+                .then(|| standing.is_some_and(|at| at.depth > 0.0)),
+            held: (0..MAX_TOOLS).any(|t| held(&t)),
+            visible: visible == Some(true),
+            steady: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3),
+        };
+        self.hands.observe(&moment, dt);
+        self.series.observe(at_s, standing, visible);
+    }
+
+    /// Takes in what happened in the tick.
+    pub fn happened(&mut self, said: &Occurrence) {
+        let is = |key: &str, what: &str| said.data[key] == what;
+        match said.kind.as_str() {
+            FORCE_ZONE if is("zone", "trauma") => self.trauma += 1,
+            FORCE_ZONE if is("zone", "damage") => self.damage += 1,
+            "withdrawn" => self.withdrawals += 1,
+            "bleeding" => {
+                let tooth = said.data["tooth"].as_u64();
+                let tooth = tooth.and_then(|fdi| u8::try_from(fdi).ok());
+                let site = said.data["site"].as_str().and_then(Site::from_name);
+                if let Some(zone) = tooth.zip(site).filter(|zone| !self.bled.contains(zone)) {
+                    self.bled.push(zone);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A tool is free under so much force, newtons.
+const FREE: f64 = 0.02;
+
+/// Observes a session and everything in it, workspace included: what a replay calls in every tick.
+#[derive(Clone, Debug)]
+pub struct Watcher {
+    /// The session's events.
+    pub events: Events,
+    /// What was gathered.
+    pub evidence: Evidence,
+    settings: Settings,
+}
+
+impl Watcher {
+    /// Before the first tick.
+    pub fn new(scene: &Scene, exercise: &Exercise, settings: Settings) -> Self {
+        Self {
+            events: Events::new(scene, exercise),
+            evidence: Evidence::new(scene, exercise),
+            settings,
+        }
+    }
+
+    /// Takes in a tick; `shapes` is the workspace as that tick left it.
+    pub fn observe(&mut self, scene: &Scene, output: &TickOutput, shapes: &Workspace) {
+        for said in self.events.observe(scene, output, shapes) {
+            self.evidence.happened(&said);
+        }
+        self.evidence
+            .observe(scene, output, &self.events, &self.settings);
+    }
+}

@@ -1,0 +1,487 @@
+//! The periodontal chart as dentists draw it: two rows of teeth to a jaw, a red line for the margin, a blue one for the attachment,
+//! the pocket hatched between them; depths, recession and attachment loss in threes, dots for bleeding, circles for
+//! furcations.
+
+use std::fmt::Write as _;
+
+use super::jaw::{Jaw, Numbering, across};
+use super::patient::PatientChart;
+use super::tooth::{FURCATION_MM, ToothKind};
+use crate::grade::sites::SiteGrade;
+
+/// A millimetre, and what a row shows of them towards the root and towards the crown.
+const MM: f64 = 5.0;
+const ROOT_MM: f64 = 13.5;
+const CROWN_MM: f64 = 9.0;
+/// Height of a line of numbers, and width of what is written beside.
+const LINE: f64 = 13.0;
+const LEFT: f64 = 74.0;
+/// Space for the teeth's own numbers between the two rows.
+const MIDDLE: f64 = 18.0;
+/// So many teeth are few.
+const FEW: usize = 5;
+/// Depth from which a pocket is written bold, mm.
+const POCKET: f64 = 4.0;
+
+const RED: &str = "#c4122f";
+const BLUE: &str = "#123a8c";
+
+/// What is drawn.
+pub struct Chart<'a> {
+    /// Zones.
+    pub sites: &'a [SiteGrade],
+    /// Teeth that the scene has.
+    pub teeth: &'a [u8],
+    /// What the patient's text says.
+    pub patient: &'a PatientChart,
+    /// How teeth are numbered.
+    pub numbering: Numbering,
+    /// Whether what is prescribed is drawn too.
+    pub truth: bool,
+}
+
+/// Where one site is drawn and what is known there, mm.
+#[derive(Clone, Copy)]
+struct Spot {
+    x: f64,
+    recession: Option<f64>,
+    depth: Option<f64>,
+}
+
+impl Chart<'_> {
+    /// The jaws that have zones, one below the other, and the key.
+    pub fn svg(&self) -> String {
+        let mut svg = String::new();
+        let jaws = [Jaw::Upper, Jaw::Lower];
+        for jaw in jaws {
+            if self.sites.iter().any(|site| Jaw::of(site.tooth) == jaw) {
+                svg += &self.jaw(jaw);
+            }
+        }
+        svg
+    }
+
+    fn at(&self, tooth: u8, site: sulcus_core::tissue::gingiva::Site) -> Option<&SiteGrade> {
+        self.sites
+            .iter()
+            .find(|one| (one.tooth, one.site) == (tooth, site))
+    }
+
+    /// Width of a tooth's cell: where few were examined they have more room, and the others less.
+    fn width(&self, fdi: u8) -> f64 {
+        let plain = ToothKind::of(fdi).width();
+        let mut examined: Vec<u8> = self.sites.iter().map(|site| site.tooth).collect();
+        examined.sort_unstable();
+        examined.dedup();
+        match (examined.len() <= FEW, examined.contains(&fdi)) {
+            (false, _) => plain,
+            (true, true) => 1.6 * plain,
+            (true, false) => 0.85 * plain,
+        }
+    }
+
+    /// Lines of numbers, from the teeth outwards.
+    fn lines(&self) -> usize {
+        if self.truth { 6 } else { 4 }
+    }
+
+    fn jaw(&self, jaw: Jaw) -> String {
+        let teeth = jaw.teeth();
+        let width: f64 = LEFT + teeth.iter().map(|fdi| self.width(*fdi)).sum::<f64>();
+        let (block, row) = (self.lines() as f64 * LINE + 3.0, (ROOT_MM + CROWN_MM) * MM);
+        let height = 2.0 * (block + row) + MIDDLE + 2.0;
+        let mut svg = format!(
+            "<svg viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" aria-label=\"periodontal chart, {}\"><defs><pattern id=\"pocket\" width=\"4\" height=\"4\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\"><rect width=\"4\" height=\"4\" fill=\"#f6dfe3\"/><line x1=\"0\" y1=\"0\" x2=\"0\" y2=\"4\" stroke=\"#8a5560\" stroke-width=\"1.1\"/></pattern></defs>\n",
+            jaw.name()
+        );
+        // Roots away from the middle of the jaw.
+        for (k, (buccal, name)) in jaw.rows().into_iter().enumerate() {
+            let below = block + row + MIDDLE;
+            let (up, cej) = if k == 0 {
+                (-1.0, block + ROOT_MM * MM)
+            } else {
+                (1.0, below + CROWN_MM * MM)
+            };
+            let inner = if k == 0 {
+                block - 4.0
+            } else {
+                below + row + LINE
+            };
+            self.row(&mut svg, &teeth, (buccal, name), (up, cej), (width, inner));
+        }
+        let middle = block + row + MIDDLE - 5.0;
+        let mut x = LEFT;
+        for fdi in teeth {
+            let wide = self.width(fdi);
+            let asked = self.sites.iter().any(|site| site.tooth == fdi);
+            let weight = if asked { "700" } else { "400" };
+            let colour = if asked { "#000" } else { "#777" };
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{middle:.1}\" font-size=\"12\" font-weight=\"{weight}\" fill=\"{colour}\" text-anchor=\"middle\">{}</text>",
+                x + 0.5 * wide,
+                self.numbering.of(fdi)
+            );
+            x += wide;
+        }
+        let half: f64 = LEFT + teeth[..8].iter().map(|fdi| self.width(*fdi)).sum::<f64>();
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{half:.1}\" y1=\"0\" x2=\"{half:.1}\" y2=\"{height:.1}\" stroke=\"#999\" stroke-dasharray=\"2 3\"/><text x=\"0\" y=\"{middle:.1}\" font-size=\"9\">R &#8592; patient &#8594; L</text>"
+        );
+        svg + "</svg>\n"
+    }
+
+    /// One row: grid, teeth, lines, numbers.
+    fn row(
+        &self,
+        svg: &mut String,
+        teeth: &[u8; 16],
+        (buccal, name): (bool, &str),
+        (up, cej): (f64, f64),
+        (width, inner): (f64, f64),
+    ) {
+        // Between two marks of the scale.
+        let label = cej + up * 10.0 * MM + 3.0;
+        let _ = writeln!(
+            svg,
+            "<text x=\"0\" y=\"{label:.1}\" font-size=\"11\" font-weight=\"700\">{name}</text>"
+        );
+        for mm in [2, 4, 6, 8, 10, 12] {
+            let y = cej + up * f64::from(mm) * MM;
+            let _ = write!(
+                svg,
+                "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{width:.0}\" y2=\"{y:.1}\" stroke=\"#ddd\" stroke-width=\"0.7\"/>"
+            );
+            if mm % 4 == 0 {
+                let _ = write!(
+                    svg,
+                    "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"8\" fill=\"#555\" text-anchor=\"end\">{mm} mm</text>",
+                    LEFT - 3.0,
+                    y + 3.0
+                );
+            }
+        }
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{LEFT}\" y1=\"{cej:.1}\" x2=\"{width:.0}\" y2=\"{cej:.1}\" stroke=\"#aaa\" stroke-width=\"0.9\"/><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"8\" fill=\"#555\" text-anchor=\"end\">CEJ</text>",
+            LEFT - 3.0,
+            cej + 3.0
+        );
+        let names = [
+            "PD",
+            "recession",
+            "CAL",
+            "bleeding",
+            "PD, true",
+            "bled, true",
+        ];
+        let line = |k: usize| inner + up * k as f64 * LINE;
+        for (k, name) in names[..self.lines()].iter().enumerate() {
+            let _ = write!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"9.5\" text-anchor=\"end\">{name}</text>",
+                LEFT - 3.0,
+                line(k)
+            );
+        }
+        svg.push('\n');
+        let (mut called, mut truth) = (Vec::new(), Vec::new());
+        let mut x = LEFT;
+        for fdi in teeth {
+            let wide = self.width(*fdi);
+            self.tooth(svg, *fdi, buccal, (x, cej, up));
+            for (k, site) in across(*fdi, buccal).into_iter().enumerate() {
+                let at = x + wide * (0.17 + 0.33 * k as f64);
+                let Some(grade) = self.at(*fdi, site) else {
+                    called.push(None);
+                    truth.push(None);
+                    continue;
+                };
+                numbers(svg, grade, at, line, self.truth);
+                called.push(Some(Spot {
+                    x: at,
+                    recession: grade.recession_called_mm.map(f64::from),
+                    depth: grade.called_mm.map(f64::from),
+                }));
+                truth.push(Some(Spot {
+                    x: at,
+                    recession: grade.recession_truth_mm,
+                    depth: grade.truth_mm,
+                }));
+            }
+            x += wide;
+        }
+        let y = |mm: f64| cej + up * MM * mm.clamp(-CROWN_MM, ROOT_MM - 0.4);
+        lines(svg, &called, y, true);
+        if self.truth {
+            lines(svg, &truth, y, false);
+        }
+    }
+
+    /// A tooth's outline, and its furcation.
+    fn tooth(&self, svg: &mut String, fdi: u8, buccal: bool, (x, cej, up): (f64, f64, f64)) {
+        let kind = ToothKind::of(fdi);
+        let wide = self.width(fdi);
+        let middle = x + 0.5 * wide;
+        let missing = self.patient.missing.contains(&fdi);
+        let asked = self.sites.iter().any(|site| site.tooth == fdi);
+        let (stroke, fill) = match (self.teeth.contains(&fdi), asked) {
+            (true, true) => ("#444", "#fbf7ec"),
+            (true, false) => ("#a5a5a5", "#fbfbfb"),
+            (false, _) => ("#d0d0d0", "none"),
+        };
+        let _ = write!(
+            svg,
+            "<path d=\"{}\" fill=\"{fill}\" stroke=\"{stroke}\" stroke-width=\"1\"/>",
+            kind.path((middle, 0.5 * wide), cej, up, MM)
+        );
+        if missing {
+            let (a, b) = (cej - up * 7.0 * MM, cej + up * 11.0 * MM);
+            let (left, right) = (x + 5.0, x + wide - 5.0);
+            let _ = write!(
+                svg,
+                "<path d=\"M{left:.1},{a:.1}L{right:.1},{b:.1}M{right:.1},{a:.1}L{left:.1},{b:.1}\" stroke=\"#555\" stroke-width=\"1.2\"/>"
+            );
+        }
+        if kind != ToothKind::Molar {
+            return;
+        }
+        let mid = across(fdi, buccal)[1];
+        let called = self.at(fdi, mid).and_then(|grade| grade.furcation_called);
+        let grade = called.or_else(|| self.truth.then(|| self.patient.furcation(fdi, buccal)));
+        furcation(
+            svg,
+            grade.unwrap_or(0),
+            middle,
+            cej + up * FURCATION_MM * MM,
+        );
+    }
+}
+
+/// Open, half and full circle for the grades 1 to 3.
+fn furcation(svg: &mut String, grade: u8, x: f64, y: f64) {
+    if grade == 0 {
+        return;
+    }
+    let fill = if grade == 3 { "#111" } else { "#fff" };
+    let _ = write!(
+        svg,
+        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"{fill}\" stroke=\"#111\" stroke-width=\"1.3\"/>"
+    );
+    if grade == 2 {
+        let _ = write!(
+            svg,
+            "<path d=\"M{x:.1},{:.1}a5,5 0 0 1 0,10Z\" fill=\"#111\"/>",
+            y - 5.0
+        );
+    }
+}
+
+/// The numbers of one site, from the teeth outwards.
+fn numbers(svg: &mut String, grade: &SiteGrade, x: f64, line: impl Fn(usize) -> f64, truth: bool) {
+    let mut text = |k: usize, what: &str, bold: bool| {
+        let weight = if bold { " font-weight=\"700\"" } else { "" };
+        let _ = write!(
+            svg,
+            "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"11.5\" text-anchor=\"middle\"{weight}>{what}</text>",
+            line(k)
+        );
+    };
+    let depth = grade.called_mm.map(f64::from);
+    let recession = grade.recession_called_mm;
+    match depth {
+        Some(mm) => text(0, &format!("{mm:.0}"), mm >= POCKET),
+        None => text(0, "&#8211;", false),
+    }
+    if let Some(mm) = recession {
+        text(1, &signed(mm), false);
+    }
+    if let (Some(depth), Some(recession)) = (depth, recession) {
+        let loss = depth + f64::from(recession);
+        text(
+            2,
+            &format!("{loss:.0}").replace('-', "&#8722;"),
+            loss >= POCKET,
+        );
+    }
+    if truth && let Some(mm) = grade.truth_mm {
+        text(4, &format!("{mm}"), false);
+    }
+    let mut dot = |k: usize, bleeds: bool| {
+        let (fill, r) = if bleeds { (RED, 3.6) } else { ("#fff", 2.6) };
+        let stroke = if bleeds { "#5a0012" } else { "#777" };
+        let _ = write!(
+            svg,
+            "<circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"{r}\" fill=\"{fill}\" stroke=\"{stroke}\"/>",
+            line(k) - 4.0
+        );
+    };
+    if let Some(bleeds) = grade.bleeding_called {
+        dot(3, bleeds);
+    }
+    if truth {
+        dot(5, grade.bled);
+    }
+}
+
+fn signed(mm: i8) -> String {
+    match mm {
+        0 => "0".into(),
+        mm if mm < 0 => format!("&#8722;{}", mm.unsigned_abs()),
+        mm => format!("+{mm}"),
+    }
+}
+
+/// Margin and attachment through neighbouring sites that are known, and the pocket between.
+fn lines(svg: &mut String, spots: &[Option<Spot>], y: impl Fn(f64) -> f64, called: bool) {
+    let known = |spot: &Option<Spot>| -> Option<(f64, f64, f64, bool)> {
+        let spot = (*spot)?;
+        // Where recession was not called the margin is drawn at the junction.
+        let margin = spot.recession.unwrap_or(0.0);
+        Some((
+            spot.x,
+            y(margin),
+            y(margin + spot.depth?),
+            spot.recession.is_some(),
+        ))
+    };
+    let all: Vec<Option<(f64, f64, f64, bool)>> = spots.iter().map(known).collect();
+    for run in all.split(Option::is_none) {
+        let mut run: Vec<(f64, f64, f64, bool)> = run.iter().flatten().copied().collect();
+        // A single site has some width too.
+        if let [only] = run[..] {
+            run = vec![
+                (only.0 - 6.0, only.1, only.2, only.3),
+                (only.0 + 6.0, only.1, only.2, only.3),
+            ];
+        }
+        if run.is_empty() {
+            continue;
+        }
+        let through = |which: fn(&(f64, f64, f64, bool)) -> f64| -> Vec<String> {
+            run.iter()
+                .map(|at| format!("{:.1},{:.1}", at.0, which(at)))
+                .collect()
+        };
+        let (margin, floor) = (through(|at| at.1), through(|at| at.2));
+        if called {
+            let mut around = margin.clone();
+            around.extend(floor.iter().rev().cloned());
+            let sure = run.iter().all(|at| at.3);
+            let dash = if sure {
+                ""
+            } else {
+                " stroke-dasharray=\"2 3\""
+            };
+            let _ = writeln!(
+                svg,
+                "<polygon points=\"{}\" fill=\"url(#pocket)\" fill-opacity=\"0.75\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{RED}\" stroke-width=\"2.4\"{dash}/><polyline points=\"{}\" fill=\"none\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/>",
+                around.join(" "),
+                margin.join(" "),
+                floor.join(" ")
+            );
+        } else {
+            let _ = writeln!(
+                svg,
+                "<polyline points=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"1.1\" stroke-dasharray=\"1.5 2.5\"/>",
+                floor.join(" ")
+            );
+        }
+    }
+}
+
+/// What the lines and signs of a chart mean, as HTML.
+pub fn key(truth: bool, numbering: Numbering) -> String {
+    let truth = if truth {
+        "; dotted: <b>prescribed</b> attachment"
+    } else {
+        ""
+    };
+    format!(
+        "<p class=\"small\"><svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{RED}\" stroke-width=\"2.4\"/></svg> margin (red, unbroken) <svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/></svg> attachment (blue, broken), pocket hatched between{truth}. PD probing depth as called, mm, bold from 4; recession + below, &#8722; above the cemento-enamel junction (CEJ); CAL = PD + recession. Full dot: bleeding called; ring: none. Circle on a molar: furcation I open, II half, III full. {}; the patient&#8217;s right is on the left.</p>\n",
+        numbering.name()
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grade::sites::Finding;
+    use sulcus_core::tissue::gingiva::Site;
+
+    fn site(tooth: u8, site: Site, called: u8, recession: i8) -> SiteGrade {
+        SiteGrade {
+            tooth,
+            site,
+            asked: true,
+            truth_mm: Some(f64::from(called)),
+            measured_mm: None,
+            called_mm: Some(called),
+            deepest_mm: None,
+            max_force_n: None,
+            tilt_deg: None,
+            into_col_deg: None,
+            tilt_right: None,
+            recession_truth_mm: Some(f64::from(recession)),
+            recession_called_mm: Some(recession),
+            bled: true,
+            bleeding_called: Some(true),
+            furcation_called: None,
+            finding: Finding::Right,
+        }
+    }
+
+    #[test]
+    fn the_attachment_lies_the_depth_below_the_margin_and_numbers_add_up() {
+        // 5 + 3 = 8, 5 - 3 = 2 (the textbook's two examples).
+        let sites = [
+            site(36, Site::MesioBuccal, 5, 3),
+            site(36, Site::Buccal, 5, -3),
+        ];
+        let chart = Chart {
+            sites: &sites,
+            teeth: &[36],
+            patient: &PatientChart::default(),
+            numbering: Numbering::Universal,
+            truth: false,
+        };
+        let svg = chart.svg();
+        for number in [
+            ">5</text>",
+            ">+3</text>",
+            ">8</text>",
+            ">&#8722;3</text>",
+            ">2</text>",
+            ">19</text>",
+        ] {
+            assert!(svg.contains(number), "{number}");
+        }
+        // The lower jaw's buccal row is the lower one, roots down: margin and attachment in the picture's own units.
+        let margin_line = svg
+            .split(&format!("stroke=\"{RED}\" stroke-width=\"2.4\""))
+            .next()
+            .unwrap_or("");
+        let points = margin_line.rsplit("points=\"").next().unwrap_or("");
+        let y: Vec<f64> = points
+            .split(['"', ' '])
+            .take(2)
+            .filter_map(|point| point.split_once(',')?.1.parse().ok())
+            .collect();
+        assert!((y[0] - y[1] - 6.0 * MM).abs() < 0.11, "{y:?} {points}");
+        assert!(!svg.contains("upper jaw"));
+    }
+
+    #[test]
+    fn grades_of_furcation_have_signs_of_their_own() {
+        let sign = |grade| {
+            let mut svg = String::new();
+            furcation(&mut svg, grade, 0.0, 0.0);
+            svg
+        };
+        assert_eq!(sign(0), "");
+        assert!(sign(1).contains("#fff") && !sign(1).contains("path"));
+        assert!(sign(2).contains("path"));
+        assert!(sign(3).contains("fill=\"#111\"") && !sign(3).contains("path"));
+    }
+}

@@ -1,0 +1,269 @@
+//! The report of one session: grade, chart, plots, what to practise, on one sheet.
+
+use std::fmt::Write as _;
+
+use super::chart::{Chart, key};
+use super::patient::PatientChart;
+use super::{Look, date, escaped, page, plots};
+use crate::grade::class::Session;
+use crate::grade::report::{Grade, MetricGrade};
+use crate::grade::sites::{Finding, SiteGrade};
+use crate::grade::{Graded, table};
+
+/// The page of one session.
+pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> String {
+    let grade = &session.grade;
+    let mut html = String::new();
+    head(&mut html, session, look);
+    if let Some(sidecar) = &session.sidecar {
+        for said in &sidecar.revisions {
+            let _ = writeln!(
+                html,
+                "<p class=\"revised\"><b>Revised by an instructor: {:.1}, {}</b> ({}, {}): {}</p>",
+                said.score,
+                if said.passed { "passed" } else { "not passed" },
+                escaped(&said.by),
+                escaped(&said.at),
+                escaped(&said.reason)
+            );
+        }
+    }
+    if grade.score.is_none() {
+        let why = grade.reason.as_deref().unwrap_or("for no reason known");
+        let _ = writeln!(html, "<p class=\"fail\">No grade: {}</p>", escaped(why));
+    }
+    for why in &grade.failures {
+        let _ = writeln!(html, "<p class=\"fail\">{}</p>", escaped(why));
+    }
+    if let Some(own) = session.self_score.zip(grade.score) {
+        let _ = writeln!(
+            html,
+            "<p>Own score before the grade was shown: <b>{:.1}</b> ({:+.1} against the program&#8217;s).</p>",
+            own.0,
+            own.0 - own.1
+        );
+    }
+    if !grade.sites.is_empty() {
+        let patient = PatientChart::read(&graded.patient);
+        let chart = Chart {
+            sites: &grade.sites,
+            teeth: &graded.teeth,
+            patient: &patient,
+            numbering: look.numbering,
+            truth: look.truth,
+        };
+        let _ = writeln!(
+            html,
+            "<section><h2>Periodontal chart, as called</h2>\n{}{}</section>",
+            chart.svg(),
+            key(look.truth, look.numbering)
+        );
+    }
+    let band = grade.force_band_n.unwrap_or([0.1, 0.25]);
+    let plot = plots::svg(&graded.series, band, |fdi| look.numbering.of(fdi));
+    if !plot.is_empty() {
+        let _ = writeln!(
+            html,
+            "<section><h2>Force on the floor, and depth of the tip</h2>\n{plot}</section>"
+        );
+    }
+    if grade.score.is_some() {
+        html.push_str("<div class=\"two\"><section>");
+        metrics(&mut html, grade);
+        html.push_str("</section><section>");
+        if look.advice {
+            advice(&mut html, grade);
+        }
+        zones(&mut html, grade, look);
+        html.push_str("</section></div>\n");
+        definitions(&mut html, grade);
+    }
+    let title = format!(
+        "{} &#8211; {}",
+        look.learner(&grade.learner_id),
+        escaped(&grade.exercise)
+    );
+    page(&title, &html)
+}
+
+fn head(html: &mut String, session: &Session, look: &Look<'_>) {
+    let grade = &session.grade;
+    let attempt = if session.attempt > 0 {
+        format!(", attempt {}", session.attempt)
+    } else {
+        String::new()
+    };
+    let _ = write!(
+        html,
+        "<div class=\"head\"><div><h1>{}</h1><p class=\"who\">exercise <b>{}</b>{attempt}, {} &#183; station {} &#183; {}</p><p class=\"who\">rubric <b>{}</b></p>",
+        look.learner(&grade.learner_id),
+        escaped(&grade.exercise),
+        date(grade.started_unix_ns),
+        if grade.station.is_empty() {
+            "(none)".into()
+        } else {
+            escaped(&grade.station)
+        },
+        escaped(look.mode),
+        escaped(&table::rubric(grade)),
+    );
+    let _ = write!(
+        html,
+        "<p class=\"small\">recording {}; graded from its replay; signed by {}</p></div>",
+        escaped(&session.file),
+        escaped(&table::signer(grade))
+    );
+    match grade.score {
+        Some(score) => {
+            let _ = writeln!(
+                html,
+                "<div class=\"score\"><div class=\"points\">{score:.1}</div><div class=\"verdict\">{}</div><div class=\"small\">proposed; passed from {}</div></div></div>",
+                if grade.passed == Some(true) { "passed" } else { "not passed" },
+                grade.pass_mark.unwrap_or_default()
+            );
+        }
+        None => html.push_str("<div class=\"score none\"><div class=\"points\">&#8211;</div><div class=\"verdict\">no grade</div></div></div>\n"),
+    }
+}
+
+fn metrics(html: &mut String, grade: &Grade) {
+    html.push_str("<h2>What was measured</h2>\n<table><thead><tr><th>metric</th><th>value</th><th>target</th><th>weight</th><th class=\"text\">score</th></tr></thead><tbody>\n");
+    let (plain, counted): (Vec<&MetricGrade>, Vec<&MetricGrade>) = grade
+        .metrics
+        .iter()
+        .partition(|metric| metric.weight == 0.0);
+    for metric in counted {
+        let weak = metric.weight > 0.0 && metric.score.is_some_and(|score| score < 50.0);
+        let (class, line) = if weak {
+            (" class=\"weak\"", " class=\"line weak\"")
+        } else {
+            ("", " class=\"line\"")
+        };
+        let _ = writeln!(
+            html,
+            "<tr title=\"{}\"><td{class}>{}</td><td{line}>{}</td><td class=\"line\">{}</td><td>{}</td><td class=\"text line\">{}</td></tr>",
+            escaped(metric.definition),
+            escaped(metric.title),
+            escaped(&table::value(metric)),
+            target(metric),
+            metric.weight,
+            bar(metric)
+        );
+    }
+    html.push_str("</tbody></table>\n");
+    if !plain.is_empty() {
+        let say = |metric: &&MetricGrade| {
+            format!(
+                "{} {}",
+                escaped(metric.title),
+                escaped(&table::value(metric))
+            )
+        };
+        let all: Vec<String> = plain.iter().map(say).collect();
+        let _ = writeln!(
+            html,
+            "<p class=\"small\">Reported only: {}.</p>",
+            all.join("; ")
+        );
+    }
+}
+
+fn target(metric: &MetricGrade) -> String {
+    escaped(&table::bound(&metric.target)).replace('-', "&#8722;")
+}
+
+fn bar(metric: &MetricGrade) -> String {
+    metric.score.map_or("&#8211;".into(), |score| {
+        format!("<span class=\"bar\"><i style=\"width:{score:.0}%\"></i></span> {score:.0}")
+    })
+}
+
+fn advice(html: &mut String, grade: &Grade) {
+    html.push_str("<h2>Practise next</h2>\n");
+    if grade.advice.is_empty() {
+        html.push_str("<p>Nothing stands out: keep it up, with another patient.</p>\n");
+        return;
+    }
+    html.push_str("<ol>\n");
+    for advice in &grade.advice {
+        let _ = write!(
+            html,
+            "<li><b>{}.</b> {}",
+            escaped(advice.title),
+            escaped(&advice.text)
+        );
+        if !advice.sites.is_empty() {
+            let _ = write!(
+                html,
+                " <span class=\"sites\">{}.</span>",
+                escaped(&advice.sites.join("; "))
+            );
+        }
+        html.push_str("</li>\n");
+    }
+    html.push_str("</ol>\n");
+}
+
+/// The zones: what the tip reached, what was called, what it comes to.
+fn zones(html: &mut String, grade: &Grade, look: &Look<'_>) {
+    if grade.sites.is_empty() {
+        return;
+    }
+    let truth = if look.truth { "<th>true</th>" } else { "" };
+    let _ = write!(
+        html,
+        "<h2>Zone by zone, mm</h2>\n<table><thead><tr><th>zone</th>{truth}<th>reached</th><th>called</th><th>N</th><th class=\"text\">finding</th></tr></thead><tbody>\n"
+    );
+    for site in &grade.sites {
+        let mm = |x: Option<f64>| x.map_or("&#8211;".into(), |x| format!("{x:.1}"));
+        let truth = if look.truth {
+            format!("<td>{}</td>", mm(site.truth_mm))
+        } else {
+            String::new()
+        };
+        let class = if site.finding == Finding::Right {
+            "text"
+        } else {
+            "text weak"
+        };
+        let _ = writeln!(
+            html,
+            "<tr><td class=\"line\">{} {}</td>{truth}<td>{}</td><td>{}</td><td>{}</td><td class=\"{class}\">{}</td></tr>",
+            look.numbering.of(site.tooth),
+            short(site),
+            mm(site.measured_mm),
+            site.called_mm.map_or("&#8211;".into(), |mm| mm.to_string()),
+            site.max_force_n
+                .map_or("&#8211;".into(), |n| format!("{n:.2}")),
+            site.finding.words()
+        );
+    }
+    html.push_str("</tbody></table>\n");
+}
+
+fn short(site: &SiteGrade) -> &'static str {
+    ["MB", "B", "DB", "DL", "L", "ML"][site.site as usize]
+}
+
+/// For who looks on a screen: what each metric is, and where it comes from. A sheet of paper has no room for it.
+fn definitions(html: &mut String, grade: &Grade) {
+    html.push_str("<details><summary>Definitions and sources</summary>\n");
+    for metric in &grade.metrics {
+        let unit = if metric.unit.is_empty() {
+            "number"
+        } else {
+            metric.unit
+        };
+        let _ = writeln!(
+            html,
+            "<p><b>{}</b> ({}, {unit}): {} <i>{}.</i> Full score at {}, none at {}.</p>",
+            escaped(metric.title),
+            escaped(metric.name),
+            escaped(metric.definition),
+            escaped(metric.source),
+            target(metric),
+            escaped(&table::bound(&metric.zero)).replace('-', "&#8722;")
+        );
+    }
+    html.push_str("<p>Scores lie straight between both; the total is their mean by weight, less what is taken off for essentials, and is rounded to 0.1. Percentages and seconds are rounded to 0.1, millimetres to 0.01, newtons to 0.01.</p></details>\n");
+}

@@ -1,0 +1,215 @@
+//! A grade as data: what is printed as JSON, and what tables and pages are made of.
+
+use serde::Serialize;
+
+use super::floor::FloorTime;
+use super::rubric::{Bound, Rubric, RubricError};
+use super::sites::SiteGrade;
+use crate::bytes::hex;
+use crate::exercise::Exercise;
+use crate::header::SessionHeader;
+
+/// Where a rubric came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// It travelled in the recording.
+    Recording,
+    /// The recording has none: this program's, for its exercise.
+    BuiltIn,
+    /// A file given instead of the recording's own.
+    File,
+}
+
+/// A rubric, and where it came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standard {
+    /// The rubric.
+    pub rubric: Rubric,
+    /// Where it came from.
+    pub source: Source,
+    /// blake3 of its text.
+    pub blake3: [u8; 32],
+}
+
+impl Standard {
+    /// What a session is graded by: a rubric given instead, else the recording's, else the built-in one of its exercise; none
+    /// where nothing in particular was asked.
+    ///
+    /// # Errors
+    /// When the recording's rubric cannot be used.
+    pub fn of(
+        header: &SessionHeader,
+        exercise: &Exercise,
+        instead: Option<&Rubric>,
+    ) -> Result<Option<Self>, RubricError> {
+        let made = |rubric: Rubric, source| {
+            let text = rubric.definition()?;
+            let blake3 = *blake3::hash(text.as_bytes()).as_bytes();
+            Ok(Some(Self {
+                rubric,
+                source,
+                blake3,
+            }))
+        };
+        if let Some(rubric) = instead {
+            return made(rubric.clone(), Source::File);
+        }
+        if header.rubric.is_empty() {
+            return match Rubric::of(exercise) {
+                Some(rubric) => made(rubric, Source::BuiltIn),
+                None => Ok(None),
+            };
+        }
+        Ok(Some(Self {
+            rubric: Rubric::parse(&header.rubric)?,
+            source: Source::Recording,
+            blake3: *blake3::hash(header.rubric.as_bytes()).as_bytes(),
+        }))
+    }
+
+    pub(super) fn used(&self) -> RubricUsed {
+        RubricUsed {
+            name: self.rubric.name.clone(),
+            version: self.rubric.version,
+            blake3: hex(&self.blake3),
+            source: self.source,
+            redefined: self
+                .rubric
+                .redefined()
+                .into_iter()
+                .map(Into::into)
+                .collect(),
+        }
+    }
+}
+
+/// Which rubric a grade is by.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RubricUsed {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: u32,
+    /// blake3 of its text, hexadecimal.
+    pub blake3: String,
+    /// Where it came from.
+    pub source: Source,
+    /// Metrics whose definition in it is not this program's: their values are by this program's definition.
+    pub redefined: Vec<String>,
+}
+
+/// A metric's value and what it is worth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MetricGrade {
+    /// Name in rubrics.
+    pub name: &'static str,
+    /// For people.
+    pub title: &'static str,
+    /// Value; null where there was nothing to measure.
+    pub value: Option<f64>,
+    /// Unit; empty for a pure number.
+    pub unit: &'static str,
+    /// Value of a full score, or from and to.
+    pub target: Bound,
+    /// Value of no score, or from and to.
+    pub zero: Bound,
+    /// How much it counts against the others.
+    pub weight: f64,
+    /// 0 to 100; null where it does not count.
+    pub score: Option<f64>,
+    /// Score without which nothing is passed.
+    pub pass: Option<f64>,
+    /// Points taken off the total because it is under that.
+    pub deducted: f64,
+    /// What exactly is measured.
+    pub definition: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+}
+
+/// A critical error that was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CriticalError {
+    /// Metric.
+    pub metric: String,
+    /// In words.
+    pub why: String,
+    /// Most that the score can be then.
+    pub cap: Option<f64>,
+}
+
+/// Something to practise.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Advice {
+    /// The metric that lost the points.
+    pub metric: &'static str,
+    /// Its title.
+    pub title: &'static str,
+    /// What to do.
+    pub text: String,
+    /// Zones that show it, in words.
+    pub sites: Vec<String>,
+}
+
+/// What a program proposes as the grade of a session.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Grade {
+    /// Opaque learner id.
+    pub learner_id: String,
+    /// Exercise.
+    pub exercise: String,
+    /// Station.
+    pub station: String,
+    /// Seed of the simulated hand; 0 for a person.
+    pub seed: u64,
+    /// When the session began, nanoseconds since the Unix epoch.
+    pub started_unix_ns: u64,
+    /// Public key that signed the recording, hexadecimal.
+    pub signer: String,
+    /// Whether that key was given from outside, rather than taken from the recording.
+    pub signer_trusted: bool,
+    /// Whether a grade may rest on the recording.
+    pub gradable: bool,
+    /// Why not.
+    pub reason: Option<String>,
+    /// The rubric; null where there is none.
+    pub rubric: Option<RubricUsed>,
+    /// 0 to 100; null where there is no grade.
+    pub score: Option<f64>,
+    /// Score from which it is passed.
+    pub pass_mark: Option<f64>,
+    /// Whether it is passed.
+    pub passed: Option<bool>,
+    /// Why it is not passed, in words.
+    pub failures: Vec<String>,
+    /// Critical errors that were made.
+    pub critical: Vec<CriticalError>,
+    /// Every metric of the rubric that applies to the exercise.
+    pub metrics: Vec<MetricGrade>,
+    /// Every zone that was asked for, then those called besides.
+    pub sites: Vec<SiteGrade>,
+    /// Target band of the force on a floor, newtons.
+    pub force_band_n: Option<[f64; 2]>,
+    /// Time on the floor by zones of force.
+    pub floor_time: FloorTime,
+    /// What to practise next, the dearest first.
+    pub advice: Vec<Advice>,
+    /// What was asked for and the scene has not, in words.
+    pub missing: Vec<String>,
+}
+
+impl Grade {
+    /// The metric of that name, where it applies.
+    pub fn metric(&self, name: &str) -> Option<&MetricGrade> {
+        self.metrics.iter().find(|metric| metric.name == name)
+    }
+
+    /// As JSON: the same bytes wherever it is made.
+    ///
+    /// # Panics
+    /// Never: a grade has no keys but text, and no numbers that are not finite.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::to_value(self).unwrap_or_default()
+    }
+}

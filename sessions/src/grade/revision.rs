@@ -1,0 +1,213 @@
+//! What an instructor says of a grade, kept beside the recording: `FILE.grade.json` has the program's proposal as it was, and a
+//! list of revisions that only grows. Who and when are given from outside: an opaque id, a date as text.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::report::Grade;
+
+/// One instructor's word.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Revision {
+    /// Score instead, 0 to 100.
+    pub score: f64,
+    /// Whether it is passed.
+    pub passed: bool,
+    /// Opaque id of who says so.
+    pub by: String,
+    /// When, as given.
+    pub at: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// What the program proposed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Proposal {
+    /// Score; null where there was no grade.
+    pub score: Option<f64>,
+    /// Whether it was passed.
+    pub passed: Option<bool>,
+    /// Name and version of the rubric, and blake3 of its text.
+    pub rubric: String,
+    /// See `rubric`.
+    pub rubric_version: u32,
+    /// See `rubric`.
+    pub rubric_blake3: String,
+    /// Learner.
+    pub learner_id: String,
+    /// When the session began, nanoseconds since the Unix epoch.
+    pub started_unix_ns: u64,
+}
+
+/// The file beside a recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sidecar {
+    /// What the program proposed when the first revision was made.
+    pub proposal: Proposal,
+    /// What was said since, the oldest first.
+    pub revisions: Vec<Revision>,
+}
+
+/// Why a revision cannot be read or kept.
+#[derive(Debug, thiserror::Error)]
+pub enum RevisionError {
+    /// The file cannot be read or written.
+    #[error("revisions `{path}`: {why}")]
+    File {
+        /// The file.
+        path: String,
+        /// Why not.
+        why: String,
+    },
+    /// A value is not as it must be.
+    #[error("revision: {field} is {found}, expected {expected}")]
+    Field {
+        /// What of it.
+        field: &'static str,
+        /// Value found.
+        found: String,
+        /// What it must be.
+        expected: String,
+    },
+}
+
+/// Longest text of a revision, and largest file of them, bytes.
+const MOST_TEXT: usize = 4096;
+const MOST_FILE: u64 = 16 << 20;
+
+impl Proposal {
+    /// Of a grade.
+    pub fn of(grade: &Grade) -> Self {
+        let rubric = grade.rubric.as_ref();
+        Self {
+            score: grade.score,
+            passed: grade.passed,
+            rubric: rubric.map_or(String::new(), |used| used.name.clone()),
+            rubric_version: rubric.map_or(0, |used| used.version),
+            rubric_blake3: rubric.map_or(String::new(), |used| used.blake3.clone()),
+            learner_id: grade.learner_id.clone(),
+            started_unix_ns: grade.started_unix_ns,
+        }
+    }
+}
+
+/// The file beside a recording: its whole name, and `.grade.json`.
+pub fn beside(recording: &Path) -> PathBuf {
+    let mut name = recording.as_os_str().to_owned();
+    name.push(".grade.json");
+    name.into()
+}
+
+impl Revision {
+    fn check(&self) -> Result<(), RevisionError> {
+        let wrong = |field, found: String, expected: &str| {
+            Err(RevisionError::Field {
+                field,
+                found,
+                expected: expected.into(),
+            })
+        };
+        if !(0.0..=100.0).contains(&self.score) {
+            return wrong("score", self.score.to_string(), "0 to 100");
+        }
+        for (field, text) in [("by", &self.by), ("at", &self.at), ("reason", &self.reason)] {
+            if text.trim().is_empty() || text.len() > MOST_TEXT {
+                let found = format!("{} bytes long", text.len());
+                return wrong(field, found, "1 to 4096 bytes, not blank");
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Sidecar {
+    /// What is beside a recording; none where there is nothing.
+    ///
+    /// # Errors
+    /// When there is something, and it is not that.
+    pub fn read(recording: &Path) -> Result<Option<Self>, RevisionError> {
+        let path = beside(recording);
+        let failed = |why: String| RevisionError::File {
+            path: path.display().to_string(),
+            why,
+        };
+        match std::fs::metadata(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(failed(error.to_string())),
+            Ok(file) if file.len() > MOST_FILE => {
+                return Err(failed(format!(
+                    "{} bytes long, expected at most 16 MiB",
+                    file.len()
+                )));
+            }
+            Ok(_) => {}
+        }
+        let text = std::fs::read_to_string(&path).map_err(|error| failed(error.to_string()))?;
+        let found: Self = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
+        for revision in &found.revisions {
+            revision.check()?;
+        }
+        Ok(Some(found))
+    }
+
+    /// Whether it is about this grade's session.
+    ///
+    /// # Errors
+    /// Names what is of another session.
+    pub fn belongs_to(&self, grade: &Grade) -> Result<(), RevisionError> {
+        let (was, is) = (&self.proposal, Proposal::of(grade));
+        if (&was.learner_id, was.started_unix_ns) == (&is.learner_id, is.started_unix_ns) {
+            return Ok(());
+        }
+        Err(RevisionError::Field {
+            field: "proposal",
+            found: format!(
+                "of learner `{}` at {}",
+                was.learner_id.escape_debug(),
+                was.started_unix_ns
+            ),
+            expected: format!(
+                "learner `{}` at {}",
+                is.learner_id.escape_debug(),
+                is.started_unix_ns
+            ),
+        })
+    }
+
+    /// Adds a revision to what is beside the recording; the proposal stays as it was first.
+    ///
+    /// # Errors
+    /// When a value is not as it must be, what is there is of another session, or it cannot be written.
+    pub fn add(recording: &Path, grade: &Grade, revision: Revision) -> Result<Self, RevisionError> {
+        revision.check()?;
+        let mut sidecar = Self::read(recording)?.unwrap_or_else(|| Self {
+            proposal: Proposal::of(grade),
+            revisions: Vec::new(),
+        });
+        sidecar.belongs_to(grade)?;
+        sidecar.revisions.push(revision);
+        let path = beside(recording);
+        let failed = |why: String| RevisionError::File {
+            path: path.display().to_string(),
+            why,
+        };
+        let text =
+            serde_json::to_string_pretty(&sidecar).map_err(|error| failed(error.to_string()))?;
+        // Whole or not at all: what was said before must not be lost.
+        let draft = path.with_extension("json.new");
+        std::fs::write(&draft, text + "\n")
+            .and_then(|()| std::fs::rename(&draft, &path))
+            .map_err(|error| failed(error.to_string()))?;
+        Ok(sidecar)
+    }
+
+    /// The last word; none where nothing was said.
+    pub fn latest(&self) -> Option<&Revision> {
+        self.revisions.last()
+    }
+}

@@ -1,0 +1,243 @@
+//! What a rubric's values may be.
+
+use super::{Bound, Rubric, RubricError};
+use crate::grade::definitions::{self, METRICS};
+
+impl Rubric {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// Names the first field out of range, with the value found and what is expected.
+    pub fn validate(&self) -> Result<(), RubricError> {
+        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
+        if self.name.is_empty() || self.name.len() > 64 || !self.name.chars().all(known) {
+            let found = format!("`{}`", self.name.escape_debug());
+            return wrong("name", found, "1 to 64 letters, digits, `-`, `_` or `/`");
+        }
+        if self.version == 0 {
+            return wrong("version", "0", "1 or more");
+        }
+        if self.about.len() > 1024 {
+            let found = format!("{} bytes long", self.about.len());
+            return wrong("about", found, "at most 1024 bytes");
+        }
+        within("pass_mark", self.pass_mark, 0.0, 100.0)?;
+        let set = &self.settings;
+        let [low, high] = set.force_n;
+        within("settings.force_n", low, 0.02, 5.0)?;
+        within("settings.force_n", high, 0.02, 5.0)?;
+        if low >= high {
+            let found = format!("[{low}, {high}]");
+            return wrong(
+                "settings.force_n",
+                found,
+                "the lower bound before the upper",
+            );
+        }
+        within("settings.reached_mm", set.reached_mm, 0.1, 5.0)?;
+        within("settings.misread_mm", set.misread_mm, 0.5, 5.0)?;
+        within("settings.steady_mm", set.steady_mm, 0.1, 20.0)?;
+        self.check_metrics()?;
+        self.check_critical()
+    }
+
+    fn check_metrics(&self) -> Result<(), RubricError> {
+        for (k, weighed) in self.metrics.iter().enumerate() {
+            let field = |name: &str| format!("metric[{k}].{name}");
+            known_metric(&field("name"), &weighed.name)?;
+            if self.metrics[..k].iter().any(|one| one.name == weighed.name) {
+                let found = format!("`{}` again", weighed.name);
+                return wrong(&field("name"), found, "each metric once");
+            }
+            within(&field("weight"), weighed.weight, 0.0, 100.0)?;
+            if let Some(pass) = weighed.pass {
+                within(&field("pass"), pass, 0.0, 100.0)?;
+            }
+            if let Some(deduct) = weighed.deduct {
+                within(&field("deduct"), deduct, 0.0, 100.0)?;
+                if weighed.pass.is_none() {
+                    let found = "missing where `deduct` is given";
+                    return wrong(&field("pass"), found, "0 to 100");
+                }
+            }
+            let (target, zero) = (weighed.target, weighed.zero);
+            let found = format!("{zero:?} with target {target:?}");
+            let sound = match (target, zero) {
+                (Bound::One(a), Bound::One(b)) => {
+                    (a - b).abs() > 0.0 && a.is_finite() && b.is_finite()
+                }
+                (Bound::Band([a, b]), Bound::Band([c, d])) => {
+                    c < a && a <= b && b < d && c.is_finite() && d.is_finite()
+                }
+                _ => false,
+            };
+            if !sound {
+                let expected =
+                    "another number than `target`, or a band [from, to] around that of `target`";
+                return wrong(&field("zero"), found, expected);
+            }
+        }
+        let sum: f64 = self.metrics.iter().map(|weighed| weighed.weight).sum();
+        if sum <= 0.0 {
+            let found = format!("{sum} in all");
+            return wrong("metric.weight", found, "more than 0 in all");
+        }
+        Ok(())
+    }
+
+    fn check_critical(&self) -> Result<(), RubricError> {
+        for (k, critical) in self.critical.iter().enumerate() {
+            let field = |name: &str| format!("critical[{k}].{name}");
+            known_metric(&field("metric"), &critical.metric)?;
+            let bounds = [critical.above, critical.below];
+            let given: Vec<f64> = bounds.into_iter().flatten().collect();
+            if given.len() != 1 || !given[0].is_finite() {
+                let found = format!("{bounds:?}");
+                return wrong(
+                    &field("above"),
+                    found,
+                    "either `above` or `below`, a number",
+                );
+            }
+            if let Some(cap) = critical.cap {
+                within(&field("cap"), cap, 0.0, 100.0)?;
+            }
+            if critical.why.is_empty() || critical.why.len() > 256 {
+                let found = format!("{} bytes long", critical.why.len());
+                return wrong(&field("why"), found, "1 to 256 bytes");
+            }
+        }
+        Ok(())
+    }
+}
+
+fn known_metric(field: &str, name: &str) -> Result<(), RubricError> {
+    if definitions::find(name).is_some() {
+        return Ok(());
+    }
+    let names: Vec<&str> = METRICS.iter().map(|metric| metric.name).collect();
+    let found = format!("`{}`", name.escape_debug());
+    wrong(field, found, format!("one of: {}", names.join(", ")))
+}
+
+fn wrong(
+    field: &str,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> Result<(), RubricError> {
+    Err(RubricError::Field {
+        field: field.into(),
+        found: found.into(),
+        expected: expected.into(),
+    })
+}
+
+/// A number in a range; a NaN is in none.
+fn within(field: &str, x: f64, low: f64, high: f64) -> Result<(), RubricError> {
+    if (low..=high).contains(&x) {
+        return Ok(());
+    }
+    wrong(field, x.to_string(), format!("{low} to {high}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Exercise;
+
+    #[test]
+    fn every_exercise_has_a_rubric_whose_metrics_apply() {
+        let all = Rubric::built_in();
+        assert_eq!(all.len(), 4);
+        for exercise in Exercise::built_in() {
+            let rubric = Rubric::of(&exercise).unwrap_or_else(|| panic!("{}", exercise.name));
+            assert_eq!(rubric.name, exercise.name);
+            for weighed in &rubric.metrics {
+                let known = definitions::find(&weighed.name).map(|m| m.needs.are_met(&exercise));
+                assert_eq!(known, Some(true), "{} in {}", weighed.name, rubric.name);
+            }
+            for critical in &rubric.critical {
+                let weighed = rubric.metrics.iter().any(|m| m.name == critical.metric);
+                assert!(
+                    weighed,
+                    "{} is not measured in {}",
+                    critical.metric, rubric.name
+                );
+            }
+        }
+        assert_eq!(Rubric::of(&Exercise::free("free", 1.0)), None);
+    }
+
+    #[test]
+    fn the_recorded_text_carries_definitions_and_says_what_has_another() {
+        let exercise = Exercise::built_in().remove(1);
+        let rubric = Rubric::of(&exercise).unwrap_or_else(|| panic!("built in"));
+        let text = rubric.definition().unwrap_or_default();
+        for weighed in &rubric.metrics {
+            let known = definitions::find(&weighed.name).map_or("", |m| m.definition);
+            assert!(text.contains(&known[..20]), "{}", weighed.name);
+        }
+        let back = Rubric::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        assert!(back.redefined().is_empty());
+        let other = text.replace("whose called depth is within 1 mm", "called within a mile");
+        let other = Rubric::parse(&other).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(other.redefined(), ["called_within_1mm"]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_what_was_found_and_expected() {
+        let exercise = Exercise::built_in().remove(1);
+        let good = Rubric::of(&exercise).unwrap_or_else(|| panic!("built in"));
+        let text = toml::to_string(&good).unwrap_or_default();
+        let told = |from: &str, to: &str| {
+            assert!(text.contains(from), "{from} is not in {text}");
+            Rubric::parse(&text.replacen(from, to, 1))
+                .err()
+                .map_or(String::new(), |error| error.to_string())
+        };
+        for (from, to, words) in [
+            (
+                "version = 1",
+                "version = 0",
+                "version is 0, expected 1 or more",
+            ),
+            (
+                "version = 1",
+                "version = 1\ncolour = 3",
+                "unknown field `colour`",
+            ),
+            (
+                "force_n = [0.1,",
+                "force_n = [0.3,",
+                "[0.3, 0.25], expected the lower bound",
+            ),
+            (
+                "reached_mm = 0",
+                "reached_mm = 9",
+                "settings.reached_mm is 9",
+            ),
+            (
+                "\"floor_reached\"",
+                "\"charm\"",
+                "`charm`, expected one of: zones_charted, ",
+            ),
+            (
+                "\"floor_reached\"",
+                "\"misread\"",
+                "`misread` again, expected each metric once",
+            ),
+            ("weight = ", "weight = -", "expected 0 to 100"),
+            ("pass_mark = ", "pass_mark = 1", "pass_mark is 1"),
+            (
+                "above = 0.0",
+                "below = 1.0\nabove = 0.0",
+                "either `above` or `below`",
+            ),
+        ] {
+            let said = told(from, to);
+            assert!(said.contains(words), "{from} -> {to}: {said}");
+        }
+        assert!(Rubric::parse("{}").is_err());
+        assert!(Rubric::parse(&"#".repeat(70_000)).is_err());
+    }
+}

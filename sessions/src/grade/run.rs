@@ -1,0 +1,306 @@
+//! From a recording to its grade: one replay, and what is made of it.
+
+use sulcus_core::Scene;
+
+use super::advice::advice;
+use super::definitions::{Definition, METRICS};
+use super::evidence::Watcher;
+use super::report::{CriticalError, Grade, MetricGrade, Standard};
+use super::rubric::{RubricError, Settings};
+use super::score::{happened, score, total};
+use super::series::Series;
+use super::sites::sites;
+use super::stats::rounded;
+use super::values::Measured;
+use super::{Rubric, floor::FloorTime};
+use crate::events::call::{Call, READING_CALLED};
+use crate::exercise::Exercise;
+use crate::key::PublicKey;
+use crate::message::Message;
+use crate::occurrence::Occurrence;
+use crate::read::{ReadError, Recording};
+use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
+
+/// How to grade.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// A rubric instead of the recording's own.
+    pub rubric: Option<Rubric>,
+    /// The only key whose signature is accepted; none: the one that the recording names.
+    pub trust: Option<PublicKey>,
+}
+
+/// Why nothing could be graded: the recording is no recording, or its rubric no rubric.
+#[derive(Debug, thiserror::Error)]
+pub enum GradeError {
+    /// The recording cannot be replayed.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The rubric cannot be used.
+    #[error(transparent)]
+    Rubric(#[from] RubricError),
+}
+
+/// A grade, and what its plots are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graded {
+    /// The grade.
+    pub grade: Grade,
+    /// Depth and force over time; empty where there is no grade.
+    pub series: Series,
+    /// Teeth that the scene has.
+    pub teeth: Vec<u8>,
+    /// The patient's text; may be empty.
+    pub patient: String,
+    /// Length of the session, seconds.
+    pub seconds: f64,
+}
+
+/// Settings where there is no rubric: nothing is graded, events are watched all the same.
+const PLAIN: Settings = Settings {
+    force_n: [0.1, 0.25],
+    reached_mm: 0.5,
+    misread_mm: 0.75,
+    steady_mm: 1.5,
+};
+
+/// A watcher for a session, with its rubric's settings.
+pub fn watcher(scene: &Scene, exercise: &Exercise, standard: Option<&Standard>) -> Watcher {
+    let set = standard.map_or(PLAIN, |standard| standard.rubric.settings);
+    Watcher::new(scene, exercise, set)
+}
+
+/// Replays a recording and grades it; `progress` is told the number of ticks done, now and then.
+///
+/// # Errors
+/// When the recording cannot be read or replayed, or its rubric cannot be used. A recording that can be replayed and is not
+/// sound is no error: its grade says why there is none.
+pub fn grade(
+    recording: &Recording,
+    options: &Options,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Graded, GradeError> {
+    let scene = recording.scene()?;
+    let exercise = Exercise::recorded(&recording.header().exercise);
+    let standard = Standard::of(recording.header(), &exercise, options.rubric.as_ref())?;
+    let mut watcher = watcher(&scene, &exercise, standard.as_ref());
+    let how = ReplayOptions {
+        trust: options.trust,
+        ..ReplayOptions::default()
+    };
+    let report = replay_observed(
+        recording,
+        &how,
+        progress,
+        &mut |scene, _, output, shapes| watcher.observe(scene, output, shapes),
+    )?;
+    Ok(finish(
+        recording,
+        &scene,
+        &exercise,
+        standard.as_ref(),
+        watcher,
+        &report,
+    )?)
+}
+
+/// The grade of a session that was replayed with this `watcher` looking on.
+///
+/// # Errors
+/// When the file changes meanwhile.
+pub fn finish(
+    recording: &Recording,
+    scene: &Scene,
+    exercise: &Exercise,
+    standard: Option<&Standard>,
+    mut watcher: Watcher,
+    report: &ReplayReport,
+) -> Result<Graded, ReadError> {
+    let header = recording.header();
+    let mut teeth: Vec<u8> = scene
+        .objects
+        .iter()
+        .map(|o| o.fdi)
+        .filter(|fdi| *fdi != 0)
+        .collect();
+    teeth.sort_unstable();
+    teeth.dedup();
+    let mut graded = Graded {
+        grade: Grade {
+            learner_id: header.learner_id.clone(),
+            exercise: header.exercise_name.clone(),
+            station: header.station.clone(),
+            seed: header.seed,
+            started_unix_ns: header.started_unix_ns,
+            signer: recording.signer().fingerprint(),
+            signer_trusted: report.signer_trusted,
+            gradable: report.gradable,
+            reason: report.reason.clone(),
+            rubric: standard.map(Standard::used),
+            score: None,
+            pass_mark: standard.map(|standard| standard.rubric.pass_mark),
+            passed: None,
+            failures: Vec::new(),
+            critical: Vec::new(),
+            metrics: Vec::new(),
+            sites: Vec::new(),
+            force_band_n: standard.map(|standard| standard.rubric.settings.force_n),
+            floor_time: FloorTime::default(),
+            advice: Vec::new(),
+            missing: watcher.events.missing().to_vec(),
+        },
+        series: Series::default(),
+        teeth,
+        patient: header.patient.clone(),
+        seconds: 0.0,
+    };
+    let Some(standard) = standard else {
+        graded.grade.gradable = false;
+        let none = format!(
+            "exercise `{}` asks for nothing that is graded",
+            header.exercise_name
+        );
+        graded.grade.reason.get_or_insert(none);
+        return Ok(graded);
+    };
+    if !report.gradable {
+        return Ok(graded);
+    }
+    let set = &standard.rubric.settings;
+    let calls = calls(recording, scene)?;
+    let leading = watcher.evidence.leading;
+    let smoothness = watcher.evidence.moves[leading].smoothness();
+    let sites = sites(scene, exercise, &watcher.evidence, &calls, set);
+    let measured = Measured {
+        exercise,
+        evidence: &watcher.evidence,
+        sites: &sites,
+        calls: &calls,
+        touches: &watcher.evidence.touches.all(),
+        smoothness: smoothness.map(|(median, _)| median),
+        set,
+    };
+    weigh(&mut graded.grade, exercise, &standard.rubric, &measured);
+    let time = &watcher.evidence.floor;
+    let grade = &mut graded.grade;
+    grade.floor_time = FloorTime {
+        light_s: rounded(time.light_s, 2),
+        in_band_s: rounded(time.in_band_s, 2),
+        heavy_s: rounded(time.heavy_s, 2),
+        trauma_s: rounded(time.trauma_s, 2),
+        damage_s: rounded(time.damage_s, 2),
+    };
+    grade.advice = advice(&grade.metrics, &sites);
+    grade.sites = sites;
+    graded.seconds = watcher.evidence.series.0.len() as f64 * super::series::STEP_S;
+    graded.series = watcher.evidence.series;
+    Ok(graded)
+}
+
+/// Metrics, total, and what fails.
+fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Measured<'_>) {
+    let mut scores = Vec::new();
+    let mut failures = Vec::new();
+    for weighed in &rubric.metrics {
+        let known = METRICS.iter().find(|known| known.name == weighed.name);
+        let Some(known) = known.filter(|known| known.needs.are_met(exercise)) else {
+            continue;
+        };
+        let value = measured.value(known.name);
+        let points = match value {
+            Some(value) => Some(score(value, weighed)),
+            None if known.missing_is_zero => Some(0.0),
+            None => None,
+        };
+        scores.extend(points.map(|points| (weighed.weight, points)));
+        let under = weighed
+            .pass
+            .zip(points)
+            .filter(|(pass, points)| points < pass);
+        let mut deducted = 0.0;
+        if let Some((pass, points)) = under {
+            deducted = weighed.deduct.unwrap_or_default();
+            let off = if deducted > 0.0 {
+                format!("; {deducted} points off the total")
+            } else {
+                String::new()
+            };
+            failures.push(format!(
+                "{}: {points:.0} points, {pass} are needed{off}",
+                known.title
+            ));
+        }
+        grade.metrics.push(MetricGrade {
+            name: known.name,
+            title: known.title,
+            value: value.map(|value| rounded(value, digits(known))),
+            unit: known.unit,
+            target: weighed.target,
+            zero: weighed.zero,
+            weight: weighed.weight,
+            score: points.map(|points| rounded(points, 1)),
+            pass: weighed.pass,
+            deducted,
+            definition: known.definition,
+            source: known.source,
+        });
+    }
+    let Some(mut sum) = total(&scores) else {
+        grade.gradable = false;
+        grade.reason = Some("nothing that the rubric weighs was measured".into());
+        return;
+    };
+    let deducted: f64 = grade.metrics.iter().map(|metric| metric.deducted).sum();
+    sum = if sum > deducted { sum - deducted } else { 0.0 };
+    for critical in &rubric.critical {
+        if !happened(critical, measured.value(&critical.metric)) {
+            continue;
+        }
+        if let Some(cap) = critical.cap.filter(|cap| *cap < sum) {
+            sum = cap;
+        }
+        failures.push(format!("critical: {}", critical.why));
+        grade.critical.push(CriticalError {
+            metric: critical.metric.clone(),
+            why: critical.why.clone(),
+            cap: critical.cap,
+        });
+    }
+    let sum = rounded(sum, 1);
+    if sum < rubric.pass_mark {
+        failures.insert(
+            0,
+            format!("{sum:.1} points, {:.1} are needed", rubric.pass_mark),
+        );
+    }
+    grade.score = Some(sum);
+    grade.passed = Some(failures.is_empty());
+    grade.failures = failures;
+}
+
+/// Digits after the point that a metric is printed with.
+fn digits(metric: &Definition) -> u32 {
+    match (metric.unit, metric.name) {
+        ("%", _) | ("mm", "path_length") | ("s", _) => 1,
+        ("mm", _) | ("N", _) => 2,
+        _ => 3,
+    }
+}
+
+/// What was called in a recording, as far as it makes sense.
+///
+/// # Errors
+/// When the file changes meanwhile.
+pub fn calls(recording: &Recording, scene: &Scene) -> Result<Vec<Call>, ReadError> {
+    let mut all = Vec::new();
+    for message in recording.messages() {
+        if let Message::Event(event) = message? {
+            let said = Occurrence::parse(&event.text).filter(|said| said.kind == READING_CALLED);
+            all.extend(said.and_then(|said| Call::read(&said.data, scene).ok()));
+        }
+    }
+    Ok(all)
+}

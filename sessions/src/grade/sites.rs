@@ -1,0 +1,293 @@
+//! Zone by zone: the truth, what the tip reached, what the student called, and what that says of the hand and of the eye.
+
+use std::collections::BTreeMap;
+
+use serde::{Serialize, Serializer};
+use sulcus_core::Scene;
+use sulcus_core::tissue::gingiva::{Prescribed, Site};
+
+use super::evidence::Evidence;
+use super::rubric::Settings;
+use super::stats::rounded;
+use crate::events::call::Call;
+use crate::events::pocket;
+use crate::exercise::{Exercise, ProbingTask};
+
+/// A tip shorter than this in a zone was only passing, seconds.
+const STAYED: f64 = 0.2;
+/// What is left of a tie after conversion to millimetres.
+const TIE: f64 = 1e-9;
+
+/// What a zone comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Finding {
+    /// The tip reached the floor, and the depth was called as it is, within 1 mm.
+    Right,
+    /// Neither probed nor called.
+    Missed,
+    /// Called without the tip having been there.
+    NotProbed,
+    /// Probed, and not called.
+    NotCalled,
+    /// The tip never reached the floor at a correct force.
+    NeverReachedFloor,
+    /// The tip reached the floor; what was called is not where it was.
+    Misread,
+    /// The tip reached the floor; what was called is where it was under too much force.
+    ReadTooHeavy,
+    /// The tip reached the floor, and what was called is where it was; yet it is more than 1 mm off.
+    Off,
+}
+
+impl Finding {
+    /// In words, for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Missed => "missed",
+            Self::NotProbed => "called, not probed",
+            Self::NotCalled => "not called",
+            Self::NeverReachedFloor => "never reached the floor",
+            Self::Misread => "misread the band",
+            Self::ReadTooHeavy => "read under too much force",
+            Self::Off => "more than 1 mm off",
+        }
+    }
+}
+
+fn site_name<S: Serializer>(site: &Site, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(site.name())
+}
+
+/// One zone. Lengths in millimetres to a hundredth, forces in newtons to a thousandth, angles in degrees to a tenth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SiteGrade {
+    /// FDI number of the tooth.
+    pub tooth: u8,
+    /// Which zone.
+    #[serde(serialize_with = "site_name")]
+    pub site: Site,
+    /// Whether the exercise asks for it.
+    pub asked: bool,
+    /// Prescribed depth; null where the scene prescribes none.
+    pub truth_mm: Option<f64>,
+    /// Deepest reach of the tip at a force inside the target band; null where there was none.
+    pub measured_mm: Option<f64>,
+    /// What was called last; null where nothing was.
+    pub called_mm: Option<u8>,
+    /// Deepest that the tip was at any force; null where it never was.
+    pub deepest_mm: Option<f64>,
+    /// Largest force on the floor; null where the tip never was.
+    pub max_force_n: Option<f64>,
+    /// Tilt of the working end against the tooth's axis at the deepest place; null where the tip never was.
+    pub tilt_deg: Option<f64>,
+    /// And how far of it points into the col; null in the middle of a side.
+    pub into_col_deg: Option<f64>,
+    /// Whether that tilt is as the exercise asks for.
+    pub tilt_right: Option<bool>,
+    /// Prescribed recession: positive where the margin is below the cemento-enamel junction.
+    pub recession_truth_mm: Option<f64>,
+    /// What was called of it.
+    pub recession_called_mm: Option<i8>,
+    /// Whether it bled in the replay.
+    pub bled: bool,
+    /// What was called of that.
+    pub bleeding_called: Option<bool>,
+    /// Furcation that was called in the middle of a side (Hamp: 0 to 3).
+    pub furcation_called: Option<u8>,
+    /// What it comes to.
+    pub finding: Finding,
+}
+
+impl SiteGrade {
+    /// Whether the tip was in the zone, and not only passing.
+    pub fn is_probed(&self) -> bool {
+        !matches!(self.finding, Finding::Missed | Finding::NotProbed)
+    }
+
+    /// Called less prescribed, mm.
+    pub fn error_mm(&self) -> Option<f64> {
+        Some(f64::from(self.called_mm?) - self.truth_mm?)
+    }
+
+    /// Whether the tip came so near to the prescribed depth at a correct force.
+    pub fn is_reached(&self, set: &Settings) -> bool {
+        let both = self.measured_mm.zip(self.truth_mm);
+        both.is_some_and(|(measured, truth)| measured >= truth - set.reached_mm - TIE)
+    }
+
+    /// Whether what was called is nowhere near where the tip was.
+    pub fn is_misread(&self, set: &Settings) -> bool {
+        let (Some(measured), Some(called)) = (self.measured_mm, self.called_mm) else {
+            return false;
+        };
+        let (called, deepest) = (f64::from(called), self.deepest_mm.unwrap_or(measured));
+        called < measured - set.misread_mm - TIE || called > deepest + set.misread_mm + TIE
+    }
+
+    fn find(&self, stayed: bool, set: &Settings) -> Finding {
+        let Some(called) = self.called_mm else {
+            return if stayed {
+                Finding::NotCalled
+            } else {
+                Finding::Missed
+            };
+        };
+        if !stayed {
+            return Finding::NotProbed;
+        }
+        let measured = match self.measured_mm {
+            Some(measured) if self.is_reached(set) => measured,
+            _ => return Finding::NeverReachedFloor,
+        };
+        if self.is_misread(set) {
+            return Finding::Misread;
+        }
+        if self.error_mm().is_none_or(|error| error.abs() <= 1.0 + TIE) {
+            return Finding::Right;
+        }
+        if f64::from(called) > measured + set.misread_mm + TIE {
+            Finding::ReadTooHeavy
+        } else {
+            Finding::Off
+        }
+    }
+}
+
+/// What a scene prescribes at a site of a tooth.
+pub fn prescribed(scene: &Scene, tooth: u8, site: Site) -> Option<Prescribed> {
+    let pockets = pocket::all(scene);
+    let pocket = pockets.iter().find(|pocket| pocket.fdi == tooth)?;
+    Some(*pocket.gingiva(scene)?.prescribed(site))
+}
+
+/// The zones asked for that the scene has, in the order of the exercise, then what else was called, by tooth and site.
+pub fn sites(
+    scene: &Scene,
+    exercise: &Exercise,
+    evidence: &Evidence,
+    calls: &[Call],
+    set: &Settings,
+) -> Vec<SiteGrade> {
+    let mut called: BTreeMap<(u8, Site), Call> = BTreeMap::new();
+    for call in calls {
+        let before = called.get(&(call.tooth, call.site)).copied();
+        // Who calls a site again corrects what is said again, and nothing else.
+        let kept = before.unwrap_or(*call);
+        let merged = Call {
+            recession_mm: call.recession_mm.or(kept.recession_mm),
+            bleeding: call.bleeding.or(kept.bleeding),
+            furcation: call.furcation.or(kept.furcation),
+            ..*call
+        };
+        called.insert((call.tooth, call.site), merged);
+    }
+    let mut asked: Vec<(u8, Site)> = Vec::new();
+    for zone in exercise.tour() {
+        if !asked.contains(&zone) && prescribed(scene, zone.0, zone.1).is_some() {
+            asked.push(zone);
+        }
+    }
+    let more = called.keys().filter(|zone| !asked.contains(zone));
+    let all: Vec<((u8, Site), bool)> = (asked.iter().map(|zone| (*zone, true)))
+        .chain(more.map(|zone| (*zone, false)))
+        .collect();
+    let grade = |((tooth, site), asked)| {
+        let call = called.get(&(tooth, site));
+        one(
+            scene,
+            (tooth, site, asked),
+            evidence,
+            call,
+            &exercise.probing,
+            set,
+        )
+    };
+    all.into_iter().map(grade).collect()
+}
+
+fn one(
+    scene: &Scene,
+    (tooth, site, asked): (u8, Site, bool),
+    evidence: &Evidence,
+    call: Option<&Call>,
+    task: &ProbingTask,
+    set: &Settings,
+) -> SiteGrade {
+    let mm = |metres: f64| rounded(metres * 1e3, 2);
+    let truth = prescribed(scene, tooth, site);
+    let seen = evidence.zones.of(tooth, site);
+    let tilt = seen.and_then(|seen| seen.tilt);
+    let mut grade = SiteGrade {
+        tooth,
+        site,
+        asked,
+        truth_mm: truth.map(|truth| mm(truth.depth)),
+        measured_mm: seen.and_then(|seen| seen.measured).map(mm),
+        called_mm: call.map(|call| call.depth_mm),
+        deepest_mm: seen.map(|seen| mm(seen.deepest)),
+        max_force_n: seen.map(|seen| rounded(seen.max_force, 3)),
+        tilt_deg: tilt.map(|tilt| rounded(tilt.total.to_degrees(), 1)),
+        into_col_deg: tilt
+            .filter(|_| site.is_proximal())
+            .map(|tilt| rounded(tilt.into_col(site).0.to_degrees(), 1)),
+        tilt_right: tilt.map(|tilt| tilt.is_right(site, task)),
+        recession_truth_mm: truth.map(|truth| mm(truth.recession)),
+        recession_called_mm: call.and_then(|call| call.recession_mm),
+        bled: evidence.bled.contains(&(tooth, site)),
+        bleeding_called: call.and_then(|call| call.bleeding),
+        furcation_called: call.and_then(|call| call.furcation),
+        finding: Finding::Missed,
+    };
+    let stayed = seen.is_some_and(|seen| seen.seconds >= STAYED - TIE);
+    grade.finding = grade.find(stayed, set);
+    grade
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grade::test_help::{SET, zone as made};
+
+    fn zone(measured: Option<f64>, deepest: f64, called: Option<u8>) -> SiteGrade {
+        SiteGrade {
+            deepest_mm: Some(deepest),
+            ..made(Site::Buccal, 4.0, measured, called)
+        }
+    }
+
+    #[test]
+    fn the_hand_and_the_eye_are_told_apart() {
+        let find = |measured, deepest, called| zone(measured, deepest, called).find(true, &SET);
+        for (measured, deepest, called, finding) in [
+            (Some(3.9), 4.1, Some(4), Finding::Right),
+            (Some(3.5), 3.6, Some(3), Finding::Right),
+            // On the floor, and the band read wrong: either way, by a millimetre or by a whole band.
+            (Some(3.9), 4.1, Some(5), Finding::Misread),
+            (Some(3.9), 4.1, Some(3), Finding::Misread),
+            (Some(3.9), 4.1, Some(9), Finding::Misread),
+            // Short of the floor, and what was called is where the tip was.
+            (Some(3.4), 3.4, Some(3), Finding::NeverReachedFloor),
+            (None, 1.2, Some(1), Finding::NeverReachedFloor),
+            // Nor is it a misreading where the tip was not on the floor.
+            (Some(2.0), 2.0, Some(4), Finding::NeverReachedFloor),
+            // Pressed 1.3 mm too deep, and that was called.
+            (Some(4.0), 5.3, Some(6), Finding::ReadTooHeavy),
+            (Some(4.0), 4.1, None, Finding::NotCalled),
+        ] {
+            assert_eq!(
+                find(measured, deepest, called),
+                finding,
+                "{measured:?} {deepest} {called:?}"
+            );
+        }
+        // Another tooth's deeper floor at the border of the zone.
+        assert_eq!(find(Some(5.4), 5.4, Some(6)), Finding::Off);
+        assert_eq!(zone(None, 0.0, None).find(false, &SET), Finding::Missed);
+        assert_eq!(
+            zone(None, 0.0, Some(4)).find(false, &SET),
+            Finding::NotProbed
+        );
+    }
+}

@@ -1,0 +1,153 @@
+//! A grade as text for a terminal.
+
+use super::report::{Grade, MetricGrade, Source};
+use super::rubric::Bound;
+
+/// A bound as people write it.
+pub fn bound(bound: &Bound) -> String {
+    match bound {
+        Bound::One(x) => format!("{x}"),
+        Bound::Band([a, b]) => format!("{a} to {b}"),
+    }
+}
+
+/// A metric's value with its unit.
+pub fn value(metric: &MetricGrade) -> String {
+    match metric.value {
+        None => "-".into(),
+        Some(value) if metric.unit.is_empty() => format!("{value}"),
+        Some(value) => format!("{value} {}", metric.unit),
+    }
+}
+
+/// Which rubric, in words.
+pub fn rubric(grade: &Grade) -> String {
+    let Some(used) = &grade.rubric else {
+        return "none".into();
+    };
+    let from = match used.source {
+        Source::Recording => "from the recording",
+        Source::BuiltIn => "this program's: the recording has none",
+        Source::File => "GIVEN INSTEAD of the recording's own",
+    };
+    let safe = used.name.escape_debug();
+    format!(
+        "{safe}, version {} ({}), {from}",
+        used.version,
+        &used.blake3[..12]
+    )
+}
+
+/// Whose key it is, in words.
+pub fn signer(grade: &Grade) -> String {
+    let short = &grade.signer[..grade.signer.len().min(16)];
+    let whose = if grade.signer_trusted {
+        "the key asked for"
+    } else {
+        "the recording's own word: name the right key with --signer"
+    };
+    format!("{short} ({whose})")
+}
+
+impl Grade {
+    /// For a terminal; `advice`: with what to practise next; `truth`: with what is prescribed.
+    pub fn text(&self, advice: bool, truth: bool) -> String {
+        let safe = |text: &str| text.escape_debug().to_string();
+        let learner = if self.learner_id.is_empty() {
+            "(none)".into()
+        } else {
+            safe(&self.learner_id)
+        };
+        let mut lines = vec![
+            format!("  learner    {learner}, exercise {}", safe(&self.exercise)),
+            format!("  rubric     {}", rubric(self)),
+            format!("  signer     {}", signer(self)),
+        ];
+        if let Some(used) = self
+            .rubric
+            .as_ref()
+            .filter(|used| !used.redefined.is_empty())
+        {
+            let names = used.redefined.join(", ");
+            lines.push(format!(
+                "  WARNING    defined otherwise in the recording: {}",
+                safe(&names)
+            ));
+        }
+        let Some(score) = self.score else {
+            let why = self.reason.as_deref().unwrap_or("for no reason known");
+            lines.push(format!("  NO GRADE   {}", safe(why)));
+            return lines.join("\n");
+        };
+        let passed = if self.passed == Some(true) {
+            "passed"
+        } else {
+            "NOT PASSED"
+        };
+        lines.push(format!(
+            "  score      {score:.1} of 100, {passed} (from {:.1} on; proposed by the program)",
+            self.pass_mark.unwrap_or_default()
+        ));
+        lines.extend(
+            self.failures
+                .iter()
+                .map(|why| format!("             {}", safe(why))),
+        );
+        lines.push(String::new());
+        lines.push(format!(
+            "  {:42} {:>12} {:>14} {:>7} {:>6}",
+            "metric", "value", "target", "weight", "score"
+        ));
+        for metric in &self.metrics {
+            let score = metric
+                .score
+                .map_or("-".into(), |score| format!("{score:.0}"));
+            lines.push(format!(
+                "  {:42} {:>12} {:>14} {:>7} {score:>6}",
+                metric.title,
+                value(metric),
+                bound(&metric.target),
+                metric.weight,
+            ));
+        }
+        if !self.sites.is_empty() {
+            lines.push(String::new());
+            let header = if truth { "   truth" } else { "" };
+            lines.push(format!(
+                "  {:18}{header} reached  called   force  finding",
+                "site"
+            ));
+        }
+        for site in &self.sites {
+            let mm = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.1}"));
+            let truth = if truth {
+                format!("{:>8}", mm(site.truth_mm))
+            } else {
+                String::new()
+            };
+            let called = site.called_mm.map_or("-".into(), |mm| mm.to_string());
+            let force = site.max_force_n.map_or("-".into(), |n| format!("{n:.2} N"));
+            lines.push(format!(
+                "  {} {:15}{truth}{:>8}{called:>8}{force:>8}  {}",
+                site.tooth,
+                site.site.name(),
+                mm(site.measured_mm),
+                site.finding.words()
+            ));
+        }
+        if advice && !self.advice.is_empty() {
+            lines.push(String::new());
+            lines.push("  practise next".into());
+            for advice in &self.advice {
+                lines.push(format!("  - {}: {}", advice.title, advice.text));
+                lines.extend(advice.sites.iter().map(|site| format!("      {site}")));
+            }
+        }
+        lines.extend(
+            self.missing
+                .iter()
+                .map(|what| format!("  the scene has not {}", safe(what))),
+        );
+        lines.join("\n")
+    }
+}

@@ -1,0 +1,373 @@
+//! The value of every metric, from the evidence and the zones. None where there is nothing to measure.
+
+use super::evidence::Evidence;
+use super::rubric::Settings;
+use super::sites::SiteGrade;
+use super::stats::{longest_rising, mean, median, percent};
+use super::touches::{Touch, steps};
+use crate::events::call::Call;
+use crate::exercise::Exercise;
+
+/// What a hand's tremor adds to the target band is forgiven up to this, newtons.
+const FORGIVEN: f64 = 0.05;
+/// Farthest that a call counts as within a millimetre, and as exact, mm; what is left of a tie after conversion.
+const WITHIN: f64 = 1.0 + 1e-9;
+const EXACT: f64 = 0.5 + 1e-9;
+
+/// What values are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The exercise.
+    pub exercise: &'a Exercise,
+    /// Everything gathered; the moves have ended.
+    pub evidence: &'a Evidence,
+    /// Zone by zone.
+    pub sites: &'a [SiteGrade],
+    /// Calls, in order.
+    pub calls: &'a [Call],
+    /// Touches of the floor.
+    pub touches: &'a [Touch],
+    /// Median SPARC of the leading tool's free moves.
+    pub smoothness: Option<f64>,
+    /// Settings of the rubric.
+    pub set: &'a Settings,
+}
+
+impl Measured<'_> {
+    /// The value of a metric of the table.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let evidence = self.evidence;
+        match name {
+            "zones_charted" => self.share(
+                |_| true,
+                |site| site.is_probed() && site.called_mm.is_some(),
+            ),
+            "tour_order" => self.tour_order(),
+            "floor_reached" => self.share(SiteGrade::is_probed, |site| site.is_reached(self.set)),
+            "misread" => self.share(
+                |site| site.is_probed() && site.is_reached(self.set) && site.called_mm.is_some(),
+                |site| site.is_misread(self.set),
+            ),
+            "called_exact" => self.called_within(EXACT),
+            "called_within_1mm" => self.called_within(WITHIN),
+            "called_bias" => {
+                let asked = self.sites.iter().filter(|site| site.asked);
+                mean(&asked.filter_map(SiteGrade::error_mm).collect::<Vec<_>>())
+            }
+            "touches_too_light" => self.share_of_touches(|touch| touch.peak < self.set.force_n[0]),
+            "touches_too_heavy" => {
+                self.share_of_touches(|touch| touch.peak > self.set.force_n[1] + FORGIVEN)
+            }
+            "force_in_band" => evidence.floor.in_band_percent(),
+            "trauma_events" => Some(evidence.trauma as f64),
+            "damage_events" => Some(evidence.damage as f64),
+            "angle_mid" => self.angle(false),
+            "angle_proximal" => self.angle(true),
+            "walking_step" => median(&steps(self.touches)).map(|step| step * 1e3),
+            "withdrawals" => Some(evidence.withdrawals as f64),
+            "recession_within_1mm" => self.share(
+                |site| site.recession_called_mm.is_some() && site.recession_truth_mm.is_some(),
+                |site| {
+                    let both = site.recession_called_mm.zip(site.recession_truth_mm);
+                    both.is_some_and(|(said, is)| (f64::from(said) - is).abs() <= WITHIN)
+                },
+            ),
+            "bleeding_agreement" => self.share(
+                |site| site.bleeding_called.is_some(),
+                |site| site.bleeding_called == Some(site.bled),
+            ),
+            "target_visible" => evidence.hands.visible_percent(),
+            "coordination" => evidence.hands.together_percent(),
+            "mirror_force" => evidence.mirror.p95(),
+            "contact_force" => evidence.probe.p95(),
+            "smoothness" => self.smoothness,
+            "path_length" => Some(evidence.moves[evidence.leading].ways().0 * 1e3),
+            "time" => evidence.hands.span_s(),
+            _ => None,
+        }
+    }
+
+    /// Of the zones asked for that are `of`: the share that is `part`, percent.
+    fn share(
+        &self,
+        of: impl Fn(&SiteGrade) -> bool,
+        part: impl Fn(&SiteGrade) -> bool,
+    ) -> Option<f64> {
+        let all: Vec<&SiteGrade> = self
+            .sites
+            .iter()
+            .filter(|site| site.asked && of(site))
+            .collect();
+        percent(all.iter().filter(|site| part(site)).count(), all.len())
+    }
+
+    fn called_within(&self, most: f64) -> Option<f64> {
+        self.share(
+            |site| site.called_mm.is_some(),
+            |site| site.error_mm().is_some_and(|error| error.abs() <= most),
+        )
+    }
+
+    fn angle(&self, proximal: bool) -> Option<f64> {
+        self.share(
+            |site| site.site.is_proximal() == proximal && site.is_probed(),
+            |site| site.tilt_right == Some(true),
+        )
+    }
+
+    fn share_of_touches(&self, part: impl Fn(&Touch) -> bool) -> Option<f64> {
+        let teeth: Vec<u8> = self.exercise.zones.iter().map(|zone| zone.tooth).collect();
+        let ours = || {
+            self.touches
+                .iter()
+                .filter(|touch| teeth.contains(&touch.tooth))
+        };
+        percent(ours().filter(|touch| part(touch)).count(), ours().count())
+    }
+
+    /// Share of the zones called that lie in the longest run in the order asked for, by their first call.
+    fn tour_order(&self) -> Option<f64> {
+        let mut order: Vec<usize> = Vec::new();
+        for call in self.calls {
+            let is_it = |site: &SiteGrade| (site.tooth, site.site) == (call.tooth, call.site);
+            let at = self.sites.iter().position(|site| site.asked && is_it(site));
+            if let Some(at) = at.filter(|at| !order.contains(at)) {
+                order.push(at);
+            }
+        }
+        percent(longest_rising(&order), order.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::events::Standing;
+    use crate::grade::sites::Finding;
+    use crate::grade::test_help::{SET, empty_scene, standing, zone};
+    use sulcus_core::tissue::gingiva::Site::{self, *};
+
+    /// Values of a session made by hand.
+    struct By {
+        exercise: Exercise,
+        evidence: Evidence,
+        sites: Vec<SiteGrade>,
+        calls: Vec<Call>,
+        touches: Vec<Touch>,
+    }
+
+    impl By {
+        fn hand(sites: Vec<SiteGrade>) -> Self {
+            let exercise = Exercise::built_in()
+                .into_iter()
+                .find(|one| one.name == "bimanual")
+                .expect("built in");
+            Self {
+                evidence: Evidence::new(&empty_scene(), &exercise),
+                exercise,
+                sites,
+                calls: Vec::new(),
+                touches: Vec::new(),
+            }
+        }
+
+        fn value(&self, name: &str) -> Option<f64> {
+            let measured = Measured {
+                exercise: &self.exercise,
+                evidence: &self.evidence,
+                sites: &self.sites,
+                calls: &self.calls,
+                touches: &self.touches,
+                smoothness: Some(-1.75),
+                set: &SET,
+            };
+            measured.value(name)
+        }
+    }
+
+    fn call(site: Site) -> Call {
+        Call {
+            tooth: 36,
+            site,
+            depth_mm: 3,
+            recession_mm: None,
+            bleeding: None,
+            furcation: None,
+        }
+    }
+
+    #[test]
+    fn calls_against_the_truth() {
+        // Errors: 0, +1, -2, -0.5 (a tie is exact), and one not called; one called besides, which nobody asked for.
+        let mut besides = zone(MesioLingual, 3.0, Some(3.0), Some(9));
+        besides.asked = false;
+        let by = By::hand(vec![
+            zone(MesioBuccal, 3.0, Some(3.0), Some(3)),
+            zone(Buccal, 2.0, Some(2.0), Some(3)),
+            zone(DistoBuccal, 6.0, Some(4.0), Some(4)),
+            zone(DistoLingual, 4.5, Some(4.4), Some(4)),
+            SiteGrade {
+                finding: Finding::NotCalled,
+                ..zone(Lingual, 3.0, Some(3.0), None)
+            },
+            besides,
+        ]);
+        assert_eq!(by.value("called_exact"), Some(50.0));
+        assert_eq!(by.value("called_within_1mm"), Some(75.0));
+        assert_eq!(by.value("called_bias"), Some(-0.375));
+        assert_eq!(by.value("zones_charted"), Some(80.0));
+        // All five were probed; 4.0 of 6.0 is short.
+        assert_eq!(by.value("floor_reached"), Some(80.0));
+        // Called and on the floor: three; 3 where the tip was at 2.0 is a millimetre off.
+        assert_eq!(by.value("misread"), Some(100.0 / 3.0));
+    }
+
+    #[test]
+    fn a_zone_in_passing_or_from_hearsay_is_not_charted() {
+        let with = |finding, called| SiteGrade {
+            finding,
+            ..zone(Buccal, 3.0, None, called)
+        };
+        let by = By::hand(vec![
+            with(Finding::Missed, None),
+            with(Finding::NotProbed, Some(3)),
+            with(Finding::NotCalled, None),
+            with(Finding::NeverReachedFloor, Some(1)),
+        ]);
+        assert_eq!(by.value("zones_charted"), Some(25.0));
+        assert_eq!(by.value("floor_reached"), Some(0.0));
+        assert_eq!(by.value("misread"), None);
+        assert_eq!(By::hand(vec![]).value("zones_charted"), None);
+    }
+
+    #[test]
+    fn the_order_is_that_of_first_calls() {
+        let sites = [DistoBuccal, Buccal, MesioBuccal, Lingual];
+        let mut by = By::hand(sites.map(|site| zone(site, 3.0, None, None)).to_vec());
+        assert_eq!(by.value("tour_order"), None);
+        // Third, first, second, first again, fourth: first, second, fourth are in order.
+        by.calls = [MesioBuccal, DistoBuccal, Buccal, DistoBuccal, Lingual]
+            .map(call)
+            .to_vec();
+        assert_eq!(by.value("tour_order"), Some(75.0));
+    }
+
+    #[test]
+    fn touches_by_their_peaks_and_steps() {
+        let mut by = By::hand(vec![]);
+        let touch = |tooth: u8, degrees: f64, peak: f64| Touch {
+            tooth,
+            buccal: true,
+            around: degrees.to_radians(),
+            from_axis: 4e-3,
+            peak,
+        };
+        by.touches = vec![
+            touch(36, 60.0, 0.05),
+            touch(36, 75.0, 0.2),
+            touch(36, 90.0, 0.29),
+            touch(36, 120.0, 0.31),
+            // A tooth that nobody asked about.
+            touch(35, 60.0, 0.9),
+        ];
+        assert_eq!(by.value("touches_too_light"), Some(25.0));
+        assert_eq!(by.value("touches_too_heavy"), Some(25.0));
+        // 15, 15 and 30 degrees at 4 mm: the median is 4 pi / 12 mm.
+        let step = by.value("walking_step").expect("steps");
+        assert!((step - std::f64::consts::FRAC_PI_3).abs() < 1e-9, "{step}");
+    }
+
+    #[test]
+    fn angles_apart_for_both_kinds_of_site() {
+        let with = |site, right| SiteGrade {
+            tilt_right: Some(right),
+            ..zone(site, 3.0, None, Some(3))
+        };
+        let by = By::hand(vec![
+            with(Buccal, true),
+            with(Lingual, false),
+            with(MesioBuccal, true),
+            with(DistoBuccal, true),
+            with(MesioLingual, true),
+            with(DistoLingual, false),
+        ]);
+        assert_eq!(by.value("angle_mid"), Some(50.0));
+        assert_eq!(by.value("angle_proximal"), Some(75.0));
+    }
+
+    #[test]
+    fn recession_and_bleeding_where_they_were_called() {
+        let with = |recession, bleeding, bled| SiteGrade {
+            recession_called_mm: recession,
+            bleeding_called: bleeding,
+            bled,
+            ..zone(Buccal, 3.0, None, Some(3))
+        };
+        let by = By::hand(vec![
+            with(Some(-2), Some(true), true),
+            with(Some(-1), Some(false), false),
+            with(Some(0), Some(false), true), // 2 mm off, and missed
+            with(Some(2), Some(true), false), // the sign trap, and seen where nothing was
+            with(None, None, true),
+        ]);
+        assert_eq!(by.value("recession_within_1mm"), Some(50.0));
+        assert_eq!(by.value("bleeding_agreement"), Some(50.0));
+        assert_eq!(
+            By::hand(vec![zone(Buccal, 3.0, None, Some(3))]).value("bleeding_agreement"),
+            None
+        );
+    }
+
+    #[test]
+    fn what_is_counted_or_gathered_is_said_as_it_is() {
+        let mut by = By::hand(vec![]);
+        let said = |kind: &str, data| crate::Occurrence {
+            kind: kind.into(),
+            tick: 1,
+            data,
+        };
+        for (kind, data) in [
+            ("withdrawn", serde_json::json!({})),
+            ("force_zone", serde_json::json!({"zone": "trauma"})),
+            ("force_zone", serde_json::json!({"zone": "trauma"})),
+            ("force_zone", serde_json::json!({"zone": "damage"})),
+            ("force_zone", serde_json::json!({"zone": "too_heavy"})),
+        ] {
+            by.evidence.happened(&said(kind, data));
+        }
+        assert_eq!(by.value("withdrawals"), Some(1.0));
+        assert_eq!(by.value("trauma_events"), Some(2.0));
+        assert_eq!(by.value("damage_events"), Some(1.0));
+        assert_eq!(by.value("smoothness"), Some(-1.75));
+        assert_eq!(by.value("path_length"), Some(0.0));
+        assert_eq!(by.value("time"), None);
+        let at: Standing = standing(36, Buccal, 90.0, 2.0, 0.2);
+        by.evidence.floor.observe(&at, 3.0, SET.force_n);
+        by.evidence
+            .floor
+            .observe(&standing(36, Buccal, 90.0, 2.0, 0.05), 1.0, SET.force_n);
+        assert_eq!(by.value("force_in_band"), Some(75.0));
+        for _ in 0..10 {
+            by.evidence.mirror.observe(0.805);
+            by.evidence.probe.observe(0.305);
+        }
+        assert!((by.value("mirror_force").expect("pressed") - 0.81).abs() < 1e-9);
+        assert!((by.value("contact_force").expect("pressed") - 0.31).abs() < 1e-9);
+        assert_eq!(by.value("charm"), None);
+        assert_eq!(by.value("target_visible"), None);
+        assert_eq!(by.value("coordination"), None);
+    }
+
+    #[test]
+    fn every_metric_of_the_table_has_a_value_here() {
+        use crate::grade::definitions::METRICS;
+        let text = include_str!("values.rs");
+        for metric in METRICS {
+            assert!(
+                text.contains(&format!("\"{}\" =>", metric.name)),
+                "{}",
+                metric.name
+            );
+        }
+    }
+}

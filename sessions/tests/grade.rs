@@ -1,0 +1,332 @@
+//! What gets a grade and what gets none, from outside: recordings forged, cut off and incomplete; rubrics; what an instructor
+//! says; the program.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::{BEGAN, input, key, with_messages};
+use serde_json::Value;
+use sulcus_core::scene::Band;
+use sulcus_core::{NoProbe, State, Workspace, tick};
+use sulcus_sessions::grade::report::Source;
+use sulcus_sessions::grade::revision::{Revision, Sidecar, beside};
+use sulcus_sessions::grade::{Grade, Options, grade};
+use sulcus_sessions::{
+    Exercise, Recorder, Recording, Row, Rubric, SessionEnd, SessionHeader, StationKey,
+};
+
+/// A session of the crown exercise in which a rod sweeps over balls for `ticks` ticks.
+fn record(path: &Path, ticks: u64, key: StationKey, dropped_rows: u64) {
+    let mut scene = common::scene();
+    scene.tools[0].bands = vec![Band {
+        from: 0.0,
+        to: 1e-3,
+        dark: true,
+    }];
+    let exercise = Exercise::built_in().remove(0);
+    let header = SessionHeader {
+        exercise_name: "crown".into(),
+        exercise: exercise.definition(1).unwrap(),
+        rubric: Rubric::of(&exercise).unwrap().definition().unwrap(),
+        learner_id: "a7f3".into(),
+        station: "<b>7</b>".into(),
+        started_unix_ns: BEGAN,
+        ..SessionHeader::new(scene.to_bytes().unwrap())
+    };
+    let mut recorder = Recorder::create(path, &header, key).unwrap();
+    let (mut state, mut shapes) = (State::new(&scene), Workspace::new(&scene));
+    recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
+    for k in 0..ticks {
+        let input = input(k);
+        let output = tick(&scene, &mut state, &mut shapes, &input, &mut NoProbe);
+        let now = BEGAN + (k + 1) * 1_000_000;
+        recorder.push(&Row::new(now, &input, &output)).unwrap();
+    }
+    let end = SessionEnd {
+        ticks,
+        dropped_rows,
+        ..SessionEnd::default()
+    };
+    recorder.finish(end).unwrap();
+}
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn session(&self) -> PathBuf {
+        let path = self.path("session.mcap");
+        record(&path, 3000, key(), 0);
+        path
+    }
+
+    /// Exit code, standard output, standard error.
+    fn run(&self, args: &[&str]) -> (i32, String, String) {
+        let output = Command::new(env!("CARGO_BIN_EXE_sulcus-sessions"))
+            .args(args)
+            .current_dir(self.0.path())
+            .env("XDG_STATE_HOME", self.0.path())
+            .output()
+            .unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        let code = output.status.code().unwrap();
+        (code, text(output.stdout), text(output.stderr))
+    }
+}
+
+fn of(bytes: Vec<u8>, options: &Options) -> Grade {
+    let recording = Recording::from_bytes(bytes).unwrap();
+    grade(&recording, options, &mut |_| {}).unwrap().grade
+}
+
+fn plain(bytes: Vec<u8>) -> Grade {
+    of(bytes, &Options::default())
+}
+
+#[test]
+fn a_sound_session_is_graded_by_what_the_replay_felt() {
+    let place = Place::new();
+    let path = place.session();
+    let grade = plain(std::fs::read(&path).unwrap());
+    assert!(grade.gradable, "{:?}", grade.reason);
+    // The rod presses 1 to 2 mm with 500 N/m: far too heavy for a light hand.
+    let force = grade.metric("contact_force").unwrap();
+    assert!((0.3..2.0).contains(&force.value.unwrap()), "{force:?}");
+    assert_eq!(grade.rubric.as_ref().unwrap().source, Source::Recording);
+    // By hand: the score is the mean by weight of the metrics' scores, less what essentials cost.
+    let weights = grade.metrics.iter().filter(|m| m.score.is_some());
+    let (sum, all) = weights.fold((0.0, 0.0), |(sum, all), m| {
+        (sum + m.weight * m.score.unwrap(), all + m.weight)
+    });
+    let less: f64 = grade.metrics.iter().map(|metric| metric.deducted).sum();
+    assert!((grade.score.unwrap() - (sum / all - less).max(0.0)).abs() < 0.11);
+}
+
+#[test]
+fn a_forged_wrench_buys_no_grade() {
+    let place = Place::new();
+    let bytes = std::fs::read(place.session()).unwrap();
+    let honest = plain(bytes.clone());
+    // Every wrench in the file made as good as none; nobody can sign that but the station.
+    let forged = with_messages(&bytes, |topic, data| {
+        if topic == "/exact/ticks"
+            && let Some(mut row) = Row::from_bytes(data)
+        {
+            row.wrench = row.wrench.map(|wrench| wrench.map(|x| x * 0.01));
+            *data = row.to_bytes().to_vec();
+        }
+        true
+    });
+    let grade = plain(forged);
+    assert!(honest.score.is_some());
+    assert_eq!(
+        (grade.gradable, grade.score, grade.passed),
+        (false, None, None)
+    );
+    assert!(
+        grade
+            .reason
+            .unwrap()
+            .contains("the replay differs from tick")
+    );
+    assert!(grade.metrics.is_empty() && grade.sites.is_empty());
+}
+
+#[test]
+fn what_is_cut_off_incomplete_or_signed_by_another_gets_none_and_says_why() {
+    let place = Place::new();
+    let bytes = std::fs::read(place.session()).unwrap();
+    let cut = plain(bytes[..bytes.len() * 2 / 3].to_vec());
+    assert!(cut.score.is_none());
+    assert!(cut.reason.unwrap().contains("cut off"));
+    let lost = place.path("lost.mcap");
+    record(&lost, 500, key(), 3);
+    let lost = plain(std::fs::read(&lost).unwrap());
+    assert!(lost.reason.unwrap().contains("3 rows were dropped"));
+    let trusted = Options {
+        trust: Some(key().public()),
+        ..Options::default()
+    };
+    assert!(of(bytes.clone(), &trusted).score.is_some());
+    let other = Options {
+        trust: Some(StationKey::from_seed([1; 32]).public()),
+        ..Options::default()
+    };
+    let refused = of(bytes, &other);
+    assert!(refused.score.is_none());
+    assert!(refused.reason.unwrap().contains("not the trusted key"));
+}
+
+#[test]
+fn another_rubric_is_used_when_given_and_the_output_says_so() {
+    let place = Place::new();
+    let bytes = std::fs::read(place.session()).unwrap();
+    let exercise = Exercise::built_in().remove(0);
+    let mut strict = Rubric::of(&exercise).unwrap();
+    strict.version = 9;
+    strict.pass_mark = 100.0;
+    let options = Options {
+        rubric: Some(strict),
+        ..Options::default()
+    };
+    let grade = of(bytes, &options);
+    let used = grade.rubric.clone().unwrap();
+    assert_eq!((used.version, used.source), (9, Source::File));
+    assert!(grade.text(true, false).contains("GIVEN INSTEAD"));
+    assert_eq!(grade.passed, Some(false));
+}
+
+#[test]
+fn an_instructors_word_is_added_and_the_proposal_stays() {
+    let place = Place::new();
+    let path = place.session();
+    let grade = plain(std::fs::read(&path).unwrap());
+    let said = |score: f64, reason: &str| Revision {
+        score,
+        passed: score >= 70.0,
+        by: "t04".into(),
+        at: "2026-11-23".into(),
+        reason: reason.into(),
+    };
+    assert_eq!(Sidecar::read(&path).unwrap(), None);
+    let first = Sidecar::add(&path, &grade, said(80.0, "device slipped")).unwrap();
+    let second = Sidecar::add(&path, &grade, said(75.0, "seen again")).unwrap();
+    assert_eq!(first.proposal, second.proposal);
+    assert_eq!(second.proposal.score, grade.score);
+    assert_eq!(second.revisions[..1], first.revisions);
+    assert_eq!(second.latest().unwrap().score, 75.0);
+    assert_eq!(Sidecar::read(&path).unwrap(), Some(second.clone()));
+    for (revision, words) in [
+        (said(101.0, "x"), "score is 101, expected 0 to 100"),
+        (said(50.0, " "), "reason is 1 bytes long"),
+    ] {
+        let told = Sidecar::add(&path, &grade, revision)
+            .unwrap_err()
+            .to_string();
+        assert!(told.contains(words), "{told}");
+    }
+    let other = Grade {
+        learner_id: "b1".into(),
+        ..grade.clone()
+    };
+    let told = Sidecar::add(&path, &other, said(50.0, "x")).unwrap_err();
+    assert!(told.to_string().contains("of learner `a7f3`"), "{told}");
+    assert_eq!(Sidecar::read(&path).unwrap(), Some(second));
+    std::fs::write(beside(&path), "{}").unwrap();
+    assert!(Sidecar::read(&path).is_err());
+}
+
+#[test]
+fn the_program_writes_the_same_bytes_again_and_pages_that_need_no_network() {
+    let place = Place::new();
+    place.session();
+    std::fs::write(place.path("names.csv"), "learner_id,name\na7f3,Doe & Co\n").unwrap();
+    let json = ["grade", "session.mcap", "--json"];
+    let (code, once, _) = place.run(&json);
+    assert_eq!((code, &once), (0, &place.run(&json).1));
+    let object: Value = serde_json::from_str(once.lines().last().unwrap()).unwrap();
+    assert!(object["score"].is_f64());
+    for key in [
+        "name",
+        "value",
+        "unit",
+        "target",
+        "score",
+        "definition",
+        "source",
+    ] {
+        assert!(object["metrics"][0].get(key).is_some(), "{key}");
+    }
+    assert!(!once.contains("Doe"));
+    let args = [
+        "grade",
+        "session.mcap",
+        "--html",
+        "pages",
+        "--csv",
+        "class.csv",
+        "--names",
+        "names.csv",
+    ];
+    let (code, table, _) = place.run(&args);
+    assert_eq!(code, 0);
+    assert!(table.contains("rubric     crown, version 1"), "{table}");
+    for page in ["session.html", "class.html"] {
+        let page = std::fs::read_to_string(place.path("pages").join(page)).unwrap();
+        for outside in ["http:", "https:", "<script", "url(h", "@import", "src="] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        assert!(
+            page.contains("Doe &amp; Co (a7f3)") && page.contains("crown"),
+            "{page}"
+        );
+        assert!(!page.contains("<b>7</b>"));
+    }
+    let table = std::fs::read_to_string(place.path("class.csv")).unwrap();
+    assert!(
+        table.starts_with("file,learner_id,name,exercise,attempt,"),
+        "{table}"
+    );
+    assert!(
+        table.contains("session.mcap,a7f3,Doe & Co,crown,1,"),
+        "{table}"
+    );
+}
+
+#[test]
+fn modes_ask_for_what_they_need() {
+    let place = Place::new();
+    place.session();
+    let told = |args: &[&str]| {
+        let (code, _, said) = place.run(args);
+        assert_eq!(code, 2, "{said}");
+        said
+    };
+    let own = ["grade", "session.mcap", "--mode", "self-assessment"];
+    assert!(told(&own).contains("--self-score is missing, expected 0 to 100"));
+    let (code, table, _) = place.run(&[&own[..], &["--self-score", "60"]].concat());
+    assert_eq!(code, 0);
+    // Its own score stands first.
+    assert!(
+        table.find("own score").unwrap() < table.find("score      ").unwrap(),
+        "{table}"
+    );
+    let exam = ["grade", "session.mcap", "--mode", "exam"];
+    assert!(told(&exam).contains("--signer is missing"));
+    std::fs::write(place.path("rubric.toml"), "").unwrap();
+    assert!(
+        told(&[&exam[..], &["--rubric", "rubric.toml"]].concat()).contains("--rubric is given")
+    );
+    let signer = key().public().fingerprint();
+    let (code, table, _) = place.run(&[&exam[..], &["--signer", &signer]].concat());
+    assert_eq!(code, 0);
+    assert!(!table.contains("practise next"), "{table}");
+    assert!(told(&["grade", "session.mcap", "--rubric", "rubric.toml"]).contains("rubric.toml"));
+    assert!(told(&["grade", "session.mcap", "--revise", "70"]).contains("--reason"));
+    let revise = [
+        "grade",
+        "session.mcap",
+        "--revise",
+        "70",
+        "--by",
+        "t04",
+        "--at",
+        "2026-11-23",
+        "--reason",
+        "seen",
+    ];
+    let (code, table, _) = place.run(&revise);
+    assert_eq!(code, 0);
+    assert!(table.contains("REVISED    70.0, passed, by t04"), "{table}");
+    assert!(place.path("session.mcap.grade.json").exists());
+}
