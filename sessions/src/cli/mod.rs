@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use serde_json::json;
 
-use print::complain;
+use print::{complain, for_each};
 
 /// Looks at recorded sessions: what they are, and whether they are what happened.
 #[derive(Parser)]
