@@ -29,7 +29,7 @@ const RETRACTION_UP: f64 = 1.0;
 
 pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> ReviewPicture {
     let probe = probe_of(scene);
-    let gingiva = gingivae(scene).next();
+    let gingiva = scene.objects.iter().find_map(gingiva_of);
     let pocketed = gingiva.is_some();
     ReviewPicture {
         name: recording.header().exercise_name.clone(),
@@ -48,7 +48,7 @@ pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> R
         teeth: teeth(scene),
         span_ns: [0, 0],
         reading_band_n: pocketed.then_some(exercise.probing.force_n),
-        trauma_n: gingiva.map(|(_, gingiva)| gingiva.params.trauma),
+        trauma_n: gingiva.map(|gingiva| gingiva.params.trauma),
         overview: overview(scene),
         retraction: retraction(scene, exercise),
         close_up: CLOSE_UP,
@@ -106,17 +106,12 @@ fn mesh(mesh: &DisplayMesh) -> MeshPicture {
     }
 }
 
-fn gingivae(scene: &Scene) -> impl Iterator<Item = (&Object, &Gingiva)> {
-    let of = |object: &'_ Object| match &object.tissue {
-        TissueModel::Gingiva(_) => true,
-        _ => false,
-    };
-    scene.objects.iter().filter(move |o| of(o)).filter_map(|o| {
-        let TissueModel::Gingiva(gingiva) = &o.tissue else {
-            return None;
-        };
-        Some((o, &**gingiva))
-    })
+/// The gingiva that an object is.
+fn gingiva_of(object: &Object) -> Option<&Gingiva> {
+    match &object.tissue {
+        TissueModel::Gingiva(gingiva) => Some(gingiva),
+        _ => None,
+    }
 }
 
 /// Numbers above the teeth.
@@ -137,14 +132,8 @@ fn teeth(scene: &Scene) -> Vec<Label> {
 
 /// Names on the crown above the sites of one side of the tooth in the gingiva `object`.
 pub(super) fn sites(scene: &Scene, object: u16, buccal: bool) -> Vec<Label> {
-    let Some((object, gingiva)) =
-        scene
-            .objects
-            .get(usize::from(object))
-            .and_then(|object| match &object.tissue {
-                TissueModel::Gingiva(gingiva) => Some((object, gingiva)),
-                _ => None,
-            })
+    let object = scene.objects.get(usize::from(object));
+    let Some((object, gingiva)) = object.and_then(|object| Some((object, gingiva_of(object)?)))
     else {
         return Vec::new();
     };
