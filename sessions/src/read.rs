@@ -74,7 +74,7 @@ pub enum ReadError {
         /// Who could.
         recorded_by: Program,
         /// What is wrong.
-        source: SceneError,
+        source: Box<SceneError>,
     },
 }
 
@@ -226,7 +226,7 @@ impl Recording {
     pub fn scene(&self) -> Result<Scene, ReadError> {
         Scene::from_bytes(&self.header.scene).map_err(|source| ReadError::Scene {
             recorded_by: Program::of(&self.header),
-            source,
+            source: Box::new(source),
         })
     }
 
