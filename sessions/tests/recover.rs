@@ -30,10 +30,8 @@ fn replayed(bytes: &[u8]) -> ReplayReport {
 /// Whether an MCAP reader that knows nothing of ours opens it by its index, and how many messages it finds.
 fn by_index(bytes: &[u8]) -> Option<u64> {
     let summary = mcap::Summary::read(bytes).ok()??;
-    let n = mcap::MessageStream::new(bytes)
-        .ok()?
-        .map(|message| message.unwrap())
-        .count() as u64;
+    let messages = mcap::MessageStream::new(bytes).ok()?;
+    let n = messages.collect::<Result<Vec<_>, _>>().ok()?.len() as u64;
     assert_eq!(summary.stats?.message_count, n);
     Some(n)
 }
