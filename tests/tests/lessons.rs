@@ -60,6 +60,21 @@ fn probing_reads_a_pocket_and_replays() {
         &["info", file.to_str().expect("plain")],
     );
     assert!(info.ok().stdout.contains("probing"));
+    // The grade of the recording alone is the demo's own.
+    let grade = place.run_path(
+        Program::Sessions.release_path(),
+        &["grade", "--json", file.to_str().expect("plain")],
+    );
+    let grade = grade.ok().json();
+    for field in ["score", "metrics", "sites", "rubric"] {
+        assert_eq!(grade[field], demo["grade"][field], "{field}");
+    }
+    assert_eq!(grade["rubric"]["source"], "recording");
+    let called = grade["sites"].as_array().expect("sites").iter();
+    assert!(
+        called.filter(|site| site["called_mm"].is_u64()).count() >= 1,
+        "{grade}"
+    );
 }
 
 #[test]

@@ -95,7 +95,7 @@ pub const METRICS: [Definition; 25] = [
         name: "floor_reached",
         title: "floor reached",
         unit: "%",
-        definition: "Of the zones asked for that the tip was in: the share in which its deepest place, at a force on the floor inside the target band, came within `reached_mm` of the prescribed depth.",
+        definition: "Of the zones asked for that the tip was in: the share in which its deepest place, at a force on the floor inside the target band and no more than 2 mm below the prescribed one, came within `reached_mm` of the prescribed depth.",
         source: "deepest reading of each zone: SDCEP, Boyd; interproximal under-reading: Feng 2013",
         needs: Needs::Zones,
         missing_is_zero: true,

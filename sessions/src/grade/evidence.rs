@@ -1,5 +1,7 @@
 //! What a grade rests on, gathered tick by tick from a replay.
 
+use std::collections::BTreeMap;
+
 use sulcus_core::output::status;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
@@ -11,7 +13,7 @@ use super::rubric::Settings;
 use super::series::Series;
 use super::touches::Touches;
 use super::zones::Zones;
-use crate::events::Events;
+use crate::events::{Events, pocket};
 use crate::exercise::Exercise;
 use crate::occurrence::{FORCE_ZONE, Occurrence};
 
@@ -44,6 +46,8 @@ pub struct Evidence {
     pub damage: usize,
     /// Slot of the tool that leads: the first probe, else the first tool.
     pub leading: usize,
+    /// Depths prescribed, metres.
+    floors: BTreeMap<(u8, Site), f64>,
     steady: Steady,
     mirror_slot: Option<usize>,
     has_zones: bool,
@@ -76,6 +80,13 @@ impl Evidence {
                 _ => probe,
             }
             .unwrap_or(0),
+            floors: pocket::all(scene)
+                .iter()
+                .filter_map(|pocket| Some((pocket.fdi, pocket.gingiva(scene)?)))
+                .flat_map(|(fdi, gingiva)| {
+                    Site::ALL.map(|site| ((fdi, site), gingiva.prescribed(site).depth))
+                })
+                .collect(),
             steady: Steady::default(),
             mirror_slot: scene.tools.iter().position(|tool| !is_probe(tool)),
             has_zones: !exercise.zones.is_empty(),
@@ -119,7 +130,8 @@ impl Evidence {
             standing = standing.or(events.standing(t));
         }
         if let Some(at) = standing {
-            self.zones.observe(at, dt, set.force_n);
+            let floor = self.floors.get(&(at.tooth, at.site)).copied();
+            self.zones.observe(at, dt, set.force_n, floor);
             self.floor.observe(at, dt, set.force_n);
         }
         self.touches.observe(standing, dt);

@@ -7,6 +7,9 @@ use sulcus_core::tissue::gingiva::Site;
 use crate::events::Standing;
 use crate::events::angle::Tilt;
 
+/// A tip farther below the prescribed floor is not in the pocket any more, metres. Chosen: 0.6 N press 0.8 mm too deep.
+const BEYOND: f64 = 2e-3;
+
 /// What was seen of one zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ZoneSeen {
@@ -27,8 +30,8 @@ pub struct ZoneSeen {
 pub struct Zones(BTreeMap<(u8, Site), ZoneSeen>);
 
 impl Zones {
-    /// Takes in a tick of `dt` seconds; `band` is the target band of force, newtons.
-    pub fn observe(&mut self, at: &Standing, dt: f64, band: [f64; 2]) {
+    /// Takes in a tick of `dt` seconds; `band` is the target band of force, newtons, `floor` the depth prescribed there, metres.
+    pub fn observe(&mut self, at: &Standing, dt: f64, band: [f64; 2], floor: Option<f64>) {
         if at.depth <= 0.0 {
             return;
         }
@@ -37,7 +40,9 @@ impl Zones {
         if at.force > zone.max_force {
             zone.max_force = at.force;
         }
-        let correct = (band[0]..=band[1]).contains(&at.force);
+        // A tip that was forced out through the wall is beside the pocket, whatever it presses on.
+        let inside = floor.is_none_or(|floor| at.depth <= floor + BEYOND);
+        let correct = inside && (band[0]..=band[1]).contains(&at.force);
         if correct && zone.measured.is_none_or(|before| at.depth > before) {
             zone.measured = Some(at.depth);
             zone.tilt = Some(at.tilt);
@@ -72,16 +77,17 @@ mod tests {
         let mut see = |mm: f64, force: f64, degrees: f64| {
             let mut at = standing(36, Site::Buccal, 90.0, mm, force);
             at.tilt.total = degrees.to_radians();
-            zones.observe(&at, 0.5, [0.1, 0.25]);
+            zones.observe(&at, 0.5, [0.1, 0.25], Some(2e-3));
         };
         see(-1.0, 0.0, 1.0); // above the margin
         see(1.0, 0.0, 2.0); // no force yet
         see(2.0, 0.2, 3.0);
         see(2.5, 0.6, 4.0); // deeper, too heavy
         see(1.9, 0.2, 5.0); // correct, shallower
+        see(4.1, 0.2, 6.0); // out through the wall, beside the pocket
         let seen = zones.of(36, Site::Buccal).expect("it was there");
-        assert_eq!((seen.seconds, seen.max_force), (2.0, 0.6));
-        assert!((seen.deepest - 2.5e-3).abs() < 1e-12);
+        assert_eq!((seen.seconds, seen.max_force), (2.5, 0.6));
+        assert!((seen.deepest - 4.1e-3).abs() < 1e-12);
         assert!((seen.measured.expect("correct") - 2e-3).abs() < 1e-12);
         assert!((seen.tilt.expect("a tilt").total.to_degrees() - 3.0).abs() < 1e-9);
         assert_eq!(zones.of(36, Site::Lingual), None);
