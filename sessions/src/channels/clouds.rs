@@ -48,9 +48,9 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// Of an object; none of what is rigid.
-    pub fn new(object: &Object) -> Option<Self> {
-        let model = object.tissue.ready(&object.tree, object.level)?;
+    /// Of an object in a scene with ticks of `tick_s` seconds; none of what is rigid.
+    pub fn new(object: &Object, tick_s: f64) -> Option<Self> {
+        let model = object.tissue.ready(&object.tree, object.level, tick_s)?;
         let level = shown_level(&object.tree, object.level);
         let ids: Vec<u32> = object.tree.shape_at(level).map(|(id, _)| id).collect();
         Some(Self {

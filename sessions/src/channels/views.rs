@@ -88,7 +88,7 @@ impl Views {
             let cloud = at_rest(began_unix_ns, WORLD, &object.tree, level);
             recorder.view(channel, began_unix_ns, &cloud)?;
             objects.push(ObjectView {
-                cloud: Cloud::new(object),
+                cloud: Cloud::new(object, scene.tick_s()),
                 channel,
             });
         }
