@@ -9,7 +9,7 @@ const MOST: usize = 4;
 /// A metric with at least this score is no matter for advice.
 const GOOD: f64 = 80.0;
 /// Most zones that are named.
-const MOST_ZONES: usize = 4;
+const MOST_ZONES: usize = 3;
 
 /// The advice of a session, the dearest first.
 pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade]) -> Vec<Advice> {

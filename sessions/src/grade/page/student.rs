@@ -10,6 +10,9 @@ use crate::grade::report::{Grade, MetricGrade};
 use crate::grade::sites::{Finding, SiteGrade};
 use crate::grade::{Graded, table};
 
+/// Most pieces of advice that a sheet has room for.
+const MOST_ADVICE: usize = 3;
+
 /// The page of one session.
 pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> String {
     let grade = &session.grade;
@@ -32,8 +35,13 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         let why = grade.reason.as_deref().unwrap_or("for no reason known");
         let _ = writeln!(html, "<p class=\"fail\">No grade: {}</p>", escaped(why));
     }
-    for why in &grade.failures {
-        let _ = writeln!(html, "<p class=\"fail\">{}</p>", escaped(why));
+    if !grade.failures.is_empty() {
+        let all: Vec<String> = grade.failures.iter().map(|why| escaped(why)).collect();
+        let _ = writeln!(
+            html,
+            "<p class=\"fail\">Not passed: {}.</p>",
+            all.join(" &#183; ")
+        );
     }
     if let Some(own) = session.self_score.zip(grade.score) {
         let _ = writeln!(
@@ -88,6 +96,7 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
 
 fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     let grade = &session.grade;
+    let short_key = &grade.signer[..grade.signer.len().min(16)];
     let attempt = if session.attempt > 0 {
         format!(", attempt {}", session.attempt)
     } else {
@@ -109,9 +118,13 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     );
     let _ = write!(
         html,
-        "<p class=\"small\">recording {}; graded from its replay; signed by {}</p></div>",
+        "<p class=\"small\">recording {}; graded from its replay; {}</p></div>",
         escaped(&session.file),
-        escaped(&table::signer(grade))
+        if grade.signer_trusted {
+            format!("signed by the station&#8217;s key {}", escaped(short_key))
+        } else {
+            format!("signed by {} (not checked)", escaped(short_key))
+        }
     );
     match grade.score {
         Some(score) => {
@@ -185,7 +198,7 @@ fn advice(html: &mut String, grade: &Grade) {
         return;
     }
     html.push_str("<ol>\n");
-    for advice in &grade.advice {
+    for advice in grade.advice.iter().take(MOST_ADVICE) {
         let _ = write!(
             html,
             "<li><b>{}.</b> {}",
@@ -235,10 +248,22 @@ fn zones(html: &mut String, grade: &Grade, look: &Look<'_>) {
             site.called_mm.map_or("&#8211;".into(), |mm| mm.to_string()),
             site.max_force_n
                 .map_or("&#8211;".into(), |n| format!("{n:.2}")),
-            site.finding.words()
+            in_short(site.finding)
         );
     }
     html.push_str("</tbody></table>\n");
+}
+
+/// A finding where there is little room.
+fn in_short(finding: Finding) -> &'static str {
+    match finding {
+        Finding::NeverReachedFloor => "short of floor",
+        Finding::Misread => "misread",
+        Finding::ReadTooHeavy => "too heavy",
+        Finding::NotProbed => "not probed",
+        Finding::Off => "over 1 mm off",
+        other => other.words(),
+    }
 }
 
 fn short(site: &SiteGrade) -> &'static str {

@@ -17,7 +17,7 @@ svg{display:block;width:100%;height:auto;font-family:system-ui,'DejaVu Sans','Li
 .score .verdict{font-weight:700}
 .none{border-style:dashed}
 .small{font-size:10.5px;color:#333}
-.fail{border-left:4px solid #111;padding:1px 8px;margin:4px 0;font-weight:600;background:#eee}
+.fail{border-left:4px solid #111;padding:1px 8px;margin:4px 0;font-weight:600;font-size:11.5px;background:#eee}
 .revised{border:1.5px solid #111;padding:2px 8px;margin:4px 0}
 table{border-collapse:collapse;width:100%;font-size:10.5px;line-height:1.25;font-variant-numeric:tabular-nums}
 th,td{padding:0 4px;text-align:right;border-bottom:1px solid #ccc;vertical-align:baseline}
@@ -33,6 +33,6 @@ ol{margin:2px 0;padding-left:18px;font-size:11.5px}li{margin-bottom:2px}
 .sites{font-size:10.5px;color:#333}
 details{margin-top:8px;font-size:11.5px}
 details p{margin:3px 0}
-@media print{main{max-width:none;padding:0;zoom:.93}h2{margin-top:6px}details{display:none}section,tr,svg{break-inside:avoid}}
+@media print{main{max-width:none;padding:0;zoom:.9}h2{margin-top:6px}details{display:none}section,tr,svg{break-inside:avoid}}
 @media(max-width:620px){.two{grid-template-columns:1fr}}
 ";
