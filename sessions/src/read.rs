@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use sulcus_core::scene::SCENE_VERSION;
 use sulcus_core::{Scene, SceneError};
 
 use crate::header::SessionHeader;
@@ -72,7 +73,7 @@ pub enum ReadError {
     )]
     Scene {
         /// Who could.
-        recorded_by: Program,
+        recorded_by: Box<Program>,
         /// What is wrong.
         source: Box<SceneError>,
     },
@@ -224,9 +225,16 @@ impl Recording {
     /// # Errors
     /// When its bytes are not a scene of this version.
     pub fn scene(&self) -> Result<Scene, ReadError> {
-        Scene::from_bytes(&self.header.scene).map_err(|source| ReadError::Scene {
-            recorded_by: Program::of(&self.header),
-            source: Box::new(source),
+        let recorded_by = || Box::new(Program::of(&self.header));
+        Scene::from_bytes(&self.header.scene).map_err(|source| match source {
+            SceneError::Version { found } => ReadError::SceneVersion {
+                recorded_by: recorded_by(),
+                found,
+            },
+            source => ReadError::Scene {
+                recorded_by: recorded_by(),
+                source: Box::new(source),
+            },
         })
     }
 

@@ -280,7 +280,11 @@ fn a_scene_of_another_version_names_who_could_read_it() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("recorded by 0.0.9") && error.contains("has version"),
+        error.contains("the program that recorded it, 0.0.9")
+            && error.contains(&format!(
+                "scene has version {}",
+                sulcus_core::scene::SCENE_VERSION + 1
+            )),
         "{error}"
     );
 }
