@@ -198,7 +198,10 @@ impl<W: Write> Copy<W> {
         };
         let writer = WriteOptions::new()
             .library(library)
-            .compression(Some(Compression::Lz4))
+            // As the recorder packs.
+            .compression(Some(Compression::Zstd))
+            .compression_level(1)
+            .compression_threads(0)
             .chunk_size(Some(256 << 10))
             .disable_seeking(true)
             .create(NoSeek::new(out))
