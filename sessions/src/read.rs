@@ -66,6 +66,17 @@ pub enum ReadError {
         /// What is wrong now.
         what: String,
     },
+    /// The scene is of another version of the core.
+    #[error(
+        "recording's scene has version {found}, this program ({}) reads {SCENE_VERSION}: replay it with the program that recorded it, {recorded_by}",
+        Program::this()
+    )]
+    SceneVersion {
+        /// Who could.
+        recorded_by: Box<Program>,
+        /// Version found.
+        found: u16,
+    },
     /// The scene cannot be used.
     #[error(
         "recording's scene cannot be used by this program ({}), recorded by {recorded_by}: {source}",

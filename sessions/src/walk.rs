@@ -130,7 +130,9 @@ pub(crate) fn is_chunk_header(body: &[u8]) -> bool {
     let mut cut = Cut(body);
     // Times, unpacked length, CRC.
     let packed_with = cut.take(16 + 8 + 4).and_then(|_| cut.string());
-    MAX_RATIOS.iter().any(|(name, _)| packed_with == Some(*name))
+    MAX_RATIOS
+        .iter()
+        .any(|(name, _)| packed_with == Some(*name))
 }
 
 /// Bounds what the chunk's header claims, before anything is allocated for it.
