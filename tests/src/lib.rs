@@ -45,6 +45,11 @@ fn build(program: Program, release: bool) -> PathBuf {
         .package(program.name())
         .bin(program.name());
     let build = if release { build.release() } else { build };
+    // Rerun takes minutes to compile, in release ten; what needs it is tested where it is.
+    let build = match program {
+        Program::Server | Program::Sessions => build.no_default_features(),
+        _ => build,
+    };
     // What cargo tells this test of itself must not reach the build: ring's build script watches it, and
     // would be compiled anew, with all above it, on every change of hands.
     let own = std::env::vars_os().map(|(name, _)| name);
