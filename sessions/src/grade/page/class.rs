@@ -204,7 +204,7 @@ fn heat_map(all: &[Session], look: &Look<'_>) -> String {
         }
         let wide = 3.0 * CELL + 10.0;
         let width = 60.0 + wide * teeth.len() as f64;
-        let height = 2.0 * HIGH + 18.0;
+        let height = 2.0 * HIGH + 20.0;
         let _ = write!(
             svg,
             "<svg viewBox=\"0 0 {width:.0} {height:.0}\" style=\"max-width:{width:.0}px\" role=\"img\" aria-label=\"heat map of sites, {}\" font-size=\"10\">",
