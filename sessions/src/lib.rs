@@ -50,6 +50,7 @@ mod storage;
 pub mod verify;
 mod walk;
 pub mod whatif;
+pub mod written;
 
 pub use audit::{AuditReport, AuditRow, audit_tick};
 pub use channels::{Sampler, Shapes, Views};
@@ -75,3 +76,4 @@ pub use row::Row;
 pub use statement::{SessionEnd, SignedStatement, Statement};
 pub use verify::{Signature, Verdict, verify};
 pub use whatif::{TissueChoice, WhatIf, WhatIfError};
+pub use written::WrittenError;

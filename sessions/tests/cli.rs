@@ -3,35 +3,9 @@
 
 mod common;
 
-use std::path::Path;
-use std::process::{Command, Output};
-
+use common::program::*;
 use common::*;
 use serde_json::{Value, json};
-
-fn run(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sulcus-sessions"))
-        .args(args)
-        .output()
-        .unwrap()
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().unwrap()
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn json_of(output: &Output) -> Value {
-    let text = String::from_utf8(output.stdout.clone()).unwrap();
-    serde_json::from_str(text.lines().last().unwrap()).unwrap()
-}
-
-fn text_of(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
 
 #[test]
 fn a_good_file_gives_zero_and_the_promised_fields() {

@@ -3,7 +3,8 @@
 
 use proptest::prelude::*;
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_sessions::exercise::{Exercise, ExerciseError, Kind};
+use sulcus_sessions::WrittenError;
+use sulcus_sessions::exercise::{Exercise, Kind};
 
 const PROBING: &str = include_str!("../exercises/probing.toml");
 const BIMANUAL: &str = include_str!("../exercises/bimanual.toml");
@@ -54,7 +55,7 @@ fn what_is_wrong_is_named() {
     let told = |text: &str, from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
         match Exercise::parse(&text.replace(from, to)) {
-            Err(error @ (ExerciseError::Field { .. } | ExerciseError::Syntax(_))) => {
+            Err(error @ (WrittenError::Field { .. } | WrittenError::Syntax { .. })) => {
                 error.to_string()
             }
             other => panic!("{other:?}"),

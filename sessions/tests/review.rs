@@ -6,8 +6,8 @@ mod common;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use common::program::*;
 use common::*;
 use serde_json::Value;
 use sulcus_core::tissue::TissueModel;
@@ -231,20 +231,6 @@ fn a_window_shows_its_part_and_what_was_so_when_it_began() {
     );
 }
 
-fn run(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sulcus-sessions"))
-        .args(args)
-        // No viewer, whatever is installed here.
-        .env("PATH", "/nowhere")
-        .output()
-        .unwrap()
-}
-
-fn last_line(output: &Output) -> Value {
-    let text = String::from_utf8(output.stdout.clone()).unwrap();
-    serde_json::from_str(text.lines().last().unwrap()).unwrap()
-}
-
 #[test]
 fn what_did_not_happen_is_not_shown() {
     let dir = tempfile::tempdir().unwrap();
@@ -264,7 +250,7 @@ fn what_did_not_happen_is_not_shown() {
         told.contains("bad.mcap: the replay differs from tick 123 on"),
         "{told}"
     );
-    assert_eq!(last_line(&output)["first_divergent_tick"], 123);
+    assert_eq!(json_of(&output)["first_divergent_tick"], 123);
     // Nor what was begun.
     let left: Vec<_> = std::fs::read_dir(dir.path())
         .unwrap()
@@ -280,7 +266,7 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
     record(&path, 300);
     let output = run(&["review", path.to_str().unwrap(), "--json"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let json = last_line(&output);
+    let json = json_of(&output);
     assert_eq!(
         (&json["ticks"], &json["identical"]),
         (&300.into(), &true.into())

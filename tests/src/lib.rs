@@ -203,6 +203,20 @@ pub fn rows(recording: &sulcus_sessions::Recording) -> Vec<sulcus_sessions::Row>
     recording.messages().filter_map(message).collect()
 }
 
+impl Place {
+    /// Starts `sulcus-client run` on `server` for a minute at most, with `--json`; what it says is kept.
+    pub fn join(&self, server: &Serving) -> Child {
+        self.command(Program::Client.path())
+            .args(["run", "--server", &server.address])
+            .args(["--ticket", &server.ticket])
+            .args(["--duration", "60", "--json"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the client starts")
+    }
+}
+
 /// A server in its own process, and what it said first. Killed when dropped.
 pub struct Serving {
     /// The process.

@@ -55,25 +55,10 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
 
 #[test]
 fn an_interrupted_client_lets_the_hand_go_before_it_leaves() {
-    let client = Program::Client.path();
+    Program::Client.path();
     let place = Place::new();
     let server = place.serve(&[]);
-    let session = place
-        .command(client)
-        .args([
-            "run",
-            "--server",
-            &server.address,
-            "--ticket",
-            &server.ticket,
-            "--duration",
-            "60",
-            "--json",
-        ])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the client starts");
+    let session = place.join(&server);
     // Long enough to be in contact.
     std::thread::sleep(Duration::from_secs(5));
     interrupt(session.id());

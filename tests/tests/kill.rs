@@ -1,6 +1,5 @@
 //! The server is killed with -9 in mid-session: the hand is let go gently, the record is kept.
 
-use std::process::Stdio;
 use std::time::Duration;
 
 use sulcus_sessions::{Ending, Recording};
@@ -9,26 +8,10 @@ use sulcus_tests::{Ended, Place, Program, rows};
 #[test]
 fn a_killed_server_lets_the_hand_go_gently_and_leaves_a_recording_that_replays() {
     // Build both programs before the clock runs.
-    let (client, _) = (Program::Client.path(), Program::Server.path());
+    [Program::Client, Program::Server].map(Program::path);
     let place = Place::new();
     let mut server = place.serve(&[]);
-    let run = [
-        "run",
-        "--server",
-        &server.address,
-        "--ticket",
-        &server.ticket,
-        "--duration",
-        "60",
-        "--json",
-    ];
-    let session = place
-        .command(client)
-        .args(run)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the client starts");
+    let session = place.join(&server);
     // Long enough to be in contact; killed between two heartbeats of nothing in particular.
     std::thread::sleep(Duration::from_secs(5));
     server.process.kill().expect("SIGKILL");

@@ -1,7 +1,6 @@
 //! kill -9 of the server at twenty moments that nobody chose: what is recorded recovers, and replays up to 200 ms before.
 
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use sulcus_sessions::{Ending, Recording, Signature};
@@ -40,29 +39,13 @@ fn begun(folder: &Path) -> PathBuf {
 #[test]
 fn twenty_kills_lose_at_most_a_fifth_of_a_second_each() {
     // Build all three before the clock runs.
-    let client = Program::Client.path();
-    let (_, _) = (Program::Server.path(), Program::Sessions.path());
+    let programs = [Program::Client, Program::Server, Program::Sessions];
+    programs.map(Program::path);
     let place = Place::new();
     for k in 0..KILLS {
         let recordings = format!("recordings/{k}");
         let mut server = place.serve(&["--recordings", &recordings]);
-        let run = [
-            "run",
-            "--server",
-            &server.address,
-            "--ticket",
-            &server.ticket,
-            "--duration",
-            "60",
-            "--json",
-        ];
-        let session = place
-            .command(client)
-            .args(run)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the client starts");
+        let session = place.join(&server);
         let file = begun(&place.path(&recordings));
         // Anywhere within and between two flushes, one to twenty of them into the session.
         std::thread::sleep(Duration::from_secs_f64(2.0 * chance(k)));

@@ -1,6 +1,7 @@
 //! What an exercise's values may be.
 
-use super::{Exercise, ExerciseError, Kind};
+use super::{Exercise, Kind};
+use crate::written::{Written, WrittenError};
 
 /// Most entries of the tour.
 const MOST_ZONES: usize = 64;
@@ -10,15 +11,8 @@ impl Exercise {
     ///
     /// # Errors
     /// Names the first field out of range, with the value found and what is expected.
-    pub fn validate(&self) -> Result<(), ExerciseError> {
-        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
-        if self.name.is_empty() || self.name.len() > 64 || !self.name.chars().all(known) {
-            return wrong(
-                "name",
-                format!("`{}`", self.name),
-                "1 to 64 letters, digits, `-`, `_` or `/`",
-            );
-        }
+    pub fn validate(&self) -> Result<(), WrittenError> {
+        Self::check_name(&self.name)?;
         for (field, text, most) in [
             ("about", &self.about, 1024),
             ("task", &self.task, 16 * 1024),
@@ -89,20 +83,24 @@ impl Exercise {
     }
 }
 
+impl Written for Exercise {
+    const WHAT: &'static str = "exercise";
+
+    fn check(&self) -> Result<(), WrittenError> {
+        self.validate()
+    }
+}
+
 fn wrong(
     field: &str,
     found: impl Into<String>,
     expected: impl Into<String>,
-) -> Result<(), ExerciseError> {
-    Err(ExerciseError::Field {
-        field: field.into(),
-        found: found.into(),
-        expected: expected.into(),
-    })
+) -> Result<(), WrittenError> {
+    Exercise::wrong(field, found, expected)
 }
 
 /// A number in a range; a NaN is in none.
-fn within(field: &str, x: f64, low: f64, high: f64, unit: &str) -> Result<(), ExerciseError> {
+fn within(field: &str, x: f64, low: f64, high: f64, unit: &str) -> Result<(), WrittenError> {
     if (low..=high).contains(&x) {
         return Ok(());
     }
@@ -124,7 +122,7 @@ fn band(
     low: f64,
     high: f64,
     unit: &str,
-) -> Result<(), ExerciseError> {
+) -> Result<(), WrittenError> {
     within(field, from, low, high, unit)?;
     within(field, to, low, high, unit)?;
     if from < to {
@@ -139,7 +137,7 @@ fn band(
 }
 
 /// A permanent tooth: quadrant 1 to 4, then 1 to 8.
-fn fdi(field: &str, tooth: u8) -> Result<(), ExerciseError> {
+fn fdi(field: &str, tooth: u8) -> Result<(), WrittenError> {
     if (1..=4).contains(&(tooth / 10)) && (1..=8).contains(&(tooth % 10)) {
         return Ok(());
     }

@@ -28,6 +28,7 @@
 mod check;
 mod fields;
 
+use crate::written::{Written, WrittenError};
 use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::gingiva::Site;
 
@@ -136,35 +137,6 @@ pub struct Exercise {
     pub target: Option<Target>,
 }
 
-/// Why a text is not an exercise.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ExerciseError {
-    /// It cannot be read.
-    #[error("exercise file `{path}`: {why}")]
-    Read {
-        /// The file.
-        path: String,
-        /// Why not.
-        why: String,
-    },
-    /// It is not TOML, a key is missing, or one is unknown.
-    #[error("exercise: {0}")]
-    Syntax(String),
-    /// A value is out of range.
-    #[error("exercise: {field} is {found}, expected {expected}")]
-    Field {
-        /// Key.
-        field: String,
-        /// Value found.
-        found: String,
-        /// What it must be.
-        expected: String,
-    },
-}
-
-/// Most bytes of an exercise's text.
-const MOST_BYTES: usize = 64 * 1024;
-
 const BUILT_IN: [&str; 4] = [
     include_str!("../../exercises/crown.toml"),
     include_str!("../../exercises/probing.toml"),
@@ -177,39 +149,16 @@ impl Exercise {
     ///
     /// # Errors
     /// Names the key, the value found and what is expected; says so of unknown keys too.
-    pub fn parse(text: &str) -> Result<Self, ExerciseError> {
-        if text.len() > MOST_BYTES {
-            return Err(ExerciseError::Field {
-                field: "text".into(),
-                found: format!("{} bytes long", text.len()),
-                expected: "at most 64 KiB".into(),
-            });
-        }
-        let exercise: Self = toml::from_str(text)
-            .map_err(|error| ExerciseError::Syntax(error.to_string().trim().to_owned()))?;
-        exercise.validate()?;
-        Ok(exercise)
+    pub fn parse(text: &str) -> Result<Self, WrittenError> {
+        Self::parsed(text)
     }
 
     /// An exercise from its file.
     ///
     /// # Errors
     /// As [`Exercise::parse`], and when the file cannot be read.
-    pub fn open(path: &std::path::Path) -> Result<Self, ExerciseError> {
-        let unread = |why: String| ExerciseError::Read {
-            path: path.display().to_string(),
-            why,
-        };
-        let length = std::fs::metadata(path)
-            .map_err(|error| unread(error.to_string()))?
-            .len();
-        if length > MOST_BYTES as u64 {
-            return Err(unread(format!(
-                "{length} bytes long, expected at most 64 KiB"
-            )));
-        }
-        let text = std::fs::read_to_string(path).map_err(|error| unread(error.to_string()))?;
-        Self::parse(&text).map_err(|error| unread(error.to_string()))
+    pub fn open(path: &std::path::Path) -> Result<Self, WrittenError> {
+        Self::opened(path)
     }
 
     /// The exercises that the programs bring along, in the order of lists.
@@ -247,12 +196,12 @@ impl Exercise {
     ///
     /// # Errors
     /// Never for an exercise that is valid.
-    pub fn definition(&self, seed: u64) -> Result<String, ExerciseError> {
+    pub fn definition(&self, seed: u64) -> Result<String, WrittenError> {
         let with_seed = Self {
             seed: Some(seed),
             ..self.clone()
         };
-        toml::to_string(&with_seed).map_err(|error| ExerciseError::Syntax(error.to_string()))
+        toml::to_string(&with_seed).map_err(|error| Self::syntax(&error))
     }
 
     /// Every zone to visit, in order.

@@ -39,7 +39,7 @@ mod zones;
 
 pub use evidence::{Evidence, Watcher};
 pub use report::{Advice, CriticalError, Grade, MetricGrade, RubricUsed, Standard};
-pub use rubric::{Rubric, RubricError};
+pub use rubric::Rubric;
 pub use run::{GradeError, Graded, Options, finish, grade};
 pub use series::{Point, STEP_S, Series};
 pub use sites::{Finding, SiteGrade};

@@ -3,11 +3,12 @@
 use serde::Serialize;
 
 use super::floor::FloorTime;
-use super::rubric::{Bound, Rubric, RubricError};
+use super::rubric::{Bound, Rubric};
 use super::sites::SiteGrade;
 use crate::bytes::hex;
 use crate::exercise::Exercise;
 use crate::header::SessionHeader;
+use crate::written::WrittenError;
 
 /// Where a rubric came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -42,7 +43,7 @@ impl Standard {
         header: &SessionHeader,
         exercise: &Exercise,
         instead: Option<&Rubric>,
-    ) -> Result<Option<Self>, RubricError> {
+    ) -> Result<Option<Self>, WrittenError> {
         let made = |rubric: Rubric, source| {
             let text = rubric.definition()?;
             let blake3 = *blake3::hash(text.as_bytes()).as_bytes();

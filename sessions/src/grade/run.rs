@@ -6,7 +6,7 @@ use super::advice::advice;
 use super::definitions::{Definition, METRICS};
 use super::evidence::Watcher;
 use super::report::{CriticalError, Grade, MetricGrade, Standard};
-use super::rubric::{RubricError, Settings};
+use super::rubric::Settings;
 use super::score::{happened, score, total};
 use super::series::Series;
 use super::sites::sites;
@@ -20,6 +20,7 @@ use crate::message::Message;
 use crate::occurrence::Occurrence;
 use crate::read::{ReadError, Recording};
 use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
+use crate::written::WrittenError;
 
 /// How to grade.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +42,7 @@ pub enum GradeError {
     Read(#[from] ReadError),
     /// The rubric cannot be used.
     #[error(transparent)]
-    Rubric(#[from] RubricError),
+    Rubric(#[from] WrittenError),
 }
 
 /// A grade, and what its plots are made of.

@@ -1,6 +1,8 @@
 //! A small session, recorded, and ways to tamper with it.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod program;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -1,19 +1,16 @@
 //! What a rubric's values may be.
 
-use super::{Bound, Rubric, RubricError};
+use super::{Bound, Rubric};
 use crate::grade::definitions::{self, METRICS};
+use crate::written::{Written, WrittenError};
 
 impl Rubric {
     /// Checks every value.
     ///
     /// # Errors
     /// Names the first field out of range, with the value found and what is expected.
-    pub fn validate(&self) -> Result<(), RubricError> {
-        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
-        if self.name.is_empty() || self.name.len() > 64 || !self.name.chars().all(known) {
-            let found = format!("`{}`", self.name.escape_debug());
-            return wrong("name", found, "1 to 64 letters, digits, `-`, `_` or `/`");
-        }
+    pub fn validate(&self) -> Result<(), WrittenError> {
+        Self::check_name(&self.name)?;
         if self.version == 0 {
             return wrong("version", "0", "1 or more");
         }
@@ -41,7 +38,7 @@ impl Rubric {
         self.check_critical()
     }
 
-    fn check_metrics(&self) -> Result<(), RubricError> {
+    fn check_metrics(&self) -> Result<(), WrittenError> {
         for (k, weighed) in self.metrics.iter().enumerate() {
             let field = |name: &str| format!("metric[{k}].{name}");
             known_metric(&field("name"), &weighed.name)?;
@@ -85,7 +82,7 @@ impl Rubric {
         Ok(())
     }
 
-    fn check_critical(&self) -> Result<(), RubricError> {
+    fn check_critical(&self) -> Result<(), WrittenError> {
         for (k, critical) in self.critical.iter().enumerate() {
             let field = |name: &str| format!("critical[{k}].{name}");
             known_metric(&field("metric"), &critical.metric)?;
@@ -111,7 +108,7 @@ impl Rubric {
     }
 }
 
-fn known_metric(field: &str, name: &str) -> Result<(), RubricError> {
+fn known_metric(field: &str, name: &str) -> Result<(), WrittenError> {
     if definitions::find(name).is_some() {
         return Ok(());
     }
@@ -120,20 +117,24 @@ fn known_metric(field: &str, name: &str) -> Result<(), RubricError> {
     wrong(field, found, format!("one of: {}", names.join(", ")))
 }
 
+impl Written for Rubric {
+    const WHAT: &'static str = "rubric";
+
+    fn check(&self) -> Result<(), WrittenError> {
+        self.validate()
+    }
+}
+
 fn wrong(
     field: &str,
     found: impl Into<String>,
     expected: impl Into<String>,
-) -> Result<(), RubricError> {
-    Err(RubricError::Field {
-        field: field.into(),
-        found: found.into(),
-        expected: expected.into(),
-    })
+) -> Result<(), WrittenError> {
+    Rubric::wrong(field, found, expected)
 }
 
 /// A number in a range; a NaN is in none.
-fn within(field: &str, x: f64, low: f64, high: f64) -> Result<(), RubricError> {
+fn within(field: &str, x: f64, low: f64, high: f64) -> Result<(), WrittenError> {
     if (low..=high).contains(&x) {
         return Ok(());
     }

@@ -34,6 +34,7 @@ use serde::{Deserialize, Serialize};
 
 use super::definitions::{self, Definition};
 use crate::exercise::{Exercise, Kind};
+use crate::written::{Written, WrittenError};
 
 /// A value, or a band of values where both sides count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -130,35 +131,6 @@ pub struct Rubric {
     pub critical: Vec<Critical>,
 }
 
-/// Why a text is not a rubric.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RubricError {
-    /// It cannot be read.
-    #[error("rubric file `{path}`: {why}")]
-    Read {
-        /// The file.
-        path: String,
-        /// Why not.
-        why: String,
-    },
-    /// It is not TOML, a key is missing, or one is unknown.
-    #[error("rubric: {0}")]
-    Syntax(String),
-    /// A value is out of range.
-    #[error("rubric: {field} is {found}, expected {expected}")]
-    Field {
-        /// Key.
-        field: String,
-        /// Value found.
-        found: String,
-        /// What it must be.
-        expected: String,
-    },
-}
-
-/// Most bytes of a rubric's text.
-const MOST_BYTES: usize = 64 * 1024;
-
 const BUILT_IN: [&str; 4] = [
     include_str!("../../../rubrics/crown.toml"),
     include_str!("../../../rubrics/probing.toml"),
@@ -171,39 +143,16 @@ impl Rubric {
     ///
     /// # Errors
     /// Names the key, the value found and what is expected; says so of unknown keys too.
-    pub fn parse(text: &str) -> Result<Self, RubricError> {
-        if text.len() > MOST_BYTES {
-            return Err(RubricError::Field {
-                field: "text".into(),
-                found: format!("{} bytes long", text.len()),
-                expected: "at most 64 KiB".into(),
-            });
-        }
-        let rubric: Self = toml::from_str(text)
-            .map_err(|error| RubricError::Syntax(error.to_string().trim().to_owned()))?;
-        rubric.validate()?;
-        Ok(rubric)
+    pub fn parse(text: &str) -> Result<Self, WrittenError> {
+        Self::parsed(text)
     }
 
     /// A rubric from its file.
     ///
     /// # Errors
     /// As [`Rubric::parse`], and when the file cannot be read.
-    pub fn open(path: &std::path::Path) -> Result<Self, RubricError> {
-        let unread = |why: String| RubricError::Read {
-            path: path.display().to_string(),
-            why,
-        };
-        let length = std::fs::metadata(path)
-            .map_err(|error| unread(error.to_string()))?
-            .len();
-        if length > MOST_BYTES as u64 {
-            return Err(unread(format!(
-                "{length} bytes long, expected at most 64 KiB"
-            )));
-        }
-        let text = std::fs::read_to_string(path).map_err(|error| unread(error.to_string()))?;
-        Self::parse(&text).map_err(|error| unread(error.to_string()))
+    pub fn open(path: &std::path::Path) -> Result<Self, WrittenError> {
+        Self::opened(path)
     }
 
     /// The rubrics that the programs bring along, one for each exercise.
@@ -231,7 +180,7 @@ impl Rubric {
     ///
     /// # Errors
     /// Never for a rubric that is valid.
-    pub fn definition(&self) -> Result<String, RubricError> {
+    pub fn definition(&self) -> Result<String, WrittenError> {
         let mut full = self.clone();
         for weighed in &mut full.metrics {
             if let Some(known) = definitions::find(&weighed.name) {
@@ -240,7 +189,7 @@ impl Rubric {
                 weighed.source = Some(known.source.into());
             }
         }
-        toml::to_string(&full).map_err(|error| RubricError::Syntax(error.to_string()))
+        toml::to_string(&full).map_err(|error| Self::syntax(&error))
     }
 
     /// Names of the metrics whose recorded definition is not this program's: their values may have another meaning.
