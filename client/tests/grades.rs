@@ -45,7 +45,7 @@ fn own(habit: Habit) -> &'static [&'static str] {
         Habit::WrongAngle => &["angle_mid"],
         Habit::SkipsSites => &["zones_charted"],
         Habit::Impatient => &["touches_too_light"],
-        Habit::LetsTongueGo => &["target_visible", "coordination"],
+        Habit::LetsTongueGo => &["coordination", "target_visible"],
         Habit::SpotProbes => &["withdrawals", "walking_step"],
         Habit::Misreads => &["misread"],
         Habit::StopsShort => &["floor_reached"],

@@ -137,6 +137,11 @@ impl Evidence {
         self.touches.observe(standing, dt);
         let mirror = self.mirror_slot.filter(held);
         let mirror = mirror.map(|t| output.tools[t].graphic.transform(&scene.tools[t].tip));
+        // A mirror in the air holds nothing, however still it is.
+        let bears = self.mirror_slot.filter(held).is_some_and(|t| {
+            let force = output.tools[t].raw_wrench.force;
+            force.dot(&force).sqrt() >= FREE
+        });
         let visible = events.is_target_visible();
         let moment = Moment {
             in_pocket: self
@@ -144,7 +149,7 @@ impl Evidence {
                 .then(|| standing.is_some_and(|at| at.depth > 0.0)),
             held: (0..MAX_TOOLS).any(|t| held(&t)),
             visible: visible == Some(true),
-            steady: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3),
+            steady: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3) && bears,
         };
         self.hands.observe(&moment, dt);
         self.series.observe(at_s, standing, visible);

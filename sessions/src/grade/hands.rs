@@ -53,7 +53,7 @@ pub struct Moment {
     pub held: bool,
     /// Whether the target is visible.
     pub visible: bool,
-    /// Whether the mirror is steady.
+    /// Whether the mirror is steady, and bears on something.
     pub steady: bool,
 }
 
