@@ -292,3 +292,19 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
         assert!(told.contains(words) && told.lines().count() == 1, "{told}");
     }
 }
+
+/// A replay does not know what a tick took when it was recorded: the channels for viewers do.
+#[test]
+fn tick_times_come_from_the_session_and_not_from_its_replay() {
+    let dir = tempfile::tempdir().unwrap();
+    let longest = |bytes: Vec<u8>| {
+        let recording = Recording::from_bytes(bytes).unwrap();
+        let out = dir.path().join("times.rrd");
+        review(&recording, &out, Window::ALL, Slider::Start, &mut |_| {})
+            .unwrap()
+            .longest_tick_us
+    };
+    // Every tick was said to have taken a microsecond.
+    assert_eq!(longest(recorded_with_views(300, 0..0)), Some(1.0));
+    assert_eq!(longest(recorded(300)), None);
+}

@@ -8,7 +8,7 @@ use sulcus_tests::{Ended, Place, Program, rows};
 #[test]
 fn a_killed_server_lets_the_hand_go_gently_and_leaves_a_recording_that_replays() {
     // Build both programs before the clock runs.
-    [Program::Client, Program::Server].map(Program::path);
+    let _ = (Program::Client.path(), Program::Server.path());
     let place = Place::new();
     let mut server = place.serve(&[]);
     let session = place.join(&server);

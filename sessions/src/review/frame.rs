@@ -1,5 +1,7 @@
 //! A tick as numbers and as a picture.
 
+use std::collections::BTreeMap;
+
 use sulcus_core::math::norm;
 use sulcus_core::output::{ForceZone, status};
 use sulcus_core::tissue::TissueModel;
@@ -19,10 +21,12 @@ pub(super) struct Eyes {
     probe: usize,
     kinds: Vec<PartKind>,
     follow: Follow,
+    /// Longest tick since the time before, microseconds, by tick.
+    times: BTreeMap<u64, f64>,
 }
 
 impl Eyes {
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene, times: BTreeMap<u64, f64>) -> Self {
         let probe = probe_of(scene);
         let park = &scene.tools[probe].park;
         let away = outward(scene, &park.transform(&scene.tools[probe].tip));
@@ -30,6 +34,7 @@ impl Eyes {
             probe,
             kinds: scene.objects.iter().map(kind_of).collect(),
             follow: Follow::new(libm::atan2(away.y, away.x)),
+            times,
         }
     }
 
@@ -83,6 +88,11 @@ impl Eyes {
             work: vec![
                 sum(|tool| f64::from(tool.substeps)),
                 sum(|tool| f64::from(tool.rows)),
+                // Of the message that this tick is in.
+                self.times
+                    .range(output.tick..)
+                    .next()
+                    .map_or(f64::NAN, |(_, longest)| *longest),
             ],
         }
     }

@@ -6,6 +6,7 @@
 mod follow;
 mod frame;
 mod picture;
+mod times;
 mod tissue;
 mod words;
 
@@ -67,6 +68,8 @@ pub struct ReviewReport {
     pub shapes: u64,
     /// Lines of the log shown.
     pub events: u64,
+    /// Longest tick of the session, CPU time, microseconds; none in a recording without channels for viewers.
+    pub longest_tick_us: Option<f64>,
     /// Rows that have a time, by entity.
     pub rows: BTreeMap<String, u64>,
 }
@@ -147,10 +150,12 @@ pub fn review(
             .map(|seconds| (seconds * 1e9).round() as i64),
         ..picture::of(recording, &scene, &exercise)
     };
+    let times = times::of(recording)?;
+    let longest_tick_us = times.values().copied().reduce(f64::max);
     let file = ReviewFile::create(&begun.0, picture)?;
     let mut take = Take {
         every: frames_every(&scene),
-        eyes: Eyes::new(&scene),
+        eyes: Eyes::new(&scene, times),
         tissues: Tissues::new(&scene),
         file,
         window,
@@ -200,6 +205,7 @@ pub fn review(
         frames,
         shapes: tissues.shapes(),
         events,
+        longest_tick_us,
         rows,
     })
 }

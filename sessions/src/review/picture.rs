@@ -56,6 +56,7 @@ pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> R
         work: vec![
             "collide-and-solve passes".to_owned(),
             "contact rows".to_owned(),
+            "longest tick of 16 ms, us".to_owned(),
         ],
         slider: Slider::Start,
     }
@@ -277,7 +278,7 @@ fn about(recording: &Recording, scene: &Scene, exercise: &Exercise) -> String {
          - **Site labels**: M mesial, D distal, B buccal, L lingual.\n\
          - **Green lines**: force at which a depth is read, {low} to {high} N. Red line: healthy tissue bleeds.\n\
          - **Depth**: of the tip below the gingival margin along the tooth's axis; grey: what the patient's chart prescribes at that site; diamonds: what was called.\n\
-         - **Work**: a recording holds no computing times, and those of a replay say nothing of the session. What is plotted is how much there was to do.\n",
+         - **Work**: how much there was to do in a tick, and the longest tick of every 16 ms, CPU time of the thread as it was while the session ran (nothing in recordings without channels for viewers).\n",
         or(&header.exercise_name),
         or(&exercise.task),
         or(&header.learner_id),

@@ -13,7 +13,7 @@ use sulcus_core::{
     DisplayMesh, NoProbe, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, State, TickInput,
     Tool, ToolInput, Vec3, Workspace, tick,
 };
-use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
+use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views};
 
 /// Session clock at the first tick, nanoseconds since the Unix epoch.
 pub const BEGAN: u64 = 1_790_000_000_000_000_000;
@@ -183,6 +183,45 @@ pub fn recorded(ticks: u64) -> Vec<u8> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("session.mcap");
     record(&path, ticks);
+    std::fs::read(path).unwrap()
+}
+
+/// A session with channels for viewers; ticks come as `ticks` says, so that some may be missing.
+pub fn recorded_with_views(ticks: u64, skip: std::ops::Range<u64>) -> Vec<u8> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let scene = scene();
+    let mut recorder = Recorder::create(&path, &header(&scene), key()).unwrap();
+    let (mut state, mut workspace) = (State::new(&scene), Workspace::new(&scene));
+    recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
+    let mut views = Views::open(&scene, &mut recorder, BEGAN).unwrap();
+    let (mut sampler, mut shapes) = (views.sampler(), Shapes::new(&scene));
+    recorder.event(BEGAN, Level::Warning, "begins").unwrap();
+    let mut missed = 0;
+    for k in 0..ticks {
+        if skip.contains(&k) {
+            missed += 1;
+            continue;
+        }
+        let mut input = input(k);
+        input.skipped = std::mem::take(&mut missed);
+        let output = tick(&scene, &mut state, &mut workspace, &input, &mut NoProbe);
+        let row = Row::new(BEGAN + output.tick * 1_000_000, &input, &output);
+        recorder.push(&row).unwrap();
+        let due = sampler.is_due(output.tick);
+        if due {
+            sampler.read(output.tick, &workspace, &mut shapes);
+        }
+        let shapes = due.then_some(&shapes);
+        views
+            .tick(&mut recorder, &scene, &row, &output, 1000, shapes)
+            .unwrap();
+    }
+    let end = SessionEnd {
+        ticks: recorder.rows(),
+        ..SessionEnd::default()
+    };
+    recorder.finish(end).unwrap();
     std::fs::read(path).unwrap()
 }
 

@@ -59,7 +59,7 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
     let space = Part::Column(vec![(1.1, overview.into_part()), (1.0, Part::Row(below))]);
     let log = View::new("TextLog", "what happened", &[EVENTS]).with("TextLogColumns", columns());
     let about = View::new("TextDocument", "this session, and how to read it", &[ABOUT]);
-    let named = |names: &[&str], colours: [&str; 2]| -> String {
+    let named = |names: &[&str], colours: &[&str]| -> String {
         let pairs = colours.iter().zip(names);
         let pairs: Vec<String> = pairs.map(|(c, name)| format!("{c}: {name}")).collect();
         format!(" ({})", pairs.join("; "))
@@ -69,9 +69,9 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
         .iter()
         .map(|tool| tool.name.as_str())
         .collect();
-    let hands = named(&tools, ["yellow", "blue"]);
+    let hands = named(&tools, &["yellow", "blue"]);
     let work: Vec<&str> = picture.work.iter().map(String::as_str).collect();
-    let work = named(&work, ["grey", "green"]);
+    let work = named(&work, &["grey", "green", "yellow"]);
     let numbers = Part::Column(vec![
         (1.3, lanes(picture)),
         (
@@ -101,10 +101,7 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
         ),
         (
             0.7,
-            plot(
-                &format!("work of a tick{work} (a recording holds no times)"),
-                "/plots/work/**",
-            ),
+            plot(&format!("work of a tick{work}"), "/plots/work/**"),
         ),
         (1.4, Part::Tabs(vec![log.into_part(), about.into_part()])),
     ]);
@@ -248,7 +245,7 @@ pub(super) fn styles(stream: &RecordingStream, picture: &ReviewPicture) -> Resul
             &[0x50be5aff, 0x50be5aff],
         ),
         ("/plots/floor_force/trauma", &vec!["trauma"], &[0xe63c3cff]),
-        ("/plots/work", &work, &[0x9696a0ff, 0x5aa0a0ff]),
+        ("/plots/work", &work, &[0x9696a0ff, 0x5aa0a0ff, 0xffdc3cff]),
     ] {
         let lines = rerun::SeriesLines::new()
             .with_names(names.iter().copied())
