@@ -2,49 +2,119 @@
 //!
 //! A recording can be replayed bit for bit only by a program whose tick gives the same bits. So the version is raised, on
 //! purpose, when the layout changes *or* when the tick gives other bits for the recordings under `sessions/tests/corpus`; whoever
-//! raises it writes here what changed and what is to be done with older files.
+//! raises it writes here what changed and what becomes of older files:
 //!
-//! What exists: this table, which tells a reader of an older (or newer) file what it is and what to do. What does not: a way to
-//! read versions 1 and 2. They were written for two days in November 2026, before the first release; no file of theirs was kept, so
-//! that a migration could not be tested. The first migration belongs here, as a function from an old file's header and rows to
-//! the present ones: rows of another tick can be run again and then deviate ([`crate::replay::Deviation`]), never be identical.
+//! - A version that is *migrated*: its layout is the present one, or is turned into it where it is read. Its inputs are run again
+//!   by the present tick, from the recorded snapshots; the replay then differs, never far ([`CLOSE`]), and a grade rests on it and says so.
+//!   Chain and signatures are over the bytes as they were written, and hold or do not as ever. A few of its files are kept in
+//!   `sessions/tests/corpus/format-N`, so that this is tested for good.
+//! - One that is not: versions 1 and 2 were written for two days in November 2026, before the first release; no file of theirs
+//!   was kept, and nothing reads them.
+
+use serde::Serialize;
 
 use crate::header::FORMAT_VERSION;
+use crate::replay::Deviation;
 
 /// A version that is known.
 struct Version {
     number: &'static str,
     /// What was different, for its reader.
     what: &'static str,
+    migrated: bool,
 }
 
 /// All versions before the present one.
-const FORMER: [Version; 2] = [
+const FORMER: [Version; 3] = [
     Version {
         number: "1",
         what: "its rows have no level of detail and its states no tissue; written on 21 November 2026 by 0.1.0, before release",
+        migrated: false,
     },
     Version {
         number: "2",
         what: "its states spell out tissue at rest, so that hashes are others; written on 21 and 22 November 2026 by 0.1.0, before release",
+        migrated: false,
+    },
+    Version {
+        number: "3",
+        what: "its tick summed blended surfaces in another order, so that hashes are others",
+        migrated: true,
     },
 ];
 
-/// What to do with a recording of version `found`, which is not the present one: a clause that follows "this program reads ...".
-pub(crate) fn advice(found: &str) -> String {
+/// How far the replay of a migrated recording may be from what was recorded for a grade to rest on it.
+///
+/// In any tick a force may have been in its ramp or not; the mean and the tools' places say whether the session is the same. Judged by
+/// what a grade tells apart: 0.05 N of force at a floor, and a tenth of the millimetre to which depths are read.
+pub const CLOSE: Close = Close {
+    rms_force_n: 0.01,
+    pose_mm: 0.1,
+};
+
+/// See [`CLOSE`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Close {
+    /// Root mean square of the difference in force, newtons.
+    pub rms_force_n: f64,
+    /// Difference in a graphic tool's place at snapshots, millimetres.
+    pub pose_mm: f64,
+}
+
+impl Close {
+    /// Whether a replay is as close.
+    pub fn holds(&self, found: &Deviation) -> bool {
+        found.rms_force_n <= self.rms_force_n
+            && found.max_pose_mm.unwrap_or_default() <= self.pose_mm
+    }
+}
+
+/// That a recording is of a former version that this program reads all the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Migration {
+    /// Its version.
+    pub from: &'static str,
+    /// The present one.
+    pub to: &'static str,
+    /// What was different.
+    pub what: &'static str,
+}
+
+impl std::fmt::Display for Migration {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "from format {} to {}: {}", self.from, self.to, self.what)
+    }
+}
+
+/// How a recording of version `found` is read: as the present one, or migrated.
+///
+/// # Errors
+/// When it cannot be: what to do, a clause that follows "this program reads ...".
+pub(crate) fn reads(found: &str) -> Result<Option<Migration>, String> {
+    if found == FORMAT_VERSION {
+        return Ok(None);
+    }
     if let Some(former) = FORMER.iter().find(|version| version.number == found) {
-        return format!(
+        if former.migrated {
+            return Ok(Some(Migration {
+                from: former.number,
+                to: FORMAT_VERSION,
+                what: former.what,
+            }));
+        }
+        return Err(format!(
             "that version is older ({}); nothing reads it any more",
             former.what
-        );
+        ));
     }
     let number = |text: &str| text.parse::<u32>().ok();
-    match (number(found), number(FORMAT_VERSION)) {
+    Err(match (number(found), number(FORMAT_VERSION)) {
         (Some(found), Some(own)) if found > own => {
-            "that version is newer: use the Sulcus version that wrote it, or a later one".to_owned()
+            "that version is newer: use the Sulcus version that wrote it, or a later one"
         }
-        _ => "there never was such a version: the header is damaged".to_owned(),
+        _ => "there never was such a version: the header is damaged",
     }
+    .to_owned())
 }
 
 #[cfg(test)]
@@ -54,16 +124,34 @@ mod tests {
     #[test]
     fn every_former_version_is_known_and_others_are_told_apart() {
         let own: u32 = FORMAT_VERSION.parse().expect("a number");
+        assert_eq!(reads(FORMAT_VERSION), Ok(None));
         for former in 1..own {
-            let said = advice(&former.to_string());
-            assert!(
-                said.starts_with("that version is older"),
-                "{former}: {said}"
-            );
+            let found = former.to_string();
+            match reads(&found) {
+                Ok(migration) => assert_eq!(migration.expect("a former one").from, found),
+                Err(said) => assert!(
+                    said.starts_with("that version is older"),
+                    "{former}: {said}"
+                ),
+            }
         }
-        assert!(advice(&(own + 1).to_string()).contains("newer"));
-        for none in ["", "0", "-1", "x", "3.1"] {
-            assert!(advice(none).contains("damaged"), "{none}");
+        assert!(reads(&(own + 1).to_string()).unwrap_err().contains("newer"));
+        for none in ["", "0", "-1", "x", "3.1", "03"] {
+            assert!(reads(none).unwrap_err().contains("damaged"), "{none}");
         }
+    }
+
+    #[test]
+    fn close_is_close_in_the_mean_and_in_place() {
+        let far = |rms_force_n, max_pose_mm| Deviation {
+            rms_force_n,
+            max_pose_mm,
+            max_force_n: 1.0,
+            ..Deviation::default()
+        };
+        assert!(CLOSE.holds(&far(0.01, None)));
+        assert!(CLOSE.holds(&far(0.0, Some(0.1))));
+        assert!(!CLOSE.holds(&far(0.011, None)));
+        assert!(!CLOSE.holds(&far(0.0, Some(0.11))));
     }
 }

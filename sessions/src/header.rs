@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::key::PublicKey;
 
-/// Version of the recording's layout. Another version is refused, never guessed at.
-pub const FORMAT_VERSION: &str = "3";
+/// Version of the recording's layout and of what its numbers mean ([`crate::format`]). Another version is migrated or refused, never
+/// guessed at.
+pub const FORMAT_VERSION: &str = "4";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
 /// Name of the compiled scene's attachment.

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::bytes::hex;
+use crate::format::Migration;
 use crate::read::{Ending, ReadError, Recording};
 use crate::sizes::{Sizes, sizes};
 use crate::statement::SessionEnd;
@@ -58,6 +59,8 @@ pub struct Info {
     pub build: String,
     /// Processor and system.
     pub target: String,
+    /// What becomes of a recording of a former version of the format.
+    pub migration: Option<Migration>,
     /// When the session began, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
     /// How the file ends.
@@ -109,6 +112,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         program_version: header.program_version.clone(),
         build: header.build.clone(),
         target: header.target.clone(),
+        migration: recording.migration(),
         started_unix_ns: header.started_unix_ns,
         ending: recording.ending().clone(),
         end: facts.end,
@@ -180,6 +184,9 @@ impl fmt::Display for Info {
             safe(&self.build),
             safe(&self.target)
         )?;
+        if let Some(migration) = &self.migration {
+            writeln!(f, "  migrated   {migration}")?;
+        }
         writeln!(f, "  ending     {}", self.ending)?;
         if let Some(end) = &self.end {
             writeln!(

@@ -4,7 +4,7 @@
 //! and the input of every tick. Beside it stand what came out (wrench, status, chained state hash),
 //! snapshots every ten seconds, and the station's signature over a chain of all of that.
 //!
-//! # Layout of a recording (format version 3)
+//! # Layout of a recording (format version 4)
 //! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions,
 //!   station, opaque learner id, blake3 of every attachment, the signer's public key
 //! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
@@ -27,7 +27,7 @@ pub mod compare;
 pub mod events;
 pub mod exercise;
 pub mod export;
-mod format;
+pub mod format;
 pub mod grade;
 pub mod header;
 pub mod info;

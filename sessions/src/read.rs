@@ -8,6 +8,7 @@ use serde::Serialize;
 use sulcus_core::scene::SCENE_VERSION;
 use sulcus_core::{Scene, SceneError};
 
+use crate::format::Migration;
 use crate::header::SessionHeader;
 use crate::key::PublicKey;
 use crate::message::Message;
@@ -177,6 +178,7 @@ pub struct Recording {
     pub(crate) bytes: Bytes,
     pub(crate) header: SessionHeader,
     pub(crate) header_digest: [u8; 32],
+    pub(crate) migration: Option<Migration>,
     pub(crate) signer: PublicKey,
     pub(crate) chunks: Vec<Range<usize>>,
     pub(crate) facts: Facts,
@@ -229,6 +231,11 @@ impl Recording {
     /// What is constant in the session.
     pub fn header(&self) -> &SessionHeader {
         &self.header
+    }
+
+    /// What is made of it, where it is of a former version of the format.
+    pub fn migration(&self) -> Option<Migration> {
+        self.migration
     }
 
     /// The compiled scene, validated.

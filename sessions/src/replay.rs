@@ -11,6 +11,7 @@ use serde::Serialize;
 use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
 
 use crate::audit::AuditReport;
+use crate::format::{CLOSE, Migration};
 use crate::key::PublicKey;
 use crate::message::Message;
 use crate::program::Program;
@@ -76,6 +77,9 @@ pub struct ReplayReport {
     pub max_force_deviation_n: f64,
     /// How far the replay was from the record; zero throughout when identical.
     pub deviation: Deviation,
+    /// Where the recording is of a former version of the format: a replay of it differs, and a grade may rest on it as long as it stays
+    /// close ([`crate::format::CLOSE`]).
+    pub migration: Option<Migration>,
     /// Simulated time over the time that the replay took.
     pub realtime_factor: f64,
     /// The part that was run, where not all was asked for.
@@ -106,10 +110,15 @@ impl ReplayReport {
     /// is not the whole session). Where only a part was asked for, that part is not graded, and need not be.
     pub fn is_finding(&self) -> bool {
         (!self.gradable && self.part.is_none())
-            || !self.identical
+            || !(self.identical || self.is_close())
             || !self.chain_ok
             || matches!(self.signature, Signature::Invalid { .. })
             || matches!(self.ending, Ending::Damaged { .. })
+    }
+
+    /// Whether it differs for no other reason than that the recording is of a former version.
+    pub fn is_close(&self) -> bool {
+        self.migration.is_some() && CLOSE.holds(&self.deviation)
     }
 }
 
@@ -195,6 +204,7 @@ pub fn replay_observed(
         divergence: run.first.map(|(_, divergence)| divergence),
         max_force_deviation_n: deviation.max_force_n,
         deviation,
+        migration: recording.migration(),
         realtime_factor,
         part: (!options.span.is_all()).then_some(part),
         recorded_by: Program::of(recording.header()),

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use mcap::records::op;
 
-use crate::format;
+use crate::format::{self, Migration};
 use crate::header::{self, FORMAT_VERSION, METADATA, SCENE, SessionHeader, TEXTS};
 use crate::key::PublicKey;
 use crate::message::{Message, Topic};
@@ -20,7 +20,7 @@ pub(crate) type Topics = BTreeMap<u16, Option<Topic>>;
 pub(crate) fn scan(bytes: Bytes) -> Result<Recording, ReadError> {
     let mut walk = Walk::new(&bytes).ok_or(ReadError::NotMcap)?;
     let pairs_and_files = read_header(&mut walk)?;
-    let (header, signer, header_digest) = check_header(pairs_and_files)?;
+    let (migration, header, signer, header_digest) = check_header(pairs_and_files)?;
     let mut pass = Pass::default();
     let ending = match pass.run(&mut walk) {
         Ok(ending) => ending,
@@ -43,6 +43,7 @@ pub(crate) fn scan(bytes: Bytes) -> Result<Recording, ReadError> {
         bytes,
         header,
         header_digest,
+        migration,
         signer,
         chunks,
         facts,
@@ -103,15 +104,13 @@ fn read_header(walk: &mut Walk<'_>) -> Result<(Pairs, Files), ReadError> {
 
 fn check_header(
     (pairs, files): (Pairs, Files),
-) -> Result<(SessionHeader, PublicKey, [u8; 32]), ReadError> {
+) -> Result<(Option<Migration>, SessionHeader, PublicKey, [u8; 32]), ReadError> {
     let found = pairs.get("format_version").cloned().unwrap_or_default();
-    if found != FORMAT_VERSION {
-        return Err(ReadError::Version {
-            advice: format::advice(&found),
-            found: found.escape_debug().to_string(),
-            expected: FORMAT_VERSION,
-        });
-    }
+    let migration = format::reads(&found).map_err(|advice| ReadError::Version {
+        advice,
+        found: found.escape_debug().to_string(),
+        expected: FORMAT_VERSION,
+    })?;
     for name in [SCENE].into_iter().chain(TEXTS) {
         let data = files.get(name).map_or(&[][..], Vec::as_slice);
         let hash = blake3::hash(data).to_hex();
@@ -126,7 +125,7 @@ fn check_header(
         SessionHeader::from_metadata(&pairs, &files).map_err(|key| ReadError::Header {
             what: format!("field `{key}` is missing or not of its kind"),
         })?;
-    Ok((header, signer, digest))
+    Ok((migration, header, signer, digest))
 }
 
 /// The pass over everything after the header.

@@ -15,12 +15,15 @@
 //!
 //! # When a test here fails
 //! The tick, the state or the format is not what it was. If that was not meant, it is a fault. If it was: raise
-//! [`sulcus_sessions::header::FORMAT_VERSION`], say in `sessions/src/format.rs` what changed and what becomes of older recordings, and make
-//! the corpus anew. Making it anew without raising the version is allowed before the first release only.
+//! [`sulcus_sessions::header::FORMAT_VERSION`], say in `sessions/src/format.rs` what changed and what becomes of older recordings, move
+//! a few of the files to `tests/corpus/format-N`, where they are graded for good, and make the corpus anew.
 #![allow(clippy::unwrap_used)]
+
+mod common;
 
 use std::path::{Path, PathBuf};
 
+use common::{Edit, rewritten};
 use sulcus_core::output::status;
 use sulcus_core::tissue::TissueModel;
 use sulcus_sessions::*;
@@ -44,6 +47,9 @@ const NAMES: [&str; 14] = [
 ];
 /// Largest file, bytes.
 const MOST_BYTES: u64 = 300_000;
+
+/// Recordings of former versions, by folder.
+const FORMER: [(&str, &[&str]); 1] = [("format-3", &["bimanual", "probing", "retraction"])];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus")
@@ -70,23 +76,82 @@ fn rows(recording: &Recording) -> Vec<Row> {
 
 #[test]
 fn the_corpus_is_all_there_and_small() {
-    let mut found: Vec<(String, u64)> = std::fs::read_dir(folder())
-        .unwrap()
-        .map(|entry| {
-            let entry = entry.unwrap();
-            let name = entry.file_name().into_string().unwrap();
-            (name, entry.metadata().unwrap().len())
-        })
-        .collect();
-    found.sort();
-    let mut names: Vec<String> = NAMES.iter().map(|name| format!("{name}.mcap")).collect();
-    // (A dot comes behind a hyphen.)
-    names.sort();
-    assert!(found.iter().map(|(name, _)| name).eq(&names), "{found:?}");
-    assert!(
-        found.iter().all(|(_, bytes)| *bytes < MOST_BYTES),
-        "{found:?}"
-    );
+    let folders = FORMER.map(|(folder, names)| (folder, names.to_vec()));
+    for (of, names) in folders.into_iter().chain([("", NAMES.to_vec())]) {
+        let entries = std::fs::read_dir(folder().join(of)).unwrap();
+        let mut found: Vec<(String, u64)> = entries
+            .map(|entry| entry.unwrap())
+            .filter(|entry| entry.file_type().unwrap().is_file())
+            .map(|entry| {
+                let name = entry.file_name().into_string().unwrap();
+                (name, entry.metadata().unwrap().len())
+            })
+            .collect();
+        found.sort();
+        let mut names: Vec<String> = names.iter().map(|name| format!("{name}.mcap")).collect();
+        // (A dot comes behind a hyphen.)
+        names.sort();
+        assert!(found.iter().map(|(name, _)| name).eq(&names), "{found:?}");
+        assert!(
+            found.iter().all(|(_, bytes)| *bytes < MOST_BYTES),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn recordings_of_former_versions_are_migrated_and_graded() {
+    for (of, names) in FORMER {
+        for name in names {
+            let name = format!("{of}/{name}");
+            let recording = open(&name);
+            let migration = recording.migration().unwrap();
+            assert_eq!(format!("format-{}", migration.from), of, "{name}");
+            let report = replayed(&recording, &ReplayOptions::default());
+            // The tick is another, and signatures are over what was written.
+            assert!(!report.identical && report.is_close(), "{name}: {report:?}");
+            assert!(
+                matches!(report.signature, Signature::Valid { .. }) && report.chain_ok,
+                "{name}: {report:?}"
+            );
+            assert!(
+                report.gradable && !report.is_finding(),
+                "{name}: {report:?}"
+            );
+            let graded = grade::grade(&recording, &grade::Options::default(), &mut |_| {}).unwrap();
+            let grade = &graded.grade;
+            assert!(grade.score.is_some(), "{name}: {grade:?}");
+            let migrated = grade.migrated.as_ref().unwrap();
+            assert!(migrated.rms_force_n > 0.0, "{name}: {migrated:?}");
+            assert!(grade.text(false, false).contains("migrated   from format"));
+        }
+    }
+}
+
+#[test]
+fn a_former_version_cannot_pass_for_the_present_one() {
+    // Under the present version's name it is held to the present version's measure, and the signature does not hold.
+    for (pretended, says) in [("3", None), ("4", Some("differs"))] {
+        let bytes = std::fs::read(folder().join("format-3/probing.mcap")).unwrap();
+        let recording = Recording::from_bytes(rewritten(
+            &bytes,
+            &mut Edit {
+                message: &mut |_, _| true,
+                metadata: &mut |pairs| {
+                    pairs.insert("format_version".to_owned(), pretended.to_owned());
+                },
+                attachment: &mut |_, _| {},
+            },
+        ));
+        let report = replayed(&recording.unwrap(), &ReplayOptions::default());
+        assert_eq!(report.gradable, says.is_none(), "{report:?}");
+        assert_eq!(
+            report.is_finding(),
+            says.is_some_and(|says| report.reason.as_ref().unwrap().contains(says)),
+            "{report:?}"
+        );
+        assert_eq!(report.chain_ok, says.is_none());
+    }
 }
 
 #[test]

@@ -176,8 +176,17 @@ fn replay_of(path: &Path, options: &ReplayOptions, progress: &Progress) -> anyho
 fn text(report: &ReplayReport, ours: Option<bool>) -> String {
     let mut lines = vec![match (&report.divergence, report.first_divergent_tick) {
         (Some(d), Some(tick)) => format!(
-            "  DIFFERS    first at tick {tick} ({:?}: recorded {}, replayed {}), {} of {} ticks",
-            d.what, d.hash_recorded, d.hash_replayed, d.ticks, report.ticks,
+            "  {}    first at tick {tick} ({:?}: recorded {}, replayed {}), {} of {} ticks",
+            if report.is_close() {
+                "differs"
+            } else {
+                "DIFFERS"
+            },
+            d.what,
+            d.hash_recorded,
+            d.hash_replayed,
+            d.ticks,
+            report.ticks,
         ),
         _ => format!(
             "  identical  {} ticks, {:.1} times real time",
@@ -196,6 +205,9 @@ fn text(report: &ReplayReport, ours: Option<bool>) -> String {
             "  deviation  force by up to {:.3e} N{at} (rms {:.3e} N), torque by up to {:.3e} N m{pose}; status in {} ticks",
             d.max_force_n, d.rms_force_n, d.max_torque_nm, d.status_ticks
         ));
+    }
+    if let Some(migration) = &report.migration {
+        lines.push(format!("  migrated   {migration}"));
     }
     if report.recorded_by != report.replayed_by {
         lines.push(format!(

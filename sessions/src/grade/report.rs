@@ -5,9 +5,12 @@ use serde::Serialize;
 use super::floor::FloorTime;
 use super::rubric::{Bound, Rubric};
 use super::sites::SiteGrade;
+use super::stats::rounded;
 use crate::bytes::hex;
 use crate::exercise::Exercise;
+use crate::format::Migration;
 use crate::header::SessionHeader;
+use crate::replay::ReplayReport;
 use crate::written::WrittenError;
 
 /// Where a rubric came from.
@@ -153,6 +156,43 @@ pub struct Advice {
     pub sites: Vec<String>,
 }
 
+/// A recording of a former version, run again by the present tick.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Migrated {
+    /// From which version to which, and what was different.
+    #[serde(flatten)]
+    pub migration: Migration,
+    /// Root mean square of the difference between recorded and replayed force, newtons.
+    pub rms_force_n: f64,
+    /// Largest such difference, newtons.
+    pub max_force_n: f64,
+    /// Largest difference in a graphic tool's place at snapshots, millimetres.
+    pub max_pose_mm: f64,
+}
+
+impl Migrated {
+    /// What a replay found.
+    pub fn of(report: &ReplayReport) -> Option<Self> {
+        let deviation = &report.deviation;
+        Some(Self {
+            migration: report.migration?,
+            rms_force_n: rounded(deviation.rms_force_n, 6),
+            max_force_n: rounded(deviation.max_force_n, 6),
+            max_pose_mm: rounded(deviation.max_pose_mm.unwrap_or_default(), 6),
+        })
+    }
+}
+
+impl std::fmt::Display for Migrated {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}; run again, forces differ by {:.4} N rms ({:.3} N at most), tools' places by {:.4} mm",
+            self.migration, self.rms_force_n, self.max_force_n, self.max_pose_mm
+        )
+    }
+}
+
 /// What a program proposes as the grade of a session.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Grade {
@@ -174,6 +214,8 @@ pub struct Grade {
     pub gradable: bool,
     /// Why not.
     pub reason: Option<String>,
+    /// Where the recording is of a former version of the format: what was made of it.
+    pub migrated: Option<Migrated>,
     /// The rubric; null where there is none.
     pub rubric: Option<RubricUsed>,
     /// 0 to 100; null where there is no grade.

@@ -5,7 +5,7 @@ use sulcus_core::Scene;
 use super::advice::advice;
 use super::definitions::{Definition, METRICS};
 use super::evidence::Watcher;
-use super::report::{CriticalError, Grade, MetricGrade, Standard};
+use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard};
 use super::rubric::Settings;
 use super::score::{happened, score, total};
 use super::series::Series;
@@ -140,6 +140,7 @@ pub fn finish(
             signer_trusted: report.signer_trusted,
             gradable: report.gradable,
             reason: report.reason.clone(),
+            migrated: Migrated::of(report),
             rubric: standard.map(Standard::used),
             score: None,
             pass_mark: standard.map(|standard| standard.rubric.pass_mark),

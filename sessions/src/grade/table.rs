@@ -63,6 +63,9 @@ impl Grade {
             format!("  rubric     {}", rubric(self)),
             format!("  signer     {}", signer(self)),
         ];
+        if let Some(migrated) = &self.migrated {
+            lines.push(format!("  migrated   {migrated}"));
+        }
         if let Some(used) = self
             .rubric
             .as_ref()

@@ -1,12 +1,15 @@
 //! Whether a grade may rest on a session, and if not, why.
 
 use super::ReplayReport;
+use crate::format::CLOSE;
 use crate::read::{Ending, Recording};
 use crate::verify::Signature;
 
 /// Why not, in a sentence; `None` when it may.
 pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<String> {
-    if let Some(tick) = report.first_divergent_tick {
+    if let Some(tick) = report.first_divergent_tick
+        && !report.is_close()
+    {
         return Some(differs(report, tick));
     }
     let end = match (&report.signature, recording.facts().end) {
@@ -48,7 +51,15 @@ fn no_end(ending: &Ending) -> String {
 /// That the replay differs, and by how much; where another program recorded, that it was another.
 fn differs(report: &ReplayReport, tick: u64) -> String {
     let mut said = format!("the replay differs from tick {tick}");
-    if report.recorded_by != report.replayed_by {
+    if let Some(migration) = &report.migration {
+        said.push_str(&format!(
+            ", by more than the migration {migration} may: force by {:.2e} N rms ({:.2e} N may be), a tool's place by {:.2e} mm ({:.2e} mm)",
+            report.deviation.rms_force_n,
+            CLOSE.rms_force_n,
+            report.deviation.max_pose_mm.unwrap_or_default(),
+            CLOSE.pose_mm
+        ));
+    } else if report.recorded_by != report.replayed_by {
         said.push_str(&format!(
             ", recorded by {}, replayed by {}: force by up to {:.2e} N (rms {:.2e} N)",
             report.recorded_by,

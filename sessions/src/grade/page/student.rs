@@ -118,13 +118,16 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     );
     let _ = write!(
         html,
-        "<p class=\"small\">recording {}; graded from its replay; {}</p></div>",
+        "<p class=\"small\">recording {}; graded from its replay; {}{}</p></div>",
         escaped(&session.file),
         if grade.signer_trusted {
             format!("signed by the station&#8217;s key {}", escaped(short_key))
         } else {
             format!("signed by {} (not checked)", escaped(short_key))
-        }
+        },
+        grade.migrated.as_ref().map_or(String::new(), |migrated| {
+            format!("; migrated {}", escaped(&migrated.to_string()))
+        })
     );
     match grade.score {
         Some(score) => {
