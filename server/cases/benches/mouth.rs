@@ -100,8 +100,8 @@ fn main() {
         let mut contact = [0; MAX_TOOLS];
         let script = hands(&scene, BEGINS + SECONDS + LEAVING);
         let hand = (HandParams::default(), 7);
-        let inputs = record(&scene, Box::new(script), hand, ticks(), |k, out| {
-            for (contact, tool) in contact.iter_mut().zip(&out.tools) {
+        let inputs = record(&scene, Box::new(script), hand, ticks(), |k, played| {
+            for (contact, tool) in contact.iter_mut().zip(&played.output.tools) {
                 *contact += usize::from(tool.active > 0 && is_measured(k as usize));
             }
         });

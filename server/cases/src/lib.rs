@@ -28,5 +28,5 @@ pub mod toured;
 
 pub use chart::Chart;
 pub use measure::{Measures, Observer};
-pub use run::{CaseReport, Seen, record, run, run_at, run_on};
+pub use run::{CaseReport, Played, Seen, record, run, run_at, run_on};
 pub use table::{Bounds, Case, Check, TABLE, find};

@@ -113,14 +113,25 @@ pub fn run_at(
     }
 }
 
+/// A tick that was just run.
+#[derive(Clone, Copy, Debug)]
+pub struct Played<'a> {
+    /// What went in.
+    pub input: &'a TickInput,
+    /// What came out.
+    pub output: &'a TickOutput,
+    /// The workspace as the tick left it.
+    pub workspace: &'a Workspace,
+}
+
 /// What a hand with that script does on `scene` in closed loop for so many ticks, as recorded inputs; `each` sees every
-/// tick's number and output.
+/// tick, by its number.
 pub fn record(
     scene: &Scene,
     script: Box<dyn Script + Send>,
     (hand, seed): (HandParams, u64),
     ticks: u64,
-    mut each: impl FnMut(u64, &TickOutput),
+    mut each: impl FnMut(u64, Played<'_>),
 ) -> Vec<TickInput> {
     let hand = HandParams {
         period_s: scene.tick_s(),
@@ -134,7 +145,14 @@ pub fn record(
         input.tools = operator.step(&shown);
         let out = tick(scene, &mut state, &mut ws, &input, &mut NoProbe);
         shown = Shown::from(&out);
-        each(k, &out);
+        each(
+            k,
+            Played {
+                input: &input,
+                output: &out,
+                workspace: &ws,
+            },
+        );
         input
     });
     inputs.collect()

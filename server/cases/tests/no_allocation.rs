@@ -15,8 +15,8 @@ fn ten_thousand_ticks_with_two_hands_in_the_mouth_allocate_nothing() {
     let mut touched = [0; MAX_TOOLS];
     let script = Box::new(hands(&scene, 20.0));
     let hand = (HandParams::default(), 7);
-    let inputs = record(&scene, script, hand, 10_000, |_, out| {
-        for (touched, tool) in touched.iter_mut().zip(&out.tools) {
+    let inputs = record(&scene, script, hand, 10_000, |_, played| {
+        for (touched, tool) in touched.iter_mut().zip(&played.output.tools) {
             *touched += u32::from(tool.active > 0);
         }
     });

@@ -217,10 +217,16 @@ fn played(name: &str) -> (Scene, Vec<TickInput>) {
 fn teeth(runs: usize, quick: bool) -> Line {
     let ticks = if quick { 8_500 } else { 14_000 };
     let points = [false, true].map(|four| {
-        let scene = mouth(1, four, 3);
-        let script = sulcus_cases::mouth::hands(&scene, 25.0);
+        let built;
+        let scene = if four {
+            built = mouth(1, true, 3);
+            &built
+        } else {
+            super::mouth::shipped()
+        };
+        let script = sulcus_cases::mouth::hands(scene, 25.0);
         let hand = (HandParams::default(), 7);
-        let inputs = record(&scene, Box::new(script), hand, ticks, |_, _| {});
+        let inputs = record(scene, Box::new(script), hand, ticks, |_, _| {});
         let teeth = scene
             .objects
             .iter()
@@ -229,7 +235,7 @@ fn teeth(runs: usize, quick: bool) -> Line {
         point(
             teeth as f64,
             format!("{teeth} teeth with their gingivae"),
-            &scene,
+            scene,
             &inputs,
             runs,
             7_000,
@@ -251,7 +257,7 @@ fn untouched(runs: usize, _: bool) -> Line {
         ("a molar and its gingiva", changed(BuiltIn::Pocket, &[])),
         ("a tongue of springs", changed(BuiltIn::Tongue, &[])),
         ("a tongue of finite elements", changed(BuiltIn::Organ, &[])),
-        ("a whole mouth", mouth(1, false, 3)),
+        ("a whole mouth", super::mouth::shipped().clone()),
     ];
     let points = scenes.into_iter().enumerate().map(|(k, (what, scene))| {
         let mut input = TickInput::IDLE;

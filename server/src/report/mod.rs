@@ -24,7 +24,7 @@ pub(crate) use loops::{Loop, Loops};
 pub(crate) use machine::Machine;
 pub(crate) use mouth::{Level, Mouth, SHARES};
 pub(crate) use printed::Beside;
-pub(crate) use rates::Rate;
+pub(crate) use rates::{LOOKS_S, Rate};
 pub(crate) use rough::Rough;
 pub(crate) use rows::Row;
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use serde::Serialize;
-use sulcus_cases::{Observer, mouth, record};
-use sulcus_core::{NoProbe, Scene, State, TickInput, Workspace, tick};
+use sulcus_cases::{Observer, Played, mouth, record};
+use sulcus_core::Scene;
 use sulcus_operator::HandParams;
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
@@ -15,11 +15,14 @@ use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
 
 use super::times::Times;
 
-/// Ticks a second.
+/// Ticks a second; the first and the last in a quick report.
 pub(crate) const RATES: [u16; 3] = [1000, 2000, 4000];
-/// Time until the hands are at work, seconds, and how long is measured from then on, in a quick report and in a full one.
+/// Time until the hands are at work, seconds, and how long is measured from then on, in a full report and in a quick one.
 const BEGINS: f64 = 2.5;
-const SECONDS: [f64; 2] = [8.0, 3.0];
+const SECONDS: [f64; 2] = [8.0, 2.0];
+/// Time between two looks at the residual (all pairs of spheres: it takes longer than a tick), seconds, in a full report and in a quick
+/// one; the page says so.
+pub(crate) const LOOKS_S: [f64; 2] = [4e-3, 16e-3];
 /// The same in the whole mouth, where the mirror comes first.
 const MOUTH_BEGINS: f64 = 7.0;
 /// The hands come out of the mouth after what is measured.
@@ -83,7 +86,7 @@ const SCENES: [Make; 5] = [
     (
         "mouth",
         MOUTH_BEGINS,
-        || mouth::mouth(1, false, 3),
+        || super::mouth::shipped().clone(),
         |scene, duration| Box::new(mouth::hands(scene, duration)),
     ),
 ];
@@ -108,11 +111,16 @@ fn retraction(scene: &Scene, duration: f64) -> Box<dyn Script + Send> {
 
 /// Measures them all.
 pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rate> {
-    let all = SCENES.len() * RATES.len();
+    let tried: Vec<u16> = if quick {
+        vec![RATES[0], RATES[RATES.len() - 1]]
+    } else {
+        RATES.to_vec()
+    };
+    let all = SCENES.len() * tried.len();
     let mut rates = Vec::with_capacity(all);
     for (name, begins, scene, script) in SCENES {
         let mut scene = scene();
-        for rate_hz in RATES {
+        for &rate_hz in &tried {
             progress(
                 &format!("{name} at {rate_hz} Hz"),
                 rates.len() as f64 / all as f64,
@@ -120,13 +128,7 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rate> {
             scene.params.rate_hz = rate_hz;
             let ends = begins + SECONDS[usize::from(quick)];
             let script = script(&scene, ends + LEAVING);
-            rates.push(one(
-                name,
-                &scene,
-                script,
-                (begins, ends),
-                if quick { 1 } else { 3 },
-            ));
+            rates.push(one(name, &scene, script, (begins, ends), quick));
         }
     }
     rates
@@ -137,14 +139,22 @@ fn one(
     scene: &Scene,
     script: Box<dyn Script + Send>,
     (begins, ends): (f64, f64),
-    runs: usize,
+    quick: bool,
 ) -> Rate {
     let params = &scene.params;
     let (from, to) = (params.ticks_in(begins), params.ticks_in(ends));
     let hand = (HandParams::default(), 7);
     let (mut force, mut touching) = (0.0, 0_u64);
-    let inputs = record(scene, script, hand, to, |k, out| {
-        let sum: f64 = out
+    let mut observer = Observer::new(scene);
+    observer.residual_every = params.ticks_in(LOOKS_S[usize::from(quick)]);
+    let inputs = record(scene, script, hand, to, |k, played| {
+        let Played {
+            input,
+            output,
+            workspace,
+        } = played;
+        observer.observe(scene, input, output, workspace);
+        let sum: f64 = output
             .tools
             .iter()
             .map(|tool| tool.raw_wrench.force.norm())
@@ -154,8 +164,9 @@ fn one(
             touching += 1;
         }
     });
+    let runs = if quick { 1 } else { 3 };
     let times = Times::of(scene, &inputs, runs, |k| k as u64 >= from);
-    let measures = observed(scene, &inputs);
+    let measures = observer.measures();
     let period_us = scene.tick_s() * 1e6;
     Rate {
         scene: name,
@@ -169,14 +180,4 @@ fn one(
         slow_force_step_n: measures.slow_force_step,
         buzz_n: measures.buzz,
     }
-}
-
-fn observed(scene: &Scene, inputs: &[TickInput]) -> sulcus_cases::Measures {
-    let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-    let mut observer = Observer::new(scene);
-    for input in inputs {
-        let output = tick(scene, &mut state, &mut ws, input, &mut NoProbe);
-        observer.observe(scene, input, &output, &ws);
-    }
-    observer.measures()
 }

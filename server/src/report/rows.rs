@@ -165,7 +165,12 @@ pub(crate) fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -
     } else {
         FEWER.min(inputs.len())
     };
-    let times = Times::of(&scene, &inputs[..timed], runs, |k| touching[k]);
+    let counts = |k: usize| touching[k];
+    let times = Times::of(&scene, &inputs[..timed], runs, counts).with_stages(
+        &scene,
+        &inputs[..timed],
+        counts,
+    );
     let m = &report.measures;
     let checks = case.bounds.checks(m, report.margin);
     let nearest = checks

@@ -40,8 +40,9 @@ pub(crate) struct Times {
     pub(crate) tick_wall_us: TickUs,
     /// Share of ticks that took longer than a millisecond on the wall, over all runs, percent.
     pub(crate) over_1_ms_percent: f64,
-    /// Median and 99.9th percentile by stage, in the order of [`Stage::ALL`]; each with the clock's own 0.2 us or so.
-    pub(crate) stages_us: [(String, f64, f64); 5],
+    /// Median and 99.9th percentile by stage, in the order of [`Stage::ALL`]; each with the clock's own 0.2 us or so. Empty where
+    /// nobody asked ([`Times::with_stages`]): it takes a run of its own.
+    pub(crate) stages_us: Vec<(String, f64, f64)>,
     pub(crate) runs: usize,
     /// Ticks that were measured in each run.
     pub(crate) ticks: usize,
@@ -55,11 +56,7 @@ impl Times {
         runs: usize,
         counts: impl Fn(usize) -> bool,
     ) -> Self {
-        let kept = |times: &[u64]| -> Vec<u64> {
-            let all = times.iter().enumerate();
-            all.filter_map(|(k, time)| counts(k).then_some(*time))
-                .collect()
-        };
+        let kept = |times: &[u64]| kept(times, &counts);
         let mut cpu: Vec<TickUs> = Vec::new();
         let (mut wall, mut over, mut ticks) = (Vec::new(), 0, 0);
         for _ in 0..runs {
@@ -70,15 +67,6 @@ impl Times {
             cpu.push(Percentiles::of(kept(&run.cpu)).into());
             wall.push(TickUs::from(Percentiles::of(walls)));
         }
-        let stages = time_stages(scene, inputs);
-        let mut names = Stage::ALL.iter();
-        let stages_us = stages.map(|times| {
-            let at = Percentiles::of(kept(&times));
-            let name = names
-                .next()
-                .map_or(String::new(), |stage| format!("{stage:?}"));
-            (name.to_lowercase(), at.p50, at.p999)
-        });
         let best = wall.iter().copied();
         Self {
             tick_us: over_runs(&cpu, mean),
@@ -87,16 +75,40 @@ impl Times {
                 .min_by(|a, b| a.p999.total_cmp(&b.p999))
                 .unwrap_or_default(),
             over_1_ms_percent: 100.0 * over as f64 / (runs * ticks).max(1) as f64,
-            stages_us,
+            stages_us: Vec::new(),
             runs,
             ticks,
         }
+    }
+
+    /// With the times of the stages, from one more run of the same.
+    pub(crate) fn with_stages(
+        self,
+        scene: &Scene,
+        inputs: &[TickInput],
+        counts: impl Fn(usize) -> bool,
+    ) -> Self {
+        let stages = Stage::ALL.iter().zip(time_stages(scene, inputs));
+        let stages_us = stages
+            .map(|(stage, times)| {
+                let at = Percentiles::of(kept(&times, &counts));
+                (format!("{stage:?}").to_lowercase(), at.p50, at.p999)
+            })
+            .collect();
+        Self { stages_us, ..self }
     }
 
     /// Highest rate that 99.9 % of the ticks keep, hertz.
     pub(crate) fn rate_hz(&self) -> f64 {
         1e6 / self.tick_us.p999.max(1e-3)
     }
+}
+
+/// Those of the ticks' times that `counts` wants.
+fn kept(times: &[u64], counts: impl Fn(usize) -> bool) -> Vec<u64> {
+    let all = times.iter().enumerate();
+    all.filter_map(|(k, time)| counts(k).then_some(*time))
+        .collect()
 }
 
 fn over_runs(runs: &[TickUs], of: fn(&[f64]) -> f64) -> TickUs {
