@@ -4,8 +4,15 @@ use sulcus_cases::fuzz::{ALL, Fuzz, Fuzzed};
 use sulcus_core::Params;
 use sulcus_core::optimise::SolverKind;
 
-/// Ticks over all scenes; SULCUS_FUZZ says how many else.
+/// Ticks over all scenes, and with the judge in the tick; SULCUS_FUZZ says how many else.
 const TICKS: u64 = 100_000;
+const JUDGED_TICKS: u64 = 250 * ALL.len() as u64;
+
+/// Ticks of each scene, of so many over them all unless somebody asks for others.
+fn each(all: u64) -> u64 {
+    let asked = std::env::var("SULCUS_FUZZ").ok();
+    asked.map_or(all, |n| n.parse().expect("a number of ticks")) / ALL.len() as u64
+}
 
 fn hold(fuzz: &Fuzz, found: &Fuzzed, ticks: u64) {
     let (m, params) = (&found.measures, Params::default());
@@ -20,9 +27,7 @@ fn hold(fuzz: &Fuzz, found: &Fuzzed, ticks: u64) {
 
 #[test]
 fn hundreds_of_thousands_of_random_poses() {
-    let asked = std::env::var("SULCUS_FUZZ").ok();
-    let all = asked.map_or(TICKS, |n| n.parse().expect("a number of ticks"));
-    let ticks = all / ALL.len() as u64;
+    let ticks = each(TICKS);
     for (seed, fuzz) in ALL.iter().enumerate() {
         let found = fuzz.run(seed as u64, ticks, |_| {});
         hold(fuzz, &found, ticks);
@@ -36,8 +41,8 @@ fn hundreds_of_thousands_of_random_poses() {
 
 #[test]
 fn random_poses_with_the_judge_in_the_tick() {
+    let ticks = each(JUDGED_TICKS);
     for (seed, fuzz) in ALL.iter().enumerate() {
-        let ticks = 250;
         let found = fuzz.run(100 + seed as u64, ticks, |scene| {
             scene.params.solver = SolverKind::Clarabel;
         });
