@@ -3,9 +3,14 @@
 //!     cargo run --release -p sulcus-client --example habits -- EXERCISE FROM TO [HABIT...]
 //!
 //! `EXERCISE` is a name or a file; seeds run from FROM to TO (of the hand; a `+` before the name makes them those of the patient too).
-//! A line for each session, one for each habit at the end: scores, and the metrics that lost most.
+//! A line for each session, one for each habit at the end: scores, and the metrics that lost most. A fault is a good operator who does not
+//! pass, or a habit that its own metrics do not name or that costs too little.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../tests/grades/own.rs"]
+mod own;
+
+use own::{COSTS, NAMED, own};
 use sulcus_client::demo::lockstep;
 use sulcus_client::exercise::{self, Asked};
 use sulcus_client::progress::Steps;
@@ -57,7 +62,7 @@ fn main() {
     let mut good = Vec::new();
     for habit in habits {
         let title = habit.map_or("good", Habit::name);
-        let (mut scores, mut costs) = (Vec::new(), Vec::new());
+        let (mut scores, mut costs, mut faults) = (Vec::new(), Vec::new(), 0);
         for (k, seed) in (from..=to).enumerate() {
             let grade = perform(name, patient, habit, seed);
             let score = grade.score.unwrap_or(f64::NAN);
@@ -79,14 +84,33 @@ fn main() {
                     )
                 })
                 .collect();
+            let unnamed: Vec<&str> = habit.map_or(vec![], |habit| {
+                let named = |name| {
+                    let metric = grade.metric(name);
+                    metric.is_some_and(|metric| metric.score.is_some_and(|score| score < NAMED))
+                };
+                let own = own(habit).iter();
+                own.filter(|name| !named(name)).copied().collect()
+            });
+            let fault = match habit {
+                None => grade.passed != Some(true),
+                Some(_) => costs[k] < COSTS || !unnamed.is_empty(),
+            };
+            faults += u32::from(fault);
             println!(
-                "{title:15} seed {seed:3} {score:6.1} {} cost {:5.1} | {}",
+                "{title:15} seed {seed:3} {score:6.1} {} cost {:5.1}{}{} | {}",
                 if grade.passed == Some(true) {
                     "passed"
                 } else {
                     "failed"
                 },
                 costs[k],
+                if fault { " FAULT" } else { "" },
+                if unnamed.is_empty() {
+                    String::new()
+                } else {
+                    format!(", not named by {}", unnamed.join(", "))
+                },
                 weak.join(", ")
             );
             if let Some(folder) = std::env::var_os("JSON") {
@@ -100,7 +124,7 @@ fn main() {
         let fold =
             |all: &[f64], f: fn(f64, f64) -> f64| all.iter().copied().reduce(f).unwrap_or(f64::NAN);
         println!(
-            "== {title}: score {:.1} to {:.1}, cost {:.1} to {:.1}",
+            "== {title}: score {:.1} to {:.1}, cost {:.1} to {:.1}, {faults} faults",
             fold(&scores, f64::min),
             fold(&scores, f64::max),
             fold(&costs, f64::min),

@@ -2,19 +2,18 @@
 //! mistakes, in virtual time. `SULCUS_SEEDS=20` runs twenty of them (the `habits` example prints what came of each).
 #![allow(clippy::unwrap_used)]
 
+#[path = "grades/own.rs"]
+mod own;
+
 use std::path::Path;
 
+use own::{COSTS, NAMED, own};
 use sulcus_client::demo::lockstep;
 use sulcus_client::exercise::{self, Asked};
 use sulcus_client::progress::Steps;
 use sulcus_operator::Habit;
 use sulcus_sessions::grade::{Finding, Grade, Options, grade};
 use sulcus_sessions::{Recording, StationKey};
-
-/// Fewest points that a bad habit costs.
-const COSTS: f64 = 15.0;
-/// A metric under this score names a habit.
-const NAMED: f64 = 50.0;
 
 /// The file of an exercise that goes round one molar.
 const WHOLE_TOOTH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/whole_tooth.toml");
@@ -36,20 +35,6 @@ fn graded(recording: &Path) -> Grade {
     let recording = Recording::open(recording).unwrap();
     let graded = grade(&recording, &Options::default(), &mut |_| {}).unwrap();
     graded.grade
-}
-
-/// The metrics that name a habit.
-fn own(habit: Habit) -> &'static [&'static str] {
-    match habit {
-        Habit::HeavyHand => &["touches_too_heavy", "trauma_events"],
-        Habit::WrongAngle => &["angle_mid"],
-        Habit::SkipsSites => &["zones_charted"],
-        Habit::Impatient => &["touches_too_light"],
-        Habit::LetsTongueGo => &["coordination", "target_visible"],
-        Habit::SpotProbes => &["withdrawals", "walking_step"],
-        Habit::Misreads => &["misread"],
-        Habit::StopsShort => &["floor_reached"],
-    }
 }
 
 fn points(grade: &Grade, metric: &str) -> f64 {

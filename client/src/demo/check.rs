@@ -14,12 +14,18 @@ use super::zones::{entered, zone_line};
 use crate::calls::Called;
 use crate::progress::Steps;
 
+/// Looks at the residual in a session, about: each goes over all pairs of spheres and takes as long as ten ticks in the whole mouth. A short
+/// session is looked at in every tick.
+const LOOKS: u64 = 6000;
+
 /// What the replay found.
 pub struct Checked {
     /// The replay's own report.
     pub report: ReplayReport,
     /// The measures of the session, by full queries of all pairs.
     pub measures: Measures,
+    /// Every how many ticks such a query was made.
+    pub residual_every: u64,
     /// A line for each time that a hand became too heavy in a pocket.
     pub zones: Vec<String>,
     /// What a probe read.
@@ -95,12 +101,14 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let standard = Standard::of(recording.header(), &exercise, None)?;
     let mut watcher = run::watcher(&scene, &exercise, standard.as_ref());
     let mut zones = Vec::new();
-    let rows = recording.len().max(1) as f64;
+    let rows = recording.facts().rows;
+    observer.residual_every = rows.div_ceil(LOOKS).max(1);
+    let residual_every = observer.residual_every;
     let bar = steps.bar("replaying");
     let report = replay_observed(
         &recording,
         &ReplayOptions::default(),
-        &mut |ticks| bar.set("replaying", ticks as f64 / rows),
+        &mut |ticks| bar.set("replaying", ticks as f64 / rows as f64),
         &mut |scene, input, output, ws| {
             observer.observe(scene, input, output, ws);
             chart.observe(scene, output);
@@ -123,6 +131,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     Ok(Checked {
         report,
         measures: observer.measures(),
+        residual_every,
         zones,
         chart,
         tally,

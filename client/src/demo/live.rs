@@ -96,6 +96,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         rtt_us: (ran.stats.answered > 0).then_some(ran.stats.rtt_us),
         network_us: (ran.stats.answered > 0).then_some(ran.stats.network_us),
         max_residual_um: checked.measures.residual * 1e6,
+        residual_every: checked.residual_every,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
         passivity: Some(PassivitySummary {

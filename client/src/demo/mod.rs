@@ -102,6 +102,7 @@ fn run_virtual(
         rtt_us: None,
         network_us: None,
         max_residual_um: checked.measures.residual * 1e6,
+        residual_every: checked.residual_every,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
         passivity: None,

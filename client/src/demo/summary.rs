@@ -40,8 +40,10 @@ pub struct DemoSummary {
     pub rtt_us: Option<Percentiles>,
     /// The same without the time that the server held the pose; null in virtual time.
     pub network_us: Option<Percentiles>,
-    /// Deepest penetration of any converged tick, by a full query of all pairs.
+    /// Deepest penetration of any converged tick that was looked at, by a full query of all pairs.
     pub max_residual_um: f64,
+    /// Every how many ticks it was looked at: 1 in a short session.
+    pub residual_every: u64,
     /// Tool-ticks whose substeps ran out, after arrival.
     pub exhausted: u64,
     /// Largest force sent to a hand.
@@ -288,8 +290,13 @@ impl DemoSummary {
             ));
         }
         lines.push(format!(
-            "residual      {:.3} um at most, {} ticks exhausted",
-            self.max_residual_um, self.exhausted
+            "residual      {:.3} um at most{}, {} ticks exhausted",
+            self.max_residual_um,
+            match self.residual_every {
+                1 => String::new(),
+                every => format!(" (one tick of {every} looked at)"),
+            },
+            self.exhausted
         ));
         lines.push(format!("force         {:.2} N at most", self.max_force_n));
         if let Some(passivity) = &self.passivity {
