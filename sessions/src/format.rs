@@ -5,7 +5,7 @@
 //! raises it writes here what changed and what becomes of older files:
 //!
 //! - A version that is *migrated*: its layout is the present one, or is turned into it where it is read. Its inputs are run again
-//!   by the present tick, from the recorded snapshots; the replay then differs, never far ([`CLOSE`]), and a grade rests on it and says so.
+//!   by the present tick, from the recorded snapshots; the replay may then differ, never far ([`CLOSE`]), and a grade rests on it and says so.
 //!   Chain and signatures are over the bytes as they were written, and hold or do not as ever. A few of its files are kept in
 //!   `sessions/tests/corpus/format-N`, so that this is tested for good.
 //! - One that is not: versions 1 and 2 were written for two days in November 2026, before the first release; no file of theirs
@@ -38,7 +38,7 @@ const FORMER: [Version; 3] = [
     },
     Version {
         number: "3",
-        what: "its tick summed blended surfaces in another order, so that hashes are others",
+        what: "its tick put the rows of blended surfaces together in another way, so that some hashes are others",
         migrated: true,
     },
 ];
