@@ -58,10 +58,10 @@ impl Plot {
         let (x, y) = (widened(x, log_of.0), widened(y, log_of.1));
         let mut svg = String::new();
         let drawn = match log_of {
-            (true, true) => self.draw(&mut svg, log(x), log(y)),
-            (true, false) => self.draw(&mut svg, log(x), linear(y)),
-            (false, true) => self.draw(&mut svg, linear(x), log(y)),
-            (false, false) => self.draw(&mut svg, linear(x), linear(y)),
+            (true, true) => self.draw(&mut svg, log(x), log(y), log_of),
+            (true, false) => self.draw(&mut svg, log(x), linear(y), log_of),
+            (false, true) => self.draw(&mut svg, linear(x), log(y), log_of),
+            (false, false) => self.draw(&mut svg, linear(x), linear(y), log_of),
         };
         // Writing into a string does not fail; a plot that cannot be drawn is left out.
         drawn.map_or(String::new(), |()| svg)
@@ -70,8 +70,13 @@ impl Plot {
     /// Where the lines leave room for their names: most fall or rise from the left to the right.
     fn free_corner(&self) -> SeriesLabelPosition {
         let falls = |series: &Series| {
-            let ends = (series.points.first(), series.points.last());
-            matches!(ends, (Some(first), Some(last)) if first.1 > last.1)
+            // (They come in whatever order they were measured.)
+            let by_x = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+            let ends = (
+                series.points.iter().min_by(by_x),
+                series.points.iter().max_by(by_x),
+            );
+            matches!(ends, (Some(left), Some(right)) if left.1 > right.1)
         };
         if self.series.iter().any(falls) {
             SeriesLabelPosition::UpperRight
@@ -80,7 +85,13 @@ impl Plot {
         }
     }
 
-    fn draw<X, Y>(&self, svg: &mut String, x: X, y: Y) -> Result<(), Box<dyn std::error::Error>>
+    fn draw<X, Y>(
+        &self,
+        svg: &mut String,
+        x: X,
+        y: Y,
+        log_of: (bool, bool),
+    ) -> Result<(), Box<dyn std::error::Error>>
     where
         X: AsRangedCoord<Value = f64>,
         Y: AsRangedCoord<Value = f64>,
@@ -102,8 +113,8 @@ impl Plot {
             .bold_line_style(RGBColor(0xd9, 0xdc, 0xe0))
             .label_style(("sans-serif", 13))
             .axis_desc_style(("sans-serif", 14))
-            .x_label_formatter(&|v| plain(*v))
-            .y_label_formatter(&|v| plain(*v))
+            .x_label_formatter(&|v| label(*v, log_of.0))
+            .y_label_formatter(&|v| label(*v, log_of.1))
             .draw()?;
         for (k, series) in self.series.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
@@ -183,6 +194,16 @@ fn widened((low, high): (f64, f64), log: bool) -> (f64, f64) {
 }
 
 /// A number as people write it on an axis.
+/// A number beside an axis; on a logarithmic one only those that have room beside each other.
+fn label(x: f64, log: bool) -> String {
+    let text = plain(x);
+    let digit = text.chars().find(|c| ('1'..='9').contains(c));
+    match digit {
+        Some('4' | '6'..='9') if log => String::new(),
+        _ => text,
+    }
+}
+
 fn plain(x: f64) -> String {
     let size = x.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -196,6 +217,32 @@ fn plain(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_logarithmic_axis_has_room_for_its_numbers() {
+        let shown = |log| [0.5, 1.0, 300.0, 600.0, 900.0, 1e-4].map(|x| label(x, log));
+        assert_eq!(shown(true), ["0.5", "1", "300", "", "", "1e-4"]);
+        assert_eq!(shown(false), ["0.5", "1", "300", "600", "900", "1e-4"]);
+    }
+
+    #[test]
+    fn the_legend_is_where_lines_are_not_in_whatever_order_they_come() {
+        let mut rising = plot(vec![(390.0, 70.0), (200.0, 1.0)], (false, true));
+        assert!(matches!(
+            rising.free_corner(),
+            SeriesLabelPosition::UpperLeft
+        ));
+        rising.series[0].points.reverse();
+        assert!(matches!(
+            rising.free_corner(),
+            SeriesLabelPosition::UpperLeft
+        ));
+        let falling = plot(vec![(1.0, 70.0), (2.0, 1.0)], (false, true));
+        assert!(matches!(
+            falling.free_corner(),
+            SeriesLabelPosition::UpperRight
+        ));
+    }
 
     fn plot(points: Vec<(f64, f64)>, log: (bool, bool)) -> Plot {
         Plot {

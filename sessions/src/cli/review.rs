@@ -126,7 +126,6 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     if args.json {
         let mut json = object(serde_json::to_value(&report)?);
         json.insert("file".to_owned(), json!(file));
-        json.insert("identical".to_owned(), json!(true));
         json.insert("seconds".to_owned(), json!(seconds));
         json.insert("opened".to_owned(), json!(matches!(opened, Some(Ok(())))));
         json.insert("note".to_owned(), json!(note));

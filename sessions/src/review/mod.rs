@@ -1,6 +1,6 @@
 //! A recorded session for the eye: replayed, and written as a file for the Rerun viewer.
 //!
-//! Everything shown comes from the replay, so that it is what happened: a recording whose replay differs is not shown. What
+//! Everything shown comes from the replay, so that it is what happened: a recording whose replay differs is not shown, unless it is of a former version and stays close to it. What
 //! a client or the exercise said comes from the log.
 
 mod follow;
@@ -68,6 +68,8 @@ pub struct ReviewReport {
     pub shapes: u64,
     /// Lines of the log shown.
     pub events: u64,
+    /// Whether the replay that it shows is the recorded session bit for bit; it need not be where the recording is of a former version.
+    pub identical: bool,
     /// Longest tick of the session, CPU time, microseconds; none in a recording without channels for viewers.
     pub longest_tick_us: Option<f64>,
     /// Rows that have a time, by entity.
@@ -183,7 +185,11 @@ pub fn review(
         failed,
         ..
     } = take;
-    if let (Some(tick), Some(divergence)) = (report.first_divergent_tick, &report.divergence) {
+    if let (Some(tick), Some(divergence), false) = (
+        report.first_divergent_tick,
+        &report.divergence,
+        report.is_close(),
+    ) {
         let what = divergence.what;
         return Err(ReviewError::Differs { tick, what });
     }
@@ -205,6 +211,7 @@ pub fn review(
         frames,
         shapes: tissues.shapes(),
         events,
+        identical: report.identical,
         longest_tick_us,
         rows,
     })
