@@ -94,7 +94,8 @@ fn main() {
             });
             let fault = match habit {
                 None => grade.passed != Some(true),
-                Some(_) => costs[k] < COSTS || !unnamed.is_empty(),
+                // (Without a score there is no cost.)
+                Some(_) => costs[k].is_nan() || costs[k] < COSTS || !unnamed.is_empty(),
             };
             faults += u32::from(fault);
             println!(

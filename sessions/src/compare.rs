@@ -10,6 +10,7 @@ use std::time::Instant;
 use serde::Serialize;
 use sulcus_core::{MAX_TOOLS, TickOutput};
 
+use crate::format::Migration;
 use crate::message::Message;
 use crate::read::{Ending, Recording};
 use crate::replay::{Part, REPORT_EVERY, ReplayError, ReplayOptions};
@@ -52,6 +53,8 @@ pub struct ComparisonReport {
     pub first_divergent_tick: Option<u64>,
     /// Whether the unchanged side gave the recorded hashes throughout: else the difference is not the change's alone.
     pub recorded_side_identical: bool,
+    /// Where the recording is of a former version of the format, so that the unchanged side need not give the recorded hashes.
+    pub migration: Option<Migration>,
     /// Simulated time over the time that the changed side's ticks took.
     pub realtime_factor: f64,
     /// How far the two are apart, within the part that was asked for.
@@ -71,7 +74,7 @@ pub struct ComparisonReport {
 impl ComparisonReport {
     /// Whether something is wrong with what it rests on: that the sides differ is no finding.
     pub fn is_finding(&self) -> bool {
-        !self.recorded_side_identical
+        !(self.recorded_side_identical || self.migration.is_some())
             || matches!(self.signature, Signature::Invalid { .. })
             || matches!(self.ending, Ending::Damaged { .. })
     }
@@ -117,6 +120,7 @@ pub fn compare(
         ticks: 0,
         first_divergent_tick: None,
         recorded_side_identical: true,
+        migration: recording.migration(),
         realtime_factor: 0.0,
         apart: Apart::default(),
         recorded: Side::default(),

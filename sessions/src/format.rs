@@ -5,7 +5,9 @@
 //! raises it writes here what changed and what becomes of older files:
 //!
 //! - A version that is *migrated*: its layout is the present one, or is turned into it where it is read. Its inputs are run again
-//!   by the present tick, from the recorded snapshots; the replay may then differ, never far ([`CLOSE`]), and a grade rests on it and says so.
+//!   by the present tick, from the first snapshot to the end; the replay may then differ, never far ([`CLOSE`]), and a grade rests on it
+//!   and says so. Later snapshots are looked at and not gone on from: whoever writes an older number into a header must not buy a
+//!   grade with states that no hand ever brought about.
 //!   Chain and signatures are over the bytes as they were written, and hold or do not as ever. A few of its files are kept in
 //!   `sessions/tests/corpus/format-N`, so that this is tested for good.
 //! - One that is not: versions 1 and 2 were written for two days in November 2026, before the first release; no file of theirs
@@ -45,8 +47,10 @@ const FORMER: [Version; 3] = [
 
 /// How far the replay of a migrated recording may be from what was recorded for a grade to rest on it.
 ///
-/// In any tick a force may have been in its ramp or not; the mean and the tools' places say whether the session is the same. Judged by
-/// what a grade tells apart: 0.05 N of force at a floor, and a tenth of the millimetre to which depths are read.
+/// The grade is of the inputs, run by the present tick, whatever the record says came out; this says that what the learner felt is
+/// what is graded. In a single tick a force may have been in its ramp or not; the mean of every ten seconds and the tools' places say
+/// whether the session is the same. Judged by what a grade tells apart: 0.05 N of force at a floor, and a tenth of the millimetre
+/// to which depths are read.
 pub const CLOSE: Close = Close {
     rms_force_n: 0.01,
     pose_mm: 0.1,
@@ -55,16 +59,17 @@ pub const CLOSE: Close = Close {
 /// See [`CLOSE`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Close {
-    /// Root mean square of the difference in force, newtons.
+    /// Root mean square of the difference in force under load, in any stretch between snapshots, newtons.
     pub rms_force_n: f64,
     /// Difference in a graphic tool's place at snapshots, millimetres.
     pub pose_mm: f64,
 }
 
 impl Close {
-    /// Whether a replay is as close.
+    /// Whether a replay is as close, and every row and snapshot is of the tick that it should be.
     pub fn holds(&self, found: &Deviation) -> bool {
-        found.rms_force_n <= self.rms_force_n
+        found.out_of_step == 0
+            && found.rms_force_n <= self.rms_force_n
             && found.max_pose_mm.unwrap_or_default() <= self.pose_mm
     }
 }
@@ -117,6 +122,14 @@ pub(crate) fn reads(found: &str) -> Result<Option<Migration>, String> {
     .to_owned())
 }
 
+/// The versions that are read, in words.
+pub(crate) fn readable() -> String {
+    let migrated = FORMER.iter().filter(|version| version.migrated);
+    migrated.fold(format!("`{FORMAT_VERSION}`"), |said, version| {
+        format!("{said} and, migrated, `{}`", version.number)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,9 +148,16 @@ mod tests {
                 ),
             }
         }
-        assert!(reads(&(own + 1).to_string()).unwrap_err().contains("newer"));
+        assert!(
+            reads(&(own + 1).to_string())
+                .expect_err("not read")
+                .contains("newer")
+        );
         for none in ["", "0", "-1", "x", "3.1", "03"] {
-            assert!(reads(none).unwrap_err().contains("damaged"), "{none}");
+            assert!(
+                reads(none).expect_err("not read").contains("damaged"),
+                "{none}"
+            );
         }
     }
 
@@ -153,5 +173,11 @@ mod tests {
         assert!(CLOSE.holds(&far(0.0, Some(0.1))));
         assert!(!CLOSE.holds(&far(0.011, None)));
         assert!(!CLOSE.holds(&far(0.0, Some(0.11))));
+        assert!(!CLOSE.holds(&far(f64::NAN, None)));
+        let out_of_step = Deviation {
+            out_of_step: 1,
+            ..Deviation::default()
+        };
+        assert!(!CLOSE.holds(&out_of_step));
     }
 }

@@ -40,12 +40,12 @@ pub enum ReadError {
         at: u64,
     },
     /// Another version of the layout.
-    #[error("recording has format version `{found}`, this program reads `{expected}`: {advice}")]
+    #[error("recording has format version `{found}`, this program reads {expected}: {advice}")]
     Version {
         /// Version found.
         found: String,
-        /// Version that is read.
-        expected: &'static str,
+        /// Versions that are read.
+        expected: String,
         /// What the version is, and what to do.
         advice: String,
     },

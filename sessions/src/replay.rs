@@ -116,7 +116,7 @@ impl ReplayReport {
             || matches!(self.ending, Ending::Damaged { .. })
     }
 
-    /// Whether it differs for no other reason than that the recording is of a former version.
+    /// Whether the recording is of a former version, and the replay as close to it as that explains.
     pub fn is_close(&self) -> bool {
         self.migration.is_some() && CLOSE.holds(&self.deviation)
     }
@@ -172,7 +172,7 @@ pub fn replay_observed(
     let scene = recording.scene()?;
     let part = options.span.part(recording, scene.tick_s())?;
     let mut verifier = Verifier::new(recording);
-    let mut run = Run::new(&scene, options.audit);
+    let mut run = Run::new(&scene, options.audit, recording.migration().is_none());
     let began = Instant::now();
     for message in recording.messages() {
         let message = message?;

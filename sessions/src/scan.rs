@@ -6,7 +6,7 @@ use std::ops::Range;
 use mcap::records::op;
 
 use crate::format::{self, Migration};
-use crate::header::{self, FORMAT_VERSION, METADATA, SCENE, SessionHeader, TEXTS};
+use crate::header::{self, METADATA, SCENE, SessionHeader, TEXTS};
 use crate::key::PublicKey;
 use crate::message::{Message, Topic};
 use crate::read::{Bytes, Ending, Facts, ReadError, Recording};
@@ -109,7 +109,7 @@ fn check_header(
     let migration = format::reads(&found).map_err(|advice| ReadError::Version {
         advice,
         found: found.escape_debug().to_string(),
-        expected: FORMAT_VERSION,
+        expected: format::readable(),
     })?;
     for name in [SCENE].into_iter().chain(TEXTS) {
         let data = files.get(name).map_or(&[][..], Vec::as_slice);

@@ -1,10 +1,13 @@
-//! The corpus: small recordings of every exercise and of hard cases, which every later version replays bit for bit.
+//! The corpus: small recordings of every exercise and of hard cases, which every later version replays bit for bit, or migrates and
+//! grades.
 //!
 //! # What is there
 //! `tests/corpus/*.mcap`, each under 300 kB: a second or so of each exercise (`crown`, `probing`, `retraction`, `bimanual`), one with an
 //! instructor's and the network's commands (`commands`: pause, limit of force, skipped ticks, a stale and an absent
 //! tool), one at two thousand ticks a second (`crown-2khz`), and hard cases (`hard-...`). They begin with a snapshot in mid-exercise. Their scenes are those of the exercises without what the tick
 //! does not read, and of the mouth one tooth with its gingiva and the tongue.
+//!
+//! In `tests/corpus/format-N` are a few of those that an earlier version of the format made.
 //!
 //! # How it is made
 //! ```text

@@ -180,7 +180,9 @@ fn what_is_no_recording_is_told_in_one_sentence() {
     };
     let text = told(&with("format_version", "1"));
     assert!(
-        text.contains("format version `1`") && text.contains("reads `4`") && text.contains("older"),
+        text.contains("format version `1`")
+            && text.contains("reads `4` and, migrated, `3`:")
+            && text.contains("older"),
         "{text}"
     );
     assert!(told(&with("format_version", "77")).contains("that version is newer"));

@@ -96,7 +96,8 @@ impl Blur {
         let drawn = self.chance.next_u64() % self.hand.len() as u64;
         match self.hand.swap_remove(drawn as usize) {
             0 => right + 1,
-            1 => right.saturating_sub(1),
+            1 if right > 0 => right - 1,
+            1 => right + 1,
             2 if right > apart => right - apart,
             2 => right + apart,
             _ => right,
@@ -149,6 +150,10 @@ mod tests {
             let mut eye = Blur::new(seed);
             (0..500).map(|_| eye.call(&unc, 4)).collect::<Vec<u8>>()
         };
+        let first_three = |seed, right| {
+            let mut eye = Blur::new(seed);
+            [(); 3].map(|()| eye.call(&unc, right))
+        };
         assert_eq!(calls(3), calls(3));
         assert_ne!(calls(3), calls(4));
         let count = |mm: u8| calls(3).iter().filter(|call| **call == mm).count();
@@ -156,6 +161,8 @@ mod tests {
             assert_eq!(count(mm), of_500, "{mm}");
         }
         // Whoever reads a single tooth is wrong, too.
-        assert!((0..100).all(|seed| calls(seed)[..3] != [4, 4, 4]));
+        for right in 0..=10 {
+            assert!((0..100).all(|seed| first_three(seed, right) != [right; 3]));
+        }
     }
 }

@@ -14,7 +14,7 @@ use super::zones::{entered, zone_line};
 use crate::calls::Called;
 use crate::progress::Steps;
 
-/// Looks at the residual in a session, about: each goes over all pairs of spheres and takes as long as ten ticks in the whole mouth. A short
+/// Looks at the residual and at the shape of tissue in a session, about: each goes over all pairs of spheres and takes as long as ten ticks in the whole mouth. A short
 /// session is looked at in every tick.
 const LOOKS: u64 = 6000;
 
@@ -102,6 +102,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let mut watcher = run::watcher(&scene, &exercise, standard.as_ref());
     let mut zones = Vec::new();
     let rows = recording.facts().rows;
+    let last = recording.facts().ticks.map(|ticks| ticks.1);
     observer.residual_every = rows.div_ceil(LOOKS).max(1);
     let residual_every = observer.residual_every;
     let bar = steps.bar("replaying");
@@ -110,6 +111,10 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         &ReplayOptions::default(),
         &mut |ticks| bar.set("replaying", ticks as f64 / rows as f64),
         &mut |scene, input, output, ws| {
+            // How tissue is left is looked at in any case.
+            if Some(output.tick) == last {
+                observer.residual_every = 1;
+            }
             observer.observe(scene, input, output, ws);
             chart.observe(scene, output);
             watcher.observe(scene, output, ws);

@@ -193,7 +193,6 @@ fn widened((low, high): (f64, f64), log: bool) -> (f64, f64) {
     (low, high + room)
 }
 
-/// A number as people write it on an axis.
 /// A number beside an axis; on a logarithmic one only those that have room beside each other.
 fn label(x: f64, log: bool) -> String {
     let text = plain(x);
@@ -204,6 +203,7 @@ fn label(x: f64, log: bool) -> String {
     }
 }
 
+/// A number as people write it on an axis.
 fn plain(x: f64) -> String {
     let size = x.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {

@@ -57,7 +57,9 @@ fn text(report: &ComparisonReport) -> String {
         side("recorded", &report.recorded),
         side("what if", &report.what_if),
     ];
-    if !report.recorded_side_identical {
+    if let Some(migration) = &report.migration {
+        lines.push(format!("  migrated   {migration}"));
+    } else if !report.recorded_side_identical {
         lines.push(
             "  WARNING    the recorded scene does not give the recorded states either: the difference is not the change's alone"
                 .to_owned(),

@@ -89,7 +89,7 @@ pub(super) fn export_of(path: &Path, args: &ExportArgs) -> anyhow::Result<Outcom
     Ok(Outcome {
         json,
         text: text(path, &folder, &done),
-        finding: !done.identical,
+        finding: !(done.identical || done.close),
     })
 }
 
@@ -107,6 +107,9 @@ fn text(path: &Path, folder: &Path, done: &Exported) -> String {
     }
     lines.push(match done.first_divergent_tick {
         None => format!("  replay     identical, {} ticks", done.ticks),
+        Some(tick) if done.close => format!(
+            "  replay     differs from tick {tick}, as a recording of a former version may: this is what the replay gave"
+        ),
         Some(tick) => {
             format!("  replay     DIFFERS from tick {tick}: this is what the replay gave")
         }

@@ -95,7 +95,7 @@ enum Numbers {
     Universal,
 }
 
-pub(super) const LONG_ABOUT: &str = "Grades recorded sessions from their replay.\n\nA session is run again from the inputs in its recording and measured then: nothing that the recording claims of forces counts. A recording that differs, was cut off, lost rows or is not signed gets no grade (exit code 1). What counts how much is the rubric that travels in the recording. The program proposes a grade; an instructor's word is kept beside it with --revise.";
+pub(super) const LONG_ABOUT: &str = "Grades recorded sessions from their replay.\n\nA session is run again from the inputs in its recording and measured then: nothing that the recording claims of forces counts. A recording that differs (by more than a former version of the format explains, which the grade then says), was cut off, lost rows or is not signed gets no grade (exit code 1). What counts how much is the rubric that travels in the recording. The program proposes a grade; an instructor's word is kept beside it with --revise.";
 
 pub(super) const EXAMPLES: &str = "Examples:\n  sulcus-sessions grade session.mcap\n  sulcus-sessions grade class/*.mcap --html pages --csv class.csv --names key-table.csv\n  sulcus-sessions grade session.mcap --json | tail -n 1 | jq '.metrics[] | {name, value, score}'\n  sulcus-sessions grade session.mcap --mode self-assessment --self-score 75\n  sulcus-sessions grade session.mcap --mode exam --signer station.pub\n  sulcus-sessions grade session.mcap --revise 72 --by t04 --at 2026-11-23 --reason \"finger rest slipped\"";
 

@@ -22,7 +22,7 @@ use print::{complain, for_each};
 #[command(
     name = "sulcus-sessions",
     version,
-    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs, a signature does not hold, a file is damaged or cut off: not gradable), 2 usage or bad input."
+    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs by more than a former version of the format explains, a signature does not hold, a file is damaged or cut off: not gradable), 2 usage or bad input."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -44,7 +44,7 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Replays a session and writes what happened for the Rerun viewer: mouth, tools, forces, plots, log
     #[command(
-        long_about = "Replays a session and writes what happened as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer where `rerun` of the right version is on PATH. A recording whose replay differs is not shown.",
+        long_about = "Replays a session and writes what happened as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer where `rerun` of the right version is on PATH. A recording whose replay differs is not shown, unless it is of a former version of the format and stays close.",
         after_long_help = "Examples:\n  sulcus-sessions review session.mcap\n  sulcus-sessions review session.mcap --from 20 --to 30 --out part.rrd --no-open\n  sulcus-sessions review session.mcap --no-open --json | tail -n 1 | jq .rows"
     )]
     Review(review::ReviewArgs),

@@ -132,13 +132,18 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         say(&serde_json::Value::Object(json).to_string())?;
     } else {
         say(&format!(
-            "{}\n  {} ticks, {} pictures, {} shapes of tissue, {} events: {:.1} MB in {seconds:.1} s\n  {note}",
+            "{}\n  {} ticks, {} pictures, {} shapes of tissue, {} events: {:.1} MB in {seconds:.1} s{}\n  {note}",
             report.out.display(),
             report.ticks,
             report.frames,
             report.shapes,
             report.events,
-            report.bytes as f64 * 1e-6
+            report.bytes as f64 * 1e-6,
+            if report.identical {
+                ""
+            } else {
+                "\n  of a former version: what is shown is its replay, which differs a little"
+            }
         ))?;
     }
     Ok(ExitCode::SUCCESS)

@@ -51,6 +51,8 @@ pub struct Exported {
     pub mesh_files: u64,
     /// Whether the replay gave what was recorded; if not, this is what the replay gave.
     pub identical: bool,
+    /// Whether it did not for no other reason than that the recording is of a former version ([`crate::ReplayReport::is_close`]).
+    pub close: bool,
     /// The first tick that it did not.
     pub first_divergent_tick: Option<u64>,
 }
@@ -200,6 +202,7 @@ pub fn export(
     }
     exported.ticks = report.ticks;
     exported.identical = report.identical;
+    exported.close = report.is_close();
     exported.first_divergent_tick = report.first_divergent_tick;
     Ok(exported)
 }

@@ -73,6 +73,7 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
         "attempt",
         "started_unix_ns",
         "rubric_version",
+        "migrated_from_format",
         "gradable",
         "score",
         "passed",
@@ -97,6 +98,10 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
                 .rubric
                 .as_ref()
                 .map_or(String::new(), |used| used.version.to_string()),
+            grade
+                .migrated
+                .as_ref()
+                .map_or(String::new(), |migrated| migrated.migration.from.to_owned()),
             grade.gradable.to_string(),
             number(grade.score),
             grade

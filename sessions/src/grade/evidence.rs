@@ -149,7 +149,7 @@ impl Evidence {
                 .then(|| standing.is_some_and(|at| at.depth > 0.0)),
             held: (0..MAX_TOOLS).any(|t| held(&t)),
             visible: visible == Some(true),
-            steady: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3) && bears,
+            holds: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3) && bears,
         };
         self.hands.observe(&moment, dt);
         self.series.observe(at_s, standing, visible);

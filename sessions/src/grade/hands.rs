@@ -1,4 +1,4 @@
-//! What the hands do together: the target seen past the tongue while the probe works, the mirror steady meanwhile, and how hard
+//! What the hands do together: the target seen past the tongue while the probe works, the mirror holding meanwhile, and how hard
 //! a tool is pressed.
 
 use std::collections::VecDeque;
@@ -35,7 +35,7 @@ impl Steady {
 /// Sight and coordination.
 #[derive(Clone, Debug, Default)]
 pub struct Hands {
-    /// Time in a pocket, and of it with the target visible and the mirror steady, seconds.
+    /// Time in a pocket, and of it with the target visible and the mirror holding, seconds.
     working: f64,
     together: f64,
     /// Time since the probe was first in a pocket (or, without zones, that a hand held a tool), seen of it; up to the last
@@ -53,8 +53,8 @@ pub struct Moment {
     pub held: bool,
     /// Whether the target is visible.
     pub visible: bool,
-    /// Whether the mirror is steady, and bears on something.
-    pub steady: bool,
+    /// Whether the mirror holds: it is steady, and bears on something.
+    pub holds: bool,
 }
 
 impl Hands {
@@ -69,7 +69,7 @@ impl Hands {
             None => {}
             Some(true) => {
                 self.working += dt;
-                if now.visible && now.steady {
+                if now.visible && now.holds {
                     self.together += dt;
                 }
                 // What lay between two pockets counts too.
@@ -90,7 +90,7 @@ impl Hands {
         (self.span[0] > 0.0).then(|| 100.0 * self.span[1] / self.span[0])
     }
 
-    /// Share of the time in a pocket with the target visible and the mirror steady, percent.
+    /// Share of the time in a pocket with the target visible and the mirror holding, percent.
     pub fn together_percent(&self) -> Option<f64> {
         (self.working > 0.0).then(|| 100.0 * self.together / self.working)
     }
@@ -140,20 +140,20 @@ impl Pressed {
 mod tests {
     use super::*;
 
-    fn moment(in_pocket: Option<bool>, visible: bool, steady: bool) -> Moment {
+    fn moment(in_pocket: Option<bool>, visible: bool, holds: bool) -> Moment {
         Moment {
             in_pocket,
             held: true,
             visible,
-            steady,
+            holds,
         }
     }
 
     #[test]
     fn sight_counts_from_the_first_pocket_to_the_last() {
         let mut hands = Hands::default();
-        let mut all = |in_pocket: bool, visible: bool, steady: bool, seconds: f64| {
-            hands.observe(&moment(Some(in_pocket), visible, steady), seconds);
+        let mut all = |in_pocket: bool, visible: bool, holds: bool, seconds: f64| {
+            hands.observe(&moment(Some(in_pocket), visible, holds), seconds);
         };
         all(false, true, true, 7.0); // before: nothing
         all(true, true, true, 3.0);

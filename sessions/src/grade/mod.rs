@@ -38,7 +38,7 @@ mod values;
 mod zones;
 
 pub use evidence::{Evidence, Watcher};
-pub use report::{Advice, CriticalError, Grade, MetricGrade, RubricUsed, Standard};
+pub use report::{Advice, CriticalError, Grade, MetricGrade, Migrated, RubricUsed, Standard};
 pub use rubric::Rubric;
 pub use run::{GradeError, Graded, Options, finish, grade};
 pub use series::{Point, STEP_S, Series};

@@ -174,11 +174,13 @@ impl Migrated {
     /// What a replay found.
     pub fn of(report: &ReplayReport) -> Option<Self> {
         let deviation = &report.deviation;
+        // (A row may claim what no rounding bears.)
+        let said = |x: f64| if x < 1e9 { rounded(x, 6) } else { 1e9 };
         Some(Self {
             migration: report.migration?,
-            rms_force_n: rounded(deviation.rms_force_n, 6),
-            max_force_n: rounded(deviation.max_force_n, 6),
-            max_pose_mm: rounded(deviation.max_pose_mm.unwrap_or_default(), 6),
+            rms_force_n: said(deviation.rms_force_n),
+            max_force_n: said(deviation.max_force_n),
+            max_pose_mm: said(deviation.max_pose_mm.unwrap_or_default()),
         })
     }
 }

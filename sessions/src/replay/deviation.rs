@@ -1,19 +1,21 @@
 //! How far a replay is from the record, where it is not the same: a number instead of a bare no.
 
 use serde::Serialize;
-use sulcus_core::{MAX_TOOLS, State};
+use sulcus_core::State;
 
 use crate::row::Row;
 
 /// Largest and mean differences between what was recorded and what a replay gave. A replay that differs is led back to the
-/// recorded state at every snapshot, so that this is what differs within some ten seconds.
+/// recorded state at every snapshot, so that this is what differs within some ten seconds; that of a recording of a former
+/// version is not ([`crate::format`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Deviation {
     /// Largest difference of a tool's force, newtons.
     pub max_force_n: f64,
     /// The tick of it.
     pub max_force_tick: Option<u64>,
-    /// Root mean square over all ticks and tools, newtons.
+    /// Root mean square over the ticks in which a tool bears load in the record or in the replay, newtons: of the stretch between two
+    /// snapshots in which it is largest.
     pub rms_force_n: f64,
     /// Largest difference of a tool's torque, newton metres.
     pub max_torque_nm: f64,
@@ -22,22 +24,28 @@ pub struct Deviation {
     pub max_pose_mm: Option<f64>,
     /// Ticks whose status bits differ.
     pub status_ticks: u64,
+    /// Rows that are numbered otherwise than the replay's ticks, and snapshots that are no state of theirs.
+    pub out_of_step: u64,
 }
 
 /// Sums a [`Deviation`] up.
 #[derive(Debug, Default)]
 pub(super) struct Deviating {
     so_far: Deviation,
+    /// Of the present stretch: sum of squares, and tool-ticks under load.
     squares: f64,
-    ticks: u64,
+    loaded: u64,
 }
 
 impl Deviating {
     pub fn row(&mut self, recorded: &Row, replayed: &Row) {
-        self.ticks += 1;
+        self.so_far.out_of_step += u64::from(recorded.tick != replayed.tick);
         for (a, b) in recorded.wrench.iter().zip(&replayed.wrench) {
             let force = apart(&a[..3], &b[..3]);
-            self.squares += force * force;
+            if [a, b].into_iter().any(|wrench| wrench != &[0.0; 6]) {
+                self.squares += force * force;
+                self.loaded += 1;
+            }
             if force > self.so_far.max_force_n {
                 self.so_far.max_force_n = force;
                 self.so_far.max_force_tick = Some(recorded.tick);
@@ -48,6 +56,7 @@ impl Deviating {
     }
 
     pub fn snapshot(&mut self, recorded: &State, replayed: &State) {
+        self.stretch();
         let places = recorded.tools.iter().zip(&replayed.tools);
         let most = places
             .map(|(a, b)| (a.graphic.position - b.graphic.position).norm() * 1e3)
@@ -56,12 +65,21 @@ impl Deviating {
         self.so_far.max_pose_mm = Some(before.max(finite(most)));
     }
 
-    pub fn done(&self) -> Deviation {
-        let mean = self.squares / (self.ticks.max(1) * MAX_TOOLS as u64) as f64;
-        Deviation {
-            rms_force_n: finite(mean.sqrt()),
-            ..self.so_far
-        }
+    pub fn unusable(&mut self) {
+        self.so_far.out_of_step += 1;
+        self.stretch();
+    }
+
+    /// Takes in the stretch that ends here.
+    fn stretch(&mut self) {
+        let mean = finite((self.squares / self.loaded.max(1) as f64).sqrt());
+        self.so_far.rms_force_n = self.so_far.rms_force_n.max(mean);
+        (self.squares, self.loaded) = (0.0, 0);
+    }
+
+    pub fn done(mut self) -> Deviation {
+        self.stretch();
+        self.so_far
     }
 }
 
@@ -82,7 +100,7 @@ fn finite(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sulcus_core::TickInput;
+    use sulcus_core::{MAX_TOOLS, TickInput};
 
     fn row(tick: u64, force: f32) -> Row {
         Row {
@@ -96,23 +114,39 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_is_kept_with_its_tick_and_the_mean_is_over_both_tools() {
+    fn the_largest_is_kept_with_its_tick_and_the_mean_is_over_what_bears_load() {
         let mut deviating = Deviating::default();
         for (tick, off) in [(1, 0.0), (2, 3.0), (3, 1.0)] {
             deviating.row(&row(tick, 0.0), &row(tick, off));
         }
+        // (Tool 1 bears none, nor tool 0 in the first tick.)
         let found = deviating.done();
         assert_eq!((found.max_force_n, found.max_force_tick), (3.0, Some(2)));
         assert_eq!(found.max_torque_nm, 3.0);
-        assert!((found.rms_force_n - (10.0f64 / 6.0).sqrt()).abs() < 1e-12);
+        assert!((found.rms_force_n - 5.0f64.sqrt()).abs() < 1e-12);
         assert_eq!((found.status_ticks, found.max_pose_mm), (0, None));
+        assert_eq!(found.out_of_step, 0);
+    }
+
+    #[test]
+    fn a_bad_stretch_is_not_thinned_by_good_ones() {
+        let mut deviating = Deviating::default();
+        for tick in 1..=1000 {
+            deviating.row(&row(tick, 1.0), &row(tick, 1.0));
+        }
+        deviating.unusable();
+        deviating.row(&row(1001, 1.0), &row(1001, 3.0));
+        deviating.row(&row(1003, 1.0), &row(1002, 1.0));
+        let found = deviating.done();
+        assert!((found.rms_force_n - 2.0f64.sqrt()).abs() < 1e-12);
+        assert_eq!(found.out_of_step, 2);
     }
 
     #[test]
     fn what_is_no_number_is_as_far_off_as_can_be_said() {
         let mut deviating = Deviating::default();
         deviating.row(&row(1, f32::NAN), &row(1, 0.0));
-        assert_eq!(deviating.done().max_force_n, f64::MAX);
-        assert_eq!(deviating.done().rms_force_n, f64::MAX);
+        let found = deviating.done();
+        assert_eq!((found.max_force_n, found.rms_force_n), (f64::MAX, f64::MAX));
     }
 }

@@ -53,11 +53,12 @@ fn differs(report: &ReplayReport, tick: u64) -> String {
     let mut said = format!("the replay differs from tick {tick}");
     if let Some(migration) = &report.migration {
         said.push_str(&format!(
-            ", by more than the migration {migration} may: force by {:.2e} N rms ({:.2e} N may be), a tool's place by {:.2e} mm ({:.2e} mm)",
+            ", by more than the migration {migration} may: force by {:.2e} N rms ({:.2e} N may be), a tool's place by {:.2e} mm ({:.2e} mm), {} rows and snapshots out of step",
             report.deviation.rms_force_n,
             CLOSE.rms_force_n,
             report.deviation.max_pose_mm.unwrap_or_default(),
-            CLOSE.pose_mm
+            CLOSE.pose_mm,
+            report.deviation.out_of_step
         ));
     } else if report.recorded_by != report.replayed_by {
         said.push_str(&format!(

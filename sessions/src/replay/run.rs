@@ -12,6 +12,8 @@ pub(super) struct Run<'a> {
     workspace: Workspace,
     state: State,
     started: bool,
+    /// Whether a recorded snapshot that is another state is gone on from.
+    led_back: bool,
     pub ticks: u64,
     /// With those that were skipped.
     pub simulated_ticks: u64,
@@ -21,8 +23,9 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub fn new(scene: &'a Scene, audit: bool) -> Self {
+    pub fn new(scene: &'a Scene, audit: bool, led_back: bool) -> Self {
         Self {
+            led_back,
             scene,
             workspace: Workspace::new(scene),
             state: State::new(scene),
@@ -39,8 +42,8 @@ impl<'a> Run<'a> {
         &self.workspace
     }
 
-    pub fn deviation(&self) -> Deviation {
-        self.deviating.done()
+    pub fn deviation(&mut self) -> Deviation {
+        std::mem::take(&mut self.deviating).done()
     }
 
     pub fn row(&mut self, row: &Row) -> TickOutput {
@@ -75,7 +78,8 @@ impl<'a> Run<'a> {
         output
     }
 
-    /// Begins with the first; compares every other, and goes on from the recorded state where it is another.
+    /// Begins with the first; compares every other. Where it is another, goes on from the recorded state, so that what differs does so
+    /// within a stretch; but not in a recording of a former version, whose grade must rest on nothing but its inputs.
     pub fn snapshot(&mut self, of: u64, bytes: &[u8]) -> Result<(), ReplayError> {
         if self.started && self.state.to_bytes() == bytes {
             return Ok(());
@@ -91,9 +95,14 @@ impl<'a> Run<'a> {
             let hash = recorded.as_ref().map_or(0, |state| state.hash);
             self.differs(of, Difference::Snapshot, hash, self.state.hash);
         }
-        if let Ok(state) = recorded {
-            self.deviating.snapshot(&state, &self.state);
-            self.state = state;
+        match recorded {
+            Ok(state) => {
+                self.deviating.snapshot(&state, &self.state);
+                if self.led_back {
+                    self.state = state;
+                }
+            }
+            Err(_) => self.deviating.unusable(),
         }
         Ok(())
     }

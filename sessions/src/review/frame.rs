@@ -10,6 +10,7 @@ use sulcus_view::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding
 
 use super::follow::Follow;
 use super::picture::{kind_of, outward, probe_of};
+use crate::channels::FRAMES_HZ;
 
 /// A contact that bears less is not drawn, N.
 const LEAST_N: f64 = 0.005;
@@ -23,6 +24,8 @@ pub(super) struct Eyes {
     follow: Follow,
     /// Longest tick since the time before, microseconds, by tick.
     times: BTreeMap<u64, f64>,
+    /// Ticks after which the message that a tick is in has come, if none was dropped; with room for ticks that were skipped.
+    message_ticks: u64,
 }
 
 impl Eyes {
@@ -35,6 +38,7 @@ impl Eyes {
             kinds: scene.objects.iter().map(kind_of).collect(),
             follow: Follow::new(libm::atan2(away.y, away.x)),
             times,
+            message_ticks: scene.params.ticks_in(2.0 / FRAMES_HZ),
         }
     }
 
@@ -88,9 +92,9 @@ impl Eyes {
             work: vec![
                 sum(|tool| f64::from(tool.substeps)),
                 sum(|tool| f64::from(tool.rows)),
-                // Of the message that this tick is in.
+                // Of the message that this tick is in; none where viewers' messages were dropped.
                 self.times
-                    .range(output.tick..)
+                    .range(output.tick..=output.tick + self.message_ticks)
                     .next()
                     .map_or(f64::NAN, |(_, longest)| *longest),
             ],

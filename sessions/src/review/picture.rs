@@ -269,8 +269,11 @@ fn about(recording: &Recording, scene: &Scene, exercise: &Exercise) -> String {
     let (from, to) = recording.facts().ticks.unwrap_or_default();
     let seconds = (to - from) as f64 * scene.tick_s();
     let [low, high] = exercise.probing.force_n;
+    let migrated = recording.migration().map_or(String::new(), |migration| {
+        format!("Of a former version, shown as this program replays it ({migration}).\n\n")
+    });
     format!(
-        "### {}\n\n{}\n\n| | |\n|---|---|\n| learner | {} |\n| station | {} |\n| scene | {} |\n| length | {seconds:.1} s |\n| program | {} |\n\n\
+        "### {}\n\n{}\n\n{migrated}| | |\n|---|---|\n| learner | {} |\n| station | {} |\n| scene | {} |\n| length | {seconds:.1} s |\n| program | {} |\n\n\
          ### How to read this\n\
          - **Arrows** push on the instrument: {ARROW_MM_PER_N} mm for 1 N. Yellow: all together, with newtons; red: gingiva, orange: tongue, blue: teeth.\n\
          - **Pale blue instrument**: where the hand is, when tissue or tooth keeps the instrument from being there; the line joins the tips. Force grows with it.\n\

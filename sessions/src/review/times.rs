@@ -10,7 +10,7 @@ use crate::read::{ReadError, Recording};
 use crate::walk::{self, Walk};
 
 /// Longest tick since the message before, CPU time of the thread, microseconds, by the number of the message's tick. Empty
-/// where the recording has no such channel. Nothing rests on it: what cannot be read is left out.
+/// where the recording has no such channel. Nothing rests on it: a message that cannot be read is left out.
 pub(super) fn of(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError> {
     let mut walk = Walk::new(&recording.bytes).ok_or(ReadError::NotMcap)?;
     let first = recording.chunks.first().map_or(0, |chunk| chunk.start);

@@ -78,7 +78,8 @@ fn speed(report: &Report) -> Answer {
     if let Some(row) = slow.first() {
         let _ = write!(
             long,
-            "<p>Rates held of 1, 2 and 4 kHz: {}. Of {} hard cases {over} take longer than a millisecond at p99.9; the slowest, {}: {:.0} µs.</p>",
+            "<p>Rates held of {} kHz: {}. Of {} hard cases {over} take longer than a millisecond at p99.9; the slowest, {}: {:.0} µs.</p>",
+            tried(report),
             held(report),
             slow.len(),
             row.case,
@@ -95,6 +96,21 @@ fn speed(report: &Report) -> Answer {
         short: format!("{short}: {:.0} µs of 1,000 at p99.9", t.tick_us.p999),
         mood,
         long,
+    }
+}
+
+/// The rates that were tried, kilohertz, in words.
+fn tried(report: &Report) -> String {
+    let mut all: Vec<u16> = report.rates.iter().map(|rate| rate.rate_hz).collect();
+    all.sort_unstable();
+    all.dedup();
+    let each: Vec<String> = all
+        .iter()
+        .map(|hz| format!("{}", f64::from(*hz) / 1e3))
+        .collect();
+    match each.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => each.concat(),
     }
 }
 
