@@ -94,8 +94,10 @@ fn main() {
             });
             let fault = match habit {
                 None => grade.passed != Some(true),
-                // (Without a score there is no cost.)
-                Some(_) => costs[k].is_nan() || costs[k] < COSTS || !unnamed.is_empty(),
+                // Without a score there is no cost; and where a tooth is in sight without the mirror, the second metric has nothing to say.
+                Some(habit) => {
+                    costs[k].is_nan() || costs[k] < COSTS || unnamed.contains(&own(habit)[0])
+                }
             };
             faults += u32::from(fault);
             println!(

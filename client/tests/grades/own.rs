@@ -7,7 +7,7 @@ pub const COSTS: f64 = 15.0;
 /// A metric under this score names a habit.
 pub const NAMED: f64 = 50.0;
 
-/// The metrics that name a habit, all of them.
+/// The metrics that name a habit: the first in whatever mouth, the others in that of the exercise.
 pub fn own(habit: Habit) -> &'static [&'static str] {
     match habit {
         Habit::HeavyHand => &["touches_too_heavy", "trauma_events"],
