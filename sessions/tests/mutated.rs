@@ -1,26 +1,38 @@
 //! Real recordings, torn and mutated: a clear error or an answer, never a panic. (`sessions/fuzz` does the same for longer.)
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
 use proptest::sample::Index;
 use sulcus_sessions::*;
 
-/// The corpus: [`crate`]'s other tests say how it is made.
+/// The corpus, of former versions too: [`crate`]'s other tests say how it is made.
 static CORPUS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
-    let mut paths: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let mut paths = files(&folder);
     paths.sort();
     paths
         .iter()
         .map(|path| std::fs::read(path).unwrap())
         .collect()
 });
+
+/// All files in a folder and in those under it.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    paths
+        .flat_map(|path| {
+            if path.is_dir() {
+                files(&path)
+            } else {
+                vec![path]
+            }
+        })
+        .collect()
+}
 
 /// Asks everything of bytes that may be anything.
 fn ask(bytes: &[u8]) -> Result<Ending, String> {
