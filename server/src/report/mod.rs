@@ -12,6 +12,7 @@ mod printed;
 mod rates;
 mod rough;
 mod rows;
+mod statistics;
 mod times;
 
 use std::time::Instant;

@@ -4,10 +4,7 @@ use serde::Serialize;
 use sulcus_cases::timing::{Percentiles, time, time_stages};
 use sulcus_core::{Scene, Stage, TickInput};
 
-/// Student's t for 95 % on both sides, by degrees of freedom from 1.
-const STUDENT: [f64; 9] = [
-    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262,
-];
+use super::statistics::Interval;
 
 /// Percentiles as they go into the JSON, microseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -69,8 +66,8 @@ impl Times {
         }
         let best = wall.iter().copied();
         Self {
-            tick_us: over_runs(&cpu, mean),
-            tick_us_ci95: (runs > 1).then(|| over_runs(&cpu, half_width)),
+            tick_us: over_runs(&cpu, |runs| Interval::of(runs).mean),
+            tick_us_ci95: (runs > 1).then(|| over_runs(&cpu, |runs| Interval::of(runs).half)),
             tick_wall_us: best
                 .min_by(|a, b| a.p999.total_cmp(&b.p999))
                 .unwrap_or_default(),
@@ -118,31 +115,5 @@ fn over_runs(runs: &[TickUs], of: fn(&[f64]) -> f64) -> TickUs {
         p99: each(|run| run.p99),
         p999: each(|run| run.p999),
         max: each(|run| run.max),
-    }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-fn half_width(values: &[f64]) -> f64 {
-    let (n, middle) = (values.len(), mean(values));
-    let squares: f64 = values.iter().map(|x| (x - middle) * (x - middle)).sum();
-    let deviation = (squares / (n - 1) as f64).sqrt();
-    STUDENT[(n - 2).min(STUDENT.len() - 1)] * deviation / (n as f64).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_interval_is_students() {
-        // Mean 3, deviation 1: 2.776 for four degrees of freedom, over the root of five.
-        let values = [2.0, 2.5, 3.0, 3.5, 4.0];
-        let deviation = (2.5_f64 / 4.0).sqrt();
-        assert!((mean(&values) - 3.0).abs() < 1e-12);
-        let expected = 2.776 * deviation / 5.0_f64.sqrt();
-        assert!((half_width(&values) - expected).abs() < 1e-12);
     }
 }

@@ -8,7 +8,7 @@ use sulcus_core::optimise::{ContactSolver, Problem, ProblemRow, Solution, SolveS
 
 use super::answers::Answers;
 use super::contact::SEED;
-use super::statistics::{Interval, median};
+use crate::report::statistics::{Interval, median};
 
 /// The paper's bounds: 50 regions of 10 pairs.
 const REGIONS: usize = 50;

@@ -15,7 +15,6 @@ pub(crate) mod printed;
 mod rates;
 mod ripple;
 mod springs;
-mod statistics;
 mod times;
 mod tongue;
 mod trees;

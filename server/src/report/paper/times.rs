@@ -9,7 +9,7 @@ use sulcus_operator::script::smoothstep;
 
 use super::answers::Answers;
 use super::contact::{SEED, by_hand, hand_at};
-use super::statistics::{Interval, median};
+use crate::report::statistics::{Interval, median};
 
 /// The mirror is 5 mm in from this tick on.
 const FROM: usize = 600;

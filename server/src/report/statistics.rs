@@ -10,15 +10,15 @@ const STUDENT: [f64; 20] = [
 
 /// A mean with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
-    pub(super) mean: f64,
+pub(crate) struct Interval {
+    pub(crate) mean: f64,
     /// Half of the interval's length.
-    pub(super) half: f64,
+    pub(crate) half: f64,
 }
 
 impl Interval {
     /// Of independent runs, by Student's distribution. Infinitely wide for fewer than two.
-    pub(super) fn of(runs: &[f64]) -> Self {
+    pub(crate) fn of(runs: &[f64]) -> Self {
         let n = runs.len() as f64;
         let mean = runs.iter().sum::<f64>() / n.max(1.0);
         let Some(freedom) = runs.len().checked_sub(1).filter(|freedom| *freedom > 0) else {
@@ -36,11 +36,11 @@ impl Interval {
         }
     }
 
-    pub(super) fn low(&self) -> f64 {
+    pub(crate) fn low(&self) -> f64 {
         self.mean - self.half
     }
 
-    pub(super) fn high(&self) -> f64 {
+    pub(crate) fn high(&self) -> f64 {
         self.mean + self.half
     }
 }
@@ -59,7 +59,7 @@ impl fmt::Display for Interval {
 }
 
 /// Middle one of some numbers; 0 of none.
-pub(super) fn median(mut numbers: Vec<f64>) -> f64 {
+pub(crate) fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
 }
