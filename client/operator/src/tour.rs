@@ -298,8 +298,11 @@ impl Script for Tour {
                 let length = bands::below_margin(self.path(), &self.tool, graphic);
                 self.length += (length - self.length) * (self.dt / LOOK);
             }
-            let mid = !self.zone().site.is_proximal() && self.stroke != Stroke::Travel;
-            let tilt = if mid { self.params.tilt } else { 0.0 };
+            let tilt = if self.stroke == Stroke::Travel {
+                0.0
+            } else {
+                self.params.tilt
+            };
             self.tilt += (tilt - self.tilt).clamp(-TURN * self.dt, TURN * self.dt);
         }
         self.go_on();

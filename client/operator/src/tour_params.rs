@@ -65,7 +65,7 @@ pub struct TourParams {
     pub col: f64,
     /// Which tilts the operator knows. Default as taught.
     pub manner: Manner,
-    /// Further tilt away from the tooth at the middle of a side, radians. Default 0.
+    /// Further tilt away from the tooth, radians. Default 0.
     pub tilt: f64,
     /// One insertion for each site, withdrawn in between, instead of a walk. Default no.
     pub single: bool,
