@@ -138,7 +138,7 @@ fn a_snapshot_that_is_no_state_is_refused() {
 
 #[test]
 fn snapshots_lead_no_replay_of_a_former_version_astray() {
-    // Half a tenth of a millimetre each: close enough in one, and never gone on from.
+    // A fiftieth of a millimetre each, 0.08 in the last: close enough, and never gone on from.
     let report = replayed(signed_anew(&session(), FORMER, &mut moved(2e-5)));
     assert!(!report.identical && report.gradable, "{report:?}");
     let snapshots = Recording::from_bytes(session()).unwrap().facts().snapshots;

@@ -14,8 +14,8 @@ use super::zones::{entered, zone_line};
 use crate::calls::Called;
 use crate::progress::Steps;
 
-/// Looks at the residual and at the shape of tissue in a session, about: each goes over all pairs of spheres and takes as long as ten ticks in the whole mouth. A short
-/// session is looked at in every tick.
+/// Looks at the residual and at the shape of tissue in a session, about: each goes over all pairs of spheres and takes as long as ten
+/// ticks in the whole mouth. A short session is looked at in every tick.
 const LOOKS: u64 = 6000;
 
 /// What the replay found.

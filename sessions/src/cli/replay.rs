@@ -20,8 +20,8 @@ pub(super) const ABOUT: &str = "\
 Runs recorded sessions again and compares every state, wrench, snapshot and signature.
 
 A recording holds its compiled scene and the input of every tick, so that the same program gives the same bits. The first \
-tick that differs is named; where another version recorded, also how far the replay is from the record. A recording of a former version of the format is migrated: \
-its inputs are run by the present tick, and as long as that stays close it can be graded. Signatures show \
+tick that differs is named; where another version recorded, also how far the replay is from the record. A recording of a former version \
+of the format is migrated: its inputs are run by the present tick, and as long as that stays close it can be graded. Signatures show \
 whether the recording is what the station recorded: without --signer the key is taken from the recording itself, so compare its \
 fingerprint.
 

@@ -1,7 +1,7 @@
 //! A recorded session for the eye: replayed, and written as a file for the Rerun viewer.
 //!
-//! Everything shown comes from the replay, so that it is what happened: a recording whose replay differs is not shown, unless it is of a former version and stays close to it. What
-//! a client or the exercise said comes from the log.
+//! Everything shown comes from the replay, so that it is what happened: a recording whose replay differs is not shown,
+//! unless it is of a former version and stays close to it. What a client or the exercise said comes from the log.
 
 mod follow;
 mod frame;

@@ -59,14 +59,17 @@ fn speed(report: &Report) -> Answer {
         half.map_or(String::new(), |half| format!(" ± {half:.0}"))
     };
     let mut long = format!(
-        "<p>The whole mouth, two hands at work: {:.0}{} µs in the median, {:.0}{} µs at p99.9, {:.0} µs at most, of 1,000 (CPU time, {} ticks, {} runs; ± is 95 %). On the wall {:.2} % of ticks took longer than a millisecond.</p>",
+        "<p>The whole mouth, two hands at work: {:.0}{} µs in the median, {:.0}{} µs at p99.9, {:.0} µs at most, of 1,000 (CPU time, {} ticks, {}). On the wall {:.2} % of ticks took longer than a millisecond.</p>",
         t.tick_us.p50,
         spread(|t| t.p50),
         t.tick_us.p999,
         spread(|t| t.p999),
         t.tick_us.max,
         t.ticks,
-        t.runs,
+        match t.runs {
+            1 => "one run".to_owned(),
+            runs => format!("{runs} runs; ± is 95 %"),
+        },
         t.over_1_ms_percent,
     );
     let mut slow: Vec<&Row> = coupled(report).collect();
