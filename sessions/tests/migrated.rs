@@ -66,13 +66,7 @@ fn replayed(bytes: Vec<u8>) -> ReplayReport {
 
 /// A session with a snapshot every 700 ticks.
 fn session() -> Vec<u8> {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("session.mcap");
-    let mut session = Session::begin(&path, key());
-    session.snapshot_every = 700;
-    session.run(3_000);
-    session.finish();
-    std::fs::read(path).unwrap()
+    recorded_every(3_000, 700)
 }
 
 /// Moves the tool in the snapshots from tick 1 on, each time `by` metres farther.

@@ -83,13 +83,7 @@ fn one_flipped_bit_in_an_input_names_its_tick() {
 
 #[test]
 fn a_changed_force_or_snapshot_is_found_though_the_hashes_agree() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("session.mcap");
-    let mut session = Session::begin(&path, key());
-    session.snapshot_every = 500;
-    session.run(1200);
-    session.finish();
-    let bytes = std::fs::read(path).unwrap();
+    let bytes = recorded_every(1200, 500);
     let mut k = 0;
     let bad = with_messages(&bytes, |topic, data| {
         k += u64::from(topic == "/exact/ticks");

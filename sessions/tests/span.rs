@@ -7,13 +7,7 @@ use common::*;
 use sulcus_sessions::*;
 
 fn session(ticks: u64, snapshot_every: u64) -> Recording {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("session.mcap");
-    let mut session = Session::begin(&path, key());
-    session.snapshot_every = snapshot_every;
-    session.run(ticks);
-    session.finish();
-    Recording::from_bytes(std::fs::read(path).unwrap()).unwrap()
+    Recording::from_bytes(recorded_every(ticks, snapshot_every)).unwrap()
 }
 
 fn span(from_s: Option<f64>, to_s: Option<f64>) -> ReplayOptions {
@@ -101,14 +95,8 @@ fn skipped_ticks_count_as_time() {
 
 #[test]
 fn a_divergence_before_the_part_is_not_seen_in_it_and_one_within_is() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("session.mcap");
-    let mut session = Session::begin(&path, key());
-    session.snapshot_every = 500;
-    session.run(2000);
-    session.finish();
     let mut k = 0;
-    let bad = with_messages(&std::fs::read(&path).unwrap(), |topic, data| {
+    let bad = with_messages(&recorded_every(2000, 500), |topic, data| {
         k += u64::from(topic == "/exact/ticks");
         if topic == "/exact/ticks" && k == 800 {
             data[30] ^= 1;

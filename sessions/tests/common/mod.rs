@@ -186,6 +186,17 @@ pub fn recorded(ticks: u64) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
+/// The same, with a snapshot every so many ticks.
+pub fn recorded_every(ticks: u64, snapshot_every: u64) -> Vec<u8> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let mut session = Session::begin(&path, key());
+    session.snapshot_every = snapshot_every;
+    session.run(ticks);
+    session.finish();
+    std::fs::read(path).unwrap()
+}
+
 /// A session with channels for viewers; ticks come as `ticks` says, so that some may be missing.
 pub fn recorded_with_views(ticks: u64, skip: std::ops::Range<u64>) -> Vec<u8> {
     let dir = tempfile::tempdir().unwrap();
