@@ -35,7 +35,7 @@ pub struct Read {
     pub on_floor: f64,
     /// How often the tip came into the pocket here.
     pub entries: u32,
-    /// Largest angle between working end and tooth axis while on the floor, radians.
+    /// Angle between working end and tooth axis where it was deepest, radians.
     pub tilt: f64,
     /// What the operator called, millimetres.
     pub called: Option<u8>,
@@ -154,15 +154,13 @@ pub fn perform(
             read.most_force = read.most_force.max(pocket.floor_force);
             read.entries += u32::from(outside >= WITHDRAWN);
             toured.entries += u32::from(outside >= WITHDRAWN);
-            if pocket.floor_force <= LIGHT {
-                read.reached = read.reached.max(pocket.depth);
+            if pocket.floor_force <= LIGHT && pocket.depth > read.reached {
+                read.reached = pocket.depth;
+                let up = tool.graphic.orientation * -scene.tools[slot].tip_axis;
+                read.tilt = up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos();
             }
             if pocket.floor_force > 0.1 {
                 read.on_floor += 1e-3;
-                let up = tool.graphic.orientation * -scene.tools[slot].tip_axis;
-                read.tilt = read
-                    .tilt
-                    .max(up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos());
             }
         }
         outside = if tool.pocket.is_some() {

@@ -96,23 +96,15 @@ fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
     let heavy = probed(&scene, Some(Habit::HeavyHand));
     assert!(most(&heavy) > 0.5, "{}", most(&heavy));
 
-    let upright = probed(&scene, Some(Habit::WrongAngle));
-    for site in Site::ALL.into_iter().filter(|site| site.is_proximal()) {
-        let read = upright.of(TOOTH, site);
-        let beside = if site.is_buccal() {
-            Site::Buccal
-        } else {
-            Site::Lingual
-        };
-        if read.prescribed - upright.of(TOOTH, beside).prescribed >= 1e-3 {
+    // Tilted, the tip catches under the margin: it never comes down into a pocket.
+    let tilted = probed(&scene, Some(Habit::WrongAngle));
+    for site in Site::ALL {
+        let read = tilted.of(TOOTH, site);
+        assert!(read.tilt > good.of(TOOTH, site).tilt + 0.25, "{read:?}");
+        if site.is_proximal() {
             assert!(read.reached <= read.prescribed - 0.5e-3, "{read:?}");
         }
     }
-    assert!(
-        upright.of(TOOTH, Site::Buccal).tilt > good.of(TOOTH, Site::Buccal).tilt + 0.25,
-        "{:?}",
-        upright.of(TOOTH, Site::Buccal)
-    );
 
     let skips = probed(&scene, Some(Habit::SkipsSites));
     assert!(skips.of(TOOTH, Site::DistoLingual).called.is_none());
