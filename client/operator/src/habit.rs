@@ -7,7 +7,7 @@ use std::str::FromStr;
 pub enum Habit {
     /// Presses about 0.6 N.
     HeavyHand,
-    /// Upright at proximal sites, tilted by 27 degrees at the middle of a side.
+    /// Tilted by 27 degrees away from the tooth, and never led into the col.
     WrongAngle,
     /// Leaves out the distolingual zones and every third of the others.
     SkipsSites,

@@ -35,7 +35,7 @@ pub struct Read {
     pub on_floor: f64,
     /// How often the tip came into the pocket here.
     pub entries: u32,
-    /// Angle between working end and tooth axis where it was deepest, radians.
+    /// Angle between working end and tooth axis where a light hand was deepest, radians; 0 where it was not.
     pub tilt: f64,
     /// What the operator called, millimetres.
     pub called: Option<u8>,

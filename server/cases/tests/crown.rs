@@ -95,7 +95,7 @@ fn check_books(
     }
     let mut push = Vec3::zeros();
     let smooth = scene.blend_of(0) > 0.0;
-    // (The judge, an interior point method, leaves a trace of load on every row.)
+    // (The judge, an interior point method, leaves a trace of load on rows that do not bear.)
     if smooth && norm(&tool.raw_wrench.force) > 0.01 {
         // Complementarity on the surface: what bears load touches it, but for how much the surface
         // bends over the last step.

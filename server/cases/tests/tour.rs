@@ -96,7 +96,7 @@ fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
     let heavy = probed(&scene, Some(Habit::HeavyHand));
     assert!(most(&heavy) > 0.5, "{}", most(&heavy));
 
-    // Tilted, the tip catches under the margin: it never comes down into a pocket.
+    // Tilted, the tip catches under the margin: it never comes down into a deep pocket.
     let tilted = probed(&scene, Some(Habit::WrongAngle));
     for site in Site::ALL {
         let read = tilted.of(TOOTH, site);
