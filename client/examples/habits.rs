@@ -37,6 +37,12 @@ fn perform(name: &str, patient: bool, habit: Option<Habit>, seed: u64) -> Grade 
 
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
+    if args.len() < 3 {
+        eprintln!(
+            "usage: habits [+]EXERCISE FROM TO [HABIT...], such as: bimanual 1 20, or +probing 1 20 misreads"
+        );
+        std::process::exit(2);
+    }
     let (patient, name) = match args[0].strip_prefix('+') {
         Some(name) => (true, name),
         None => (false, args[0].as_str()),

@@ -23,13 +23,14 @@ const EXAMPLES: &str = "\
 Examples:
   sulcus-client                                   the demo: both hands in a whole mouth, a minute, recorded, replayed, graded
   sulcus-client demo --virtual --duration 60      the same in virtual time, as fast as it goes
-  sulcus-client demo --scene server/scenes/crown.toml --json
+  sulcus-client demo --exercise crown --json      the probe round one molar's crown
   sulcus-client demo --exercise probing           one tooth's pocket, in real time
   sulcus-client demo --virtual --exercise retraction --json
   sulcus-client demo --virtual --exercise hard/wedge
-  sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT
+  sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
 
-Exit codes: 0 success, 1 a finding (the replay differs), 2 wrong usage or bad input.";
+Exit codes: 0 success, 1 a finding (demo: the replay differs or the recording cannot be graded; run: the server was lost or its
+recording is not complete), 2 wrong usage or bad input.";
 
 /// Commands of the client.
 #[derive(Debug, Subcommand)]
@@ -103,7 +104,8 @@ pub struct RunArgs {
     /// Device: only `simulated` so far
     #[arg(long, value_name = "NAME", default_value = "simulated")]
     pub device: String,
-    /// What the simulated operator performs: an exercise by name, or a file of one (ending in .toml)
+    /// What the simulated operator performs: an exercise by name, or a file of one (ending in .toml); a station that offers
+    /// another refuses, one that offers `free` does not
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
     /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short

@@ -151,6 +151,23 @@ pub fn script(
     if let Some(habit) = habit {
         habit.spoil(&mut params, &mut tour, seed);
     }
+    hand(scene, exercise, habit, &tour, params).with_context(|| {
+        format!(
+            "exercise `{}` cannot be performed in scene `{}` (name another with --exercise)",
+            exercise.name, scene.name
+        )
+    })
+}
+
+/// The simulated hands for an exercise's kind.
+fn hand(
+    scene: &Scene,
+    exercise: &Exercise,
+    habit: Option<Habit>,
+    tour: &[Visit],
+    params: TourParams,
+) -> anyhow::Result<Box<dyn Script + Send>> {
+    let duration = exercise.duration_s;
     Ok(match exercise.kind {
         Kind::Crown => {
             let params = CrownParams {
@@ -159,7 +176,7 @@ pub fn script(
             };
             Box::new(Crown::new(scene, None, params)?)
         }
-        Kind::Probing => Box::new(Tour::new(scene, &tour, params)?),
+        Kind::Probing => Box::new(Tour::new(scene, tour, params)?),
         Kind::Retraction => {
             let target = exercise.target.as_ref().and_then(|target| {
                 let tooth = scene.objects.iter().find(|o| o.fdi == target.tooth)?;
@@ -175,12 +192,9 @@ pub fn script(
         Kind::Bimanual => {
             let until = Habit::holds_until(habit);
             let mirror = RetractionParams::default();
-            Box::new(Bimanual::new(scene, &tour, params, mirror, until)?)
+            Box::new(Bimanual::new(scene, tour, params, mirror, until)?)
         }
-        Kind::Free => bail!(
-            "no simulated operator performs exercise `{}`: its kind is free",
-            exercise.name
-        ),
+        Kind::Free => bail!("its kind is free: no simulated operator performs it"),
     })
 }
 
@@ -200,15 +214,8 @@ pub fn find(name: &str) -> anyhow::Result<Exercise> {
 
 /// A scene that is built in, by its name in exercises.
 fn built_in_scene(exercise: &Exercise) -> anyhow::Result<BuiltIn> {
-    let name = |scene: &BuiltIn| scene.file_name().with_extension("");
-    let found = BuiltIn::ALL
-        .into_iter()
-        .find(|scene| name(scene).as_os_str() == exercise.scene.as_str());
-    found.with_context(|| {
-        let names: Vec<String> = BuiltIn::ALL
-            .iter()
-            .map(|scene| name(scene).display().to_string())
-            .collect();
+    BuiltIn::named(&exercise.scene).with_context(|| {
+        let names = BuiltIn::ALL.map(BuiltIn::name);
         format!(
             "exercise `{}` is performed in scene `{}`, which is not built in (there are {}): name one with --scene",
             exercise.name,

@@ -25,7 +25,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
             args.device
         );
     }
-    let config = link_config(args)?;
+    let mut config = link_config(args)?;
     let steps = Steps;
     let asked = exercise::Asked {
         scene: args.scene.as_deref(),
@@ -40,6 +40,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     for warning in &prepared.warnings {
         eprintln!("warning: {warning}");
     }
+    config.exercise.clone_from(&prepared.exercise.name);
     let link = Link::connect(config)?;
     let hello = link.hello();
     if hello.scene_hash != prepared.scene_hash() {

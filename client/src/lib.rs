@@ -41,37 +41,11 @@ pub fn run() -> u8 {
         Some(cli::Command::Run(args)) => (join::run(&args), args.json),
     };
     done.unwrap_or_else(|error| {
-        let text = sentence(&error);
+        let text = sulcus_sessions::sentence(&error);
         if json {
             println!("{}", serde_json::json!({ "error": text }));
         }
         eprintln!("error: {text}");
         2
     })
-}
-
-/// The error and its causes in one line; a cause that the line already ends with is not said twice.
-fn sentence(error: &anyhow::Error) -> String {
-    error.chain().fold(String::new(), |said, cause| {
-        let cause = cause.to_string();
-        match said.as_str() {
-            "" => cause,
-            said if said.ends_with(&cause) => said.to_owned(),
-            said => format!("{said}: {cause}"),
-        }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cause_is_said_once() {
-        let cause = std::io::Error::other("disk on fire");
-        let error = anyhow::Error::new(cause).context("cannot write");
-        assert_eq!(sentence(&error), "cannot write: disk on fire");
-        let error = anyhow::anyhow!("disk on fire").context("cannot write: disk on fire");
-        assert_eq!(sentence(&error), "cannot write: disk on fire");
-    }
 }

@@ -31,19 +31,6 @@ enum Command {
     Report(report::ReportArgs),
 }
 
-/// An error and its causes as one sentence; a cause with which the outer error already ends is left
-/// out.
-fn sentence(error: &anyhow::Error) -> String {
-    error
-        .chain()
-        .map(ToString::to_string)
-        .fold(String::new(), |told, cause| match told.is_empty() {
-            true => cause,
-            false if told.ends_with(&cause) => told,
-            false => format!("{told}: {cause}"),
-        })
-}
-
 /// Runs the program with these arguments, the first of which is its name.
 pub fn run<I, T>(args: I) -> ExitCode
 where
@@ -77,7 +64,7 @@ where
     match outcome {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("error: {}", sentence(&error));
+            eprintln!("error: {}", sulcus_sessions::sentence(&error));
             ExitCode::from(2)
         }
     }
@@ -85,7 +72,6 @@ where
 
 #[cfg(test)]
 mod tests {
-    use anyhow::{Context, anyhow};
     use clap::CommandFactory;
 
     use super::*;
@@ -95,19 +81,15 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// A comment on a subcommand's variant had taken the place of its long help.
     #[test]
-    fn no_cause_is_told_twice() {
-        let error = Err::<(), _>(anyhow!("no such file"))
-            .context("cannot read it: no such file")
-            .context("a.toml");
-        assert_eq!(
-            sentence(&error.expect_err("an error")),
-            "a.toml: cannot read it: no such file"
-        );
-        // What only happens to stand somewhere before is not the cause told.
-        let error = Err::<(), _>(anyhow!("disk"))
-            .context("disk.toml")
-            .expect_err("an error");
-        assert_eq!(sentence(&error), "disk.toml: disk");
+    fn the_long_help_of_tissue_says_what_a_folder_holds() {
+        for action in ["fit", "evaluate"] {
+            let mut cli = Cli::command();
+            let tissue = cli.find_subcommand_mut("tissue").expect("tissue");
+            let command = tissue.find_subcommand_mut(action).expect(action);
+            let help = command.render_long_help().to_string();
+            assert!(help.contains("nodes.csv"), "{help}");
+        }
     }
 }

@@ -22,8 +22,6 @@ pub(crate) fn looks(every: u64) -> usize {
 }
 /// Shapes for viewers on their way: a quarter of a second's. Where none is left, a frame is left out, and the next one is not.
 pub(crate) const SHAPES: usize = 16;
-/// Seconds between two snapshots.
-pub(crate) const SNAPSHOT_S: f64 = 10.0;
 
 /// Network to simulation: the newest pose and when it came.
 #[derive(Clone, Copy, Debug)]

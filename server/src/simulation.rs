@@ -9,11 +9,12 @@ use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace,
 use sulcus_proto::WrenchDatagram;
 use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
 use sulcus_sessions::events::Look;
+use sulcus_sessions::record::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 
 use crate::detail::{Chooser, Detail};
-use crate::handoff::{Bell, Edge, Flags, PoseIn, SNAPSHOT_S, WrenchOut};
+use crate::handoff::{Bell, Edge, Flags, PoseIn, WrenchOut};
 use crate::inputs::Inputs;
 use crate::metrics::{Metrics, TickTimes};
 use crate::realtime::{self, monotonic_ns, thread_cpu_ns};
@@ -134,7 +135,7 @@ impl Ticker {
                 tick_ns: scene.params.tick_ns(),
                 unix_at_begin: 0,
             },
-            next_snapshot: scene.params.ticks_in(SNAPSHOT_S),
+            next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
             scene,
             link,
             metrics,
@@ -177,7 +178,7 @@ impl Ticker {
         let cpu_ns = cpu_end.saturating_sub(cpu);
         self.record(unix_ns, &input, &output, cpu_ns);
         if output.tick >= self.next_snapshot {
-            self.next_snapshot = output.tick + self.scene.params.ticks_in(SNAPSHOT_S);
+            self.next_snapshot = output.tick + self.scene.params.ticks_in(SNAPSHOT_EVERY_S);
             self.snapshot(unix_ns);
         }
         self.chooser.took(cpu_ns);

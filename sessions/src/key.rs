@@ -227,7 +227,7 @@ impl StationKey {
             match std::fs::hard_link(&fresh, path) {
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => Ok(()),
                 Err(error) => Err(error),
-                // The public half is a convenience for whoever verifies; it can be made again.
+                // For whoever verifies.
                 Ok(()) => {
                     std::fs::write(path.with_extension("pub"), format!("{}\n", self.public()))
                 }

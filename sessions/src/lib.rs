@@ -44,6 +44,7 @@ pub mod replay;
 pub mod review;
 pub mod row;
 mod scan;
+mod sentence;
 pub mod sizes;
 pub mod statement;
 mod storage;
@@ -73,6 +74,7 @@ pub use replay::{
     replay, replay_observed,
 };
 pub use row::Row;
+pub use sentence::sentence;
 pub use statement::{SessionEnd, SignedStatement, Statement};
 pub use verify::{Signature, Verdict, verify};
 pub use whatif::{TissueChoice, WhatIf, WhatIfError};

@@ -28,8 +28,8 @@ use viewers::Waiting;
 const FLUSH_EVERY_NS: u64 = 100_000_000;
 /// Record time between two signatures.
 const SIGN_EVERY_NS: u64 = 10_000_000_000;
-/// Record time after which the next snapshot is due.
-pub const SNAPSHOT_EVERY_NS: u64 = 10_000_000_000;
+/// Seconds between two snapshots of the state in a record.
+pub const SNAPSHOT_EVERY_S: f64 = 10.0;
 
 /// What a finished recording holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,7 +143,7 @@ impl Recorder {
     }
 
     /// Adds the state after `tick` (bytes of [`sulcus_core::State::to_bytes`]): once before the
-    /// first row, then every [`SNAPSHOT_EVERY_NS`], right after that tick's row.
+    /// first row, then every [`SNAPSHOT_EVERY_S`], right after that tick's row.
     ///
     /// # Errors
     /// Out of order; or the first failure to write.

@@ -8,6 +8,7 @@ use sulcus_cases::Observer;
 use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
+use sulcus_sessions::record::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{
     Events, Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views,
 };
@@ -32,9 +33,6 @@ pub struct Lockstep {
     /// Wall time of operator, ticks and recording together, seconds.
     pub wall_s: f64,
 }
-
-/// A snapshot of the state goes into the record every so many seconds.
-const SNAPSHOT_S: f64 = 10.0;
 
 /// Runs `prepared` to its end into a new recording under `folder`.
 ///
@@ -120,7 +118,7 @@ pub fn run(
         for (_, reading) in entered(&output) {
             bar.say(&zone_line(k as f64 * scene.tick_s(), &reading));
         }
-        if k.is_multiple_of(scene.params.ticks_in(SNAPSHOT_S)) {
+        if k.is_multiple_of(scene.params.ticks_in(SNAPSHOT_EVERY_S)) {
             recorder.snapshot(now, k, &state.to_bytes())?;
         }
         if k.is_multiple_of(500) {

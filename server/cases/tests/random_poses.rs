@@ -28,7 +28,7 @@ fn hold(fuzz: &Fuzz, found: &Fuzzed, ticks: u64) {
 }
 
 #[test]
-fn hundreds_of_thousands_of_random_poses() {
+fn a_hundred_thousand_random_poses() {
     let ticks = each(TICKS);
     for (seed, fuzz) in ALL.iter().enumerate() {
         let found = fuzz.run(seed as u64, ticks, |_| {});

@@ -40,6 +40,17 @@ impl BuiltIn {
         }
     }
 
+    /// The scene of that name, as exercises and scene files call it.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|scene| scene.name() == name)
+    }
+
+    /// Its name: that of its file without the ending.
+    pub fn name(self) -> &'static str {
+        let file = self.file_name().to_str().unwrap_or_default();
+        file.strip_suffix(".toml").unwrap_or(file)
+    }
+
     /// What errors call its file.
     pub fn file_name(self) -> &'static Path {
         Path::new(match self {

@@ -11,7 +11,8 @@ use serde_json::json;
 use sulcus_core::Scene;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::ticket::hex;
-use sulcus_scene::{BuildOptions, compile_default, compile_file};
+use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
+use sulcus_sessions::{Events, Rubric};
 use tokio::signal::unix::{SignalKind, signal};
 
 use super::scene::Narrator;
@@ -27,7 +28,7 @@ pub struct ServeArgs {
     /// UDP address to listen on; port 0: any free one
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4433")]
     pub listen: SocketAddr,
-    /// Scene file (TOML) or compiled scene (.scene); default: a lower molar and a probe
+    /// Scene file (TOML) or compiled scene (.scene); default: the exercise's own
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Seed of a generated patient, instead of the scene file's
@@ -51,9 +52,10 @@ pub struct ServeArgs {
     /// Opaque learner id for recordings when the client names none; never a name
     #[arg(long, value_name = "ID", default_value = "")]
     pub learner: String,
-    /// Name of the exercise; of a built-in one the definition and the rubric go into the recordings
-    #[arg(long, value_name = "NAME", default_value = "free")]
-    pub exercise: String,
+    /// What students are asked to do: bimanual, crown, probing, retraction, a file of one (ending in .toml), or `free`; its
+    /// definition and rubric go into the recordings. Default: crown, with --scene free, which is not graded
+    #[arg(long, value_name = "NAME")]
+    pub exercise: Option<String>,
     /// Rubric for the recordings instead of the exercise's own
     #[arg(long, value_name = "FILE")]
     pub rubric: Option<PathBuf>,
@@ -64,7 +66,8 @@ pub struct ServeArgs {
     /// Longest session, seconds
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_session: Option<u64>,
-    /// Key file that signs recordings, made on first use; default: in the user's state directory
+    /// Key file that signs recordings, made on first use; default: station.key in $SULCUS_STATE_DIR, else
+    /// ~/.local/state/sulcus. Its public half stands beside it, ending in .pub: graders of exams need it
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
     /// Do not ask for real-time scheduling and locked memory
@@ -80,13 +83,24 @@ pub struct ServeArgs {
 /// # Errors
 /// A scene, port, folder or value that cannot be used: one sentence.
 pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
-    let (scene, bytes, patient) = load(args.scene.as_deref(), args.seed, args.rate_hz)?;
+    let asked = asked(args)?;
+    let otherwise = match &asked {
+        Some(exercise) if args.scene.is_none() => own_scene(exercise)?,
+        _ => BuiltIn::Crown,
+    };
+    let (scene, bytes, patient) = load(args.scene.as_deref(), otherwise, args.seed, args.rate_hz)?;
+    if let Some(exercise) = &asked {
+        for what in Events::new(&scene, exercise).missing() {
+            let (name, scene) = (&exercise.name, &scene.name);
+            eprintln!("warning: exercise `{name}` wants {what}, which scene `{scene}` has not");
+        }
+    }
     let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
     config.listen = args.listen;
     config.patient = patient;
     config.station.clone_from(&args.station);
     config.learner.clone_from(&args.learner);
-    (config.exercise, config.rubric) = exercise(&args.exercise, args.rubric.as_deref())?;
+    (config.exercise, config.rubric) = recorded(asked.as_ref(), args.rubric.as_deref())?;
     config.station_key.clone_from(&args.key);
     if let Some(budget_us) = args.detail_budget {
         config.detail = Detail::ByTime(Budget {
@@ -105,12 +119,13 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
         config.token = token;
     }
     let scene_name = config.scene.name.clone();
+    let exercise_name = config.exercise.name.clone();
     let server = Server::start(config)?;
     if let Some(path) = &args.certificate_out {
         std::fs::write(path, server.certificate_der())
             .with_context(|| format!("{}: cannot write the certificate", path.display()))?;
     }
-    announce(&server, &scene_name, args.json);
+    announce(&server, &scene_name, &exercise_name, args.json);
     wait_for_signal(&server)?;
     eprintln!("ending the session, if one runs ...");
     server.shutdown();
@@ -118,33 +133,79 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     Ok(report(&sessions, args))
 }
 
-/// What a student is asked to do, and the rubric's text (empty where nothing is asked that is graded).
-fn exercise(name: &str, rubric: Option<&Path>) -> anyhow::Result<(Exercise, String)> {
+/// What students are asked to do; none where they are free.
+fn asked(args: &ServeArgs) -> anyhow::Result<Option<sulcus_sessions::Exercise>> {
+    let free = Exercise::default().name;
+    let otherwise = if args.scene.is_some() { &free } else { "crown" };
+    let name = args.exercise.as_deref().unwrap_or(otherwise);
+    if name == free {
+        if let Some(rubric) = &args.rubric {
+            bail!(
+                "--rubric {} has nothing to grade: exercise `{free}` asks for nothing",
+                rubric.display()
+            );
+        }
+        return Ok(None);
+    }
+    if name.ends_with(".toml") {
+        return Ok(Some(sulcus_sessions::Exercise::open(Path::new(name))?));
+    }
     let all = sulcus_sessions::Exercise::built_in();
-    let built_in = all.into_iter().find(|one| one.name == name);
-    let rubric = match rubric {
-        Some(file) => Some(sulcus_sessions::Rubric::open(file)?),
-        None => built_in.as_ref().and_then(sulcus_sessions::Rubric::of),
+    let names: Vec<String> = all.iter().map(|one| one.name.clone()).collect();
+    let found = all.into_iter().find(|one| one.name == name);
+    found.map(Some).with_context(|| {
+        format!(
+            "--exercise is `{name}`, expected one of {}, {free}, or a file (ending in .toml)",
+            names.join(", ")
+        )
+    })
+}
+
+/// The scene that an exercise names.
+fn own_scene(exercise: &sulcus_sessions::Exercise) -> anyhow::Result<BuiltIn> {
+    BuiltIn::named(&exercise.scene).with_context(|| {
+        format!(
+            "exercise `{}` is performed in scene `{}`, which is not built in (there are {}): name one with --scene",
+            exercise.name,
+            exercise.scene,
+            BuiltIn::ALL.map(BuiltIn::name).join(", ")
+        )
+    })
+}
+
+/// The exercise as it is offered and recorded, and the rubric's text (empty where nothing is asked that is graded).
+fn recorded(
+    asked: Option<&sulcus_sessions::Exercise>,
+    rubric: Option<&Path>,
+) -> anyhow::Result<(Exercise, String)> {
+    let Some(one) = asked else {
+        return Ok((Exercise::default(), String::new()));
     };
+    let rubric = match rubric {
+        Some(file) => {
+            let rubric = Rubric::open(file)?;
+            rubric.fits(one)?;
+            Some(rubric)
+        }
+        None => Rubric::of(one),
+    };
+    if let Some(Err(error)) = rubric.as_ref().map(|rubric| rubric.fits(one)) {
+        eprintln!("warning: what is recorded cannot be graded: {error}");
+    }
     let rubric = rubric.map(|rubric| rubric.definition()).transpose()?;
-    let exercise = match built_in {
-        Some(one) => Exercise {
-            name: one.name.clone(),
-            text: one.task.clone(),
-            definition: one.definition(0)?,
-            seed: 0,
-        },
-        None => Exercise {
-            name: name.to_owned(),
-            ..Exercise::default()
-        },
+    let exercise = Exercise {
+        name: one.name.clone(),
+        text: one.task.clone(),
+        definition: one.definition(0)?,
+        seed: 0,
     };
     Ok((exercise, rubric.unwrap_or_default()))
 }
 
-/// A scene file or a compiled scene, its bytes, and the text of its patient (empty where there is none).
+/// A scene file, a compiled scene or a built-in one, its bytes, and the text of its patient (empty where there is none).
 fn load(
     path: Option<&Path>,
+    otherwise: BuiltIn,
     seed: Option<u64>,
     rate_hz: Option<u16>,
 ) -> anyhow::Result<(Scene, Vec<u8>, String)> {
@@ -175,7 +236,7 @@ fn load(
             return Ok((scene, bytes, String::new()));
         }
         Some(path) => compile_file(path, &options, &say)?,
-        None => compile_default(&options, &say)?,
+        None => compile_built_in(otherwise, &options, &say)?,
     };
     for warning in &compiled.warnings {
         eprintln!("warning: {warning}");
@@ -198,17 +259,18 @@ fn load(
     Ok((compiled.scene, bytes, compiled.patient.unwrap_or_default()))
 }
 
-fn announce(server: &ServerHandle, scene: &str, json: bool) {
+fn announce(server: &ServerHandle, scene: &str, exercise: &str, json: bool) {
     let (address, ticket) = (server.local_addr(), server.ticket());
     let fingerprint = hex(&ticket.fingerprint);
     if json {
         let object = json!({
             "address": address.to_string(), "token": ticket.token,
             "certificate_sha256": fingerprint, "ticket": ticket.to_string(),
+            "scene": scene, "exercise": exercise,
         });
         println!("{object}");
     } else {
-        println!("serving scene `{scene}` on {address}");
+        println!("serving exercise `{exercise}` in scene `{scene}` on {address}");
         println!("  token        {}", ticket.token);
         println!("  certificate  {fingerprint} (SHA-256)");
         println!("  ticket       {ticket}");

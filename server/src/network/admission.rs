@@ -11,6 +11,7 @@ use sulcus_proto::{ClientMessage, CodecError, PROTOCOL_VERSION, ServerMessage};
 
 use super::control::{self, ReadError};
 use super::{CLOSE_REFUSED, Shared, close_after_last_word, session};
+use crate::Exercise;
 
 /// Pause before a wrong token is refused: guessing is slow, typing errors do not notice.
 const WRONG_TOKEN: Duration = Duration::from_millis(200);
@@ -131,8 +132,10 @@ async fn judge(
             "the token is wrong; use the one that the server printed",
         ));
     }
+    // (Where nothing is asked, whatever is performed is welcome.)
     let offered = &shared.config.exercise.name;
-    if !hello.exercise.is_empty() && &hello.exercise != offered {
+    let free = *offered == Exercise::default().name;
+    if !hello.exercise.is_empty() && !free && &hello.exercise != offered {
         let text = format!(
             "exercise `{}` is not offered here; this station offers `{offered}`",
             clean(&hello.exercise)

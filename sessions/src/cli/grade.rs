@@ -52,7 +52,8 @@ pub(super) struct GradeArgs {
     /// How pages number teeth
     #[arg(long, value_enum, default_value = "fdi")]
     numbering: Numbers,
-    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits
+    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. A
+    /// station keeps its own as `station.pub` beside its key: $SULCUS_STATE_DIR, else ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
     signer: Option<String>,
     /// An instructor's score instead of the proposed one, 0 to 100; kept in FILE.grade.json beside the proposal
@@ -176,7 +177,7 @@ fn options(args: &GradeArgs) -> anyhow::Result<Options> {
     let trust = named.or_else(|| exam.then(PublicKey::of_this_station).flatten());
     if exam && trust.is_none() {
         bail!(
-            "--signer is missing, expected the station's public key in an exam: without it whoever makes a recording can sign it"
+            "--signer is missing, expected the station's public key in an exam (`station.pub` beside its key, on the station in ~/.local/state/sulcus): without it whoever makes a recording can sign it"
         );
     }
     let rubric = args.rubric.as_deref().map(Rubric::open).transpose()?;

@@ -91,7 +91,7 @@ where
     };
     outcome.unwrap_or_else(|error| {
         if json {
-            println!("{}", json!({ "error": format!("{error:#}") }));
+            println!("{}", json!({ "error": crate::sentence(&error) }));
         }
         complain(&error);
         ExitCode::from(2)

@@ -134,5 +134,5 @@ pub(super) fn say(line: &str) -> anyhow::Result<()> {
 }
 
 pub(super) fn complain(error: &anyhow::Error) {
-    let _ = writeln!(std::io::stderr(), "error: {error}");
+    let _ = writeln!(std::io::stderr(), "error: {}", crate::sentence(error));
 }

@@ -59,7 +59,8 @@ pub(super) struct ReplayArgs {
     audit: bool,
     #[command(flatten)]
     what_if: WhatIfArgs,
-    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits
+    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. A
+    /// station keeps its own as `station.pub` beside its key: $SULCUS_STATE_DIR, else ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
     signer: Option<String>,
     /// Files replayed at once; all cores unless said otherwise

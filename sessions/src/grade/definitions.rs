@@ -44,6 +44,29 @@ impl Needs {
             Self::Nothing => true,
         }
     }
+
+    /// Whether who grades by a metric with this need could expect the exercise to have it. (Of zones some kind is enough: who
+    /// asks for the middle of a side only is not graded on what is beside a neighbour.)
+    pub fn may_be_weighed(self, exercise: &Exercise) -> bool {
+        match self {
+            Self::ProximalZones | Self::MidZones => Self::Zones.are_met(exercise),
+            other => other.are_met(exercise),
+        }
+    }
+
+    /// What is missing where it is not met, for people.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Zones => "zones to probe",
+            Self::ProximalZones => "zones beside a neighbour",
+            Self::MidZones => "zones in the middle of a side",
+            Self::Target => "a target to see past the tongue",
+            Self::BothHands => "work for both hands",
+            Self::Mirror => "work for a mirror",
+            Self::Crown => "a crown to follow",
+            Self::Nothing => "nothing",
+        }
+    }
 }
 
 /// A metric.

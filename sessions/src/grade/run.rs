@@ -171,6 +171,11 @@ pub fn finish(
     if !report.gradable {
         return Ok(graded);
     }
+    if let Err(error) = standard.rubric.fits(exercise) {
+        graded.grade.gradable = false;
+        graded.grade.reason = Some(error.to_string());
+        return Ok(graded);
+    }
     let set = &standard.rubric.settings;
     let calls = calls(recording, scene)?;
     let leading = watcher.evidence.leading;

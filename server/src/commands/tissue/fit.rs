@@ -28,7 +28,7 @@ const ELEMENTS: f64 = 0.6;
 #[derive(Clone, Debug, Args)]
 #[command(
     about = "Fit the springs of a skeleton to load cases made by the built-in finite elements",
-    long_about = "Fit the springs of a skeleton to load cases made by the built-in finite elements.\n\nOf the folder only the geometry is read: nodes.csv, tets10.csv, fixed_all_nodes.csv. The training loads are round patches at places of a fixed low-discrepancy sequence over the free surface, each pressed in and dragged two ways, and loads spread over what faces some direction; the folder's own cases are not looked at.\n\nA scene uses what was fitted by mesh = \"PARAMS.obj\", unit = \"m\", tissue = \"skeleton\" and, in [object.skeleton], springs_file = \"PARAMS.toml\".",
+    long_about = "Fit the springs of a skeleton to load cases made by the built-in finite elements.\n\nOf the folder only the geometry is read: nodes.csv, tets10.csv, fixed_all_nodes.csv. The training loads are round patches at places of a fixed low-discrepancy sequence over the free surface, each pressed in and dragged two ways, and loads spread over what faces some direction; the folder's own cases are not looked at.\n\nA scene uses what was fitted by mesh = \"PARAMS.obj\", unit = \"m\", tissue = \"skeleton\" and, in [object.skeleton], springs_file = \"PARAMS.toml\". There they are scaled to springs_young_kpa, 10 kPa (a living tongue) unless the scene says otherwise: name the modulus of the fit to feel them as fitted.",
     after_long_help = "Examples:\n  sulcus-server tissue fit --fem data/fem --model skeleton --out tongue-springs.toml\n  sulcus-server tissue evaluate --fem data/fem --model skeleton --params tongue-springs.toml"
 )]
 pub struct FitArgs {

@@ -16,10 +16,12 @@ pub struct TissueArgs {
 
 /// What `tissue` can do.
 #[derive(Clone, Debug, Subcommand)]
+#[expect(
+    missing_docs,
+    reason = "a comment on a variant would take the place of its long help"
+)]
 pub enum TissueAction {
-    /// Fit the springs of a skeleton to load cases made by the built-in finite elements.
     Fit(fit::FitArgs),
-    /// Judge a tissue model on the load cases of a folder.
     Evaluate(evaluate::EvaluateArgs),
 }
 

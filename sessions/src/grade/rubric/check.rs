@@ -1,10 +1,37 @@
 //! What a rubric's values may be.
 
 use super::{Bound, Rubric};
+use crate::exercise::Exercise;
 use crate::grade::definitions::{self, METRICS};
 use crate::written::{Written, WrittenError};
 
 impl Rubric {
+    /// Checks that what it weighs is asked for: what is not would be left out, and a session in which nothing was asked would be
+    /// perfect.
+    ///
+    /// # Errors
+    /// Names the first metric that counts and has nothing to measure in the exercise.
+    pub fn fits(&self, exercise: &Exercise) -> Result<(), WrittenError> {
+        let weighed = self.metrics.iter().filter(|one| {
+            one.weight > 0.0 || one.pass.is_some() || one.deduct.is_some_and(|points| points > 0.0)
+        });
+        let criticals = self.critical.iter().map(|one| one.metric.as_str());
+        for name in weighed.map(|one| one.name.as_str()).chain(criticals) {
+            let needs = definitions::find(name).map(|known| known.needs);
+            let Some(needs) = needs.filter(|needs| !needs.may_be_weighed(exercise)) else {
+                continue;
+            };
+            let found = format!("`{name}` in the rubric `{}`", self.name);
+            let expected = format!(
+                "metrics that exercise `{}` is for: it asks for no such thing as {}",
+                exercise.name,
+                needs.what()
+            );
+            return wrong("metric", found, expected);
+        }
+        Ok(())
+    }
+
     /// Checks every value.
     ///
     /// # Errors
@@ -240,5 +267,34 @@ mod tests {
         }
         assert!(Rubric::parse("{}").is_err());
         assert!(Rubric::parse(&"#".repeat(70_000)).is_err());
+    }
+
+    #[test]
+    fn a_rubric_weighs_what_its_exercise_asks_for_and_no_other() {
+        for exercise in Exercise::built_in() {
+            let own = Rubric::of(&exercise).expect("one");
+            assert_eq!(own.fits(&exercise), Ok(()), "{}", exercise.name);
+        }
+        let of = |name: &str| {
+            let mut all = Exercise::built_in().into_iter();
+            all.find(|one| one.name == name).expect(name)
+        };
+        let rubric = |name: &str| Rubric::of(&of(name)).expect("one");
+        // Mid zones alone are zones.
+        let mut mid = of("probing");
+        mid.zones[0].sites = vec![sulcus_core::tissue::gingiva::Site::Buccal];
+        assert_eq!(rubric("probing").fits(&mid), Ok(()));
+        for (weighs, asks) in [
+            ("probing", "crown"),
+            ("bimanual", "probing"),
+            ("retraction", "crown"),
+            ("crown", "retraction"),
+        ] {
+            let wrong = rubric(weighs).fits(&of(asks)).expect_err("another's");
+            let said = wrong.to_string();
+            assert!(said.contains(&format!("rubric `{weighs}`")), "{said}");
+            assert!(said.contains(&format!("exercise `{asks}`")), "{said}");
+        }
+        assert!(rubric("crown").fits(&Exercise::free("free", 1.0)).is_err());
     }
 }

@@ -118,13 +118,6 @@ pub struct Prescribed {
     pub bleeds: bool,
 }
 
-impl Prescribed {
-    /// Attachment loss: from the cemento-enamel junction to the floor, metres.
-    pub fn attachment_loss(&self) -> f64 {
-        self.depth + self.recession
-    }
-}
-
 impl Gingiva {
     /// The zone of an angle, radians from mesial over buccal.
     pub fn site_at(&self, around: f64) -> Site {

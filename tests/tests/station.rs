@@ -1,0 +1,105 @@
+//! What a station offers: an exercise with its scene and rubric, so that what it records can be graded.
+
+use sulcus_tests::{Ended, Place, Program, Serving};
+
+fn join(place: &Place, server: &Serving, more: &[&str]) -> Ended {
+    let run = [
+        "run",
+        "--server",
+        &server.address,
+        "--ticket",
+        &server.ticket,
+        "--duration",
+        "3",
+        "--json",
+    ];
+    place.run(Program::Client, &[&run[..], more].concat())
+}
+
+/// The two commands of the README: their recording had been one of exercise `free`, which nobody grades.
+#[test]
+fn what_two_commands_record_is_graded() {
+    let place = Place::new();
+    let server = place.serve(&[]);
+    join(&place, &server, &[]).ok();
+    let file = place.recording();
+    let grade = ["grade", file.to_str().expect("plain"), "--json"];
+    let grade = place.run(Program::Sessions, &grade).json();
+    assert_eq!(grade["exercise"], "crown", "{grade}");
+    assert!(grade["score"].as_f64().is_some(), "{grade}");
+    // Who performs something else is told what is offered.
+    join(&place, &server, &["--exercise", "probing"]).refused(&["`probing`", "`crown`"]);
+}
+
+/// An exercise brings its scene; a station that asks for nothing takes whatever is performed.
+#[test]
+fn an_exercise_brings_its_scene_and_a_free_station_takes_any() {
+    for offered in ["probing", "free"] {
+        let place = Place::new();
+        let pocket = concat!(env!("CARGO_MANIFEST_DIR"), "/../server/scenes/pocket.toml");
+        let serve = match offered {
+            "free" => &["--scene", pocket][..],
+            offered => &["--exercise", offered],
+        };
+        let server = place.serve(serve);
+        join(&place, &server, &["--exercise", "probing"]).ok();
+        let file = place.recording();
+        let grade = ["grade", file.to_str().expect("plain"), "--json"];
+        let grade = place.run(Program::Sessions, &grade).json();
+        assert_eq!(grade["exercise"], offered, "{grade}");
+        assert_eq!(grade["gradable"], offered != "free", "{grade}");
+    }
+}
+
+/// A mistyped exercise had been served as one that asks for nothing, and by a rubric that weighs what nobody asked for a session had
+/// 100 points of 100.
+#[test]
+fn what_cannot_be_offered_or_graded_is_refused_at_the_start() {
+    let place = Place::new();
+    let serve = |more: &[&str]| {
+        let serve = ["serve", "--listen", "127.0.0.1:0"];
+        place.run(Program::Server, &[&serve[..], more].concat())
+    };
+    serve(&["--exercise", "bimanaul"]).refused(&["bimanaul", "bimanual", "free"]);
+    let rubric = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sessions/rubrics/probing.toml"
+    );
+    serve(&["--exercise", "free", "--rubric", rubric]).refused(&["--rubric", "free"]);
+    serve(&["--exercise", "crown", "--rubric", rubric]).refused(&[
+        "`probing`",
+        "exercise `crown`",
+        "zones to probe",
+    ]);
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sessions/tests/corpus/hard-wedge.mcap"
+    );
+    let grade = ["grade", file, "--rubric", rubric, "--json"];
+    let grade = place.run(Program::Sessions, &grade);
+    assert_eq!(grade.code, 1, "{grade:#?}");
+    let grade = grade.json();
+    assert_eq!(grade["score"], serde_json::Value::Null, "{grade}");
+    assert_eq!(grade["gradable"], false, "{grade}");
+    assert!(
+        grade["reason"]
+            .as_str()
+            .is_some_and(|why| why.contains("zones to probe")),
+        "{grade}"
+    );
+}
+
+/// An error that named neither the exercise nor how to choose another.
+#[test]
+fn an_exercise_that_a_scene_has_nothing_for_is_named() {
+    let place = Place::new();
+    let crown = concat!(env!("CARGO_MANIFEST_DIR"), "/../server/scenes/crown.toml");
+    place
+        .run(Program::Client, &["demo", "--virtual", "--scene", crown])
+        .refused(&["exercise `bimanual`", "scene `crown`", "--exercise"]);
+    // The cause of an error is said, too.
+    let export = ["info", "absent.mcap"];
+    place
+        .run(Program::Sessions, &export)
+        .refused(&["absent.mcap", "No such file"]);
+}
