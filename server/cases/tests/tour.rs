@@ -160,8 +160,7 @@ fn the_shaft_leans_to_its_own_side_and_never_jumps() {
     );
 }
 
-/// Two patients, all of their teeth, both hands, in virtual time. (The example `patients` measures any number of them: not every
-/// zone of every patient is read within 0.3 mm.)
+/// Two patients, all of their teeth, both hands, in virtual time. (The example `patients` measures any number of them.)
 #[test]
 fn a_good_operator_reaches_every_floor_of_a_whole_mouth_and_is_never_inside_a_tooth() {
     let seeds = [5, 7];

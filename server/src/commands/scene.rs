@@ -24,7 +24,7 @@ pub struct SceneArgs {
 pub enum SceneAction {
     /// Read a scene file, check everything it names, say what it holds.
     ///
-    /// Example: sulcus-server scene check scenes/crown.toml
+    /// Example: sulcus-server scene check server/scenes/crown.toml
     Check {
         /// Scene file (TOML).
         file: PathBuf,
@@ -34,7 +34,7 @@ pub enum SceneAction {
     },
     /// Draw a scene at rest from several sides, as PNG files.
     ///
-    /// Example: sulcus-server scene picture scenes/mouth.toml --out pictures --only tooth --only gingiva
+    /// Example: sulcus-server scene picture server/scenes/mouth.toml --out pictures --only tooth --only gingiva
     Picture {
         /// Scene file (TOML).
         file: PathBuf,
@@ -59,7 +59,7 @@ pub enum SceneAction {
     },
     /// Compile a scene file into the bytes that the server and every recording carry.
     ///
-    /// Example: sulcus-server scene build scenes/crown.toml --out crown.scene
+    /// Example: sulcus-server scene build server/scenes/crown.toml --out crown.scene
     Build {
         /// Scene file (TOML).
         file: PathBuf,
