@@ -283,6 +283,28 @@ fn the_program_writes_the_same_bytes_again_and_pages_that_need_no_network() {
     );
 }
 
+/// The pages and the JSON of a whole class were lost with a table that could not be written, and the cause was not said.
+#[test]
+fn a_table_that_cannot_be_written_takes_nothing_else_with_it() {
+    let place = Place::new();
+    place.session();
+    let args = [
+        "grade",
+        "session.mcap",
+        "--csv",
+        "absent/class.csv",
+        "--html",
+        "pages",
+        "--json",
+    ];
+    let (code, once, said) = place.run(&args);
+    assert_eq!(code, 2);
+    assert!(said.contains("class.csv`: No such file"), "{said}");
+    let object: Value = serde_json::from_str(once.lines().last().unwrap()).unwrap();
+    assert!(object["score"].is_f64(), "{object}");
+    assert!(place.path("pages").join("class.html").exists());
+}
+
 #[test]
 fn modes_ask_for_what_they_need() {
     let place = Place::new();

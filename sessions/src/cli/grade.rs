@@ -136,18 +136,21 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
             Err(error) => {
                 code = 2;
                 complain(&error);
-                objects.push(json!({ "file": file_name(path), "error": error.to_string() }));
+                objects.push(json!({ "file": file_name(path), "error": crate::sentence(&error) }));
             }
         }
     }
     let sessions = sessions(&all);
-    if let Some(path) = &args.csv {
+    let table = args.csv.as_deref().map(|path| {
         let table = csv(&sessions, names.as_ref())?;
-        std::fs::write(path, table)
-            .with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
-    if let Some(folder) = &args.html {
-        pages(folder, &all, &sessions, names.as_ref(), args)?;
+        std::fs::write(path, table).with_context(|| format!("cannot write `{}`", path.display()))
+    });
+    let html = args.html.as_deref();
+    let pages = html.map(|folder| pages(folder, &all, &sessions, names.as_ref(), args));
+    // What cannot be written loses nothing of the rest.
+    for error in [table, pages].into_iter().flatten().filter_map(Result::err) {
+        code = 2;
+        complain(&error);
     }
     if args.json {
         let object = match <[Value; 1]>::try_from(objects) {

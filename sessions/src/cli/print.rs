@@ -64,8 +64,9 @@ impl Tally {
             Err(error) => {
                 self.code = 2;
                 complain(&error);
-                self.objects
-                    .push(json!({"file": path.display().to_string(), "error": error.to_string()}));
+                self.objects.push(
+                    json!({"file": path.display().to_string(), "error": crate::sentence(&error)}),
+                );
             }
         }
         Ok(())
