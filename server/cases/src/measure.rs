@@ -33,6 +33,10 @@ pub struct Measures {
     pub solver_failed: u64,
     /// Tool-ticks with unusable input.
     pub bad_input: u64,
+    /// Tool-ticks in which the tick itself met a number that is not finite, and sent nothing ([`status::FAULT`]).
+    pub faults: u64,
+    /// Ticks in which a number came out that is not finite: in a wrench, raw or sent, or a pose.
+    pub not_finite: u64,
     /// *Residual*: deepest penetration over all leaf pairs on the final, deformed shapes of converged ticks,
     /// metres, by a full query that shares nothing with the tick's. Where an object's spheres are blended
     /// ([`sulcus_core::blend`]) it is that of the blended surface, of whatever seed and with all spheres in
@@ -174,6 +178,7 @@ impl Observer {
             m.rebound = self.sway.rebound;
             m.unrest = self.sway.now;
         }
+        m.not_finite += u64::from(!is_finite(output));
         m.flips += self.bearing.flips(ws);
         let mut in_contact = false;
         let mut trace: [ToolTrace; MAX_TOOLS] = std::array::from_fn(|t| ToolTrace {
@@ -187,6 +192,7 @@ impl Observer {
         for t in 0..scene.tools.len() {
             let (out, now) = (&output.tools[t], &mut trace[t]);
             m.bad_input += u64::from(out.status & status::BAD_INPUT != 0);
+            m.faults += u64::from(out.status & status::FAULT != 0);
             m.solver_failed += u64::from(out.status & status::SOLVER_FAILED != 0);
             in_contact |= out.active > 0;
             m.max_raw_force = m.max_raw_force.max(norm(&out.raw_wrench.force));
@@ -296,6 +302,16 @@ impl Observer {
             ..self.measures
         }
     }
+}
+
+fn is_finite(output: &TickOutput) -> bool {
+    let numbers = output.tools.iter().flat_map(|tool| {
+        let (sent, raw, pose) = (&tool.wrench, &tool.raw_wrench, &tool.graphic);
+        let turned = pose.orientation.coords.xyz();
+        let vectors = [sent.force, sent.torque, raw.force, raw.torque];
+        vectors.into_iter().chain([pose.position, turned])
+    });
+    numbers.flat_map(|v| [v.x, v.y, v.z]).all(f64::is_finite)
 }
 
 /// `G log(q_h q_g^-1)` against the raw wrench, both at the working point: the force relative to the force, the

@@ -73,7 +73,7 @@ pub fn run_at(
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut observer = Observer::new(&scene);
     let mut shown = Shown::NOTHING;
-    let mut margin = f64::INFINITY;
+    let (mut margin, mut last) = (f64::INFINITY, None);
     let ticks = script.duration_s() * (1.0 / scene.tick_s());
     let mut hands = [None; MAX_TOOLS];
     for k in 0..ticks as u64 {
@@ -101,7 +101,11 @@ pub fn run_at(
         });
         observer.observe(&scene, &input, &output, &ws);
         shown = Shown::from(&output);
-        margin = margin.min((case.margin)(&scene, &output));
+        margin = margin.min((case.margin)(
+            &scene,
+            [last.as_ref().unwrap_or(&output), &output],
+        ));
+        last = Some(output);
     }
     let measures = observer.measures();
     let broken = case.bounds.broken(&measures, margin);

@@ -80,8 +80,8 @@ pub struct Case {
     pub driver: Driver,
     /// What happens to the input on its way (lost packets, bad numbers).
     pub disturb: fn(u64, &mut TickInput),
-    /// The case's own margin after a tick, metres; positive where nothing is wrong.
-    pub margin: fn(&Scene, &TickOutput) -> f64,
+    /// The case's own margin, metres, from the tick before (in the first the same) to this one; positive where nothing is wrong.
+    pub margin: fn(&Scene, [&TickOutput; 2]) -> f64,
     /// Seed of the tremor.
     pub seed: u64,
     /// What must hold.
@@ -185,6 +185,8 @@ impl Bounds {
                 "%",
             ),
             most("solver failures", m.solver_failed as f64, 0.0, 1.0, "ticks"),
+            most("faults", m.faults as f64, 0.0, 1.0, "ticks"),
+            most("not finite", m.not_finite as f64, 0.0, 1.0, "ticks"),
             least("margin", margin, self.margin, 1e3, "mm"),
             least(
                 "contact",
@@ -213,7 +215,7 @@ impl Bounds {
 
 fn undisturbed(_: u64, _: &mut TickInput) {}
 
-fn no_margin(_: &Scene, _: &TickOutput) -> f64 {
+fn no_margin(_: &Scene, _: [&TickOutput; 2]) -> f64 {
     f64::INFINITY
 }
 

@@ -1,6 +1,7 @@
 //! Poses made up at random, on every tissue model, with one and two tools, with the tick's solver and with the judge.
 
-use sulcus_cases::fuzz::{ALL, Fuzz, Fuzzed};
+use sulcus_cases::Measures;
+use sulcus_cases::fuzz::{ALL, Fuzz};
 use sulcus_core::Params;
 use sulcus_core::optimise::SolverKind;
 
@@ -14,13 +15,19 @@ fn each(all: u64) -> u64 {
     asked.map_or(all, |n| n.parse().expect("a number of ticks")) / ALL.len() as u64
 }
 
-fn hold(fuzz: &Fuzz, found: &Fuzzed, ticks: u64) {
-    let (m, params) = (&found.measures, Params::default());
-    println!("{}: {found:?}", fuzz.name);
+fn hold(fuzz: &Fuzz, m: &Measures, ticks: u64) {
+    let params = Params::default();
+    println!("{}: {m:?}", fuzz.name);
     let name = fuzz.name;
-    assert_eq!((m.ticks, found.not_finite), (ticks, 0), "{name}");
+    assert_eq!((m.ticks, m.not_finite, m.faults), (ticks, 0, 0), "{name}");
     assert!(m.contact_ticks > ticks / 12, "{name}: {m:?}");
     assert!(m.residual <= 1e-6, "{name}: residual {:e} m", m.residual);
+    // A tick that ran out of passes is done by the next: what does not yield is not entered meanwhile. (Soft tissue, struck by a
+    // leap of centimetres, is by millimetres, and the report says so.)
+    let soft = name.starts_with("tongue");
+    assert!(soft || m.exhausted_residual <= 1e-4, "{name}: {m:?}");
+    assert!(m.exhausted_residual <= 5e-3, "{name}: {m:?}");
+    assert!(m.solver_failed <= ticks / 10_000, "{name}: {m:?}");
     assert!(m.max_force <= params.max_force + 1e-9, "{name}: {m:?}");
     assert!(m.sent_step <= params.max_force_step + 1e-9, "{name}: {m:?}");
     // A force under load follows a slow hand, whatever came before.
@@ -33,7 +40,7 @@ fn a_hundred_thousand_random_poses() {
     for (seed, fuzz) in ALL.iter().enumerate() {
         let found = fuzz.run(seed as u64, ticks, |_| {});
         hold(fuzz, &found, ticks);
-        let bad = found.measures.bad_input;
+        let bad = found.bad_input;
         assert!(bad > ticks / 1000, "{}: {bad}", fuzz.name);
     }
 }

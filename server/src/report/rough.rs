@@ -11,6 +11,8 @@ pub(crate) struct Rough {
     pub(crate) contact_ticks: u64,
     /// Ticks in which a number that is not finite came out.
     pub(crate) not_finite: u64,
+    /// Tool-ticks in which the tick met one itself, and sent nothing.
+    pub(crate) faults: u64,
     pub(crate) bad_input: u64,
     pub(crate) exhausted_ticks: u64,
     pub(crate) solver_failed: u64,
@@ -20,18 +22,27 @@ pub(crate) struct Rough {
     pub(crate) max_force_n: f64,
 }
 
+impl Rough {
+    /// Whether all holds that must.
+    pub(crate) fn holds(&self) -> bool {
+        let finite = self.not_finite == 0 && self.faults == 0;
+        finite && self.residual_um <= 1.0 && self.slow_force_step_n <= 0.02 + 1e-9
+    }
+}
+
 /// Measures them all.
 pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rough> {
     let ticks = if quick { 1_000 } else { 10_000 };
     let rough = ALL.iter().enumerate().map(|(k, fuzz)| {
         progress(fuzz.name, k as f64 / ALL.len() as f64);
         let found = fuzz.run(k as u64, ticks, |_| {});
-        let m = &found.measures;
+        let m = &found;
         Rough {
             scene: fuzz.name,
             ticks: m.ticks,
             contact_ticks: m.contact_ticks,
-            not_finite: found.not_finite,
+            not_finite: m.not_finite,
+            faults: m.faults,
             bad_input: m.bad_input,
             exhausted_ticks: m.exhausted,
             solver_failed: m.solver_failed,

@@ -78,13 +78,16 @@ const GAP: Case = Case {
     about: "pushed from the cheek between two neighbouring teeth, where they touch, at 0.02 m/s: never through",
     scene: two_teeth,
     driver: Driver::Kinematic(|scene| through_contact(scene, 0.02)),
-    // It may slide up over the ridges of the two, not between them: near the plane through the contact it is above.
-    margin: |scene, output| {
+    // It may slide up over the ridges of the two, not between them: where it goes through the plane of the contact it is above.
+    margin: |scene, ticks| {
         let contact = scene.tools[0].park.position - Vec3::new(0.0, 0.0, OVER);
         let tip = Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE);
-        let off = output.tools[0].graphic.transform(&tip) - contact;
-        if off.y.abs() < 3e-4 {
-            off.z
+        let [before, now] = ticks.map(|output| output.tools[0].graphic.transform(&tip) - contact);
+        if before.y * now.y < 0.0 {
+            let share = before.y / (before.y - now.y);
+            before.z + share * (now.z - before.z)
+        } else if now.y.abs() < 3e-4 {
+            now.z
         } else {
             f64::INFINITY
         }

@@ -9,7 +9,7 @@ use super::{Bounds, Case, Driver, SLOW_FORCE_STEP, no_margin, undisturbed};
 use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
 
 /// Height of the graphic tip's centre above the plate's middle: positive while it is not through.
-fn above_plate(_: &Scene, output: &TickOutput) -> f64 {
+fn above_plate(_: &Scene, [_, output]: [&TickOutput; 2]) -> f64 {
     output.tools[0]
         .graphic
         .transform(&Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE))
@@ -17,7 +17,7 @@ fn above_plate(_: &Scene, output: &TickOutput) -> f64 {
 }
 
 /// Height of the lowest of the graphic tool's spheres above the plate's middle.
-pub(super) fn lowest_sphere(scene: &Scene, output: &TickOutput) -> f64 {
+pub(super) fn lowest_sphere(scene: &Scene, [_, output]: [&TickOutput; 2]) -> f64 {
     let tool = &scene.tools[0];
     let height = |node: &sulcus_core::Node| output.tools[0].graphic.transform(&node.centre).z;
     tool.tree
@@ -277,7 +277,7 @@ pub(super) const CASES: &[Case] = &[
             })
         }),
         // Well clear of the face, the graphic tool must be with the hand.
-        margin: |_, output| {
+        margin: |_, [_, output]| {
             let tool = &output.tools[0];
             let at = |pose: &Pose| pose.transform(&Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE));
             let clear = at(&tool.haptic).z > 3e-3 && output.tick > 1300;
