@@ -68,7 +68,12 @@ pub fn run(
     punctual();
     let mut report = LoopReport::default();
     let (mut displayed, mut closed_for, mut was_open) = ([Wrench::ZERO; MAX_TOOLS], 0, false);
-    let period_ns = link.hello().tick_ns;
+    let hello = link.hello();
+    let period_ns = hello.tick_ns;
+    let limits = Limits {
+        force_n: f64::from(hello.max_force_n),
+        torque_nm: f64::from(hello.max_torque_nm),
+    };
     let controller = PassivityParams {
         period_s: period_ns as f64 / 1e9,
         ..PassivityParams::default()
@@ -80,7 +85,7 @@ pub fn run(
         report.interrupted |= interrupt::asked();
         // The end, too, lets the hand go by the slew limit: the loop goes on until nothing is displayed.
         let leaving = report.interrupted || report.periods >= periods || device.is_done();
-        if leaving && report.last_displayed_n == 0.0 {
+        if leaving && is_let_go(&displayed) {
             break;
         }
         sleep_until(grid_ns);
@@ -96,7 +101,7 @@ pub fn run(
         }
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
             let wanted = newest.filter(|_| !leaving).map_or(Wrench::ZERO, |packet| {
-                gated(&packet.datagram.tools[t], gate)
+                gated(&packet.datagram.tools[t], gate, limits)
             });
             // What ends is not damped: it must come to nothing.
             displays[t].next(&wanted, if leaving { 0.0 } else { gate })
@@ -153,7 +158,7 @@ pub fn run(
         closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
         // The gate of a session that has just begun is still rising.
         if closed_for >= GONE_NS / period_ns
-            || !link.is_open() && report.last_displayed_n == 0.0 && gate == 0.0
+            || !link.is_open() && is_let_go(&displayed) && gate == 0.0
         {
             report.server_silent = true;
             break;
@@ -167,11 +172,24 @@ pub fn run(
     report
 }
 
-fn gated(sent: &ToolWrench, gate: f64) -> Wrench {
-    let vector = |v: [f32; 3]| Vec3::from(v.map(f64::from));
+/// Whether nothing is displayed any more: a torque, too, holds a hand.
+fn is_let_go(displayed: &[Wrench; MAX_TOOLS]) -> bool {
+    displayed.iter().all(|wrench| *wrench == Wrench::ZERO)
+}
+
+/// Most that the server says it will ever send.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    force_n: f64,
+    torque_nm: f64,
+}
+
+/// What was sent, within what the server said it would send at most, times the gate.
+fn gated(sent: &ToolWrench, gate: f64, limits: Limits) -> Wrench {
+    let vector = |v: [f32; 3], most: f64| clamped(Vec3::from(v.map(f64::from)), most) * gate;
     let wrench = Wrench {
-        force: vector(sent.wrench.force) * gate,
-        torque: vector(sent.wrench.torque) * gate,
+        force: vector(sent.wrench.force, limits.force_n),
+        torque: vector(sent.wrench.torque, limits.torque_nm),
     };
     // The last door before the hand: what is not finite is not displayed.
     if wrench
@@ -183,6 +201,16 @@ fn gated(sent: &ToolWrench, gate: f64) -> Wrench {
         wrench
     } else {
         Wrench::ZERO
+    }
+}
+
+/// `v`, no longer than `most`, in its own direction.
+fn clamped(v: Vec3, most: f64) -> Vec3 {
+    let length = norm(&v);
+    if length > most {
+        v * (most / length)
+    } else {
+        v
     }
 }
 
@@ -233,5 +261,53 @@ fn punctual() {
             "no real-time scheduling for the device: {}",
             std::io::Error::last_os_error()
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: Limits = Limits {
+        force_n: 3.0,
+        torque_nm: 0.2,
+    };
+
+    fn sent(force: [f32; 3], torque: [f32; 3]) -> ToolWrench {
+        ToolWrench {
+            wrench: WireWrench { force, torque },
+            ..ToolWrench::default()
+        }
+    }
+
+    #[test]
+    fn a_hand_that_still_feels_a_torque_is_not_let_go() {
+        let mut displayed = [Wrench::ZERO; MAX_TOOLS];
+        assert!(is_let_go(&displayed));
+        displayed[1].torque = Vec3::new(0.0, -1e-3, 0.0);
+        assert!(!is_let_go(&displayed));
+        displayed[1] = Wrench {
+            force: Vec3::new(0.0, 0.0, 0.1),
+            torque: Vec3::zeros(),
+        };
+        assert!(!is_let_go(&displayed));
+    }
+
+    #[test]
+    fn a_server_that_sends_a_meganewton_is_felt_at_its_own_limit() {
+        let wrench = gated(&sent([0.0, -1e6, 0.0], [1e6, 0.0, 0.0]), 1.0, LIMITS);
+        assert!(norm(&(wrench.force - Vec3::new(0.0, -3.0, 0.0))) < 1e-12);
+        assert!(norm(&(wrench.torque - Vec3::new(0.2, 0.0, 0.0))) < 1e-12);
+        // The gate takes its share of what may be felt, not of what was sent.
+        let half = gated(&sent([0.0, -1e6, 0.0], [0.0; 3]), 0.5, LIMITS);
+        assert!(norm(&(half.force - Vec3::new(0.0, -1.5, 0.0))) < 1e-12);
+        // What is within the limits stays as it was sent, what is not finite is not displayed.
+        let plain = gated(&sent([1.0, 2.0, -2.0], [0.0, 0.125, 0.0]), 1.0, LIMITS);
+        assert_eq!(plain.force, Vec3::new(1.0, 2.0, -2.0));
+        assert_eq!(plain.torque, Vec3::new(0.0, 0.125, 0.0));
+        for bad in [f32::INFINITY, f32::NAN] {
+            let nothing = gated(&sent([bad, 0.0, 0.0], [0.0; 3]), 1.0, LIMITS);
+            assert_eq!(nothing, Wrench::ZERO);
+        }
     }
 }

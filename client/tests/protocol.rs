@@ -193,3 +193,18 @@ fn a_second_hello_ends_the_session_with_a_sentence() {
         assert!(goodbye.text.contains("protocol"));
     });
 }
+
+#[test]
+fn a_client_in_a_crowd_proves_its_address_and_comes_in() {
+    let station = Station::new();
+    block_on(async {
+        // More than half of the server's 64 slots: silent ones first, then one that speaks.
+        let mut crowd = Vec::new();
+        for _ in 0..40 {
+            crowd.push(Raw::connect(&station).await);
+        }
+        let mut raw = Raw::connect(&station).await;
+        raw.say(&hello(&station)).await;
+        assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
+    });
+}

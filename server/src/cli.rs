@@ -50,6 +50,8 @@ where
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        // A terminal that has hung up takes no complaint either: the thread that logs would panic.
+        .log_internal_errors(false)
         // No colour codes in a file or a journal.
         .with_ansi(std::io::stderr().is_terminal())
         .try_init();

@@ -6,19 +6,27 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustix::event::{EventfdFlags, eventfd};
+use sulcus_core::Params;
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
 use tokio::io::Interest;
 use tokio::io::unix::AsyncFd;
 
 /// Slots in the ring of edges.
 pub(crate) const EDGES: usize = 64;
-/// Slots in the recorder's queue: four seconds of ticks.
-pub(crate) const ROWS: usize = 4096;
+/// Slots in the recorder's queue at least.
+const LEAST_ROWS: usize = 4096;
+/// What the recorder's queue holds, seconds of ticks.
+const QUEUED_S: f64 = 4.0;
+/// Slots in the recorder's queue at the scene's rate, rounded up: looks, shapes and snapshots go with the ticks.
+pub(crate) fn rows(params: &Params) -> usize {
+    let ticks = params.ticks_in(QUEUED_S) as usize;
+    ticks.next_power_of_two().max(LEAST_ROWS)
+}
 /// State snapshot buffers that go round.
 pub(crate) const SNAPSHOTS: usize = 3;
-/// Looks on their way: as many as the queue of rows can hold.
-pub(crate) fn looks(every: u64) -> usize {
-    ROWS / every.max(1) as usize + 1
+/// Looks on their way: as many as a queue of so many rows can hold.
+pub(crate) fn looks(rows: usize, every: u64) -> usize {
+    rows / every.max(1) as usize + 1
 }
 /// Shapes for viewers on their way: a quarter of a second's. Where none is left, a frame is left out, and the next one is not.
 pub(crate) const SHAPES: usize = 16;
@@ -103,5 +111,25 @@ impl Flags {
     }
     pub fn is_up(flag: &AtomicBool) -> bool {
         flag.load(Ordering::Acquire)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_recorders_queue_holds_four_seconds_at_any_rate() {
+        for (rate_hz, slots) in [(250, 4096), (1000, 4096), (2000, 8192), (8000, 32_768)] {
+            let params = Params {
+                rate_hz,
+                ..Params::default()
+            };
+            assert_eq!(rows(&params), slots, "{rate_hz} Hz");
+            assert!(slots >= 4 * usize::from(rate_hz));
+            // A look every twentieth of a second, as the exercises need it.
+            let every = params.ticks_in(0.05);
+            assert!(looks(slots, every) >= 80, "{rate_hz} Hz");
+        }
     }
 }

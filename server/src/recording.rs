@@ -20,7 +20,7 @@ use crate::ServerConfig;
 use crate::handoff::{Bell, Flags};
 use crate::realtime::unix_ns;
 
-/// How often the queue is emptied. It holds four seconds; the recorder itself flushes every 100 ms
+/// How often the queue is emptied. It holds four seconds at any rate; the recorder itself flushes every 100 ms
 /// of record time.
 const POLL: Duration = Duration::from_millis(5);
 
@@ -201,6 +201,21 @@ pub(crate) fn spawn(
         .spawn(move || thread.run(file_name))
 }
 
+/// Tells the network when the thread panics: the session must not go on unrecorded.
+struct Alarm {
+    flags: Arc<Flags>,
+    bell: Bell,
+}
+
+impl Drop for Alarm {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            Flags::raise(&self.flags.record_failed);
+            self.bell.ring();
+        }
+    }
+}
+
 struct Thread {
     recorder: Recorder,
     narrator: Narrator,
@@ -219,6 +234,11 @@ struct Thread {
 
 impl Thread {
     fn run(mut self, file_name: String) -> Report {
+        // Dropped before the recorder, which may wait for the disk.
+        let _alarm = Alarm {
+            flags: self.flags.clone(),
+            bell: self.bell.clone(),
+        };
         let end = loop {
             self.drain();
             match self.network.try_recv() {
@@ -409,5 +429,32 @@ mod tests {
         assert!(report.error.expect("an error").contains("in order"));
         let recording = sulcus_sessions::Recording::open(&path).expect("readable");
         assert_eq!(recording.facts().rows, 2);
+    }
+
+    #[test]
+    fn a_recorder_that_panics_is_told_at_once() {
+        let (flags, bell) = (Arc::new(Flags::default()), Bell::new().expect("eventfd"));
+        let alarm = || Alarm {
+            flags: flags.clone(),
+            bell: bell.clone(),
+        };
+        drop(alarm());
+        assert!(!Flags::is_up(&flags.record_failed), "nothing happened");
+        let alarm = alarm();
+        let thread: JoinHandle<()> = std::thread::spawn(move || {
+            let _alarm = alarm;
+            panic!("a recorder that panics");
+        });
+        assert!(thread.join().is_err());
+        assert!(Flags::is_up(&flags.record_failed));
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .expect("runtime");
+        runtime.block_on(async {
+            let heard = bell.listen().expect("registered");
+            let rung = tokio::time::timeout(Duration::from_secs(5), heard.readable());
+            assert!(rung.await.expect("rung").is_ok());
+        });
     }
 }

@@ -14,7 +14,7 @@ use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
 use crate::handoff::{
-    Bell, EDGES, Edge, Flags, PoseIn, ROWS, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for,
+    Bell, EDGES, Edge, Flags, PoseIn, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
 };
 use crate::metrics::Metrics;
 use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
@@ -52,7 +52,7 @@ impl Events {
 
     fn push(&mut self, event: Event) {
         let bytes = self.bytes + event.kind.len() + event.json.len();
-        // A recorder that is gone has raised its flag.
+        // A recorder that is gone has raised its flag, by its alarm if it panicked.
         if bytes <= EVENT_BYTES && self.to_recorder.try_send(FromNetwork::Event(event)).is_ok() {
             self.bytes = bytes;
             return;
@@ -94,12 +94,13 @@ impl Running {
             let (poses, poses_out) = triple_buffer(&None);
             let (wrenches_in, wrenches) = triple_buffer(&WrenchOut::default());
             let (edges, edges_out) = RingBuffer::new(EDGES);
-            let (entries, entries_out) = RingBuffer::new(ROWS);
+            let rows = rows(&config.scene.params);
+            let (entries, entries_out) = RingBuffer::new(rows);
             let (mut snapshots, buffers_out) = RingBuffer::new(SNAPSHOTS);
             let bytes = State::most_bytes(&config.scene);
             while snapshots.push(Vec::with_capacity(bytes)).is_ok() {}
             let look = recorder.narrator().look().clone();
-            let (mut looks, looks_out) = RingBuffer::new(looks_for(look.every()));
+            let (mut looks, looks_out) = RingBuffer::new(looks_for(rows, look.every()));
             while looks.push(vec![Vec3::zeros(); look.len()]).is_ok() {}
             let sampler = recorder.sampler();
             let (mut shapes, shapes_out) = RingBuffer::new(SHAPES);

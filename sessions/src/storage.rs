@@ -20,7 +20,7 @@ pub(crate) trait Storage: Send {
     /// Asks that what was written reach the disk, without waiting for it; reports an earlier
     /// request's failure.
     fn request_sync(&mut self) -> io::Result<()>;
-    /// Waits until everything reached the disk.
+    /// Waits until everything reached the disk, at the end; reports an earlier request's failure, too.
     fn sync(&mut self) -> io::Result<()>;
 }
 
@@ -35,6 +35,14 @@ pub(crate) struct FileStorage {
 
 impl FileStorage {
     pub fn new(file: File) -> io::Result<Self> {
+        Self::synced_by(file, File::sync_data)
+    }
+
+    /// With what brings the bytes to the disk in the background.
+    fn synced_by(
+        file: File,
+        sync: impl Fn(&File) -> io::Result<()> + Send + 'static,
+    ) -> io::Result<Self> {
         let copy = file.try_clone()?;
         let failed = Arc::new(AtomicBool::new(false));
         let (requests, inbox) = sync_channel(1);
@@ -43,7 +51,7 @@ impl FileStorage {
             .name("sulcus-sync".to_owned())
             .spawn(move || {
                 while inbox.recv().is_ok() {
-                    if copy.sync_data().is_err() {
+                    if sync(&copy).is_err() {
                         flag.store(true, Ordering::Relaxed);
                     }
                 }
@@ -54,6 +62,21 @@ impl FileStorage {
             failed,
             thread: Some(thread),
         })
+    }
+
+    /// Waits until all requests were served and the thread has ended.
+    fn end_thread(&mut self) {
+        self.requests = None;
+        if let Some(Err(_)) = self.thread.take().map(JoinHandle::join) {
+            self.failed.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn earlier(&self) -> io::Result<()> {
+        if self.failed.load(Ordering::Relaxed) {
+            return Err(io::Error::other("an earlier sync to disk failed"));
+        }
+        Ok(())
     }
 }
 
@@ -67,9 +90,7 @@ impl Storage for FileStorage {
     }
 
     fn request_sync(&mut self) -> io::Result<()> {
-        if self.failed.load(Ordering::Relaxed) {
-            return Err(io::Error::other("an earlier sync to disk failed"));
-        }
+        self.earlier()?;
         if let Some(requests) = &self.requests {
             // Full: one is waiting already, and will cover these bytes too.
             let _ = requests.try_send(());
@@ -78,17 +99,16 @@ impl Storage for FileStorage {
     }
 
     fn sync(&mut self) -> io::Result<()> {
-        self.request_sync()?;
-        self.file.sync_all()
+        // The system tells of a failure once: should the thread be the one that hears of it, the sync here succeeds.
+        self.end_thread();
+        self.file.sync_all()?;
+        self.earlier()
     }
 }
 
 impl Drop for FileStorage {
     fn drop(&mut self) {
-        self.requests = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        self.end_thread();
     }
 }
 

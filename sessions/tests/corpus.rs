@@ -140,7 +140,8 @@ fn recordings_of_former_versions_are_migrated_and_graded() {
             differ += u32::from(!report.identical);
         }
         assert!(
-            differ >= 1 && graded >= 2,
+            // (A scene cut down for its size has not what `retraction` asks for, and so no grade.)
+            differ >= 1 && graded >= 1,
             "{of}: {differ} differ, {graded} are graded"
         );
     }

@@ -1,17 +1,24 @@
-//! Ends that are not the plain end: Ctrl-C, the server's time limit. Nothing good is lost.
+//! Ends that are not the plain end: Ctrl-C, a terminal that is gone, the server's time limit. Nothing good is lost.
 
+use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use sulcus_tests::{Ended, Place, Program};
+use sulcus_tests::{Ended, Place, Program, Serving};
 
-/// Sends SIGINT, as Ctrl-C does.
-fn interrupt(process: u32) {
+/// Sends a signal.
+fn send(signal: &str, process: u32) {
     let sent = Command::new("kill")
-        .args(["-INT", &process.to_string()])
+        .args([signal, &process.to_string()])
         .status()
         .expect("kill runs");
     assert!(sent.success());
+}
+
+/// Sends SIGINT, as Ctrl-C does.
+fn interrupt(process: u32) {
+    send("-INT", process);
 }
 
 #[test]
@@ -76,6 +83,48 @@ fn an_interrupted_client_lets_the_hand_go_before_it_leaves() {
         "{said}"
     );
     assert_eq!(said["session"]["end"], "stopped", "{said}");
+}
+
+#[test]
+fn a_server_whose_terminal_hangs_up_leaves_a_finished_gradable_recording() {
+    let (server, _) = (Program::Server.path(), Program::Client.path());
+    let place = Place::new();
+    // (Where the tests run under `nohup`, hang-ups are ignored: not here.)
+    let mut process = place
+        .command(Path::new("env"))
+        .arg("--default-signal=HUP")
+        .arg(server)
+        .args(["serve", "--listen", "127.0.0.1:0", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the server starts");
+    let mut first = String::new();
+    BufReader::new(process.stdout.take().expect("piped"))
+        .read_line(&mut first)
+        .expect("a first line");
+    // A terminal that is gone takes no words either.
+    drop(process.stderr.take());
+    let said: serde_json::Value = serde_json::from_str(&first).expect("JSON");
+    let text = |field: &str| said[field].as_str().expect("text").to_owned();
+    let mut server = Serving {
+        address: text("address"),
+        ticket: text("ticket"),
+        process,
+    };
+    let session = place.join(&server);
+    std::thread::sleep(Duration::from_secs(3));
+    send("-HUP", server.process.id());
+    let ended = Ended::new(session.wait_with_output().expect("it ends"));
+    let said = ended.json();
+    assert_eq!(said["session"]["end"], "shutdown", "{said}");
+    assert!(server.process.wait().expect("it ends").success());
+    let file = place.recording();
+    let replay = place.run(
+        Program::Sessions,
+        &["replay", "--json", file.to_str().expect("plain")],
+    );
+    assert_eq!(replay.ok().json()["gradable"], true);
 }
 
 #[test]

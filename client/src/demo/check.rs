@@ -142,7 +142,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         tally,
         calls: called
             .iter()
-            .filter_map(|call| Called::of(call, &scene))
+            .filter_map(|(_, call)| Called::of(call, &scene))
             .collect(),
         grade: grade.transpose()?.map(|graded| graded.grade),
         yields: scene.yields(),

@@ -38,6 +38,16 @@ pub enum LinkError {
     /// The server broke the protocol.
     #[error("the server does not speak this protocol: {0}")]
     Protocol(#[from] CodecError),
+    /// The server's hello holds a value that no device can keep to.
+    #[error("the server's hello has {field} {found}, expected {expected}")]
+    BadHello {
+        /// Field of the hello.
+        field: &'static str,
+        /// Value found.
+        found: String,
+        /// Values expected.
+        expected: &'static str,
+    },
     /// The connection was lost.
     #[error("the connection to the server was lost: {0}")]
     Lost(String),
@@ -49,8 +59,37 @@ pub enum LinkError {
     System(String),
 }
 
+impl LinkError {
+    /// The connection was lost, in words that may be the other side's: they stay on one line.
+    pub(super) fn lost(error: &impl std::fmt::Display) -> Self {
+        let mut text = String::new();
+        for c in error.to_string().chars() {
+            if c.is_control() {
+                text.extend(c.escape_default());
+            } else {
+                text.push(c);
+            }
+        }
+        Self::Lost(text)
+    }
+}
+
 impl From<std::io::Error> for LinkError {
     fn from(error: std::io::Error) -> Self {
         Self::System(error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peers_reason_with_newlines_stays_on_one_line() {
+        let error = LinkError::lost(&"closed: it's\nERROR \u{1b}[2Jall is well");
+        assert_eq!(
+            error,
+            LinkError::Lost("closed: it's\\nERROR \\u{1b}[2Jall is well".into())
+        );
     }
 }

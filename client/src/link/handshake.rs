@@ -54,7 +54,7 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
         }
         explain(error, config.server)
     })?;
-    let lost = |error: ConnectionError| LinkError::Lost(error.to_string());
+    let lost = |error: ConnectionError| LinkError::lost(&error);
     let (mut send, mut recv) = connection.open_bi().await.map_err(lost)?;
     let hello = ClientMessage::Hello(ClientHello {
         program: env!("CARGO_PKG_VERSION").to_owned(),
@@ -68,13 +68,16 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
         Ok(ServerMessage::Hello(hello)) if !TICKS_NS.contains(&hello.tick_ns) => {
             Err(CodecError::NotCanonical("the server's tick is not one of 0.1 to 10 ms").into())
         }
-        Ok(ServerMessage::Hello(hello)) => Ok(Welcome {
-            endpoint,
-            connection,
-            send,
-            recv,
-            hello,
-        }),
+        Ok(ServerMessage::Hello(hello)) => {
+            limited(&hello)?;
+            Ok(Welcome {
+                endpoint,
+                connection,
+                send,
+                recv,
+                hello,
+            })
+        }
         Ok(ServerMessage::Refused(refused)) => Err(turned_away(refused)),
         Ok(_) => Err(CodecError::NotCanonical(
             "the server's first message is neither hello nor refusal",
@@ -85,6 +88,24 @@ async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
         )),
         Err(error) => Err(error),
     }
+}
+
+/// Whether the hello says what will be sent at most: the device displays no more than that.
+fn limited(hello: &ServerHello) -> Result<(), LinkError> {
+    let limits = [
+        ("max_force_n", hello.max_force_n),
+        ("max_torque_nm", hello.max_torque_nm),
+    ];
+    for (field, found) in limits {
+        if !found.is_finite() || found <= 0.0 {
+            return Err(LinkError::BadHello {
+                field,
+                found: found.to_string(),
+                expected: "a finite number above 0",
+            });
+        }
+    }
+    Ok(())
 }
 
 fn turned_away(Refused { reason, text }: Refused) -> LinkError {
@@ -111,6 +132,40 @@ fn explain(error: ConnectionError, server: SocketAddr) -> LinkError {
                 "the server speaks another one; install the same release on both".into(),
             )
         }
-        other => LinkError::Lost(other.to_string()),
+        other => LinkError::lost(&other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hello_without_limits_is_refused_by_field_and_value() {
+        let hello = |max_force_n, max_torque_nm| ServerHello {
+            program: String::new(),
+            epoch: 1,
+            tick_ns: 1_000_000,
+            scene: String::new(),
+            scene_hash: [0; 32],
+            exercise: String::new(),
+            exercise_text: String::new(),
+            seed: 0,
+            max_force_n,
+            max_torque_nm,
+            tools: Vec::new(),
+        };
+        assert_eq!(limited(&hello(3.3, 0.2)), Ok(()));
+        for (force, torque, said) in [
+            (f32::NAN, 0.2, "max_force_n NaN"),
+            (f32::INFINITY, 0.2, "max_force_n inf"),
+            (0.0, 0.2, "max_force_n 0"),
+            (3.3, -1.0, "max_torque_nm -1"),
+        ] {
+            let error = limited(&hello(force, torque)).expect_err("refused");
+            let expected =
+                format!("the server's hello has {said}, expected a finite number above 0");
+            assert_eq!(error.to_string(), expected);
+        }
     }
 }

@@ -60,8 +60,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
     if args.json {
         println!("{json}");
     }
-    let broken = found.rows.iter().any(|row| row.status == "broken");
-    Ok(u8::from(broken))
+    Ok(u8::from(!report::failures(&found).is_empty()))
 }
 
 /// Reads what the bench against other engines wrote.

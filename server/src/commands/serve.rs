@@ -1,5 +1,6 @@
 //! `sulcus-server serve`: one station until Ctrl-C.
 
+use std::io::Write;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use sulcus_proto::SessionSummary;
 use sulcus_proto::ticket::hex;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
 use sulcus_sessions::{Events, Rubric};
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use super::scene::Narrator;
 use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerHandle};
@@ -127,7 +128,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     }
     announce(&server, &scene_name, &exercise_name, args.json);
     wait_for_signal(&server)?;
-    eprintln!("ending the session, if one runs ...");
+    say("ending the session, if one runs ...");
     server.shutdown();
     let sessions = server.join()?;
     Ok(report(&sessions, args))
@@ -278,7 +279,34 @@ fn announce(server: &ServerHandle, scene: &str, exercise: &str, json: bool) {
     }
 }
 
-/// Returns on Ctrl-C, on SIGTERM (containers), or when the server has ended by itself.
+/// A line on standard error, where that can still be written: a terminal that has hung up must not end the program before
+/// its recording is finished.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Whether the program was started to outlive its terminal (`nohup`).
+fn ignores_hang_ups() -> bool {
+    // SAFETY: zeroes are a valid `sigaction`; without a new action the call only fills in the present one.
+    let (result, present) = unsafe {
+        let mut present: libc::sigaction = std::mem::zeroed();
+        let result = libc::sigaction(libc::SIGHUP, std::ptr::null(), &mut present);
+        (result, present)
+    };
+    result == 0 && present.sa_sigaction == libc::SIG_IGN
+}
+
+/// Returns when the terminal hangs up; never where that is ignored.
+async fn hung_up(signal: &mut Option<Signal>) {
+    match signal {
+        Some(signal) => {
+            signal.recv().await;
+        }
+        None => std::future::pending().await,
+    }
+}
+
+/// Returns on Ctrl-C, on SIGTERM (containers), on SIGHUP (the terminal is gone), or when the server has ended by itself.
 fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -286,10 +314,16 @@ fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
     runtime.block_on(async {
         let mut terminate = signal(SignalKind::terminate())?;
         let mut interrupt = signal(SignalKind::interrupt())?;
+        let mut hang_up = if ignores_hang_ups() {
+            None
+        } else {
+            Some(signal(SignalKind::hangup())?)
+        };
         loop {
             tokio::select! {
                 _ = interrupt.recv() => return Ok(()),
                 _ = terminate.recv() => return Ok(()),
+                () = hung_up(&mut hang_up) => return Ok(()),
                 () = tokio::time::sleep(Duration::from_millis(500)) => {
                     if server.is_finished() {
                         return Ok(());
@@ -302,7 +336,7 @@ fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
 
 fn report(sessions: &[SessionSummary], args: &ServeArgs) -> u8 {
     for session in sessions {
-        eprintln!(
+        say(&format!(
             "{}: {} ticks, {} missed, tick p50 {:.0} us, p99.9 {:.0} us, largest force {:.2} N{}",
             args.recordings.join(&session.recording).display(),
             session.ticks,
@@ -315,10 +349,11 @@ fn report(sessions: &[SessionSummary], args: &ServeArgs) -> u8 {
             } else {
                 ", NOT COMPLETE"
             },
-        );
+        ));
     }
     if args.json {
-        println!("{}", json!({ "sessions": sessions }));
+        // As on standard error: whoever listened may be gone.
+        let _ = writeln!(std::io::stdout(), "{}", json!({ "sessions": sessions }));
     }
     u8::from(sessions.iter().any(|session| !session.complete))
 }

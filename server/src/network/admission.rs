@@ -193,5 +193,11 @@ fn server_hello(shared: &Shared, epoch: u32) -> ServerHello {
 
 /// Text of a client, fit for a log line or a message.
 fn clean(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(64).collect()
+    printable(text, 64)
+}
+
+/// Text that a peer had a hand in, on one line of so many characters at most.
+pub(super) fn printable(text: &str, most: usize) -> String {
+    let plain = text.chars().filter(|c| !c.is_control());
+    plain.take(most).collect()
 }

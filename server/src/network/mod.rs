@@ -68,6 +68,11 @@ const FAREWELL: Duration = Duration::from_secs(10);
 const FINISHING: Duration = Duration::from_secs(20);
 /// Connections being served at once, refused ones included.
 const CONNECTIONS: usize = 64;
+/// As many, and whoever comes next proves first that it is where its packets say: senders that lie about it must not
+/// take all slots.
+const CROWD: usize = CONNECTIONS / 2;
+/// Characters of an error, which may quote a peer, in a log line.
+const ERROR_CHARACTERS: usize = 256;
 
 /// Serves until the phase says otherwise; returns the sessions served.
 pub(crate) async fn serve(
@@ -88,10 +93,14 @@ pub(crate) async fn serve(
             _ = phase.changed() => {}
             Some(_) = connections.join_next() => {}
             incoming = endpoint.accept() => match incoming {
-                Some(incoming) if connections.len() < CONNECTIONS => {
-                    connections.spawn(connection(incoming, shared.clone()));
-                }
-                Some(incoming) => incoming.refuse(),
+                Some(incoming) => match answer(connections.len(), incoming.remote_address_validated()) {
+                    Answer::Serve => {
+                        connections.spawn(connection(incoming, shared.clone()));
+                    }
+                    // Fails only for an address that is proven.
+                    Answer::Retry => drop(incoming.retry()),
+                    Answer::Refuse => incoming.refuse(),
+                },
                 None => break,
             },
         }
@@ -117,6 +126,25 @@ pub(crate) async fn serve(
     Ok(std::mem::take(&mut station.summaries))
 }
 
+/// What becomes of a first packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Answer {
+    Serve,
+    /// Come again with a token that only the true owner of the address receives; costs no slot.
+    Retry,
+    Refuse,
+}
+
+fn answer(served: usize, proven: bool) -> Answer {
+    if served >= CONNECTIONS {
+        Answer::Refuse
+    } else if served >= CROWD && !proven {
+        Answer::Retry
+    } else {
+        Answer::Serve
+    }
+}
+
 /// Waits until all connections have ended, at most this long; whether they have.
 async fn all_ended(connections: &mut JoinSet<()>, limit: Duration) -> bool {
     let all = async { while connections.join_next().await.is_some() {} };
@@ -127,7 +155,10 @@ async fn connection(incoming: quinn::Incoming, shared: Arc<Shared>) {
     let from = incoming.remote_address();
     match tokio::time::timeout(HELLO, incoming).await {
         Ok(Ok(connection)) => admission::admit(connection, shared).await,
-        Ok(Err(error)) => tracing::info!("connection from {from} failed: {error}"),
+        Ok(Err(error)) => {
+            let why = admission::printable(&error.to_string(), ERROR_CHARACTERS);
+            tracing::info!("connection from {from} failed: {why}");
+        }
         Err(_) => tracing::info!("connection from {from} failed: the handshake takes too long"),
     }
 }
@@ -136,4 +167,28 @@ async fn connection(incoming: quinn::Incoming, shared: Arc<Shared>) {
 async fn close_after_last_word(connection: &Connection, code: VarInt, why: &[u8]) {
     let _ = tokio::time::timeout(LAST_WORD, connection.closed()).await;
     connection.close(code, why);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spoofed_addresses_take_half_of_the_slots_at_most() {
+        assert_eq!(answer(0, false), Answer::Serve);
+        assert_eq!(answer(CROWD - 1, false), Answer::Serve);
+        assert_eq!(answer(CROWD, false), Answer::Retry);
+        assert_eq!(answer(CROWD, true), Answer::Serve);
+        assert_eq!(answer(CONNECTIONS - 1, true), Answer::Serve);
+        assert_eq!(answer(CONNECTIONS, true), Answer::Refuse);
+        assert_eq!(answer(CONNECTIONS, false), Answer::Refuse);
+    }
+
+    #[test]
+    fn a_peers_reason_with_newlines_stays_on_its_log_line() {
+        let why = admission::printable("aborted: \r\n\u{1b}[2Jit is fine", ERROR_CHARACTERS);
+        assert_eq!(why, "aborted: [2Jit is fine");
+        let long = admission::printable(&"x".repeat(10_000), ERROR_CHARACTERS);
+        assert_eq!(long.len(), ERROR_CHARACTERS);
+    }
 }

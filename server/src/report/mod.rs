@@ -21,7 +21,7 @@ use serde::Serialize;
 use sulcus_cases::one_dof;
 
 pub(crate) use growth::{Growth, Line};
-pub(crate) use loops::{Loop, Loops};
+pub(crate) use loops::{FELT_MJ, Loop, Loops};
 pub(crate) use machine::Machine;
 pub(crate) use mouth::{Level, Mouth, SHARES};
 pub(crate) use printed::Beside;

@@ -32,6 +32,8 @@ pub(crate) struct Row {
     /// Of hands at up to 0.2 m/s.
     pub(crate) slow_force_step_n: f64,
     pub(crate) energy_mj: f64,
+    /// How far from going through it was; none where there is nothing to go through.
+    pub(crate) margin_mm: Option<f64>,
     pub(crate) exhausted_ticks: u64,
     pub(crate) settling_ticks: u64,
     pub(crate) contact_ticks: u64,
@@ -203,6 +205,7 @@ pub(crate) fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -
         force_step_n: m.force_step,
         slow_force_step_n: m.slow_force_step,
         energy_mj: m.energy * 1e3,
+        margin_mm: report.margin.is_finite().then_some(report.margin * 1e3),
         exhausted_ticks: m.exhausted,
         settling_ticks: m.settling,
         contact_ticks: m.contact_ticks,

@@ -14,6 +14,7 @@ use super::print::{at, complain, object, say};
 use crate::grade::class::{Session, csv, number_attempts};
 use crate::grade::names::Names;
 use crate::grade::page::{Look, Numbering, class_page, student_page};
+use crate::grade::report::Source;
 use crate::grade::revision::{Revision, Sidecar};
 use crate::grade::{Graded, Options, Rubric, grade};
 use crate::key::PublicKey;
@@ -203,6 +204,19 @@ fn one(path: &Path, args: &GradeArgs, options: &Options) -> anyhow::Result<One> 
     let graded = grade(&recording, options, &mut |ticks| bar.set_position(ticks));
     bar.finish_and_clear();
     let graded = graded.map_err(|error| at(path, &error))?;
+    let used = graded.grade.rubric.as_ref().map(|used| used.source);
+    if args.mode == Mode::Exam && used.is_some_and(|source| source != Source::Recording) {
+        bail!(
+            "{}: holds no rubric, expected its own in an exam",
+            path.display()
+        );
+    }
+    if args.revise.is_some() && args.passed.is_none() && graded.grade.pass_mark.is_none() {
+        bail!(
+            "{}: --passed is missing, expected where the recording has no rubric with a pass mark",
+            path.display()
+        );
+    }
     let sidecar = match args.revise {
         Some(score) => {
             let given = |text: &Option<String>| text.clone().unwrap_or_default();
@@ -284,6 +298,14 @@ fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
 
 fn json(path: &Path, one: &One, mode: Mode) -> Value {
     let mut json = object(one.graded.grade.to_json());
+    if mode == Mode::Exam {
+        json.remove("advice");
+        let sites = json.get_mut("sites").and_then(Value::as_array_mut);
+        for site in sites.into_iter().flatten().filter_map(Value::as_object_mut) {
+            site.remove("truth_mm");
+            site.remove("recession_truth_mm");
+        }
+    }
     json.insert("file".into(), json!(file_name(path)));
     json.insert("mode".into(), json!(mode.name()));
     json.insert("self_score".into(), json!(one.self_score));

@@ -1,7 +1,9 @@
 //! What to practise next: where most points were lost, with the zones that show it.
 
 use super::definitions;
+use super::rubric::Settings;
 use super::sites::{Finding, SiteGrade};
+use super::values::FORGIVEN;
 use super::{Advice, MetricGrade};
 
 /// Most pieces of advice that are given: more are not heard.
@@ -12,7 +14,7 @@ const GOOD: f64 = 80.0;
 const MOST_ZONES: usize = 3;
 
 /// The advice of a session, the dearest first.
-pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade]) -> Vec<Advice> {
+pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade], set: &Settings) -> Vec<Advice> {
     let mut lost: Vec<(f64, &MetricGrade)> = metrics
         .iter()
         .filter_map(|metric| {
@@ -31,14 +33,14 @@ pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade]) -> Vec<Advice> {
                 metric: metric.name,
                 title: metric.title,
                 text: known.into(),
-                sites: shown_by(metric.name, sites),
+                sites: shown_by(metric.name, sites, set),
             }
         })
         .collect()
 }
 
 /// The zones that show a weakness, in words.
-fn shown_by(metric: &str, sites: &[SiteGrade]) -> Vec<String> {
+fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<String> {
     let number = |x: Option<f64>| x.map_or("nothing".into(), |x| format!("{x:.1} mm"));
     let of = |site: &SiteGrade| -> Option<String> {
         let called = site
@@ -65,18 +67,20 @@ fn shown_by(metric: &str, sites: &[SiteGrade]) -> Vec<String> {
                 format!("{called}, {way}: {}", site.finding.words())
             }
             "touches_too_heavy" | "trauma_events" => {
-                let force = site.max_force_n.filter(|force| *force > 0.3)?;
+                let heavy = set.force_n[1] + FORGIVEN;
+                let force = site.max_force_n.filter(|force| *force > heavy)?;
                 format!("up to {force:.2} N")
             }
             "touches_too_light" => {
-                let force = site.max_force_n.filter(|force| *force < 0.1)?;
+                let force = site.max_force_n.filter(|force| *force < set.force_n[0])?;
                 format!("{force:.2} N at most")
             }
             "angle_mid" if !site.site.is_proximal() && site.tilt_right == Some(false) => {
                 format!("{:.0} degrees off the axis", site.tilt_deg?)
             }
             "angle_proximal" if site.site.is_proximal() && site.tilt_right == Some(false) => {
-                format!("{:.0} degrees into the col", site.into_col_deg?)
+                let (into, all) = (site.into_col_deg?, site.tilt_deg?);
+                format!("{all:.0} degrees off the axis, {into:.0} of them into the col")
             }
             "bleeding_agreement" if site.bleeding_called.is_some_and(|said| said != site.bled) => {
                 if site.bled { "bled" } else { "did not bleed" }.to_owned()
@@ -85,6 +89,11 @@ fn shown_by(metric: &str, sites: &[SiteGrade]) -> Vec<String> {
         };
         Some(format!("{} {}: {says}", site.tooth, site.site.name()))
     };
-    let asked = sites.iter().filter(|site| site.asked);
-    asked.filter_map(of).take(MOST_ZONES).collect()
+    let mut asked: Vec<&SiteGrade> = sites.iter().filter(|site| site.asked).collect();
+    if matches!(metric, "touches_too_heavy" | "trauma_events") {
+        // The heaviest first: they are what it is about.
+        let force = |site: &SiteGrade| site.max_force_n.unwrap_or_default();
+        asked.sort_by(|a, b| force(b).total_cmp(&force(a)));
+    }
+    asked.into_iter().filter_map(of).take(MOST_ZONES).collect()
 }

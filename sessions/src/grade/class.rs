@@ -72,13 +72,18 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
         "exercise",
         "attempt",
         "started_unix_ns",
+        "rubric",
         "rubric_version",
+        "rubric_source",
         "migrated_from_format",
         "gradable",
+        "reason",
         "score",
         "passed",
         "self_score",
         "revised_score",
+        "revised_passed",
+        "revised_at",
         "revised_by",
         "revised_reason",
     ]);
@@ -87,6 +92,7 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
     let number = |x: Option<f64>| x.map_or(String::new(), |x| x.to_string());
     for session in sessions {
         let grade = &session.grade;
+        let used = grade.rubric.as_ref();
         let latest = session.sidecar.as_ref().and_then(Sidecar::latest);
         let mut row = vec![plain(&session.file), plain(&grade.learner_id)];
         row.extend(names.map(|names| plain(names.of(&grade.learner_id).unwrap_or(""))));
@@ -94,21 +100,23 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
             plain(&grade.exercise),
             session.attempt.to_string(),
             grade.started_unix_ns.to_string(),
-            grade
-                .rubric
-                .as_ref()
-                .map_or(String::new(), |used| used.version.to_string()),
+            used.map_or(String::new(), |used| plain(&used.name)),
+            used.map_or(String::new(), |used| used.version.to_string()),
+            used.map_or(String::new(), |used| used.source.words().to_owned()),
             grade
                 .migrated
                 .as_ref()
                 .map_or(String::new(), |migrated| migrated.migration.from.to_owned()),
             grade.gradable.to_string(),
+            grade.reason.as_deref().map_or(String::new(), plain),
             number(grade.score),
             grade
                 .passed
                 .map_or(String::new(), |passed| passed.to_string()),
             number(session.self_score),
             number(latest.map(|said| said.score)),
+            latest.map_or(String::new(), |said| said.passed.to_string()),
+            latest.map_or(String::new(), |said| plain(&said.at)),
             latest.map_or(String::new(), |said| plain(&said.by)),
             latest.map_or(String::new(), |said| plain(&said.reason)),
         ]);

@@ -125,13 +125,14 @@ impl Evidence {
                 } else {
                     &mut self.probe
                 };
-                pressed.observe(force);
+                pressed.observe(force, dt);
             }
             standing = standing.or(events.standing(t));
         }
         if let Some(at) = standing {
             let floor = self.floors.get(&(at.tooth, at.site)).copied();
-            self.zones.observe(at, dt, set.force_n, floor);
+            self.zones
+                .observe(at, (output.tick, dt), set.force_n, floor);
             self.floor.observe(at, dt, set.force_n);
         }
         self.touches.observe(standing, dt);

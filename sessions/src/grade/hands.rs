@@ -101,9 +101,12 @@ impl Hands {
     }
 }
 
-/// How hard a tool is pressed: a histogram of force while it touches.
+/// How hard a tool is pressed: a histogram of force while it touches, and for how long it does, seconds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pressed(Vec<u64>);
+pub struct Pressed {
+    bins: Vec<u64>,
+    seconds: f64,
+}
 
 /// Width of a bin, newtons, and how many there are: up to 20 N.
 const BIN: f64 = 0.01;
@@ -111,24 +114,33 @@ const BINS: usize = 2000;
 
 impl Default for Pressed {
     fn default() -> Self {
-        Self(vec![0; BINS])
+        Self {
+            bins: vec![0; BINS],
+            seconds: 0.0,
+        }
     }
 }
 
 impl Pressed {
-    /// Takes in the force of a tick, newtons.
-    pub fn observe(&mut self, force: f64) {
+    /// Takes in the force of a tick of `dt` seconds, newtons.
+    pub fn observe(&mut self, force: f64, dt: f64) {
         if force >= super::touches::BEGINS && force.is_finite() {
             let bin = ((force / BIN) as usize).min(BINS - 1);
-            self.0[bin] += 1;
+            self.bins[bin] += 1;
+            self.seconds += dt;
         }
+    }
+
+    /// How long it touched something, seconds.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
     }
 
     /// The force that 95 % of the ticks in touch stay under, newtons, to a hundredth; none without touch.
     pub fn p95(&self) -> Option<f64> {
-        let all: u64 = self.0.iter().sum();
+        let all: u64 = self.bins.iter().sum();
         let mut sum = 0;
-        let bin = self.0.iter().position(|count| {
+        let bin = self.bins.iter().position(|count| {
             sum += count;
             all > 0 && sum * 100 >= all * 95
         })?;
@@ -210,10 +222,10 @@ mod tests {
         assert_eq!(pressed.p95(), None);
         for k in 1..=100 {
             // 0.105, 0.205 ... 10.005: the 95th is in the bin up to 9.51.
-            pressed.observe(0.1 * f64::from(k) + 0.005);
+            pressed.observe(0.1 * f64::from(k) + 0.005, 1e-3);
         }
-        pressed.observe(0.01);
-        pressed.observe(f64::NAN);
+        pressed.observe(0.01, 1e-3);
+        pressed.observe(f64::NAN, 1e-3);
         let p95 = pressed.p95().expect("touches");
         assert!((p95 - 9.51).abs() < 1e-9, "{p95}");
     }

@@ -25,6 +25,17 @@ pub enum Source {
     File,
 }
 
+impl Source {
+    /// As in JSON.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Recording => "recording",
+            Self::BuiltIn => "built_in",
+            Self::File => "file",
+        }
+    }
+}
+
 /// A rubric, and where it came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standard {

@@ -3,7 +3,7 @@
 use sulcus_core::Scene;
 
 use super::advice::advice;
-use super::definitions::{Definition, METRICS};
+use super::definitions::{Definition, METRICS, find};
 use super::evidence::Watcher;
 use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard};
 use super::rubric::Settings;
@@ -177,10 +177,16 @@ pub fn finish(
         return Ok(graded);
     }
     let set = &standard.rubric.settings;
-    let calls = calls(recording, scene)?;
+    if let Some(reason) = nothing_there(exercise, &graded) {
+        graded.grade.gradable = false;
+        graded.grade.reason = Some(reason);
+        return Ok(graded);
+    }
+    let heard = calls(recording, scene)?;
+    let calls: Vec<Call> = heard.iter().map(|(_, call)| *call).collect();
     let leading = watcher.evidence.leading;
     let smoothness = watcher.evidence.moves[leading].smoothness();
-    let sites = sites(scene, exercise, &watcher.evidence, &calls, set);
+    let sites = sites(scene, exercise, &watcher.evidence, &heard, set);
     let measured = Measured {
         exercise,
         evidence: &watcher.evidence,
@@ -200,11 +206,27 @@ pub fn finish(
         trauma_s: rounded(time.trauma_s, 2),
         damage_s: rounded(time.damage_s, 2),
     };
-    grade.advice = advice(&grade.metrics, &sites);
+    grade.advice = advice(&grade.metrics, &sites, set);
     grade.sites = sites;
     graded.seconds = watcher.evidence.series.0.len() as f64 * super::series::STEP_S;
     graded.series = watcher.evidence.series;
     Ok(graded)
+}
+
+/// Why nobody could have done what the exercise asks for in this scene, if so.
+fn nothing_there(exercise: &Exercise, graded: &Graded) -> Option<String> {
+    let is_there = |fdi: &u8| graded.teeth.contains(fdi);
+    let mut zones = exercise.zones.iter().map(|zones| zones.tooth);
+    let target = exercise.target.as_ref().map(|target| target.tooth);
+    let lacks_all = !exercise.zones.is_empty() && !zones.any(|fdi| is_there(&fdi));
+    let lacks_target = target.is_some_and(|fdi| !is_there(&fdi));
+    (lacks_all || lacks_target).then(|| {
+        format!(
+            "exercise `{}` asks for what the scene has not: {}",
+            exercise.name,
+            graded.grade.missing.join(", ")
+        )
+    })
 }
 
 /// Metrics, total, and what fails.
@@ -263,7 +285,13 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     let deducted: f64 = grade.metrics.iter().map(|metric| metric.deducted).sum();
     sum = if sum > deducted { sum - deducted } else { 0.0 };
     for critical in &rubric.critical {
-        if !happened(critical, measured.value(&critical.metric)) {
+        let value = measured.value(&critical.metric);
+        let known = find(&critical.metric).filter(|known| known.needs.are_met(exercise));
+        if !happened(
+            critical,
+            value,
+            known.is_some_and(|known| known.missing_is_zero),
+        ) {
             continue;
         }
         if let Some(cap) = critical.cap.filter(|cap| *cap < sum) {
@@ -297,16 +325,22 @@ fn digits(metric: &Definition) -> u32 {
     }
 }
 
-/// What was called in a recording, as far as it makes sense.
+/// What was called in a recording, as far as it makes sense, each with the last tick before it.
 ///
 /// # Errors
 /// When the file changes meanwhile.
-pub fn calls(recording: &Recording, scene: &Scene) -> Result<Vec<Call>, ReadError> {
-    let mut all = Vec::new();
+pub fn calls(recording: &Recording, scene: &Scene) -> Result<Vec<(u64, Call)>, ReadError> {
+    let (mut all, mut tick) = (Vec::new(), 0);
     for message in recording.messages() {
-        if let Message::Event(event) = message? {
-            let said = Occurrence::parse(&event.text).filter(|said| said.kind == READING_CALLED);
-            all.extend(said.and_then(|said| Call::read(&said.data, scene).ok()));
+        match message? {
+            Message::Row(row) => tick = row.tick,
+            Message::Event(event) => {
+                let said = Occurrence::parse(&event.text);
+                let said = said.filter(|said| said.kind == READING_CALLED);
+                let call = said.and_then(|said| Call::read(&said.data, scene).ok());
+                all.extend(call.map(|call| (tick, call)));
+            }
+            _ => {}
         }
     }
     Ok(all)

@@ -36,12 +36,13 @@ pub fn total(scores: &[(f64, f64)]) -> Option<f64> {
     (weight > 0.0).then(|| sum / weight)
 }
 
-/// Whether a critical error was made.
-pub fn happened(critical: &Critical, value: Option<f64>) -> bool {
-    value.is_some_and(|value| {
-        critical.above.is_some_and(|above| value > above)
-            || critical.below.is_some_and(|below| value < below)
-    })
+/// Whether a critical error was made. What was asked for and not done at all is below whatever was to be reached.
+pub fn happened(critical: &Critical, value: Option<f64>, missing_is_zero: bool) -> bool {
+    let Some(value) = value else {
+        return missing_is_zero && critical.below.is_some();
+    };
+    critical.above.is_some_and(|above| value > above)
+        || critical.below.is_some_and(|below| value < below)
 }
 
 #[cfg(test)]
@@ -109,9 +110,12 @@ mod tests {
             cap: None,
             why: "damage".into(),
         };
-        assert!(happened(&critical(Some(0.0), None), Some(1.0)));
-        assert!(!happened(&critical(Some(0.0), None), Some(0.0)));
-        assert!(happened(&critical(None, Some(50.0)), Some(40.0)));
-        assert!(!happened(&critical(None, Some(50.0)), None));
+        assert!(happened(&critical(Some(0.0), None), Some(1.0), false));
+        assert!(!happened(&critical(Some(0.0), None), Some(0.0), true));
+        assert!(happened(&critical(None, Some(50.0)), Some(40.0), false));
+        assert!(!happened(&critical(None, Some(50.0)), None, false));
+        // Who never probed did not reach half of the floors.
+        assert!(happened(&critical(None, Some(50.0)), None, true));
+        assert!(!happened(&critical(Some(0.0), None), None, true));
     }
 }

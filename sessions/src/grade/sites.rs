@@ -13,8 +13,6 @@ use crate::events::call::Call;
 use crate::events::pocket;
 use crate::exercise::{Exercise, ProbingTask};
 
-/// A tip shorter than this in a zone was only passing, seconds.
-const STAYED: f64 = 0.2;
 /// What is left of a tie after conversion to millimetres.
 const TIE: f64 = 1e-9;
 
@@ -162,26 +160,41 @@ pub fn prescribed(scene: &Scene, tooth: u8, site: Site) -> Option<Prescribed> {
     Some(*pocket.gingiva(scene)?.prescribed(site))
 }
 
+/// What was called of a zone.
+#[derive(Clone, Copy)]
+struct Heard {
+    call: Call,
+    /// Whether some of it was called after the tip had been there.
+    felt: bool,
+}
+
 /// The zones asked for that the scene has, in the order of the exercise, then what else was called, by tooth and site.
 pub fn sites(
     scene: &Scene,
     exercise: &Exercise,
     evidence: &Evidence,
-    calls: &[Call],
+    calls: &[(u64, Call)],
     set: &Settings,
 ) -> Vec<SiteGrade> {
-    let mut called: BTreeMap<(u8, Site), Call> = BTreeMap::new();
-    for call in calls {
+    let mut called: BTreeMap<(u8, Site), Heard> = BTreeMap::new();
+    for (tick, call) in calls {
         let before = called.get(&(call.tooth, call.site)).copied();
+        let stayed = evidence.zones.of(call.tooth, call.site);
+        let stayed = stayed.and_then(|seen| seen.stayed_at);
+        let felt = stayed.is_some_and(|since| *tick >= since);
         // Who calls a site again corrects what is said again, and nothing else.
-        let kept = before.unwrap_or(*call);
+        let kept = before.map_or(*call, |before| before.call);
         let merged = Call {
             recession_mm: call.recession_mm.or(kept.recession_mm),
             bleeding: call.bleeding.or(kept.bleeding),
             furcation: call.furcation.or(kept.furcation),
             ..*call
         };
-        called.insert((call.tooth, call.site), merged);
+        let heard = Heard {
+            call: merged,
+            felt: felt || before.is_some_and(|before| before.felt),
+        };
+        called.insert((call.tooth, call.site), heard);
     }
     let mut asked: Vec<(u8, Site)> = Vec::new();
     for zone in exercise.tour() {
@@ -211,7 +224,7 @@ fn one(
     scene: &Scene,
     (tooth, site, asked): (u8, Site, bool),
     evidence: &Evidence,
-    call: Option<&Call>,
+    heard: Option<&Heard>,
     task: &ProbingTask,
     set: &Settings,
 ) -> SiteGrade {
@@ -219,6 +232,7 @@ fn one(
     let truth = prescribed(scene, tooth, site);
     let seen = evidence.zones.of(tooth, site);
     let tilt = seen.and_then(|seen| seen.tilt);
+    let call = heard.map(|heard| &heard.call);
     let mut grade = SiteGrade {
         tooth,
         site,
@@ -240,7 +254,9 @@ fn one(
         furcation_called: call.and_then(|call| call.furcation),
         finding: Finding::Missed,
     };
-    let stayed = seen.is_some_and(|seen| seen.seconds >= STAYED - TIE);
+    // What was only called before the tip had been there is hearsay.
+    let stayed = seen.is_some_and(|seen| seen.stayed_at.is_some());
+    let stayed = stayed && heard.is_none_or(|heard| heard.felt);
     grade.finding = grade.find(stayed, set);
     grade
 }

@@ -1,6 +1,7 @@
 //! The value of every metric, from the evidence and the zones. None where there is nothing to measure.
 
 use super::evidence::Evidence;
+use super::hands::Pressed;
 use super::rubric::Settings;
 use super::sites::SiteGrade;
 use super::stats::{longest_rising, mean, median, percent};
@@ -9,10 +10,15 @@ use crate::events::call::Call;
 use crate::exercise::Exercise;
 
 /// What a hand's tremor adds to the target band is forgiven up to this, newtons.
-const FORGIVEN: f64 = 0.05;
+pub const FORGIVEN: f64 = 0.05;
 /// Farthest that a call counts as within a millimetre, and as exact, mm; what is left of a tie after conversion.
 const WITHIN: f64 = 1.0 + 1e-9;
 const EXACT: f64 = 0.5 + 1e-9;
+
+/// What is done for less than this share of the exercise's length, and for less than so many seconds, was not done: else who
+/// grazes a crown once, or looks once, is graded by that. Chosen.
+const LEAST_SHARE: f64 = 0.25;
+const LEAST_S: f64 = 5.0;
 
 /// What values are made of.
 #[derive(Clone, Copy, Debug)]
@@ -73,18 +79,36 @@ impl Measured<'_> {
                 },
             ),
             "bleeding_agreement" => self.share(
-                |site| site.bleeding_called.is_some(),
+                |site| site.bleeding_called.is_some() && site.is_probed(),
                 |site| site.bleeding_called == Some(site.bled),
             ),
-            "target_visible" => evidence.hands.visible_percent(),
+            "target_visible" => self.visible(),
             "coordination" => evidence.hands.together_percent(),
-            "mirror_force" => evidence.mirror.p95(),
-            "contact_force" => evidence.probe.p95(),
+            "mirror_force" => self.pressed(&evidence.mirror),
+            "contact_force" => self.pressed(&evidence.probe),
             "smoothness" => self.smoothness,
             "path_length" => Some(evidence.moves[evidence.leading].ways().0 * 1e3),
             "time" => evidence.hands.span_s(),
             _ => None,
         }
+    }
+
+    /// How long something has to be done before it is measured how well, seconds.
+    fn least_s(&self) -> f64 {
+        let quarter = LEAST_SHARE * self.exercise.duration_s;
+        if quarter < LEAST_S { quarter } else { LEAST_S }
+    }
+
+    fn pressed(&self, tool: &Pressed) -> Option<f64> {
+        tool.p95().filter(|_| tool.seconds() >= self.least_s())
+    }
+
+    fn visible(&self) -> Option<f64> {
+        let hands = &self.evidence.hands;
+        // (Zones have a measure of their own for how much was done.)
+        let long = hands.span_s().is_some_and(|span| span >= self.least_s());
+        let long = long || !self.exercise.zones.is_empty();
+        hands.visible_percent().filter(|_| long)
     }
 
     /// Of the zones asked for that are `of`: the share that is `part`, percent.
@@ -348,8 +372,8 @@ mod tests {
             .observe(&standing(36, Buccal, 90.0, 2.0, 0.05), 1.0, SET.force_n);
         assert_eq!(by.value("force_in_band"), Some(75.0));
         for _ in 0..10 {
-            by.evidence.mirror.observe(0.805);
-            by.evidence.probe.observe(0.305);
+            by.evidence.mirror.observe(0.805, 0.5);
+            by.evidence.probe.observe(0.305, 0.5);
         }
         assert!((by.value("mirror_force").expect("pressed") - 0.81).abs() < 1e-9);
         assert!((by.value("contact_force").expect("pressed") - 0.31).abs() < 1e-9);

@@ -113,3 +113,25 @@ fn order_is_kept_and_nothing_is_overwritten() {
     let error = Recorder::create(&missing, &header, StationKey::from_seed([1; 32]));
     assert!(matches!(error, Err(RecordError::Create { .. })));
 }
+
+#[test]
+fn a_failure_that_only_the_background_sync_heard_of_is_told_at_the_close() {
+    for panics in [false, true] {
+        let file = tempfile::tempfile().unwrap();
+        let storage = FileStorage::synced_by(file, move |_| {
+            assert!(!panics, "the disk is gone");
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        let mut storage = storage.unwrap();
+        storage.append(b"row").unwrap();
+        storage.request_sync().unwrap();
+        let mut sink = Sink::new(Box::new(storage));
+        sink.write_all(b"end").unwrap();
+        let error = sink.close().unwrap_err();
+        assert!(error.to_string().contains("earlier sync"), "{error}");
+    }
+    let file = FileStorage::new(tempfile::tempfile().unwrap()).unwrap();
+    let mut sink = Sink::new(Box::new(file));
+    sink.write_all(b"row").unwrap();
+    assert_eq!(sink.close().unwrap(), 3);
+}

@@ -6,13 +6,13 @@ use super::super::html::escaped;
 use crate::report::Report;
 
 pub(super) fn hard_cases(html: &mut String, report: &Report) {
-    html.push_str("<section id=\"hard-cases\"><h2>Hard cases</h2>\n<p class=\"note\">Each is a scene, a hand and what must hold; <code>sulcus-client demo --exercise hard/NAME</code> performs it. <b>Residual</b>: deepest overlap of any two spheres in a converged tick, by a query of its own; good is under 1 µm. <b>Jump</b>: how much farther than the hand the drawn tool goes in a tick. <b>Click</b>: largest change of the force in a tick beyond what a hand at up to 0.2 m/s brings; good is under 0.02 N. <b>Buzz</b>: mean second difference of the force. <b>Energy</b>: the most that came out of the wrench into the hand; hands that are moved by a script, whatever they feel, may be given much. Times are CPU time of ticks in contact. <b>Shown</b>: the method as printed, of which nothing is asked.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>case</th><th>method</th><th>solver</th><th>yields</th><th>level</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>residual, µm</th><th>jump, µm</th><th>click, N</th><th>buzz, N</th><th>energy, mJ</th><th>outrun</th><th></th></tr></thead><tbody>\n");
+    html.push_str("<section id=\"hard-cases\"><h2>Hard cases</h2>\n<p class=\"note\">Each is a scene, a hand and what must hold; <code>sulcus-client demo --exercise hard/NAME</code> performs it. <b>Residual</b>: deepest overlap of any two spheres in a converged tick, by a query of its own; good is under 1 µm. <b>Jump</b>: how much farther than the hand the drawn tool goes in a tick. <b>Click</b>: largest change of the force in a tick beyond what a hand at up to 0.2 m/s brings with its motion and its turning; good is under 0.02 N. <b>Buzz</b>: mean second difference of the force. <b>Energy</b>: the most that came out of the wrench into the hand; hands that are moved by a script, whatever they feel, may be given much. <b>Margin</b>: how far from going through it was, where there is something to go through. Times are CPU time of ticks in contact. <b>Shown</b>: the method as printed, of which nothing is asked.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>case</th><th>method</th><th>solver</th><th>yields</th><th>level</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>residual, µm</th><th>jump, µm</th><th>click, N</th><th>buzz, N</th><th>energy, mJ</th><th>margin, mm</th><th>outrun</th><th></th></tr></thead><tbody>\n");
     for row in &report.rows {
         let t = &row.times.tick_us;
         let why = escaped(&row.broken.join("; "));
         let _ = writeln!(
             html,
-            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.3}</td><td>{:.0}</td><td>{:.4}</td><td>{:.4}</td><td>{:.2}</td><td>{}</td><td class=\"{}\" title=\"{why}\">{}</td></tr>",
+            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.3}</td><td>{:.0}</td><td>{:.4}</td><td>{:.4}</td><td>{:.2}</td><td>{}</td><td>{}</td><td class=\"{}\" title=\"{why}\">{}</td></tr>",
             escaped(row.about),
             row.case,
             row.method,
@@ -31,6 +31,8 @@ pub(super) fn hard_cases(html: &mut String, report: &Report) {
             row.slow_force_step_n,
             row.buzz_n,
             row.energy_mj,
+            row.margin_mm
+                .map_or("–".to_owned(), |mm| format!("{mm:.2}")),
             row.exhausted_ticks,
             row.status,
             row.status,
@@ -62,16 +64,17 @@ pub(super) fn hard_cases(html: &mut String, report: &Report) {
 }
 
 pub(super) fn random_poses(html: &mut String, report: &Report) {
-    html.push_str("<section id=\"random-poses\"><h2>Random poses</h2>\n<p class=\"note\">A walk with leaps of many millimetres, turns, absences and numbers that are none, where there is much to touch. Good: no number that is not finite, residual under 1 µm, click under 0.02 N.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>ticks</th><th>in contact</th><th>bad input</th><th>not finite</th><th>outrun</th><th>no answer</th><th>residual, µm</th><th>while outrun, µm</th><th>click, N</th><th>force, N</th></tr></thead><tbody>\n");
+    html.push_str("<section id=\"random-poses\"><h2>Random poses</h2>\n<p class=\"note\">A walk with leaps of many millimetres, turns, absences and numbers that are none, where there is much to touch. Good: no number that is not finite, no fault of a tick, residual under 1 µm, click under 0.02 N. <b>While outrun</b>: overlap in ticks that ran out of passes and go on in the next; good is under 50 µm for what does not yield, and soft tissue that a leap of centimetres strikes is entered by up to millimetres.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>ticks</th><th>in contact</th><th>bad input</th><th>not finite</th><th>faults</th><th>outrun</th><th>no answer</th><th>residual, µm</th><th>while outrun, µm</th><th>click, N</th><th>force, N</th></tr></thead><tbody>\n");
     for r in &report.random_poses {
         let _ = writeln!(
             html,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.1}</td><td>{:.4}</td><td>{:.2}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.1}</td><td>{:.4}</td><td>{:.2}</td></tr>",
             escaped(r.scene),
             r.ticks,
             r.contact_ticks,
             r.bad_input,
             r.not_finite,
+            r.faults,
             r.exhausted_ticks,
             r.solver_failed,
             r.residual_um,

@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use super::super::plot::{Plot, Series};
-use crate::report::{Loop, Report};
+use crate::report::{FELT_MJ, Loop, Report};
 
 pub(super) fn loops(html: &mut String, report: &Report) {
     let found = &report.passivity;
-    html.push_str("<section id=\"passivity\"><h2>Passivity over a link</h2>\n<p class=\"note\">Every case by a hand that holds a device and feels, over links with 2 % of the datagrams lost each way. <b>Energy</b>: the most that the wrench as displayed had put out into the hand, net, since its contact began; a passive loop puts out nothing, good is under 0.1 mJ. Where it puts out some the client's controller damps the device until it is paid back. <b>Off</b>: displayed against computed force (delay, slew and controller), rms in percent of the force.</p>\n<div class=\"two\">");
+    html.push_str("<section id=\"passivity\"><h2>Passivity over a link</h2>\n<p class=\"note\">Every case but those of rest by a hand that holds a device and feels, over links with 2 % of the datagrams lost each way. <b>Energy</b>: the most that the wrench as displayed had put out into the hand, net, since its contact began; a passive loop puts out nothing, good is under 0.1 mJ. (Slower and weaker versions of a case over the longest link alone.) Where it puts out some the client's controller damps the device until it is paid back. <b>Off</b>: displayed against computed force (delay, slew and controller), rms in percent of the force.</p>\n<div class=\"two\">");
     let mut delays: Vec<u32> = found.loops.iter().map(|l| l.delay_ms).collect();
     delays.sort_unstable();
     delays.dedup();
@@ -35,7 +35,7 @@ pub(super) fn loops(html: &mut String, report: &Report) {
                 joined: true,
             },
         ],
-        limit: Some((0.1, "what is not felt".into())),
+        limit: Some((FELT_MJ, "what is not felt".into())),
     };
     let _ = write!(
         html,

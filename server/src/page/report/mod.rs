@@ -11,7 +11,7 @@ mod rates;
 
 use std::fmt::Write;
 
-pub(crate) use answers::answers;
+pub(crate) use answers::{answers, failures};
 
 use super::html::{STYLE, escaped};
 use crate::picture::data_uri;
@@ -88,7 +88,7 @@ fn machine(html: &mut String, report: &Report) {
 }
 
 fn elements(html: &mut String, report: &Report) {
-    html.push_str("<section id=\"elements\"><h2>Tissue against finite elements</h2>\n<p class=\"note\">The program's own tongue under the same pushes: a mesh of quadratic tetrahedra, and the models that run in the tick. <b>rel. L2</b> is the error over the displacement: 100 % is a model that never moves, good is under 10 %.</p>\n<div class=\"wide\"><table><thead><tr><th>push</th><th>model</th><th>largest displacement, mm</th><th>rms, %</th><th>rel. L2, %</th><th>max, %</th></tr></thead><tbody>\n");
+    html.push_str("<section id=\"elements\"><h2>Tissue against finite elements</h2>\n<p class=\"note\">The program's own tongue under the same pushes: a mesh of quadratic tetrahedra, and the models that run in the tick (under a linear law without the term for large displacements, which they have in the tick). <b>rel. L2</b> is the error over the displacement: 100 % is a model that never moves, good is under 10 %.</p>\n<div class=\"wide\"><table><thead><tr><th>push</th><th>model</th><th>largest displacement, mm</th><th>rms, %</th><th>rel. L2, %</th><th>max, %</th></tr></thead><tbody>\n");
     for e in &report.finite_elements {
         let _ = writeln!(
             html,
@@ -137,7 +137,7 @@ fn peers(html: &mut String, report: &Report) {
         })
     };
     let text = |value: &serde_json::Value| escaped(value.as_str().unwrap_or(""));
-    html.push_str("<p class=\"note\">From one run of a bench of its own; ratios are the best of theirs over ours, at least what is asked.</p><div class=\"wide\"><table><thead><tr><th>ratio</th><th>found</th><th>asked</th><th></th></tr></thead><tbody>");
+    html.push_str("<p class=\"note\">From one run of a bench of its own; ratios are the best of theirs over ours, at least what is asked. What touches is in ours the spheres, in converged ticks (hold the pointer over a row for the others), in theirs the shapes with their skin.</p><div class=\"wide\"><table><thead><tr><th>ratio</th><th>found</th><th>asked</th><th></th></tr></thead><tbody>");
     for ratio in list("ratios") {
         let holds = ratio["holds"].as_bool().unwrap_or(false);
         let (class, word) = if holds {
@@ -153,12 +153,13 @@ fn peers(html: &mut String, report: &Report) {
             number(&ratio["at_least"]),
         );
     }
-    html.push_str("</tbody></table></div><div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>engine</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>penetration of what is drawn, µm</th><th>force step, N</th></tr></thead><tbody>");
+    html.push_str("</tbody></table></div><div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>engine</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>penetration of what is drawn, µm</th><th>off it under load, µm</th><th>penetration of what touches, µm</th><th>force step, N</th></tr></thead><tbody>");
     for row in list("rows") {
         let t = &row["tick_us"];
         let _ = writeln!(
             html,
-            "<tr><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            text(&row["note"]),
             text(&row["scene"]),
             text(&row["engine"]),
             number(&t["p50"]),
@@ -166,6 +167,8 @@ fn peers(html: &mut String, report: &Report) {
             number(&t["p999"]),
             number(&t["max"]),
             number(&row["penetration_um"]),
+            number(&row["apart_um"]),
+            number(&row["residual_um"]),
             number(&row["force_step_n"]),
         );
     }

@@ -32,10 +32,10 @@ pub(super) fn paper(html: &mut String, beside: &Beside) {
     }
     html.push_str("</div>\n<h3>One loop against two rates</h3><p class=\"note\">The study that the paper leaves open: tissue at about 60 Hz and force at 1 kHz, against everything in one loop. Differences of force are on the same way of the hand; the rest is with a hand that feels.</p><div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>rates</th><th>force, N rms</th><th>difference, N rms</th><th>max</th><th>buzz, N</th><th>force step, N</th><th>energy, mJ</th><th></th></tr></thead><tbody>");
     for r in &beside.multi_rate {
-        let (class, word) = if r.stable {
-            ("holds", "stable")
-        } else {
-            ("broken", "not stable")
+        let (class, word) = match (r.stable, r.broken.len()) {
+            (true, 0) => ("holds", "stable".to_owned()),
+            (true, n) => ("shown", format!("bounded, {n} of the case's bounds broken")),
+            (false, _) => ("broken", "not stable".to_owned()),
         };
         let _ = writeln!(
             html,
@@ -51,7 +51,7 @@ pub(super) fn paper(html: &mut String, beside: &Beside) {
             r.energy_mj,
         );
     }
-    html.push_str("</tbody></table></div>\n<h3>Everything printed</h3><div class=\"wide\"><table class=\"small\"><thead><tr><th>where</th><th>what</th><th>printed</th><th>measured here</th><th>how</th></tr></thead><tbody>");
+    html.push_str("</tbody></table></div>\n<h3>Everything printed</h3><p class=\"note\">All of it is measured by <code>sulcus-server report --paper</code>; how, stands beside each.</p><div class=\"wide\"><table class=\"small\"><thead><tr><th>where</th><th>what</th><th>printed</th><th>measured here</th><th>how</th></tr></thead><tbody>");
     for row in &beside.rows {
         let printed = row
             .printed

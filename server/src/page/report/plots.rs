@@ -46,7 +46,7 @@ pub(super) fn speed(html: &mut String, report: &Report) {
     figure(
         html,
         &plot,
-        "Every point is a level of the teeth, from 2 at the top to 4 at the bottom, each with its own hand, for a tooth that is felt otherwise is probed otherwise. Good is down and left; 1,000 µs is the limit at 1 kHz.",
+        "Every point is a level of the teeth, from 2 at the top to 4 at the bottom, all under one recorded hand, which felt level 3. Good is down and left; 1,000 µs is the limit at 1 kHz.",
     );
     let tail = |level: &crate::report::Level| {
         let shares = SHARES.iter().map(|share| 100.0 * share);

@@ -54,7 +54,12 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
     if rubrics.len() > 1 {
         html.push_str("<p class=\"fail\">Graded by more than one rubric: scores cannot be compared as they stand.</p>\n");
     }
-    let heat = heat_map(all, look);
+    // (In an exam neither what is prescribed nor what to practise is shown, and of one session the map tells both.)
+    let heat = if look.advice {
+        heat_map(all, look)
+    } else {
+        String::new()
+    };
     let learners: Vec<&[Session]> = all
         .chunk_by(|a, b| a.grade.learner_id == b.grade.learner_id)
         .collect();
@@ -111,6 +116,7 @@ fn table(html: &mut String, learners: &[&[Session]], look: &Look<'_>) {
             last.grade
                 .advice
                 .first()
+                .filter(|_| look.advice)
                 .map_or(String::new(), |advice| escaped(advice.title)),
         );
     }

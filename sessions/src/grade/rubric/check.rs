@@ -225,13 +225,13 @@ mod tests {
         };
         for (from, to, words) in [
             (
-                "version = 1",
+                "version = 2",
                 "version = 0",
                 "version is 0, expected 1 or more",
             ),
             (
-                "version = 1",
-                "version = 1\ncolour = 3",
+                "version = 2",
+                "version = 2\ncolour = 3",
                 "unknown field `colour`",
             ),
             (
