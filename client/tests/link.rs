@@ -270,7 +270,7 @@ fn a_folder_that_cannot_be_written_ends_with_a_sentence() {
 
 #[test]
 fn strangers_are_told_why() {
-    let station = Station::new();
+    let station = Station::with(|config| config.exercise.name = "crown".into());
     let mut token = station.config();
     token.token = "guess".into();
     let error = Link::connect(token).err().unwrap();
