@@ -234,6 +234,21 @@ fn a_client_that_vanishes_ends_the_session() {
     assert!(summaries[0].complete);
 }
 
+/// The link keeps itself alive, whatever becomes of the device: such a session would have held the station, and recorded, for ever.
+#[test]
+fn a_client_that_sends_no_poses_does_not_hold_the_station() {
+    let station = Station::with(|config| config.max_silence = Duration::from_millis(400));
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    // (What it has sent keeps it up for a while; then nothing comes any more.)
+    let until = std::time::Instant::now() + Duration::from_secs(20);
+    while link.is_open() && std::time::Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(link.finish().unwrap().end, EndReason::ConnectionLost);
+}
+
 #[test]
 fn a_time_limit_and_a_shutdown_say_goodbye() {
     let station = Station::with(|config| config.max_session = Some(Duration::from_millis(300)));

@@ -66,6 +66,8 @@ pub struct ServerConfig {
     pub detail: Detail,
     /// Longest session; `None`: no limit.
     pub max_session: Option<Duration>,
+    /// A session ends when no pose came for so long: a client whose device hangs must not hold the station all night.
+    pub max_silence: Duration,
     /// Whether to ask the system for real-time scheduling and locked memory. (Where it is not
     /// permitted the server says so once and carries on.)
     pub real_time: bool,
@@ -95,6 +97,7 @@ impl ServerConfig {
             station_key: None,
             detail: Detail::default(),
             max_session: None,
+            max_silence: Duration::from_secs(60),
             real_time: true,
         })
     }

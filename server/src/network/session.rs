@@ -1,7 +1,7 @@
 //! One session, from the hello to the goodbye.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use quinn::{Connection, SendStream};
 use sulcus_proto::control::{ClientHello, Command, EndReason, Goodbye};
@@ -57,7 +57,8 @@ pub(super) async fn run(
         wrenches,
     } = started;
     let mut datagrams = Datagrams::new(station.epoch, poses, wrenches);
-    let limit = shared.config.max_session;
+    let config = &shared.config;
+    let limits = (config.max_session, config.max_silence);
     let reason = live(
         &connection,
         &mut send,
@@ -66,7 +67,7 @@ pub(super) async fn run(
         &mut datagrams,
         station,
         phase,
-        limit,
+        limits,
     )
     .await;
 
@@ -140,7 +141,7 @@ async fn live(
     datagrams: &mut Datagrams,
     station: &mut Station,
     mut phase: watch::Receiver<Phase>,
-    limit: Option<Duration>,
+    (limit, silence): (Option<Duration>, Duration),
 ) -> EndReason {
     let bell = match running.bell().listen() {
         Ok(bell) => bell,
@@ -156,8 +157,19 @@ async fn live(
         }
     };
     tokio::pin!(time_up);
+    let mut look = tokio::time::interval((silence / 4).max(Duration::from_millis(1)));
+    let (mut poses, mut heard) = (0, Instant::now());
     loop {
         tokio::select! {
+            _ = look.tick() => {
+                let accepted = datagrams.counts().accepted;
+                if accepted != poses {
+                    (poses, heard) = (accepted, Instant::now());
+                } else if heard.elapsed() >= silence {
+                    tracing::warn!("no pose for {:.1} s: the session ends", heard.elapsed().as_secs_f64());
+                    return EndReason::ConnectionLost;
+                }
+            },
             datagram = connection.read_datagram() => match datagram {
                 Ok(bytes) => datagrams.arrived(&bytes),
                 Err(_) => return EndReason::ConnectionLost,

@@ -118,7 +118,7 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     );
     let _ = write!(
         html,
-        "<p class=\"small\">recording {}; graded from its replay; {}{}</p></div>",
+        "<p class=\"small\">recording {}; graded from its replay; {}{}{}</p></div>",
         escaped(&session.file),
         if grade.signer_trusted {
             format!("signed by the station&#8217;s key {}", escaped(short_key))
@@ -127,7 +127,8 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
         },
         grade.migrated.as_ref().map_or(String::new(), |migrated| {
             format!("; migrated {}", escaped(&migrated.to_string()))
-        })
+        }),
+        reservations(grade),
     );
     match grade.score {
         Some(score) => {
@@ -140,6 +141,21 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
         }
         None => html.push_str("<div class=\"score none\"><div class=\"points\">&#8211;</div><div class=\"verdict\">no grade</div></div></div>\n"),
     }
+}
+
+/// What takes from the grade's worth: what the scene has not, and metrics that the recording defined otherwise.
+fn reservations(grade: &Grade) -> String {
+    let missing = grade.missing.join(", ");
+    let redefined = grade.rubric.as_ref().map(|used| used.redefined.join(", "));
+    let redefined = redefined.unwrap_or_default();
+    [
+        ("the scene has not ", missing),
+        ("defined otherwise in the recording: ", redefined),
+    ]
+    .iter()
+    .filter(|(_, what)| !what.is_empty())
+    .map(|(says, what)| format!("; <b>{says}{}</b>", escaped(what)))
+    .collect()
 }
 
 fn metrics(html: &mut String, grade: &Grade) {
