@@ -212,19 +212,6 @@ pub fn find(name: &str) -> anyhow::Result<Exercise> {
     found.with_context(|| unknown(name))
 }
 
-/// A scene that is built in, by its name in exercises.
-fn built_in_scene(exercise: &Exercise) -> anyhow::Result<BuiltIn> {
-    BuiltIn::named(&exercise.scene).with_context(|| {
-        let names = BuiltIn::ALL.map(BuiltIn::name);
-        format!(
-            "exercise `{}` is performed in scene `{}`, which is not built in (there are {}): name one with --scene",
-            exercise.name,
-            exercise.scene,
-            names.join(", ")
-        )
-    })
-}
-
 /// Names for `--list-exercises`, with what each is about.
 pub fn list() -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = Exercise::built_in()
@@ -281,7 +268,8 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
             exercise.duration_s = asked.duration_s.unwrap_or(exercise.duration_s);
             let otherwise = match asked.scene {
                 Some(_) => BuiltIn::Crown,
-                None => built_in_scene(&exercise)?,
+                None => BuiltIn::named(&exercise.scene)
+                    .with_context(|| format!("exercise `{}`", exercise.name))?,
             };
             let mut compiled = compile(asked.scene, otherwise, asked.patient_seed, steps)?;
             warnings = compiled.warnings;

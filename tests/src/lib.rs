@@ -111,6 +111,21 @@ impl Place {
         Ended::new(output)
     }
 
+    /// Runs the client to the end of a session with `server`, with further arguments.
+    pub fn perform(&self, server: &Serving, arguments: &[&str]) -> Ended {
+        let run = [
+            "run",
+            "--server",
+            &server.address,
+            "--ticket",
+            &server.ticket,
+        ];
+        self.run(
+            Program::Client,
+            &[&run[..], &["--json"], arguments].concat(),
+        )
+    }
+
     /// The one recording under `recordings`.
     pub fn recording(&self) -> PathBuf {
         let mut found = files_with(&self.path("recordings"), "mcap");

@@ -131,17 +131,7 @@ fn a_server_whose_terminal_hangs_up_leaves_a_finished_gradable_recording() {
 fn the_servers_time_limit_is_its_word_and_not_a_loss() {
     let place = Place::new();
     let server = place.serve(&["--max-session", "2"]);
-    let run = [
-        "run",
-        "--server",
-        &server.address,
-        "--ticket",
-        &server.ticket,
-        "--duration",
-        "30",
-        "--json",
-    ];
-    let ended = place.run(Program::Client, &run).ok();
+    let ended = place.perform(&server, &["--duration", "30"]).ok();
     let said = ended.json();
     assert_eq!(said["server_lost"], false, "{said}");
     assert_eq!(said["session"]["end"], "time_up", "{said}");

@@ -73,17 +73,7 @@ fn a_server_stopped_properly_signs_and_the_next_client_can_come() {
     let place = Place::new();
     let server = place.serve(&[]);
     let session = |n: usize| {
-        let run = [
-            "run",
-            "--server",
-            &server.address,
-            "--ticket",
-            &server.ticket,
-            "--duration",
-            "1",
-            "--json",
-        ];
-        let ended = place.run(Program::Client, &run).ok().json();
+        let ended = place.perform(&server, &["--duration", "1"]).ok().json();
         assert_eq!(ended["server_lost"], false, "{ended}");
         let found = sulcus_tests::files_with(&place.path("recordings"), "mcap");
         assert_eq!(found.len(), n, "{found:?}");

@@ -3,17 +3,7 @@
 use sulcus_tests::{Ended, Place, Program, Serving};
 
 fn join(place: &Place, server: &Serving, more: &[&str]) -> Ended {
-    let run = [
-        "run",
-        "--server",
-        &server.address,
-        "--ticket",
-        &server.ticket,
-        "--duration",
-        "3",
-        "--json",
-    ];
-    place.run(Program::Client, &[&run[..], more].concat())
+    place.perform(server, &[&["--duration", "3"], more].concat())
 }
 
 /// The two commands of the README: their recording had been one of exercise `free`, which nobody grades.

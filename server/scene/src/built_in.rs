@@ -19,6 +19,11 @@ pub enum BuiltIn {
     Mouth,
 }
 
+/// A scene by a name that no built-in one has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("scene `{0}` is not built in (there are {all}): name one with --scene", all = BuiltIn::ALL.map(BuiltIn::name).join(", "))]
+pub struct NotBuiltIn(String);
+
 impl BuiltIn {
     /// All of them.
     pub const ALL: [BuiltIn; 5] = [
@@ -40,9 +45,13 @@ impl BuiltIn {
         }
     }
 
-    /// The scene of that name, as exercises and scene files call it.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|scene| scene.name() == name)
+    /// The scene of that name, as exercises call it.
+    ///
+    /// # Errors
+    /// When there is none; the error says which there are.
+    pub fn named(name: &str) -> Result<Self, NotBuiltIn> {
+        let found = Self::ALL.into_iter().find(|scene| scene.name() == name);
+        found.ok_or_else(|| NotBuiltIn(name.to_owned()))
     }
 
     /// Its name: that of its file without the ending.

@@ -52,7 +52,7 @@ mod validate;
 mod volume;
 pub mod zone;
 
-pub use built_in::{BuiltIn, compile_built_in};
+pub use built_in::{BuiltIn, NotBuiltIn, compile_built_in};
 pub use cache::default_cache_dir;
 pub use compile::{
     BuildError, BuildOptions, Compiled, compile_default, compile_file, compile_text,

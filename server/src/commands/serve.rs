@@ -86,7 +86,8 @@ pub struct ServeArgs {
 pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     let asked = asked(args)?;
     let otherwise = match &asked {
-        Some(exercise) if args.scene.is_none() => own_scene(exercise)?,
+        Some(exercise) if args.scene.is_none() => BuiltIn::named(&exercise.scene)
+            .with_context(|| format!("exercise `{}`", exercise.name))?,
         _ => BuiltIn::Crown,
     };
     let (scene, bytes, patient) = load(args.scene.as_deref(), otherwise, args.seed, args.rate_hz)?;
@@ -158,18 +159,6 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Option<sulcus_sessions::Exercise>> 
         format!(
             "--exercise is `{name}`, expected one of {}, {free}, or a file (ending in .toml)",
             names.join(", ")
-        )
-    })
-}
-
-/// The scene that an exercise names.
-fn own_scene(exercise: &sulcus_sessions::Exercise) -> anyhow::Result<BuiltIn> {
-    BuiltIn::named(&exercise.scene).with_context(|| {
-        format!(
-            "exercise `{}` is performed in scene `{}`, which is not built in (there are {}): name one with --scene",
-            exercise.name,
-            exercise.scene,
-            BuiltIn::ALL.map(BuiltIn::name).join(", ")
         )
     })
 }
