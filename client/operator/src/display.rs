@@ -1,7 +1,7 @@
 //! The last door before the hand: what was sent is damped where the loop puts out energy, and changes by no more than a
 //! period's limits.
 
-use sulcus_core::math::norm;
+use sulcus_core::math::{fmin, norm};
 use sulcus_core::{Pose, Vec3, Wrench};
 
 use crate::passivity::{Energy, Passivity, PassivityParams};
@@ -35,8 +35,14 @@ impl Display {
     pub fn next(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
         let plain = slewed(&self.displayed, wanted, self.period_ms);
         let damped = self.passivity.damped(wanted, gate);
-        // The slew comes last: damping, too, is not to be felt as a blow.
-        let displayed = slewed(&self.displayed, &damped, self.period_ms);
+        // The slew comes last: damping, too, is not to be felt as a blow. What is only let go cannot be one, and would
+        // push a fast hand along for as many periods as it takes.
+        let from = if damped == *wanted {
+            self.displayed
+        } else {
+            let_go(&self.displayed, &damped)
+        };
+        let displayed = slewed(&from, &damped, self.period_ms);
         self.passivity.hold(&displayed, &plain);
         self.displayed = displayed;
         displayed
@@ -63,6 +69,22 @@ impl Display {
     }
 }
 
+/// The wrench between `displayed` and nothing that is nearest to `wanted`, force and torque each.
+fn let_go(displayed: &Wrench, wanted: &Wrench) -> Wrench {
+    let part = |from: Vec3, to: &Vec3| {
+        let along = from.dot(to) / from.norm_squared();
+        if along > 0.0 {
+            from * fmin(along, 1.0)
+        } else {
+            Vec3::zeros()
+        }
+    };
+    Wrench {
+        force: part(displayed.force, &wanted.force),
+        torque: part(displayed.torque, &wanted.torque),
+    }
+}
+
 /// `wanted`, as far as the limits of `ms` milliseconds allow from `before`.
 pub fn slewed(before: &Wrench, wanted: &Wrench, ms: f64) -> Wrench {
     let step = |from: Vec3, to: Vec3, most: f64| {
@@ -83,6 +105,28 @@ pub fn slewed(before: &Wrench, wanted: &Wrench, ms: f64) -> Wrench {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_force_on_credit_is_let_go_at_once_and_a_braking_one_comes_step_by_step() {
+        let mut display = Display::new(PassivityParams::default());
+        let at = |x: f64| Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity());
+        let push = Wrench {
+            force: Vec3::new(3.0, 0.0, 0.0),
+            torque: Vec3::zeros(),
+        };
+        display.moved(Some(&at(0.0)), 1);
+        for _ in 0..6 {
+            display.next(&push, 1.0);
+        }
+        assert_eq!(display.displayed(), push);
+        // A millimetre in a millisecond under 3 N: 3 mJ that nobody paid for.
+        display.moved(Some(&at(1e-3)), 1);
+        let after = display.next(&push, 1.0).force.x;
+        assert!((after + MAX_FORCE_STEP_N).abs() < 1e-12, "{after} N");
+        display.moved(Some(&at(2e-3)), 1);
+        let after = display.next(&push, 1.0).force.x;
+        assert!((after + 2.0 * MAX_FORCE_STEP_N).abs() < 1e-12, "{after} N");
+    }
 
     #[test]
     fn wrenches_lost_for_a_while_do_not_come_back_as_a_jolt() {

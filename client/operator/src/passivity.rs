@@ -1,6 +1,7 @@
 //! Passivity in the time domain, at the device: an observer counts the energy that the displayed wrench put out into
 //! the hand, and a controller damps the hand when more came out than went in (after Hannaford and Ryu 2002,
-//! doi:10.1109/70.988969).
+//! doi:10.1109/70.988969). Damping that a device can display stably takes a few newtons of a fast hand and next to nothing
+//! of a slow one; so a hand that is pushed along slowly is let go of, too, until it has paid.
 //!
 //! A network's delay and a wrench that is held over a period make a spring give back more than it took. Whatever the
 //! cause, the device sees it: the work of what it displayed. Translation and rotation are one budget, because a press
@@ -23,6 +24,12 @@ pub struct PassivityParams {
     /// Most force by which damping may go beyond what the simulation wants, N; torque that times the lever. Default 1,
     /// range 0 to 10. Damping never makes a greater force than this or the simulation's own, whichever is greater.
     pub max_force: f64,
+    /// Time in which the wrench falls to a half where damping is not enough, s. Default 2e-3, range 1e-4 to 1. Damping brakes a
+    /// fast hand; one that is pushed along slowly by a large force is let go of instead. Shorter: less energy comes out.
+    pub let_go: f64,
+    /// Time in which half of what was let go comes back once the excess is paid, s. Default 0.03, range 1e-3 to 10. Shorter: a
+    /// contact is as firm as it should be sooner; longer: it does not come back as a blow.
+    pub take_up: f64,
     /// Excess that is let be, J. Default 1e-7, range 0 to 1: well under what is felt, well over the rounding of poses
     /// on their way (4 nm at 3 N: 1e-8 J).
     pub slack: f64,
@@ -45,6 +52,8 @@ impl Default for PassivityParams {
             max_damping: 30.0,
             lever: 0.04,
             max_force: 1.0,
+            let_go: 2e-3,
+            take_up: 0.03,
             slack: 1e-7,
             device_damping: 0.0,
             period_s: 1e-3,
@@ -70,6 +79,8 @@ impl PassivityParams {
             ("max_damping", self.max_damping, 0.0, 1e3, "0 to 1000"),
             ("lever", self.lever, 1e-3, 0.2, "0.001 to 0.2"),
             ("max_force", self.max_force, 0.0, 10.0, "0 to 10"),
+            ("let_go", self.let_go, 1e-4, 1.0, "0.0001 to 1"),
+            ("take_up", self.take_up, 1e-3, 10.0, "0.001 to 10"),
             ("slack", self.slack, 0.0, 1.0, "0 to 1"),
             (
                 "device_damping",
@@ -102,6 +113,8 @@ impl PassivityParams {
 pub struct Energy {
     /// Most that the displayed wrench had put out, net, since a contact began, joules.
     pub most_out: f64,
+    /// Most of that within one period.
+    pub most_at_once: f64,
     /// What the controller took out, net: the work on it of what was displayed beyond what would have been, joules.
     pub taken: f64,
     /// Periods in which the controller acted.
@@ -128,6 +141,8 @@ pub struct Passivity {
     out: f64,
     /// The same less what the device's own damping took of an excess.
     debt: f64,
+    /// Share of the wrench that is not let go, 0 to 1.
+    share: f64,
     /// Periods in a row in which nothing was felt.
     quiet: u64,
     energy: Energy,
@@ -147,6 +162,7 @@ impl Passivity {
             },
             out: 0.0,
             debt: 0.0,
+            share: 1.0,
             quiet: 0,
             energy: Energy::default(),
         }
@@ -174,6 +190,7 @@ impl Passivity {
             self.debt = fmax(0.0, self.debt - paid);
         }
         self.energy.most_out = fmax(self.energy.most_out, self.out);
+        self.energy.most_at_once = fmax(self.energy.most_at_once, done / periods.max(1) as f64);
         self.energy.taken += work(&self.held.plain) - done;
         let felt = &self.held.plain;
         let (force, torque) = (norm(&felt.force), norm(&felt.torque));
@@ -189,13 +206,42 @@ impl Passivity {
     }
 
     /// What to display in place of `wanted`: the same, damped so that an excess is gone within the next period, as far
-    /// as damping may go; of that the share `gate` (0: what ends must come to rest at nothing).
-    pub fn damped(&self, wanted: &Wrench, gate: f64) -> Wrench {
+    /// as damping may go, and let go of where that is not enough; of the damping the share `gate` (0: what ends must come to
+    /// rest at nothing).
+    pub fn damped(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
+        if self.params.max_damping == 0.0 {
+            return *wanted;
+        }
+        let kept = Wrench {
+            force: wanted.force * self.share,
+            torque: wanted.torque * self.share,
+        };
+        let damped = self.braked(&kept, gate);
+        self.share = self.next_share(&damped);
+        damped
+    }
+
+    /// The share of the next period where `displayed` is what this one displays.
+    fn next_share(&self, displayed: &Wrench) -> f64 {
+        let p = &self.params;
+        let power = displayed.force.dot(&self.velocity) + displayed.torque.dot(&self.spin);
+        let halved = |time: f64| p.period_s / (p.period_s + time);
+        if power > 0.0 && self.debt + power * p.period_s > p.slack {
+            return self.share * (1.0 - halved(p.let_go));
+        }
+        if self.debt > p.slack || self.share == 1.0 {
+            return self.share;
+        }
+        let next = self.share + (1.0 - self.share) * halved(p.take_up);
+        if next > 0.999 { 1.0 } else { next }
+    }
+
+    fn braked(&self, wanted: &Wrench, gate: f64) -> Wrench {
         let p = &self.params;
         let speed_squared = self.speed_squared();
         let ahead = wanted.force.dot(&self.velocity) + wanted.torque.dot(&self.spin);
-        let excess = self.debt + ahead * self.params.period_s;
-        let power = excess / self.params.period_s;
+        let excess = self.debt + ahead * p.period_s;
+        let power = excess / p.period_s;
         // (Slower than that the quotient says nothing: a nanometre in a period.)
         let moves = speed_squared > 1e-12;
         if !moves || excess <= p.slack || gate <= 0.0 {
@@ -247,6 +293,7 @@ impl Passivity {
             && self.hand == earlier.hand
             && (self.velocity, self.spin) == (earlier.velocity, earlier.spin)
             && self.held == earlier.held
+            && self.share == earlier.share
             && self.quiet == earlier.quiet
             && (self.debt == earlier.debt || never_acts)
     }
@@ -263,6 +310,7 @@ impl Passivity {
 
     fn forget(&mut self) {
         (self.out, self.debt, self.quiet) = (0.0, 0.0, 0);
+        self.share = 1.0;
     }
 }
 

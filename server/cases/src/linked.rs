@@ -63,6 +63,8 @@ pub struct Linked {
     /// Most energy that the displayed wrench had put out into a hand, net, since its contact began. (Contact ends when
     /// nothing was felt for a tenth of a second.)
     pub energy: f64,
+    /// Most work that the displayed wrench did on a hand within one period: what no controller can foresee.
+    pub period_work: f64,
     /// What the controller took out, all hands.
     pub taken: f64,
     /// Share of the tool-ticks in which it acted.
@@ -81,7 +83,15 @@ pub struct Linked {
     pub finite: bool,
 }
 
+/// Energy under which nothing is felt, joules.
+pub const FELT: f64 = 1e-4;
+
 impl Linked {
+    /// Whether the loop put out no more than what is not felt and what one period may bring unforeseen.
+    pub fn is_passive(&self) -> bool {
+        self.finite && self.energy <= FELT + self.period_work
+    }
+
     /// The force error relative to the force; 0 where nothing was felt.
     pub fn infidelity(&self) -> f64 {
         if self.force > 0.0 {
@@ -198,6 +208,7 @@ pub fn run_linked_on(
     let mut acted = 0;
     for energy in displays.map(|display| display.energy()) {
         linked.energy = linked.energy.max(energy.most_out);
+        linked.period_work = linked.period_work.max(energy.most_at_once);
         linked.taken += energy.taken;
         acted += energy.acted;
     }

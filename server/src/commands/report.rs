@@ -8,22 +8,23 @@ use clap::Args;
 use crate::commands::scene::Narrator;
 use crate::commands::tree::writable;
 use crate::page::report;
-use crate::report::{Options, measure};
+use crate::report::paper::{Part, paper_part};
+use crate::report::{Beside, Options, measure};
 
 /// Measure speed against error on this machine
 #[derive(Clone, Debug, Args)]
 #[command(
     about = "Measure speed against error on this machine",
     long_about = "Measure speed against error on this machine: does it hold a kilohertz, how wrong is it, where does it break.\n\nRuns the hard cases by the coupled method and as printed, with the tick's solver and with the judge, times whole ticks and their stages, and compares the tissue models with finite elements. Writes one page (report.html, which needs nothing but itself) and one file of numbers (report.json). Leave the machine alone meanwhile: times are those of a machine that others use, else.",
-    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --paper --out report --peers peers.json\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
+    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --paper --out report --peers peers.json\n  sulcus-server report --paper=whole-mouth\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
 )]
 pub struct ReportArgs {
     /// Fewer cases and repeats: under a minute instead of under ten
     #[arg(long)]
     quick: bool,
-    /// The paper, too: everything that it prints beside what is measured here, and one loop against two rates
-    #[arg(long)]
-    paper: bool,
+    /// The paper, too: everything that it prints beside what is measured here. With a part: that part alone, printed here
+    #[arg(long, value_name = "PART", num_args = 0..=1, require_equals = true)]
+    paper: Option<Option<Part>>,
     /// Folder for the page and the numbers, made when missing
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
@@ -36,13 +37,16 @@ pub struct ReportArgs {
 }
 
 pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
+    let narrator = Narrator::default();
+    if let Some(Some(part)) = args.paper {
+        return one_part(part, args, &narrator);
+    }
     writable(&args.out)?;
     let options = Options {
         quick: args.quick,
-        paper: args.paper,
+        paper: args.paper.is_some(),
         peers: args.peers.as_deref().map(read_peers).transpose()?,
     };
-    let narrator = Narrator::default();
     let found = measure(options, &|what, share| narrator.say(what, share))?;
     let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
     let write = |name: &str, text: &str| -> anyhow::Result<PathBuf> {
@@ -61,6 +65,26 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
         println!("{json}");
     }
     Ok(u8::from(!report::failures(&found).is_empty()))
+}
+
+/// Measures one part of the paper and prints it: no page, no files.
+fn one_part(part: Part, args: &ReportArgs, narrator: &Narrator) -> anyhow::Result<u8> {
+    let found = paper_part(part, args.quick, &|what, share| narrator.say(what, share))?;
+    let found = Beside::of(found, args.quick);
+    for row in &found.rows {
+        let printed = row.printed.as_deref().unwrap_or("unknown");
+        let measured = row.measured.as_deref().unwrap_or("not measured");
+        println!("{}, {}", row.place, row.what);
+        println!(
+            "    printed:  {printed}\n    measured: {measured}\n    how:      {}",
+            row.how
+        );
+    }
+    if args.json {
+        let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
+        println!("{json}");
+    }
+    Ok(0)
 }
 
 /// Reads what the bench against other engines wrote.

@@ -6,14 +6,17 @@
 mod growth;
 mod loops;
 mod machine;
+mod matrix;
 mod mouth;
 pub(crate) mod paper;
 mod printed;
 mod rates;
 mod rough;
 mod rows;
+mod shipped;
 mod statistics;
 mod times;
+mod together;
 
 use std::time::Instant;
 
@@ -23,6 +26,7 @@ use sulcus_cases::one_dof;
 pub(crate) use growth::{Growth, Line};
 pub(crate) use loops::{FELT_MJ, Loop, Loops};
 pub(crate) use machine::Machine;
+pub(crate) use matrix::Cell;
 pub(crate) use mouth::{Level, Mouth, SHARES};
 pub(crate) use printed::Beside;
 pub(crate) use rates::{LOOKS_S, Rate};
@@ -44,6 +48,7 @@ pub(crate) struct Report {
     pub(crate) machine: Machine,
     pub(crate) rows: Vec<Row>,
     pub(crate) mouth: Mouth,
+    pub(crate) matrix: Vec<Cell>,
     pub(crate) rates: Vec<Rate>,
     pub(crate) growth: Growth,
     pub(crate) random_poses: Vec<Rough>,
@@ -53,7 +58,7 @@ pub(crate) struct Report {
     /// What the bench against other engines wrote.
     pub(crate) peers: Option<serde_json::Value>,
     /// Everything that the paper prints beside what is measured here.
-    pub(crate) paper: Option<printed::Beside>,
+    pub(crate) paper: Option<Beside>,
     pub(crate) took_s: f64,
 }
 
@@ -79,15 +84,16 @@ pub(crate) struct Options {
 }
 
 /// Parts of the work and their shares of the time, for the progress.
-const PARTS: [(&str, f64); 9] = [
+const PARTS: [(&str, f64); 10] = [
     ("the whole mouth", 0.10),
+    ("level, tissue, solver, method", 0.08),
     ("rates", 0.10),
-    ("how times grow", 0.16),
-    ("hard cases", 0.27),
-    ("random poses", 0.08),
-    ("passivity", 0.09),
+    ("how times grow", 0.14),
+    ("hard cases", 0.25),
+    ("random poses", 0.04),
+    ("passivity", 0.08),
     ("one degree of freedom", 0.01),
-    ("finite elements", 0.11),
+    ("finite elements", 0.10),
     ("the paper", 0.10),
 ];
 
@@ -111,23 +117,25 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         }
     };
     let mouth = mouth::measure(quick, &part(0));
-    let rates = rates::measure(quick, &part(1));
-    let growth = growth::measure(quick, &part(2));
-    let rows = rows::measure(quick, &part(3));
-    let random_poses = rough::measure(quick, &part(4));
-    let passivity = loops::measure(quick, &part(5));
-    part(6)("", 0.0);
+    let matrix = matrix::measure(quick, &part(1));
+    let rates = rates::measure(quick, &part(2));
+    let growth = growth::measure(quick, &part(3));
+    let rows = rows::measure(quick, &part(4));
+    let random_poses = rough::measure(quick, &part(5));
+    let passivity = loops::measure(quick, &part(6));
+    part(7)("", 0.0);
     let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
-    let elements = against_fem(quick, &part(7))?;
+    let elements = against_fem(quick, &part(8))?;
     let paper = options
         .paper
-        .then(|| printed::Beside::from(paper::paper_beside(quick, &elements, &part(8))));
+        .then(|| Beside::of(paper::paper_beside(quick, &elements, &part(9)), quick));
     Ok(Report {
         program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
         quick,
         machine: Machine::here(),
         rows,
         mouth,
+        matrix,
         rates,
         growth,
         random_poses,

@@ -27,6 +27,8 @@ pub(crate) struct Row {
     pub(crate) measured: Option<String>,
     pub(crate) values: BTreeMap<&'static str, f64>,
     pub(crate) how: String,
+    /// What measures it again; none where nothing is measured.
+    pub(crate) command: Option<String>,
 }
 
 /// A curve of a figure, with at most a few hundred points.
@@ -58,9 +60,11 @@ pub(crate) struct Rated {
 /// Points of a curve beyond which every so many are left out.
 const POINTS: usize = 600;
 
-impl From<Paper> for Beside {
-    fn from(paper: Paper) -> Self {
+impl Beside {
+    /// What was measured, as it goes into files; `quick` as it was then.
+    pub(crate) fn of(paper: Paper, quick: bool) -> Self {
         let rows = paper.rows.into_iter().map(|row| Row {
+            command: row.measured.is_some().then(|| row.part.command(quick)),
             id: row.printed.id,
             place: row.printed.place,
             what: row.printed.what,
@@ -86,7 +90,7 @@ impl From<Paper> for Beside {
                 .collect(),
             note: curve.note,
         });
-        let studies = paper.multi_rate.studies.iter();
+        let studies = paper.multi_rate.iter().flat_map(|found| &found.studies);
         let rated = studies.flat_map(|study| {
             study.rates.iter().map(|rated| Rated {
                 scene: study.about.clone(),

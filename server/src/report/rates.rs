@@ -1,32 +1,21 @@
 //! The shipped scenes at 1, 2 and 4 kHz: what a tick takes at each, and which of them this machine holds.
 
-use std::path::Path;
-
 use serde::Serialize;
-use sulcus_cases::{Observer, Played, mouth, record};
+use sulcus_cases::{Observer, Played, record};
 use sulcus_core::Scene;
 use sulcus_operator::HandParams;
-use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::Script;
-use sulcus_operator::tour::Tour;
-use sulcus_operator::tour_params::{TourParams, Visit};
-use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
 
+use super::shipped::{SEED, SHIPPED};
 use super::times::Times;
 
 /// Ticks a second; the first and the last in a quick report.
 pub(crate) const RATES: [u16; 3] = [1000, 2000, 4000];
-/// Time until the hands are at work, seconds, and how long is measured from then on, in a full report and in a quick one.
-const BEGINS: f64 = 2.5;
+/// How long is measured from when the hands are at work, seconds, in a full report and in a quick one.
 const SECONDS: [f64; 2] = [8.0, 2.0];
 /// Time between two looks at the residual (all pairs of spheres: it takes longer than a tick), seconds, in a full report and in a quick
 /// one; the page says so.
 pub(crate) const LOOKS_S: [f64; 2] = [4e-3, 16e-3];
-/// The same in the whole mouth, where the mirror comes first.
-const MOUTH_BEGINS: f64 = 7.0;
-/// The hands come out of the mouth after what is measured.
-const LEAVING: f64 = 8.0;
 
 /// One scene at one rate.
 #[derive(Clone, Debug, Serialize)]
@@ -48,67 +37,6 @@ pub(crate) struct Rate {
     pub(crate) buzz_n: f64,
 }
 
-type Make = (
-    &'static str,
-    f64,
-    fn() -> Scene,
-    fn(&Scene, f64) -> Box<dyn Script + Send>,
-);
-
-const SCENES: [Make; 5] = [
-    (
-        "crown",
-        BEGINS,
-        || built_in(BuiltIn::Crown),
-        |scene, duration| {
-            let params = CrownParams {
-                duration,
-                ..CrownParams::default()
-            };
-            Box::new(Crown::new(scene, None, params).expect("a crown"))
-        },
-    ),
-    (
-        "pocket",
-        BEGINS,
-        || built_in(BuiltIn::Pocket),
-        |scene, duration| {
-            let params = TourParams {
-                duration,
-                ..TourParams::default()
-            };
-            let tour = [Visit::whole(mouth::PROBED)];
-            Box::new(Tour::new(scene, &tour, params).expect("a pocket"))
-        },
-    ),
-    ("tongue", BEGINS, || built_in(BuiltIn::Tongue), retraction),
-    ("organ", BEGINS, || built_in(BuiltIn::Organ), retraction),
-    (
-        "mouth",
-        MOUTH_BEGINS,
-        || super::mouth::shipped().clone(),
-        |scene, duration| Box::new(mouth::hands(scene, duration)),
-    ),
-];
-
-fn built_in(which: BuiltIn) -> Scene {
-    let compiled = compile_text(
-        which.text(),
-        Path::new("shipped.toml"),
-        &BuildOptions::cached(),
-        &|_, _| {},
-    );
-    compiled.expect("a shipped scene").scene
-}
-
-fn retraction(scene: &Scene, duration: f64) -> Box<dyn Script + Send> {
-    let params = RetractionParams {
-        duration,
-        ..RetractionParams::default()
-    };
-    Box::new(Retraction::new(scene, params).expect("a tongue and a mirror"))
-}
-
 /// Measures them all.
 pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rate> {
     let tried: Vec<u16> = if quick {
@@ -116,10 +44,11 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rate> {
     } else {
         RATES.to_vec()
     };
-    let all = SCENES.len() * tried.len();
+    let all = SHIPPED.len() * tried.len();
     let mut rates = Vec::with_capacity(all);
-    for (name, begins, scene, script) in SCENES {
-        let mut scene = scene();
+    for shipped in SHIPPED {
+        let (name, begins) = (shipped.name, shipped.begins);
+        let mut scene = (shipped.scene)();
         for &rate_hz in &tried {
             progress(
                 &format!("{name} at {rate_hz} Hz"),
@@ -127,7 +56,7 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rate> {
             );
             scene.params.rate_hz = rate_hz;
             let ends = begins + SECONDS[usize::from(quick)];
-            let script = script(&scene, ends + LEAVING);
+            let script = shipped.hands(&scene, ends);
             rates.push(one(name, &scene, script, (begins, ends), quick));
         }
     }
@@ -143,7 +72,7 @@ fn one(
 ) -> Rate {
     let params = &scene.params;
     let (from, to) = (params.ticks_in(begins), params.ticks_in(ends));
-    let hand = (HandParams::default(), 7);
+    let hand = (HandParams::default(), SEED);
     let (mut force, mut touching) = (0.0, 0_u64);
     let mut observer = Observer::new(scene);
     observer.residual_every = params.ticks_in(LOOKS_S[usize::from(quick)]);

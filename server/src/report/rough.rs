@@ -3,6 +3,8 @@
 use serde::Serialize;
 use sulcus_cases::fuzz::ALL;
 
+use super::together::on_all_cores;
+
 /// One scene under them.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Rough {
@@ -33,9 +35,9 @@ impl Rough {
 /// Measures them all.
 pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rough> {
     let ticks = if quick { 1_000 } else { 10_000 };
-    let rough = ALL.iter().enumerate().map(|(k, fuzz)| {
-        progress(fuzz.name, k as f64 / ALL.len() as f64);
-        let found = fuzz.run(k as u64, ticks, |_| {});
+    let numbered: Vec<_> = ALL.iter().enumerate().collect();
+    on_all_cores(&numbered, &|share| progress("", share), |(k, fuzz)| {
+        let found = fuzz.run(*k as u64, ticks, |_| {});
         let m = &found;
         Rough {
             scene: fuzz.name,
@@ -51,6 +53,5 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rough> {
             slow_force_step_n: m.slow_force_step,
             max_force_n: m.max_force,
         }
-    });
-    rough.collect()
+    })
 }

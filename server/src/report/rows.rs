@@ -7,6 +7,7 @@ use sulcus_core::Scene;
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::TissueModel;
 
+use super::matrix::solver_name;
 use super::times::Times;
 
 /// One case by one method with one solver.
@@ -187,10 +188,7 @@ pub(crate) fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -
         about: case.about,
         method: if printed { "printed" } else { "coupled" },
         tissue: tissues(&scene),
-        solver: match solver {
-            SolverKind::ActiveSet => "active_set",
-            SolverKind::Clarabel => "clarabel",
-        },
+        solver: solver_name(solver),
         level: scene
             .objects
             .iter()

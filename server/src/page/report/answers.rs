@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::super::html::escaped;
-use crate::report::{FELT_MJ, Level, Report, Row};
+use crate::report::{FELT_MJ, Level, Loop, Report, Row};
 
 /// A question, a short answer, and what it stands on.
 pub(crate) struct Answer {
@@ -199,7 +199,7 @@ fn outrun_um(report: &Report) -> f64 {
     rows.chain(rough).fold(0.0, f64::max)
 }
 
-/// What does not hold, in words: hard cases and random poses.
+/// What does not hold, in words: hard cases, random poses, links, rest.
 pub(crate) fn failures(report: &Report) -> Vec<String> {
     let rows = report.rows.iter().filter(|row| row.status == "broken");
     let rows = rows.map(|row| {
@@ -213,24 +213,34 @@ pub(crate) fn failures(report: &Report) -> Vec<String> {
             r.scene, r.not_finite, r.faults, r.residual_um, r.slow_force_step_n
         )
     });
-    rows.chain(rough).collect()
+    let loops = report.passivity.loops.iter().filter(|l| !l.passive);
+    let loops = loops.map(|l| {
+        format!(
+            "{} over a link of {} ms puts out {:.2} mJ",
+            l.case, l.delay_ms, l.energy_controlled_mj
+        )
+    });
+    let hours = report.passivity.hours.iter().filter(|hour| !hour.holds());
+    let hours =
+        hours.map(|hour| format!("{} drifts by {:.2} µm at rest", hour.case, hour.drift_um));
+    rows.chain(rough).chain(loops).chain(hours).collect()
 }
 
-/// How often the controller leaves energy that is felt, and where most, in words.
-fn left_over_links(report: &Report) -> Option<String> {
+/// What the loops over links put out at most, without and with the controller, in words.
+fn over_links(report: &Report) -> Option<String> {
     let loops = &report.passivity.loops;
-    let left = loops.iter().filter(|l| l.energy_controlled_mj > FELT_MJ);
-    let most = left
-        .clone()
-        .max_by(|a, b| a.energy_controlled_mj.total_cmp(&b.energy_controlled_mj))?;
+    let most = |of: fn(&Loop) -> f64| loops.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+    let without = most(|l| l.energy_mj)?;
+    let with = most(|l| l.energy_controlled_mj)?;
+    let quiet = loops.iter().filter(|l| l.energy_controlled_mj <= FELT_MJ);
     Some(format!(
-        "Over {} of {} links the loop puts out more than {FELT_MJ} mJ with the controller, too: {:.1} mJ at most ({}, {} ms; {:.1} without).",
-        left.count(),
+        "Over {} links with loss and up to 5 ms the loop puts out up to {:.0} mJ ({}); with the controller under {FELT_MJ} mJ over {}, {:.1} mJ at most ({}).",
         loops.len(),
-        most.energy_controlled_mj,
-        most.case,
-        most.delay_ms,
-        most.energy_mj,
+        without.energy_mj,
+        without.case,
+        quiet.count(),
+        with.energy_controlled_mj,
+        with.case,
     ))
 }
 
@@ -274,15 +284,17 @@ fn breaks(report: &Report) -> Answer {
         long,
         "<p>Ticks in which the hand outran the tool: {exhausted}. The method as printed, for comparison: {failing} of {printed} cases do not hold.</p>"
     );
-    let left = left_over_links(report);
-    if let Some(left) = &left {
-        let _ = write!(long, "<p>{}</p>", escaped(left));
+    if let Some(links) = over_links(report) {
+        let _ = write!(long, "<p>{}</p>", escaped(&links));
     }
-    let all = of("coupled").count() + report.random_poses.len();
-    let (short, mood) = match (broken.len(), left) {
-        (0, None) => (format!("Nowhere in {all} runs"), "yes"),
-        (0, Some(_)) => (format!("Nowhere in {all} runs; over some links"), "so"),
-        (n, _) => (format!("In {n} of {all} runs"), "no"),
+    let passivity = &report.passivity;
+    let all = of("coupled").count()
+        + report.random_poses.len()
+        + passivity.loops.len()
+        + passivity.hours.len();
+    let (short, mood) = match broken.len() {
+        0 => (format!("Nowhere in {all} runs"), "yes"),
+        n => (format!("In {n} of {all} runs"), "no"),
     };
     Answer {
         question: "Where does it break?",

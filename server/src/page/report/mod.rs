@@ -5,6 +5,7 @@
 mod answers;
 mod cases;
 mod loops;
+mod matrix;
 mod paper;
 mod plots;
 mod rates;
@@ -50,6 +51,7 @@ pub(crate) fn page(report: &Report) -> String {
     }
     html.push_str("</div>\n");
     plots::speed(&mut html, report);
+    matrix::matrix(&mut html, report);
     rates::rates(&mut html, report);
     cases::hard_cases(&mut html, report);
     cases::random_poses(&mut html, report);

@@ -51,16 +51,19 @@ pub(super) fn paper(html: &mut String, beside: &Beside) {
             r.energy_mj,
         );
     }
-    html.push_str("</tbody></table></div>\n<h3>Everything printed</h3><p class=\"note\">All of it is measured by <code>sulcus-server report --paper</code>; how, stands beside each.</p><div class=\"wide\"><table class=\"small\"><thead><tr><th>where</th><th>what</th><th>printed</th><th>measured here</th><th>how</th></tr></thead><tbody>");
+    html.push_str("</tbody></table></div>\n<h3>Everything printed</h3><p class=\"note\">How each was measured stands beside it, with the command that does it again.</p><div class=\"wide\"><table class=\"small\"><thead><tr><th>where</th><th>what</th><th>printed</th><th>measured here</th><th>how</th></tr></thead><tbody>");
     for row in &beside.rows {
         let printed = row
             .printed
             .as_deref()
             .map_or("<i>unknown</i>".to_owned(), escaped);
         let measured = row.measured.as_deref().map_or("–".to_owned(), escaped);
+        let again = row.command.as_deref().map_or(String::new(), |command| {
+            format!(" <code>{}</code>", escaped(command))
+        });
         let _ = writeln!(
             html,
-            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{printed}</td><td class=\"text\">{measured}</td><td class=\"text soft\">{}</td></tr>",
+            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{printed}</td><td class=\"text\">{measured}</td><td class=\"text soft\">{}{again}</td></tr>",
             escaped(row.conditions),
             escaped(row.place),
             escaped(row.what),

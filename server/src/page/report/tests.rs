@@ -21,6 +21,7 @@ fn small() -> Report {
             objects: 0,
             levels: Vec::new(),
         },
+        matrix: Vec::new(),
         rates: Vec::new(),
         growth: Growth { lines: Vec::new() },
         random_poses: Vec::new(),

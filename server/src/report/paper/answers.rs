@@ -3,23 +3,39 @@
 use std::collections::BTreeMap;
 
 use super::printed::PRINTED;
-use super::{Beside, Curve};
+use super::{Beside, Curve, Part};
 
 /// What was found for one printed thing.
 struct Answer {
     measured: Option<String>,
     values: Vec<(&'static str, f64)>,
     how: String,
+    part: Part,
 }
 
 /// What was found, by the id of what is printed.
-#[derive(Default)]
 pub(super) struct Answers {
     found: BTreeMap<&'static str, Answer>,
     curves: Vec<Curve>,
+    /// What answers now.
+    part: Part,
 }
 
 impl Answers {
+    /// None yet.
+    pub(super) fn none() -> Self {
+        Self {
+            found: BTreeMap::new(),
+            curves: Vec::new(),
+            part: Part::Machine,
+        }
+    }
+
+    /// From now on `part` answers.
+    pub(super) fn begin_part(&mut self, part: Part) {
+        self.part = part;
+    }
+
     /// Something was measured.
     ///
     /// # Panics
@@ -35,6 +51,7 @@ impl Answers {
             measured: Some(measured.into()),
             values: values.to_vec(),
             how: how.into(),
+            part: self.part,
         };
         self.put(id, answer);
     }
@@ -45,6 +62,7 @@ impl Answers {
             measured: None,
             values: Vec::new(),
             how: why.into(),
+            part: self.part,
         };
         self.put(id, answer);
     }
@@ -65,20 +83,17 @@ impl Answers {
         self.curves.push(curve);
     }
 
-    /// Everything printed, in order, with its answer.
-    ///
-    /// # Panics
-    /// When something has none: a fault of this report.
+    /// Everything printed that was answered, in order, with its answer.
     pub(super) fn in_order(mut self) -> (Vec<Beside>, Vec<Curve>) {
-        let rows = PRINTED.iter().map(|printed| {
-            let answer = self.found.remove(printed.id);
-            let answer = answer.unwrap_or_else(|| panic!("{} has no answer", printed.id));
-            Beside {
+        let rows = PRINTED.iter().filter_map(|printed| {
+            let answer = self.found.remove(printed.id)?;
+            Some(Beside {
                 printed,
                 measured: answer.measured,
                 values: answer.values,
                 how: answer.how,
-            }
+                part: answer.part,
+            })
         });
         (rows.collect(), self.curves)
     }

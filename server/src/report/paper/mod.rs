@@ -22,10 +22,11 @@ mod turning;
 mod unmeasured;
 mod whole_mouth;
 
+use clap::ValueEnum;
 use printed::Printed;
 use sulcus_cases::multi_rate::{self, MultiRate};
 
-use crate::tissue::against_fem::AgainstFem;
+use crate::tissue::against_fem::{AgainstFem, against_fem};
 use answers::Answers;
 
 /// One thing that the paper prints beside what this program measures.
@@ -38,6 +39,8 @@ pub(crate) struct Beside {
     pub(crate) values: Vec<(&'static str, f64)>,
     /// Scene, seed, case and conditions; or the reason.
     pub(crate) how: String,
+    /// What it was measured with.
+    pub(crate) part: Part,
 }
 
 /// Curves in one diagram.
@@ -56,14 +59,70 @@ pub(crate) struct Curve {
     pub(crate) note: String,
 }
 
-/// All of it.
+/// What was asked for.
 pub(crate) struct Paper {
     /// In the order of the paper.
     pub(crate) rows: Vec<Beside>,
     /// By figure.
     pub(crate) curves: Vec<Curve>,
-    /// One loop against two rates.
-    pub(crate) multi_rate: MultiRate,
+    /// One loop against two rates; none where that was not asked for.
+    pub(crate) multi_rate: Option<MultiRate>,
+}
+
+/// What is measured together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Part {
+    /// This machine, and the reasons why some things are not measured
+    Machine,
+    /// Springs of one degree of freedom: Eq. 9, Fig. 7, Table 1
+    OneDof,
+    /// Sphere trees and skeleton: sections 2, 3.1, 5.1 and 8.4
+    Trees,
+    /// A mirror on the tongue: Fig. 4 and 14
+    Tongue,
+    /// A probe in the pocket: Fig. 16 to 18
+    Pocket,
+    /// Force error of the spheres: section 8.4
+    Ripple,
+    /// One loop against two rates: sections 1.2.2 and 9
+    Rates,
+    /// Tissue against finite elements: Fig. 15
+    Elements,
+    /// Problems of 500 rows: section 3.2
+    ManyRows,
+    /// Times of the stages: Table 2
+    Times,
+    /// Two hands in the whole mouth: Fig. 19 and Table 3
+    WholeMouth,
+}
+
+impl Part {
+    /// All, with their shares of the time (the elements' aside: their comparison is made elsewhere). Times come last.
+    pub(crate) const ALL: [(Self, f64); 11] = [
+        (Self::Machine, 0.0),
+        (Self::OneDof, 0.04),
+        (Self::Trees, 0.04),
+        (Self::Tongue, 0.07),
+        (Self::Pocket, 0.14),
+        (Self::Ripple, 0.14),
+        (Self::Rates, 0.27),
+        (Self::Elements, 0.0),
+        (Self::ManyRows, 0.04),
+        (Self::Times, 0.07),
+        (Self::WholeMouth, 0.19),
+    ];
+
+    /// As on the command line.
+    pub(crate) fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or(String::new(), |value| value.get_name().to_owned())
+    }
+
+    /// What measures it again.
+    pub(crate) fn command(self, quick: bool) -> String {
+        let quick = if quick { " --quick" } else { "" };
+        format!("sulcus-server report --paper={}{quick}", self.name())
+    }
 }
 
 /// Measures everything; the comparison against finite elements was made already.
@@ -72,47 +131,60 @@ pub(crate) fn paper_beside(
     elements: &[AgainstFem],
     progress: &dyn Fn(&str, f64),
 ) -> Paper {
-    let measured = untimed(quick, &|what, share| progress(what, UNTIMED * share));
-    finished(quick, measured, elements, progress)
+    let paper = of_parts(&Part::ALL, quick, elements, progress);
+    for printed in printed::PRINTED {
+        let answered = paper.rows.iter().any(|row| row.printed.id == printed.id);
+        assert!(answered, "{} has no answer", printed.id);
+    }
+    paper
 }
 
-/// Share of the whole that is not timed.
-const UNTIMED: f64 = 0.7;
-
-/// All that is not a time.
-fn untimed(quick: bool, progress: &dyn Fn(&str, f64)) -> (Answers, MultiRate) {
-    let mut answers = Answers::default();
-    unmeasured::answer(&mut answers);
-    progress("one degree of freedom", 0.0);
-    one_dof::answer(&mut answers);
-    progress("sphere trees", 0.05);
-    trees::answer(&mut answers);
-    progress("a mirror on the tongue", 0.1);
-    tongue::answer(&mut answers);
-    progress("a probe in the pocket", 0.2);
-    pocket::answer(&mut answers);
-    progress("ripple", 0.4);
-    ripple::answer(quick, &mut answers);
-    progress("one loop against two rates", 0.6);
-    let multi_rate = multi_rate::study(quick);
-    rates::answer(&multi_rate, &mut answers);
-    (answers, multi_rate)
-}
-
-/// The times, on a machine that does nothing else of this report meanwhile; and all of it in order.
-fn finished(
+/// Measures one part.
+///
+/// # Errors
+/// If finite elements find no equilibrium: a fault of this program.
+pub(crate) fn paper_part(
+    part: Part,
     quick: bool,
-    (mut answers, multi_rate): (Answers, MultiRate),
+    progress: &dyn Fn(&str, f64),
+) -> anyhow::Result<Paper> {
+    let elements = match part {
+        Part::Elements => against_fem(quick, progress)?,
+        _ => Vec::new(),
+    };
+    Ok(of_parts(&[(part, 1.0)], quick, &elements, progress))
+}
+
+fn of_parts(
+    parts: &[(Part, f64)],
+    quick: bool,
     elements: &[AgainstFem],
     progress: &dyn Fn(&str, f64),
 ) -> Paper {
-    elements::answer(elements, &mut answers);
-    progress("problems of 500 rows", UNTIMED);
-    many_rows::answer(quick, &mut answers);
-    progress("times of the stages", 0.75);
-    times::answer(quick, &mut answers);
-    progress("the whole mouth", 0.85);
-    whole_mouth::answer(quick, &mut answers);
+    let mut answers = Answers::none();
+    let (mut multi_rate, mut before) = (None, 0.0);
+    for &(part, share) in parts {
+        progress(&part.name(), before);
+        before += share;
+        answers.begin_part(part);
+        let answers = &mut answers;
+        match part {
+            Part::Machine => unmeasured::answer(answers),
+            Part::OneDof => one_dof::answer(answers),
+            Part::Trees => trees::answer(answers),
+            Part::Tongue => tongue::answer(answers),
+            Part::Pocket => pocket::answer(answers),
+            Part::Ripple => ripple::answer(quick, answers),
+            Part::Rates => {
+                let found = multi_rate.insert(multi_rate::study(quick));
+                rates::answer(found, answers);
+            }
+            Part::Elements => elements::answer(elements, answers),
+            Part::ManyRows => many_rows::answer(quick, answers),
+            Part::Times => times::answer(quick, answers),
+            Part::WholeMouth => whole_mouth::answer(quick, answers),
+        }
+    }
     progress("the paper", 1.0);
     let (rows, curves) = answers.in_order();
     Paper {

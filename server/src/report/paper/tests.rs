@@ -122,7 +122,17 @@ fn everything_printed_is_answered_once_and_measured_where_it_can_be() {
     assert!(rate("compliance_buzz_n_k2") > 5.0 * rate("single_buzz_n_k2"));
     assert!(rate("shape_rms_n_k2") > rate("compliance_rms_n_k2"));
 
-    assert_eq!(paper.multi_rate.studies.len(), 2);
+    // What is measured says by which command, and that command answers it again, the same.
+    for part in [Part::OneDof, Part::Trees] {
+        let again = paper_part(part, true, &|_, _| ()).expect("no elements are asked for");
+        let first = rows.iter().filter(|row| row.part == part);
+        assert!(first.clone().count() > 5, "{part:?}");
+        let numbers = |row: &Beside| (row.printed.id, row.values.clone(), row.how.clone());
+        let again: Vec<_> = again.rows.iter().map(numbers).collect();
+        assert_eq!(first.map(numbers).collect::<Vec<_>>(), again, "{part:?}");
+    }
+
+    assert_eq!(paper.multi_rate.map(|found| found.studies.len()), Some(2));
     let places: Vec<&str> = paper.curves.iter().map(|curve| curve.place).collect();
     for place in ["Fig. 14", "Fig. 17", "Fig. 18", "multi-rate"] {
         assert!(places.contains(&place), "{place}");
