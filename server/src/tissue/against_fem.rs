@@ -56,8 +56,8 @@ pub(crate) struct AgainstFem {
 /// Share of the time that the reference takes.
 const REFERENCE: f64 = 0.8;
 
-/// Compares the models with finite elements under two pushes, each moderate (about 4 mm) and large (about 10 mm), with `quick` under
-/// the first, moderate alone. `progress` gets what is being done and how much of it all is done.
+/// Compares the models with finite elements under two pushes, each moderate (about 4 mm) and large (about 10 mm), and a third all over
+/// the back, moderate; with `quick` under the first, moderate alone. `progress` gets what is being done and how much of it all is done.
 ///
 /// # Errors
 /// If there is no equilibrium or a model does not come to rest: a fault of this program, there is no input.

@@ -31,19 +31,31 @@ impl Seen<'_> {
         (there.force, there.torque)
     }
 
+    /// How far each sphere of object `k` that is touched is from its rest, metres.
+    fn displaced(&self, k: usize) -> Vec<f64> {
+        let object = &self.scene.objects[k];
+        let shape: Vec<_> = object.tree.shape_at(object.level).collect();
+        let ids: Vec<u32> = shape.iter().map(|(id, _)| *id).collect();
+        let mut centres = vec![Vec3::zeros(); ids.len()];
+        if !self.ws.centres_of(k, &ids, &mut centres) {
+            return Vec::new();
+        }
+        let moved = centres.iter().zip(&shape);
+        moved
+            .map(|(c, (_, node))| norm(&(c - node.centre)))
+            .collect()
+    }
+
     /// Farthest that a sphere of object `k` is from its rest, metres.
     pub(super) fn indentation(&self, k: usize) -> f64 {
-        let nodes = self.scene.objects[k].tree.nodes();
-        let ids: Vec<u32> = (0..nodes.len() as u32).collect();
-        let mut centres = vec![Vec3::zeros(); nodes.len()];
-        if !self.ws.centres_of(k, &ids, &mut centres) {
-            return 0.0;
-        }
-        let moved = centres
-            .iter()
-            .zip(nodes)
-            .map(|(c, node)| norm(&(c - node.centre)));
-        moved.fold(0.0, f64::max)
+        self.displaced(k).into_iter().fold(0.0, f64::max)
+    }
+
+    /// Share of the spheres of object `k` that are displaced by more than `least` metres.
+    pub(super) fn extent(&self, k: usize, least: f64) -> f64 {
+        let displaced = self.displaced(k);
+        let count = displaced.iter().filter(|d| **d > least).count();
+        count as f64 / displaced.len().max(1) as f64
     }
 
     /// Number of separate places in which tool `t` bears load: contacts of one object within `apart` metres are one place.

@@ -91,6 +91,11 @@ fn everything_printed_is_answered_once_and_measured_where_it_can_be() {
     // The tongue: deep is more than light, and nothing is gone through.
     assert!(value(rows, "fig14-force-n", "b") > 2.0 * value(rows, "fig14-force-n", "a"));
     assert!(value(rows, "fig14-penetration", "um") < 1.0);
+    // Local, global, in several places.
+    let state = |name| value(rows, "fig14-states", name);
+    assert!(state("extent_percent_a") < 0.5 * state("extent_percent_b"));
+    assert_eq!((state("regions_a"), state("regions_b")), (1.0, 1.0));
+    assert!(state("regions_c") >= 2.0);
     // The pocket: the torque is against the turn, the floor is felt.
     assert!(value(rows, "fig17-sequence", "against_percent") > 90.0);
     assert!(

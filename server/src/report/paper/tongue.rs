@@ -1,39 +1,56 @@
 //! Fig. 14 and Fig. 4: a mirror that presses the tongue lightly, deeply, and askance.
 
-use sulcus_cases::tissue_scenes::tongue;
+use sulcus_cases::tissue_scenes::{tongue, twice};
 use sulcus_core::math::{exp_rotation, norm};
 use sulcus_core::{Pose, Scene, Vec3};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
-use sulcus_operator::script::smoothstep;
+use sulcus_operator::script::{TwoTools, smoothstep};
 
 use super::Curve;
 use super::answers::Answers;
-use super::contact::{LOOKED, SEED, Seen, by_hand, hand_at};
+use super::contact::{LOOKED, SEED, Seen, by_hand, slots};
 
-/// Lightly; deep; deep, tilted, and slid along: when each is held, seconds.
+/// Its far edge lightly; deep; tilted and slid along while a second mirror presses elsewhere: when each is held, seconds.
 const STATES: [(&str, [f64; 2]); 3] = [
     ("a, light", [1.2, 2.0]),
     ("b, deep", [3.2, 4.0]),
-    ("c, deep, tilted and slid", [4.2, 6.2]),
+    ("c, with a second mirror, tilted and slid", [4.6, 6.2]),
 ];
 const SECONDS: f64 = 7.0;
-/// Contacts farther apart are different regions, metres.
-const APART: f64 = 8e-3;
+/// Contacts farther apart are different regions, metres: those under one side of a disc of 22 mm are one.
+const APART: f64 = 11e-3;
+/// Displacement from which on a place is said to give way, metres: what an eye sees.
+const GIVES_WAY: f64 = 1e-3;
+/// Angle by which the disc is turned onto its far edge, and tilted sideways, radians.
+const ON_EDGE: f64 = 0.35;
+const TILT: f64 = 0.2;
+/// How far from the first the second mirror is pressed in, along the tongue, metres.
+const BESIDE: f64 = 28e-3;
 /// Milliseconds between two points of a curve.
 const DRAWN: usize = 10;
 
-/// Where the hand means to be: how deep, tilted by how much, slid by how far.
-fn pose(mirror: &Retraction, disc: Vec3, t: f64) -> Pose {
-    let deep = -4e-3 + 6e-3 * smoothstep(t / 1.0) + 8e-3 * smoothstep((t - 2.0) / 1.0)
+/// Where the first mirror is meant to be: how deep, on its edge, tilted by how much, slid by how far.
+fn first(mirror: &Retraction, disc: Vec3, t: f64) -> Pose {
+    let deep = -4e-3 + 3e-3 * smoothstep(t / 1.0) + 11e-3 * smoothstep((t - 2.0) / 1.0)
         - 16e-3 * smoothstep((t - 6.4) / 0.4);
-    let held = smoothstep((t - 4.0) / 0.4) - smoothstep((t - 6.2) / 0.4);
-    let along = 5e-3 * (3.0 * (t - 4.0)).sin() * held;
+    let along = 3e-3 * (3.0 * (t - 4.5)).sin() * held(t);
     let straight = mirror.pose(deep, 0.0, along);
-    // About the disc's middle.
-    let tilt = exp_rotation(&(Vec3::x() * (0.3 * held)));
-    let at = straight.transform(&disc);
-    let orientation = tilt * straight.orientation;
-    Pose::new(at - orientation * disc, orientation)
+    let edge = 1.0 - smoothstep((t - 2.0) / 1.0);
+    // About the disc's middle; y of the tool is across handle and disc.
+    let turn = Vec3::y() * (ON_EDGE * edge) + Vec3::x() * (TILT * held(t));
+    let orientation = straight.orientation * exp_rotation(&turn);
+    Pose::new(straight.transform(&disc) - orientation * disc, orientation)
+}
+
+/// Where the second is, in the last state: pressed into another place.
+fn second(mirror: &Retraction, t: f64) -> Option<Pose> {
+    let at = || mirror.pose(-4e-3 + 11e-3 * held(t), 0.0, BESIDE);
+    (4.0..6.8).contains(&t).then(at)
+}
+
+/// 1 in the last state, 0 outside.
+fn held(t: f64) -> f64 {
+    smoothstep((t - 4.0) / 0.5) - smoothstep((t - 6.2) / 0.4)
 }
 
 /// What a state comes to at most.
@@ -42,20 +59,25 @@ struct Peak {
     force: f64,
     torque: f64,
     indentation: f64,
+    /// Share of the tongue that gives way, percent.
+    extent: f64,
     regions: usize,
     pairs: [f64; 2],
 }
 
 /// Answers for Fig. 14, and for Fig. 4 from the same run.
 pub(super) fn answer(answers: &mut Answers) {
-    let scene = tongue(0.5);
+    let scene = twice(tongue(0.5));
     let params = RetractionParams {
         flank: 0.0,
         ..RetractionParams::default()
     };
     let mirror = Retraction::new(&scene, params).expect("the shipped tongue and its mirror");
     let disc = scene.tools[0].working_point;
-    let script = hand_at(move |t| pose(&mirror, disc, t), SECONDS);
+    let script = Box::new(TwoTools {
+        poses: move |t| [Some(first(&mirror, disc, t)), second(&mirror, t)],
+        duration_s: SECONDS,
+    });
     let mut peaks = [Peak::default(); STATES.len()];
     let mut lines: [Vec<(f64, f64)>; 3] = Default::default();
     let mut k = 0;
@@ -78,7 +100,10 @@ pub(super) fn answer(answers: &mut Answers) {
         peak.force = peak.force.max(found[0]);
         peak.torque = peak.torque.max(found[1]);
         peak.indentation = peak.indentation.max(found[2]);
-        peak.regions = peak.regions.max(seen.regions(0, APART));
+        peak.extent = peak.extent.max(seen.extent(0, GIVES_WAY) * 100.0);
+        peak.regions = peak
+            .regions
+            .max(slots(&scene).map(|t| seen.regions(t, APART)).sum());
         if k % (10 * DRAWN) == 0 {
             let pairs = [overlapping(seen) as f64, f64::from(seen.out.tools[0].rows)];
             if pairs[0] > peak.pairs[0] {
@@ -100,19 +125,24 @@ pub(super) fn answer(answers: &mut Answers) {
         "fig14-states",
         list(&|peak| {
             format!(
-                "{} region{}",
+                "{} region{}, {:.0} % of the tongue gives way",
                 peak.regions,
-                if peak.regions == 1 { "" } else { "s" }
+                if peak.regions == 1 { "" } else { "s" },
+                peak.extent
             )
         }),
         &[
             ("regions_a", peaks[0].regions as f64),
             ("regions_b", peaks[1].regions as f64),
             ("regions_c", peaks[2].regions as f64),
+            ("extent_percent_a", peaks[0].extent),
+            ("extent_percent_b", peaks[1].extent),
+            ("extent_percent_c", peaks[2].extent),
         ],
         format!(
-            "{how}; regions: groups of loaded contacts more than {} mm apart",
-            APART * 1e3
+            "{how}; regions: groups of loaded contacts more than {} mm apart; what gives way: spheres displaced by more than {} mm",
+            APART * 1e3,
+            GIVES_WAY * 1e3
         ),
     );
     let three = |value: fn(&Peak) -> f64| -> [(&'static str, f64); 3] {
@@ -194,7 +224,7 @@ fn curves(lines: [Vec<(f64, f64)>; 3], how: &str, answers: &mut Answers) {
             y: unit,
             series: vec![(name.to_owned(), line)],
             note: format!(
-                "{how}; light until 2 s, deep until 4 s, then tilted by 17 degrees and slid"
+                "{how}; its far edge lightly until 2 s, deep until 4 s, then tilted by 11 degrees and slid while a second mirror presses {:.0} mm farther on; force and torque of the first", BESIDE * 1e3
             ),
         });
     }

@@ -14,27 +14,34 @@ pub(super) struct Push {
     direction: [f64; 3],
     /// Metres.
     radius: f64,
-    /// A moderate one and a large one, newtons: about 4 and 10 mm of a tongue of 10 kPa.
-    pub(super) forces: [f64; 2],
+    /// A moderate one and, where there is one, a large one, newtons: about 4 and 10 mm of a tongue of 10 kPa.
+    pub(super) forces: &'static [f64],
 }
 
 /// The pushes: a broad one on the back of the tip third, as of what holds the tongue down, and one on the left flank of it, as of
 /// what holds it aside. Both as broad as this because a narrower one dents the tongue until its skin creases, where no
-/// equilibrium is stable.
-pub(super) const PUSHES: [Push; 2] = [
+/// equilibrium is stable. And one over all of its back, as the paper's third load (Fig. 15c).
+pub(super) const PUSHES: [Push; 3] = [
     Push {
         name: "tip pressed down",
         through: [0.8, 0.5, 0.5],
         direction: [0.0, 0.0, -1.0],
         radius: 18e-3,
-        forces: [0.2, 0.45],
+        forces: &[0.2, 0.45],
     },
     Push {
         name: "left flank pushed aside",
         through: [0.82, 0.5, 0.5],
         direction: [0.0, -1.0, 0.0],
         radius: 18e-3,
-        forces: [0.35, 0.8],
+        forces: &[0.35, 0.8],
+    },
+    Push {
+        name: "back pressed down all over",
+        through: [0.6, 0.5, 0.5],
+        direction: [0.0, 0.0, -1.0],
+        radius: 45e-3,
+        forces: &[1.0],
     },
 ];
 

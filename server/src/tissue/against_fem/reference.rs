@@ -110,7 +110,7 @@ impl Tongue {
         let (pushes, sizes) = if quick {
             (&PUSHES[..1], 1)
         } else {
-            (&PUSHES[..], 2)
+            (&PUSHES[..], usize::MAX)
         };
         let mut all = Vec::new();
         for push in pushes {
@@ -128,7 +128,7 @@ impl Tongue {
             if !quick {
                 all.push(asked(Law::Linear, push.forces[0]));
             }
-            let forces = push.forces[..sizes].iter();
+            let forces = push.forces.iter().take(sizes);
             all.extend(forces.map(|force| asked(Law::NeoHookean, *force)));
         }
         self.answer(&mut all, progress)?;
