@@ -11,6 +11,7 @@ use crate::read::{Ending, ReadError, Recording};
 use crate::sizes::{Sizes, sizes};
 use crate::statement::SessionEnd;
 use crate::verify::{Signature, verify};
+use crate::viewers::Viewers;
 
 /// What `info` says of a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,6 +72,10 @@ pub struct Info {
     pub signer: String,
     /// What the signatures say, with that key.
     pub signature: Signature,
+    /// What viewers read of it.
+    pub viewers: Viewers,
+    /// Chunks of what viewers read that cannot be unpacked, and were passed over.
+    pub damaged_views: u64,
 }
 
 /// Summarises a recording; checks its signatures, runs no tick.
@@ -118,6 +123,8 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         end: facts.end,
         signer: recording.signer().fingerprint(),
         signature: verdict.signature,
+        viewers: recording.viewers(),
+        damaged_views: facts.damaged_views,
     })
 }
 
@@ -126,6 +133,8 @@ impl Info {
     pub fn is_finding(&self) -> bool {
         matches!(self.ending, Ending::Damaged { .. })
             || matches!(self.signature, Signature::Invalid { .. })
+            || self.viewers == Viewers::Changed
+            || self.damaged_views > 0
     }
 }
 
@@ -201,6 +210,18 @@ impl fmt::Display for Info {
                 end.late
             )?;
         }
-        write!(f, "  signature  {}", self.signature)
+        writeln!(
+            f,
+            "  signature  {} (the key is the recording's own)",
+            self.signature
+        )?;
+        if self.damaged_views > 0 {
+            writeln!(
+                f,
+                "  damaged    {} chunks of what viewers read",
+                self.damaged_views
+            )?;
+        }
+        write!(f, "  viewers    {}", self.viewers)
     }
 }

@@ -15,6 +15,7 @@ use crate::message::Message;
 use crate::program::Program;
 use crate::scan;
 use crate::statement::SessionEnd;
+use crate::viewers::Viewers;
 
 /// Why a file is not a recording that can be read.
 #[derive(Debug, thiserror::Error)]
@@ -154,6 +155,10 @@ pub struct Facts {
     pub times_unix_ns: Option<(u64, u64)>,
     /// What the recording program said at the end; not verified here.
     pub end: Option<SessionEnd>,
+    /// Chunks of what viewers read that cannot be unpacked, and were passed over.
+    pub damaged_views: u64,
+    /// What the log says of all that viewers read.
+    pub(crate) viewers: Option<crate::viewers::Sum>,
 }
 
 /// A recording's bytes, mapped or in memory.
@@ -182,6 +187,7 @@ pub struct Recording {
     pub(crate) signer: PublicKey,
     pub(crate) chunks: Vec<Range<usize>>,
     pub(crate) facts: Facts,
+    pub(crate) viewers: Viewers,
     pub(crate) ending: Ending,
 }
 
@@ -265,6 +271,11 @@ impl Recording {
     /// Counts and spans.
     pub fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    /// Whether what viewers read of it is what was recorded.
+    pub fn viewers(&self) -> Viewers {
+        self.viewers
     }
 
     /// How it ends.

@@ -18,6 +18,7 @@ use crate::message::{Event, Level, Topic};
 use crate::row::Row;
 use crate::statement::{SessionEnd, Statement};
 use crate::storage::{FileStorage, Sink, Storage};
+use crate::viewers::Summing;
 
 use begin::begin;
 pub(crate) use begin::reason;
@@ -51,6 +52,8 @@ pub struct Recorder {
     log: u16,
     /// Messages for viewers that are not in a chunk yet.
     waiting: Waiting,
+    /// Sum over those that are.
+    viewed: Summing,
     key: StationKey,
     chain: Chain,
     hashes: [[u8; 32]; 3],
@@ -102,11 +105,14 @@ impl Recorder {
         let metadata = header.to_metadata(&key.public());
         let digest = header::digest(&metadata);
         let begun = begin(storage, header, metadata).map_err(stopped)?;
+        let mut viewed = Summing::default();
+        viewed.channel(begun.log, channels::LOG);
         Ok(Self {
             writer: Some(begun.writer),
             ids: begun.ids,
             log: begun.log,
             waiting: Waiting::default(),
+            viewed,
             key,
             chain: Chain::new(digest),
             hashes: [digest, header.scene_hash(), header.exercise_hash()],
@@ -175,6 +181,17 @@ impl Recorder {
         level: Level,
         text: &str,
     ) -> Result<(), RecordError> {
+        self.log_exactly(time_unix_ns, level, text)?;
+        let log = channels::log(time_unix_ns, level, text);
+        self.view(self.log, time_unix_ns, &log)
+    }
+
+    fn log_exactly(
+        &mut self,
+        time_unix_ns: u64,
+        level: Level,
+        text: &str,
+    ) -> Result<(), RecordError> {
         let bytes = Event {
             time_unix_ns,
             level,
@@ -182,9 +199,7 @@ impl Recorder {
         }
         .to_bytes();
         self.chain.add(Link::Event, None, &bytes);
-        self.put(Topic::Events, time_unix_ns, &bytes)?;
-        let log = channels::log(time_unix_ns, level, text);
-        self.view(self.log, time_unix_ns, &log)
+        self.put(Topic::Events, time_unix_ns, &bytes)
     }
 
     /// Closes the chunks and hands them to the system. [`Recorder::push`] does so by itself every
@@ -213,6 +228,9 @@ impl Recorder {
     /// When writing fails or has failed before.
     pub fn finish(mut self, end: SessionEnd) -> Result<Finished, RecordError> {
         self.flush()?;
+        // In the signed log alone: what viewers read is over.
+        let line = self.viewed.sum().line(self.chain.tick());
+        self.log_exactly(self.last_time, Level::Info, &line)?;
         self.sign(self.last_time, Some(end))?;
         let rows = self.rows();
         let stopped = |what: String| RecordError::Stopped { rows, what };

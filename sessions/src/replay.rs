@@ -17,6 +17,7 @@ use crate::message::Message;
 use crate::program::Program;
 use crate::read::{Ending, ReadError, Recording};
 use crate::verify::{Signature, Verifier};
+use crate::viewers::Viewers;
 
 pub use deviation::Deviation;
 pub use span::{Part, Span};
@@ -94,6 +95,8 @@ pub struct ReplayReport {
     pub signer_trusted: bool,
     /// Whether every recorded head of the chain is the one that the messages before it give.
     pub chain_ok: bool,
+    /// What viewers read of the file.
+    pub viewers: Viewers,
     /// How the recording ends.
     pub ending: Ending,
     /// Whether a grade may rest on it.
@@ -114,6 +117,19 @@ impl ReplayReport {
             || !self.chain_ok
             || matches!(self.signature, Signature::Invalid { .. })
             || matches!(self.ending, Ending::Damaged { .. })
+            || self.viewers == Viewers::Changed
+    }
+
+    /// What is wrong with the file itself, whatever part of it was run: a signature that does not hold, or an end that is not its
+    /// own. What is shown or exported of such a file is to say so.
+    pub fn unsound(&self) -> Option<String> {
+        if let Signature::Invalid { .. } = &self.signature {
+            return Some(format!("signature {}", self.signature));
+        }
+        if !self.chain_ok {
+            return Some("its messages are not those that were signed".to_owned());
+        }
+        (self.ending != Ending::Finished).then(|| self.ending.to_string())
     }
 
     /// Whether the recording is of a former version, and the replay as close to it as that explains.
@@ -212,6 +228,7 @@ pub fn replay_observed(
         signature: verdict.signature,
         signer_trusted: options.trust.is_some(),
         chain_ok: verdict.chain_ok,
+        viewers: recording.viewers(),
         ending: recording.ending().clone(),
         gradable: false,
         reason: None,

@@ -11,6 +11,7 @@ use crate::key::PublicKey;
 use crate::message::{Message, Topic};
 use crate::read::{Bytes, Ending, Facts, ReadError, Recording};
 use crate::recover;
+use crate::viewers::{Sum, Summing, Viewers};
 use crate::walk::{self, Framed, Stop, Walk};
 
 /// Which channel is which topic; `None` for those of viewers.
@@ -38,7 +39,13 @@ pub(crate) fn scan(bytes: Bytes) -> Result<Recording, ReadError> {
             ending: ending.to_string(),
         });
     }
-    let Pass { chunks, facts, .. } = pass;
+    let Pass {
+        chunks,
+        facts,
+        viewed,
+        ..
+    } = pass;
+    let viewers = Viewers::of(facts.viewers.as_ref(), &viewed.sum());
     Ok(Recording {
         bytes,
         header,
@@ -47,6 +54,7 @@ pub(crate) fn scan(bytes: Bytes) -> Result<Recording, ReadError> {
         signer,
         chunks,
         facts,
+        viewers,
         ending,
     })
 }
@@ -134,6 +142,7 @@ struct Pass {
     topics: Topics,
     chunks: Vec<Range<usize>>,
     facts: Facts,
+    viewed: Summing,
     /// Tick of the last row or snapshot.
     tick: u64,
     /// What a recovery says of itself.
@@ -145,7 +154,12 @@ impl Pass {
         loop {
             let record = walk.peek()?;
             match record.opcode {
-                op::CHUNK => self.chunk(&record, walk.at).map_err(Stop::Damaged)?,
+                op::CHUNK => match self.chunk(&record, walk.at) {
+                    Ok(()) => {}
+                    // The exact record behind it is as good as it was.
+                    Err(_) if self.is_for_viewers(walk, &record) => self.facts.damaged_views += 1,
+                    Err(why) => return Err(Stop::Damaged(why)),
+                },
                 op::DATA_END => break,
                 op::METADATA if is_second_header(&record) => {
                     return Err(Stop::Damaged("there is a second header".to_owned()));
@@ -197,16 +211,38 @@ impl Pass {
         }
     }
 
+    /// Whether the chunk `record`, which cannot be unpacked, has messages of viewers' channels alone by the indexes behind it.
+    /// (Should they lie, exact messages are missing, and the chain shows it.)
+    fn is_for_viewers(&self, walk: &Walk<'_>, record: &Framed<'_>) -> bool {
+        let mut ahead = walk.clone();
+        ahead.pass(record);
+        let mut channels = 0;
+        while let Ok(index) = ahead.peek() {
+            if index.opcode != op::MESSAGE_INDEX {
+                break;
+            }
+            let id = crate::bytes::Cut(index.body).u16();
+            if id.and_then(|id| self.topics.get(&id)) != Some(&None) {
+                return false;
+            }
+            channels += 1;
+            ahead.pass(&index);
+        }
+        channels > 0
+    }
+
     /// Takes in a chunk wholly or not at all.
     fn chunk(&mut self, record: &Framed<'_>, at: usize) -> Result<(), String> {
         let mut topics = self.topics.clone();
         let mut facts = self.facts.clone();
+        let mut viewed = self.viewed.clone();
         let mut tick = self.tick;
-        let messages = unpack(record, &mut topics)?;
+        let messages = unpack(record, &mut topics, Some(&mut viewed))?;
         for message in &messages {
             count(message, &mut facts, &mut tick)?;
         }
         (self.topics, self.facts, self.tick) = (topics, facts, tick);
+        self.viewed = viewed;
         // Chunks without messages of ours too: they may declare channels.
         self.chunks.push(at..at + record.whole.len());
         Ok(())
@@ -246,13 +282,22 @@ fn count(message: &Message, facts: &mut Facts, tick: &mut u64) -> Result<(), Str
             facts.signatures += 1;
             facts.end = signed.statement.end;
         }
-        Message::Event(_) => facts.events += 1,
+        Message::Event(event) => {
+            facts.events += 1;
+            if let Some(sum) = Sum::parse(&event.text) {
+                facts.viewers = Some(sum);
+            }
+        }
     }
     Ok(())
 }
 
-/// The messages of a chunk; learns of the channels that are declared in it.
-fn unpack(chunk: &Framed<'_>, topics: &mut Topics) -> Result<Vec<Message>, String> {
+/// The messages of a chunk; learns of the channels that are declared in it, and sums up what is for viewers.
+fn unpack(
+    chunk: &Framed<'_>,
+    topics: &mut Topics,
+    mut viewed: Option<&mut Summing>,
+) -> Result<Vec<Message>, String> {
     let mut messages = Vec::new();
     walk::unpack(chunk, |opcode, body| {
         match opcode {
@@ -271,6 +316,9 @@ fn unpack(chunk: &Framed<'_>, topics: &mut Topics) -> Result<Vec<Message>, Strin
                 {
                     return Err(format!("channel {id} is declared twice"));
                 }
+                if let Some(viewed) = viewed.as_mut().filter(|_| topic.is_none()) {
+                    viewed.channel(id, name);
+                }
             }
             op::MESSAGE => {
                 let (id, log_time, bytes) =
@@ -285,6 +333,8 @@ fn unpack(chunk: &Framed<'_>, topics: &mut Topics) -> Result<Vec<Message>, Strin
                         return Err("a row's time is not its message's".to_owned());
                     }
                     messages.push(message);
+                } else if let Some(viewed) = &mut viewed {
+                    viewed.message(id, log_time, bytes);
                 }
             }
             _ => {}
@@ -309,5 +359,5 @@ pub(crate) fn unpack_at(
         body,
         whole,
     };
-    unpack(&chunk, topics)
+    unpack(&chunk, topics, None)
 }

@@ -36,6 +36,7 @@ pub(crate) struct Framed<'a> {
 }
 
 /// Position in a file, always at the end of a whole record.
+#[derive(Clone)]
 pub(crate) struct Walk<'a> {
     bytes: &'a [u8],
     pub at: usize,

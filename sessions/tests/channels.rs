@@ -26,22 +26,53 @@ fn messages(bytes: &[u8]) -> BTreeMap<String, Vec<u64>> {
 }
 
 #[test]
-fn replay_and_signature_do_not_notice_them() {
+fn a_grade_does_not_rest_on_them_and_whoever_changes_them_is_found_out() {
     let bytes = recorded_with_views(2000, 0..0);
     let report = replayed(bytes.clone());
     assert!(report.identical && report.gradable, "{report:?}");
-    // An editor that takes them out, or alters them, changes nothing that anything rests on.
+    assert_eq!(report.viewers, Viewers::AsSigned);
+    assert!(!report.is_finding());
+    // An editor that takes them out, or alters them, changes nothing that a grade rests on, and what people see.
     let without = with_messages(&bytes, |topic, _| {
         topic.starts_with("/exact") || topic == "/events"
     });
-    assert!(replayed(without).gradable);
+    let without = replayed(without);
+    assert!(without.gradable && without.is_finding());
+    assert_eq!(without.viewers, Viewers::Changed);
     let altered = with_messages(&bytes, |topic, data| {
         if topic.starts_with("/tools") {
             data.reverse();
         }
         true
     });
-    assert!(replayed(altered).gradable);
+    let altered = replayed(altered);
+    assert!(altered.gradable && altered.is_finding());
+    assert_eq!(altered.viewers, Viewers::Changed);
+}
+
+#[test]
+fn a_damaged_chunk_of_theirs_costs_nobody_the_session() {
+    let bytes = recorded_with_views(2000, 0..0);
+    let whole = Recording::from_bytes(bytes.clone()).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let of_views = |chunk: &&mcap::records::ChunkIndex| {
+        let mut ids = chunk.message_index_offsets.keys();
+        let exact = |id: &u16| {
+            let topic = &summary.channels[id].topic;
+            topic.starts_with("/exact") || topic == "/events"
+        };
+        ids.len() > 0 && !ids.any(exact)
+    };
+    let chunk = summary.chunk_indexes.iter().find(of_views).unwrap();
+    let mut bad = bytes.clone();
+    // The middle of its packed bytes.
+    bad[(chunk.chunk_start_offset + chunk.chunk_length / 2) as usize] ^= 0x10;
+    let recording = Recording::from_bytes(bad.clone()).unwrap();
+    assert_eq!(recording.facts().rows, whole.facts().rows);
+    assert_eq!(recording.facts().damaged_views, 1);
+    let report = replayed(bad);
+    assert!(report.gradable && report.is_finding(), "{report:?}");
+    assert_eq!(report.viewers, Viewers::Changed);
 }
 
 #[test]
@@ -53,7 +84,8 @@ fn rates_hold_over_ticks_that_were_missed() {
     assert!((88..=90).contains(&frames), "{frames}");
     let wrenches = found["/tools/rod/wrench"].len();
     assert!((175..=178).contains(&wrenches), "{wrenches}");
-    assert_eq!(found["/log"].len(), found["/events"].len());
+    // The hash over what viewers read is in the signed log alone.
+    assert_eq!(found["/log"].len() + 1, found["/events"].len());
     // Nothing here yields: what rests is shown once.
     assert_eq!(found["/objects/balls/spheres"], [BEGAN]);
     assert_eq!(found["/tools/rod/spheres"], [BEGAN]);

@@ -261,7 +261,7 @@ fn the_program_writes_the_same_bytes_again_and_pages_that_need_no_network() {
     ];
     let (code, table, _) = place.run(&args);
     assert_eq!(code, 0);
-    assert!(table.contains("rubric     crown, version 2"), "{table}");
+    assert!(table.contains("rubric     crown, version 3"), "{table}");
     for page in ["session.html", "class.html"] {
         let page = std::fs::read_to_string(place.path("pages").join(page)).unwrap();
         for outside in ["http:", "https:", "<script", "url(h", "@import", "src="] {

@@ -3,6 +3,8 @@
 //! The hand felt the scene as it is shipped. What is compared is the force that each combination gives that same hand:
 //! against the finest level by the coupled method with the judge.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use sulcus_cases::Observer;
 use sulcus_cases::comparison::as_printed;
@@ -22,9 +24,9 @@ use super::together::on_all_cores;
 /// One thing that yields in each, or nothing: the whole mouth has parts of its own in the report.
 const SCENES: [&str; 4] = ["crown", "pocket", "tongue", "organ"];
 /// How long is measured from when the hand is at work, seconds, in a full report and in a quick one.
-const SECONDS: [f64; 2] = [3.0, 1.0];
-/// How long of that is timed where it is not the tick's own solver: it takes milliseconds.
-const JUDGED_S: f64 = 0.5;
+const SECONDS: [f64; 2] = [2.0, 1.0];
+/// How long of that where the judge solves, which takes milliseconds (as printed up to a quarter of a second): all but the reference.
+const JUDGED_S: f64 = 0.3;
 /// Coarsest level that is touched: the levels above only serve culling.
 const COARSEST: u8 = 2;
 /// Radius of a probe's tip, metres: what the error of a blended surface is measured with.
@@ -99,23 +101,33 @@ fn of_scene(shipped: &Shipped, quick: bool, share: &dyn Fn(f64)) -> Vec<Cell> {
     let inputs = record(&scene, shipped.hands(&scene, ends), hand, ticks, |_, _| {});
     let wanted = wanted(&scene, quick);
     let looks = LOOKS_S[usize::from(quick)];
-    let runs = on_all_cores(&wanted, &|of| share(0.1 + 0.6 * of), |wanted| {
-        run(&wanted.scene, &inputs, looks)
+    let judged = begins + scene.params.ticks_in(JUDGED_S) as usize;
+    let numbered: Vec<(usize, &Wanted)> = wanted.iter().enumerate().collect();
+    let progress = |of| share(0.1 + 0.6 * of);
+    let runs = on_all_cores(&numbered, &progress, |(k, wanted)| {
+        let all = wanted.is_own() || *k == 0;
+        let inputs = &inputs[..if all { inputs.len() } else { judged }];
+        run(&wanted.scene, inputs, looks)
     });
     let reference = &runs[0].1;
+    // The same whatever the method and the solver.
+    let mut errors: BTreeMap<u8, f64> = BTreeMap::new();
     let count = wanted.len() as f64;
     let cell = |(k, (wanted, (measures, forces))): (usize, (&Wanted, &(_, Vec<Forces>)))| {
         share(0.7 + 0.3 * k as f64 / count);
         let measures: &sulcus_cases::Measures = measures;
         let touches = |k: usize| k >= begins && forces[k].iter().any(|f| f.norm_squared() > 0.0);
-        let until = match wanted.is_own() {
-            true => inputs.len(),
-            false => begins + scene.params.ticks_in(JUDGED_S) as usize,
+        let until = if wanted.is_own() {
+            inputs.len()
+        } else {
+            judged
         };
         let repeats = if quick || !wanted.is_own() { 1 } else { 3 };
         let times = Times::of(&wanted.scene, &inputs[..until], repeats, touches);
         let touched = &wanted.scene.objects[0];
-        let error = blend_error(&touched.tree, touched.level, &solid_of(&touched.mesh), TIP);
+        let error = errors.entry(touched.level).or_insert_with(|| {
+            blend_error(&touched.tree, touched.level, &solid_of(&touched.mesh), TIP).mean
+        });
         Cell {
             scene: shipped.name,
             tissue: tissues(&scene),
@@ -127,7 +139,7 @@ fn of_scene(shipped: &Shipped, quick: bool, share: &dyn Fn(f64)) -> Vec<Cell> {
                 && wanted.method == "coupled",
             spheres: touched.tree.shape_at(touched.level).count(),
             times,
-            shape_error_um: error.mean * 1e6,
+            shape_error_um: *error * 1e3,
             force_off_percent: off(&forces[begins..], &reference[begins..]),
             reference: k == 0,
             residual_um: measures.residual * 1e6,

@@ -89,7 +89,7 @@ pub(super) fn export_of(path: &Path, args: &ExportArgs) -> anyhow::Result<Outcom
     Ok(Outcome {
         json,
         text: text(path, &folder, &done),
-        finding: !(done.identical || done.close),
+        finding: !(done.identical || done.close) || done.unsound.is_some(),
     })
 }
 
@@ -114,5 +114,8 @@ fn text(path: &Path, folder: &Path, done: &Exported) -> String {
             format!("  replay     DIFFERS from tick {tick}: this is what the replay gave")
         }
     });
+    if let Some(unsound) = &done.unsound {
+        lines.push(format!("  WARNING    {unsound}"));
+    }
     lines.join("\n")
 }

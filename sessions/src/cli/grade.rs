@@ -124,6 +124,7 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
         );
     }
     let (mut code, mut objects, mut all) = (0u8, Vec::new(), Vec::new());
+    let mut unread: Vec<(String, String)> = Vec::new();
     for path in &args.files {
         match one(path, args, &options) {
             Ok(one) => {
@@ -137,17 +138,19 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
             Err(error) => {
                 code = 2;
                 complain(&error);
-                objects.push(json!({ "file": file_name(path), "error": crate::sentence(&error) }));
+                let why = crate::sentence(&error);
+                objects.push(json!({ "file": file_name(path), "error": why }));
+                unread.push((file_name(path), why));
             }
         }
     }
     let sessions = sessions(&all);
     let table = args.csv.as_deref().map(|path| {
-        let table = csv(&sessions, names.as_ref())?;
+        let table = csv(&sessions, &unread, names.as_ref())?;
         std::fs::write(path, table).with_context(|| format!("cannot write `{}`", path.display()))
     });
     let html = args.html.as_deref();
-    let pages = html.map(|folder| pages(folder, &all, &sessions, names.as_ref(), args));
+    let pages = html.map(|folder| pages(folder, &all, (&sessions, &unread), names.as_ref(), args));
     // What cannot be written loses nothing of the rest.
     for error in [table, pages].into_iter().flatten().filter_map(Result::err) {
         code = 2;
@@ -279,7 +282,7 @@ fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
             own - score
         ));
     }
-    lines.push(grade.text(!exam, args.truth));
+    lines.push(grade.text(exam, args.truth));
     if let Some(sidecar) = &one.sidecar {
         for said in &sidecar.revisions {
             lines.push(format!(
@@ -296,14 +299,26 @@ fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
     lines.join("\n")
 }
 
+/// What of a zone tells how deep it is, or was to be: not in an exam.
+const TELLS: [&str; 7] = [
+    "truth_mm",
+    "recession_truth_mm",
+    "measured_mm",
+    "deepest_mm",
+    "shown_mm",
+    "bled",
+    "finding",
+];
+
 fn json(path: &Path, one: &One, mode: Mode) -> Value {
     let mut json = object(one.graded.grade.to_json());
     if mode == Mode::Exam {
         json.remove("advice");
         let sites = json.get_mut("sites").and_then(Value::as_array_mut);
         for site in sites.into_iter().flatten().filter_map(Value::as_object_mut) {
-            site.remove("truth_mm");
-            site.remove("recession_truth_mm");
+            for tells in TELLS {
+                site.remove(tells);
+            }
         }
     }
     json.insert("file".into(), json!(file_name(path)));
@@ -333,7 +348,7 @@ fn sessions(all: &[(String, One)]) -> Vec<Session> {
 fn pages(
     folder: &Path,
     all: &[(String, One)],
-    sessions: &[Session],
+    (sessions, unread): (&[Session], &[(String, String)]),
     names: Option<&Names>,
     args: &GradeArgs,
 ) -> anyhow::Result<()> {
@@ -347,7 +362,7 @@ fn pages(
             Numbers::Universal => Numbering::Universal,
         },
         truth: args.truth,
-        advice: !exam,
+        exam,
         mode: args.mode.name(),
     };
     let mut used = BTreeSet::from(["class".to_owned()]);
@@ -371,7 +386,7 @@ fn pages(
             write(&name, student_page(session, &one.graded, &look))?;
         }
     }
-    write("class", class_page(sessions, &look))?;
+    write("class", class_page(sessions, unread, &look))?;
     eprintln!("pages in {}", folder.display());
     Ok(())
 }

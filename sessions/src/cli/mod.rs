@@ -50,7 +50,7 @@ enum Command {
     Review(review::ReviewArgs),
     /// Writes recorded sessions as tables and meshes for other programs
     #[command(
-        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nEverything comes from a replay, so it is exact. ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those that people see, deformed as the tissue was; meshes/frames.csv says which file shows which part when.",
+        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact; events.csv holds the recorded log, and a recording whose signature does not hold or that was cut off is said to be so (exit code 1). ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those that people see, deformed as the tissue was; meshes/frames.csv says which file shows which part when.",
         after_long_help = "Examples:\n  sulcus-sessions export session.mcap --out session\n  sulcus-sessions export session.mcap --out session --csv --every-ticks 10\n  sulcus-sessions export session.mcap --out session --meshes obj --at 12.5 --at 13"
     )]
     Export(export::ExportArgs),

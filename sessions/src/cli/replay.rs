@@ -14,6 +14,7 @@ use super::print::{Outcome, at, object};
 use crate::key::PublicKey;
 use crate::read::Recording;
 use crate::replay::{ReplayOptions, ReplayReport, Span, replay};
+use crate::viewers::Viewers;
 use crate::whatif::{TissueChoice, WhatIf};
 
 pub(super) const ABOUT: &str = "\
@@ -231,6 +232,9 @@ fn text(report: &ReplayReport, ours: Option<bool>) -> String {
         None => " (the key is the recording's own: name the right one with --signer)",
     };
     lines.push(format!("  signature  {}{whose}", report.signature));
+    if report.viewers == Viewers::Changed {
+        lines.push(format!("  viewers    {}", report.viewers));
+    }
     lines.push(format!("  ending     {}", report.ending));
     lines.push(match &report.reason {
         None => "  gradable   yes".to_owned(),

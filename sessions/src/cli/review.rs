@@ -112,6 +112,9 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         Err(error) => return Err(at(&args.file, &error)),
     };
     let seconds = began.elapsed().as_secs_f64();
+    if let Some(unsound) = &report.unsound {
+        super::print::complain(&anyhow::anyhow!("{file}: {unsound}"));
+    }
     let opened = (!args.no_open).then(|| sulcus_view::open_viewer(&report.out));
     let note = match &opened {
         None => format!(
@@ -146,5 +149,5 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
             }
         ))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::from(u8::from(report.unsound.is_some())))
 }

@@ -18,6 +18,8 @@ pub struct Standing {
     pub from_axis: f64,
     /// Below the gingival margin there, metres; negative above it.
     pub depth: f64,
+    /// Length of the working end below the margin, metres: what its bands show there. More than `depth` where it is tilted.
+    pub shown: f64,
     /// On the floor along the tooth's axis, newtons.
     pub force: f64,
     /// Zone of that force by the scene's own thresholds.

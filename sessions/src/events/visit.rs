@@ -5,8 +5,9 @@
 //! border. A tremor at an edge is then no event, and neither is a bob in a shallow sulcus.
 
 use serde_json::json;
+use sulcus_core::math::fmax;
 use sulcus_core::output::{ForceZone, PocketReading};
-use sulcus_core::tissue::gingiva::Site;
+use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{Scene, Vec3};
 
 use super::KINDS;
@@ -212,6 +213,7 @@ impl Probe {
             around: spot.around,
             from_axis: gingiva.tooth.from_axis(&seen.tip),
             depth: spot.depth,
+            shown: shown(gingiva, seen, spot.depth),
             force,
             zone: spot
                 .reading
@@ -307,6 +309,22 @@ impl Probe {
         });
         self.ended = Some(visit);
     }
+}
+
+/// Length of a working end below the margin, metres: from the tip along it to where it is as high as the margin there.
+fn shown(gingiva: &Gingiva, seen: &Seen<'_>, depth: f64) -> f64 {
+    let upright = -seen.out_of_tip.dot(&gingiva.tooth.axis);
+    // Below that it lies across the tooth rather than along it.
+    if !(depth > 0.0 && upright > 0.5) {
+        return fmax(depth, 0.0);
+    }
+    let mut length = depth / upright;
+    for _ in 0..3 {
+        let at = seen.tip - seen.out_of_tip * length;
+        let (around, height) = gingiva.tooth.cylindrical(&at);
+        length += (gingiva.margin_at(around) - height) / upright;
+    }
+    fmax(length, 0.0)
 }
 
 fn say(said: &mut Vec<Occurrence>, kind: &str, tick: u64, data: serde_json::Value) {

@@ -55,6 +55,8 @@ pub struct Exported {
     pub close: bool,
     /// The first tick that it did not.
     pub first_divergent_tick: Option<u64>,
+    /// What is wrong with the recording itself ([`crate::ReplayReport::unsound`]): the lines of `events.csv` are its own.
+    pub unsound: Option<String>,
 }
 
 /// Why nothing, or not all, was written.
@@ -204,5 +206,6 @@ pub fn export(
     exported.identical = report.identical;
     exported.close = report.is_close();
     exported.first_divergent_tick = report.first_divergent_tick;
+    exported.unsound = report.unsound();
     Ok(exported)
 }

@@ -1,6 +1,7 @@
 //! What to practise next: where most points were lost, with the zones that show it.
 
 use super::definitions;
+use super::report::ShownBy;
 use super::rubric::Settings;
 use super::sites::{Finding, SiteGrade};
 use super::values::FORGIVEN;
@@ -40,9 +41,9 @@ pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade], set: &Settings) -> V
 }
 
 /// The zones that show a weakness, in words.
-fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<String> {
+fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
     let number = |x: Option<f64>| x.map_or("nothing".into(), |x| format!("{x:.1} mm"));
-    let of = |site: &SiteGrade| -> Option<String> {
+    let of = |site: &SiteGrade| -> Option<ShownBy> {
         let called = site
             .called_mm
             .map_or("not called".into(), |mm| format!("called {mm}"));
@@ -87,7 +88,10 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<String> {
             }
             _ => return None,
         };
-        Some(format!("{} {}: {says}", site.tooth, site.site.name()))
+        Some(ShownBy {
+            tooth: site.tooth,
+            says: format!("{}: {says}", site.site.name()),
+        })
     };
     let mut asked: Vec<&SiteGrade> = sites.iter().filter(|site| site.asked).collect();
     if matches!(metric, "touches_too_heavy" | "trauma_events") {

@@ -19,7 +19,29 @@ pub struct Session {
     pub attempt: usize,
 }
 
-/// Numbers the attempts: sessions of one learner at one exercise, by when they began.
+impl Session {
+    /// Whether both are of one learner at one exercise. Who has no id is nobody's other attempt.
+    pub fn is_of_the_same(&self, other: &Self) -> bool {
+        let who = |session: &Self| {
+            let grade = &session.grade;
+            (grade.exercise.clone(), grade.learner_id.clone())
+        };
+        !self.grade.learner_id.is_empty() && who(self) == who(other)
+    }
+
+    /// Whether both are the same session: the same recording, or a copy of it.
+    fn is(&self, other: &Self) -> bool {
+        let what = |session: &Self| {
+            let grade = &session.grade;
+            let who = (grade.exercise.clone(), grade.learner_id.clone());
+            let when = (grade.started_unix_ns, grade.seed, grade.station.clone());
+            (who, when, grade.signer.clone())
+        };
+        what(self) == what(other)
+    }
+}
+
+/// Numbers the attempts: sessions of one learner at one exercise, by when they began; a copy of a session is no attempt of its own.
 pub fn number_attempts(sessions: &mut [Session]) {
     sessions.sort_by(|a, b| {
         let key = |s: &Session| {
@@ -33,29 +55,29 @@ pub fn number_attempts(sessions: &mut [Session]) {
         };
         key(a).cmp(&key(b))
     });
-    let mut last: Option<(String, String)> = None;
-    let mut attempt = 0;
-    for session in sessions {
-        let who = (
-            session.grade.exercise.clone(),
-            session.grade.learner_id.clone(),
-        );
-        attempt = if last.as_ref() == Some(&who) {
-            attempt + 1
-        } else {
-            1
+    for k in 0..sessions.len() {
+        let (before, now) = sessions.split_at_mut(k);
+        let Some(session) = now.first_mut() else {
+            continue;
         };
-        session.attempt = attempt;
-        last = Some(who);
+        session.attempt = match before.last() {
+            Some(last) if last.is(session) => last.attempt,
+            Some(last) if last.is_of_the_same(session) => last.attempt + 1,
+            _ => 1,
+        };
     }
 }
 
-/// A table for spreadsheets: learner, attempt, score, every metric's value, and what an instructor said. Names only where a
-/// key table is given.
+/// A table for spreadsheets: learner, attempt, score, every metric's value, and what an instructor said; then a row for each file
+/// that could not be read, with the reason. Names only where a key table is given.
 ///
 /// # Errors
 /// When a row cannot be written.
-pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::Error> {
+pub fn csv(
+    sessions: &[Session],
+    unread: &[(String, String)],
+    names: Option<&Names>,
+) -> Result<String, csv::Error> {
     let mut metrics: Vec<&str> = Vec::new();
     for known in super::definitions::METRICS {
         if sessions
@@ -76,6 +98,8 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
         "rubric_version",
         "rubric_source",
         "migrated_from_format",
+        "signer",
+        "signer_trusted",
         "gradable",
         "reason",
         "score",
@@ -107,6 +131,8 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
                 .migrated
                 .as_ref()
                 .map_or(String::new(), |migrated| migrated.migration.from.to_owned()),
+            grade.signer.clone(),
+            grade.signer_trusted.to_string(),
             grade.gradable.to_string(),
             grade.reason.as_deref().map_or(String::new(), plain),
             number(grade.score),
@@ -127,6 +153,18 @@ pub fn csv(sessions: &[Session], names: Option<&Names>) -> Result<String, csv::E
         );
         out.write_record(&row)?;
     }
+    for (file, why) in unread {
+        let mut row = vec![String::new(); header.len()];
+        let mut put = |column: &str, what: String| {
+            if let Some(at) = header.iter().position(|name| *name == column) {
+                row[at] = what;
+            }
+        };
+        put("file", plain(file));
+        put("gradable", "false".into());
+        put("reason", plain(why));
+        out.write_record(&row)?;
+    }
     let bytes = out.into_inner().map_err(|error| error.into_error())?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
@@ -137,5 +175,31 @@ fn plain(text: &str) -> String {
         format!("'{text}")
     } else {
         text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_that_a_spreadsheet_would_compute_is_text() {
+        for formula in ["=1+1", "+1", "-1", "@sum", "\tx", "\rx"] {
+            assert_eq!(plain(formula), format!("'{formula}"));
+        }
+        assert_eq!(plain("s-17, \"b\""), "s-17, \"b\"");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_has_a_row_with_the_reason() {
+        let table = csv(&[], &[("=a,b.mcap".into(), "is no MCAP file".into())], None);
+        let table = table.expect("a table");
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let header = reader.headers().expect("a header").clone();
+        let row = reader.records().next().expect("a row").expect("a record");
+        let of = |name: &str| &row[header.iter().position(|h| h == name).expect(name)];
+        assert_eq!(of("file"), "'=a,b.mcap");
+        assert_eq!((of("gradable"), of("score")), ("false", ""));
+        assert_eq!(of("reason"), "is no MCAP file");
     }
 }

@@ -20,6 +20,8 @@ pub enum Needs {
     Mirror,
     /// A crown to be followed.
     Crown,
+    /// A probe.
+    Probe,
     /// Nothing.
     Nothing,
 }
@@ -41,6 +43,7 @@ impl Needs {
             Self::BothHands => zones && exercise.target.is_some(),
             Self::Mirror => matches!(exercise.kind, Kind::Retraction | Kind::Bimanual),
             Self::Crown => exercise.kind == Kind::Crown,
+            Self::Probe => zones || exercise.kind == Kind::Crown,
             Self::Nothing => true,
         }
     }
@@ -64,6 +67,7 @@ impl Needs {
             Self::BothHands => "work for both hands",
             Self::Mirror => "work for a mirror",
             Self::Crown => "a crown to follow",
+            Self::Probe => "work for a probe",
             Self::Nothing => "nothing",
         }
     }
@@ -93,7 +97,7 @@ pub struct Definition {
 const CHOSEN: &str = "chosen for this simulator";
 
 /// All metrics, in the order of pages.
-pub const METRICS: [Definition; 25] = [
+pub const METRICS: [Definition; 28] = [
     Definition {
         name: "zones_charted",
         title: "zones probed and called",
@@ -118,7 +122,7 @@ pub const METRICS: [Definition; 25] = [
         name: "floor_reached",
         title: "floor reached",
         unit: "%",
-        definition: "Of the zones asked for that the tip was in: the share in which its deepest place, at a force on the floor inside the target band and no more than 2 mm below the prescribed one, came within `reached_mm` of the prescribed depth.",
+        definition: "Of the zones asked for that were probed (see zones_charted; a call from before that is hearsay): the share in which the tip's deepest place, at a force on the floor inside the target band and no more than 1 mm below the prescribed one, came within `reached_mm` of the prescribed depth.",
         source: "deepest reading of each zone: SDCEP, Boyd; interproximal under-reading: Feng 2013",
         needs: Needs::Zones,
         missing_is_zero: true,
@@ -128,7 +132,7 @@ pub const METRICS: [Definition; 25] = [
         name: "misread",
         title: "band misread",
         unit: "%",
-        definition: "Of the zones whose floor was reached and whose depth was called: the share whose called depth is more than `misread_mm` from the depth that the tip reached.",
+        definition: "Of the zones whose floor was reached and whose depth was called: the share whose called depth is more than `misread_mm` less than the depth that the tip reached at a correct force, or more than that beyond the deepest that it was at any and what the bands showed there: a tilted probe shows more.",
         source: "reading the bands at the margin, apart from where the tip was: Haptodont doi 10.1145/3421765; LMU epub 45788",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -218,7 +222,7 @@ pub const METRICS: [Definition; 25] = [
         name: "angle_mid",
         title: "parallel at mid sites",
         unit: "%",
-        definition: "Of the mid zones asked for that the tip was in: the share where the working end was within the exercise's `mid_tilt_deg` of the tooth's axis at the deepest place.",
+        definition: "Of the mid zones asked for that were probed: the share where the working end was within the exercise's `mid_tilt_deg` of the tooth's axis for at least half of the time that the tip was within 0.3 mm of its deepest place at a correct force (at any where there was none).",
         source: "parallel to the long axis: Boyd; rdhmag 14285040",
         needs: Needs::MidZones,
         missing_is_zero: true,
@@ -228,7 +232,7 @@ pub const METRICS: [Definition; 25] = [
         name: "angle_proximal",
         title: "tilted into the col",
         unit: "%",
-        definition: "Of the proximal zones asked for that the tip was in: the share where the working end was tilted towards the neighbour and the midline by the exercise's `proximal_tilt_deg` at the deepest place, and by no more than `mid_tilt_deg` any other way.",
+        definition: "Of the proximal zones asked for that were probed: the share where the working end was tilted towards the neighbour and the midline by the exercise's `proximal_tilt_deg`, and by no more than `mid_tilt_deg` any other way, for at least half of the time at the deepest place (see angle_mid).",
         source: "tilt under the contact into the col: inspiredhygiene.com; rdhmag; 10 to 15 degrees are taught",
         needs: Needs::ProximalZones,
         missing_is_zero: true,
@@ -248,7 +252,7 @@ pub const METRICS: [Definition; 25] = [
         name: "withdrawals",
         title: "withdrawals between zones",
         unit: "",
-        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth.",
+        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth, on its way to a zone that it had not been in: to look again at one is no withdrawal.",
         source: "repeated withdrawal traumatises: Gehrig (LWW); spot probing as an error: dimensionsofdentalhygiene.com",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -258,7 +262,7 @@ pub const METRICS: [Definition; 25] = [
         name: "recession_within_1mm",
         title: "recession called within 1 mm",
         unit: "%",
-        definition: "Of the zones asked for whose recession was called: the share within 1 mm of the prescribed one (positive: margin below the cemento-enamel junction).",
+        definition: "Where recession was called at all: of the zones asked for that were probed, the share in which it was called within 1 mm of the prescribed one (positive: margin below the cemento-enamel junction).",
         source: "students 94.4 %: LMU epub 45788",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -268,7 +272,7 @@ pub const METRICS: [Definition; 25] = [
         name: "bleeding_agreement",
         title: "bleeding called as it was",
         unit: "%",
-        definition: "Of the zones asked for that were probed and whose bleeding was called: the share where it bled in the replay if, and only if, bleeding was called.",
+        definition: "Where bleeding was called at all: of the zones asked for that were probed, the share in which it was called as it was in the replay; where nothing was said of it, it was not.",
         source: "students agree with staff on 86 %: synapsesocial 69e07e",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -303,6 +307,36 @@ pub const METRICS: [Definition; 25] = [
         needs: Needs::Mirror,
         missing_is_zero: true,
         advice: "Hold the tongue aside gently: more force hurts and shows no more.",
+    },
+    Definition {
+        name: "mirror_peak",
+        title: "largest push of the mirror",
+        unit: "N",
+        definition: "Largest mean of the force on the mirror over 50 ms.",
+        source: CHOSEN,
+        needs: Needs::Mirror,
+        missing_is_zero: false,
+        advice: "A single stab hurts as much as a heavy hand: come to the tongue slowly.",
+    },
+    Definition {
+        name: "probe_peak",
+        title: "largest push of the probe",
+        unit: "N",
+        definition: "Largest mean of the force on the probe over 50 ms, on whatever it is: floor, tooth, gum or tongue.",
+        source: "200 g is above all that clinicians press: Freed 1983; here over all that the probe touches",
+        needs: Needs::Probe,
+        missing_is_zero: false,
+        advice: "Feel where the probe is before you push: tooth, gum and tongue are pressed as lightly as the floor.",
+    },
+    Definition {
+        name: "crown_covered",
+        title: "way round the crown",
+        unit: "%",
+        definition: "Share of twelve sectors of 30 degrees about the crown's middle in which the probe's tip, 3 mm or more from it, bore on something with 0.02 N or more for 20 ms or more.",
+        source: "all of the crown is asked for; sectors chosen for this simulator",
+        needs: Needs::Crown,
+        missing_is_zero: true,
+        advice: "Go the whole way round the crown, not only where it is easy.",
     },
     Definition {
         name: "contact_force",
@@ -373,6 +407,38 @@ mod tests {
     }
 
     #[test]
+    fn numbers_in_definitions_are_those_that_are_measured_by() {
+        use crate::grade::{crown, hands, touches, values, zones};
+        let says = |name: &str, what: String| {
+            let text = find(name).map_or("", |metric| metric.definition);
+            assert!(text.contains(&what), "{name}: `{what}` in `{text}`");
+        };
+        let mm = |metres: f64| format!("{} mm", (metres * 1e5).round() / 1e2);
+        says("zones_charted", format!("for {} s", zones::STAYED));
+        says(
+            "floor_reached",
+            format!("no more than {} below", mm(zones::BEYOND)),
+        );
+        says(
+            "angle_mid",
+            format!("within {} of its deepest", mm(zones::AT_FLOOR)),
+        );
+        says("touches_too_light", format!("at {} N", touches::BEGINS));
+        says("touches_too_heavy", format!("{} N above", values::FORGIVEN));
+        says("mirror_peak", format!("over {} ms", hands::PEAK_S * 1e3));
+        says("probe_peak", format!("over {} ms", hands::PEAK_S * 1e3));
+        says("contact_force", format!("less than {} s", values::LEAST_S));
+        says(
+            "crown_covered",
+            format!("{} or more from it", mm(crown::OFF_AXIS)),
+        );
+        says(
+            "crown_covered",
+            format!("{} ms or more", crown::LEAST_S * 1e3),
+        );
+    }
+
+    #[test]
     fn metrics_apply_where_the_exercise_has_what_they_need() {
         let names = |exercise: &str| -> Vec<&str> {
             let all = Exercise::built_in();
@@ -386,6 +452,7 @@ mod tests {
             [
                 "target_visible",
                 "mirror_force",
+                "mirror_peak",
                 "smoothness",
                 "path_length",
                 "time"
@@ -393,9 +460,16 @@ mod tests {
         );
         assert_eq!(
             names("crown"),
-            ["contact_force", "smoothness", "path_length", "time"]
+            [
+                "probe_peak",
+                "crown_covered",
+                "contact_force",
+                "smoothness",
+                "path_length",
+                "time"
+            ]
         );
         assert!(!names("probing").contains(&"coordination"));
-        assert_eq!(names("bimanual").len(), METRICS.len() - 1);
+        assert_eq!(names("bimanual").len(), METRICS.len() - 2);
     }
 }

@@ -6,6 +6,7 @@ use sulcus_core::output::status;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
 
+use super::crown::Crown;
 use super::floor::FloorTime;
 use super::hands::{Hands, Moment, Pressed, Steady};
 use super::moves::Moves;
@@ -14,7 +15,7 @@ use super::series::Series;
 use super::touches::Touches;
 use super::zones::Zones;
 use crate::events::{Events, pocket};
-use crate::exercise::Exercise;
+use crate::exercise::{Exercise, ProbingTask};
 use crate::occurrence::{FORCE_ZONE, Occurrence};
 
 /// All that was seen of a session.
@@ -32,13 +33,15 @@ pub struct Evidence {
     pub mirror: Pressed,
     /// See `mirror`.
     pub probe: Pressed,
+    /// How far round the crown the probe went, where that is asked for.
+    pub crown: Option<Crown>,
     /// The way of every tool.
     pub moves: [Moves; MAX_TOOLS],
     /// For plots.
     pub series: Series,
     /// Zones that bled, whatever the cause.
     pub bled: Vec<(u8, Site)>,
-    /// Times that the tip was withdrawn between two zones of a side.
+    /// Times that the tip was withdrawn between two zones of a side, on its way to one that it had not been in.
     pub withdrawals: usize,
     /// Entries into the zones of trauma and of damage.
     pub trauma: usize,
@@ -48,6 +51,9 @@ pub struct Evidence {
     pub leading: usize,
     /// Depths prescribed, metres.
     floors: BTreeMap<(u8, Site), f64>,
+    /// Zones that the tip was in so far: tooth and site as events name them.
+    entered: Vec<(Option<u64>, String)>,
+    task: ProbingTask,
     steady: Steady,
     mirror_slot: Option<usize>,
     has_zones: bool,
@@ -68,6 +74,10 @@ impl Evidence {
             hands: Hands::default(),
             mirror: Pressed::default(),
             probe: Pressed::default(),
+            crown: match exercise.kind {
+                crate::exercise::Kind::Crown => Crown::of(scene),
+                _ => None,
+            },
             moves: std::array::from_fn(|_| Moves::new(dt)),
             series: Series::default(),
             bled: Vec::new(),
@@ -87,6 +97,8 @@ impl Evidence {
                     Site::ALL.map(|site| ((fdi, site), gingiva.prescribed(site).depth))
                 })
                 .collect(),
+            entered: Vec::new(),
+            task: exercise.probing,
             steady: Steady::default(),
             mirror_slot: scene.tools.iter().position(|tool| !is_probe(tool)),
             has_zones: !exercise.zones.is_empty(),
@@ -126,13 +138,17 @@ impl Evidence {
                     &mut self.probe
                 };
                 pressed.observe(force, dt);
+                if let Some(crown) = self.crown.as_mut().filter(|_| t == self.leading) {
+                    crown.observe(&out.graphic.transform(&tool.tip), force, dt);
+                }
             }
             standing = standing.or(events.standing(t));
         }
         if let Some(at) = standing {
             let floor = self.floors.get(&(at.tooth, at.site)).copied();
+            let task = &self.task;
             self.zones
-                .observe(at, (output.tick, dt), set.force_n, floor);
+                .observe(at, (output.tick, dt), set.force_n, task, floor);
             self.floor.observe(at, dt, set.force_n);
         }
         self.touches.observe(standing, dt);
@@ -159,10 +175,12 @@ impl Evidence {
     /// Takes in what happened in the tick.
     pub fn happened(&mut self, said: &Occurrence) {
         let is = |key: &str, what: &str| said.data[key] == what;
+        let zone = |site: &str| (said.data["tooth"].as_u64(), said.data[site].to_string());
         match said.kind.as_str() {
             FORCE_ZONE if is("zone", "trauma") => self.trauma += 1,
             FORCE_ZONE if is("zone", "damage") => self.damage += 1,
-            "withdrawn" => self.withdrawals += 1,
+            "withdrawn" if !self.entered.contains(&zone("to")) => self.withdrawals += 1,
+            "site_reached" => self.entered.push(zone("site")),
             "bleeding" => {
                 let tooth = said.data["tooth"].as_u64();
                 let tooth = tooth.and_then(|fdi| u8::try_from(fdi).ok());

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use sulcus_core::Vec3;
-use sulcus_core::math::norm;
+use sulcus_core::math::{fmax, norm};
 
 /// A mirror is steady against where it was so long before, seconds.
 const BEFORE: f64 = 0.5;
@@ -106,7 +106,13 @@ impl Hands {
 pub struct Pressed {
     bins: Vec<u64>,
     seconds: f64,
+    /// Force and length of the last ticks, [`PEAK_S`] together, and the sum of their products, newton seconds.
+    last: VecDeque<(f64, f64)>,
+    peak: f64,
 }
+
+/// Time over which the largest push is a mean, seconds: a knock of a tick or two is none.
+pub const PEAK_S: f64 = 0.05;
 
 /// Width of a bin, newtons, and how many there are: up to 20 N.
 const BIN: f64 = 0.01;
@@ -117,6 +123,8 @@ impl Default for Pressed {
         Self {
             bins: vec![0; BINS],
             seconds: 0.0,
+            last: VecDeque::new(),
+            peak: 0.0,
         }
     }
 }
@@ -129,6 +137,20 @@ impl Pressed {
             self.bins[bin] += 1;
             self.seconds += dt;
         }
+        let force = if force.is_finite() { force } else { 0.0 };
+        self.last.push_back((force, dt));
+        let long = |last: &VecDeque<(f64, f64)>| -> f64 { last.iter().map(|tick| tick.1).sum() };
+        while self.last.len() > 1 && long(&self.last) > PEAK_S + 0.5 * dt {
+            self.last.pop_front();
+        }
+        let push: f64 = self.last.iter().map(|(force, dt)| force * dt).sum();
+        // What is shorter is that much less.
+        self.peak = fmax(self.peak, push / fmax(PEAK_S, long(&self.last)));
+    }
+
+    /// Largest mean force over [`PEAK_S`], newtons; none where it never touched anything.
+    pub fn peak(&self) -> Option<f64> {
+        (self.seconds > 0.0).then_some(self.peak)
     }
 
     /// How long it touched something, seconds.
@@ -214,6 +236,21 @@ mod tests {
         assert!(run(2e-3, 500));
         assert!(!steady.observe(None, 1e-3, 1.5e-3));
         assert!(!steady.observe(Some(Vec3::zeros()), 1e-3, 1.5e-3));
+    }
+
+    #[test]
+    fn a_stab_shows_in_the_peak_where_the_percentile_hides_it() {
+        let mut pressed = Pressed::default();
+        assert_eq!(pressed.peak(), None);
+        (0..9600).for_each(|_| pressed.observe(1.0, 1e-3));
+        assert!((pressed.peak().expect("a touch") - 1.0).abs() < 1e-9);
+        // 25 ms of 7 N after 25 ms of 1 N: 4 N in the mean.
+        (0..25).for_each(|_| pressed.observe(7.0, 1e-3));
+        assert!((pressed.peak().expect("a touch") - 4.0).abs() < 1e-9);
+        (0..375).for_each(|_| pressed.observe(20.0, 1e-3));
+        pressed.observe(f64::NAN, 1e-3);
+        assert!((pressed.peak().expect("a touch") - 20.0).abs() < 1e-9);
+        assert!((pressed.p95().expect("a touch") - 1.01).abs() < 1e-9);
     }
 
     #[test]

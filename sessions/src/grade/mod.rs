@@ -12,7 +12,8 @@
 
 mod advice;
 pub mod class;
-pub mod definitions;
+mod crown;
+mod definitions;
 pub mod evidence;
 mod fft;
 pub mod floor;

@@ -1,9 +1,11 @@
 //! A grade as data: what is printed as JSON, and what tables and pages are made of.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
 
 use super::floor::FloorTime;
-use super::rubric::{Bound, Rubric};
+use super::rubric::{Bound, Rubric, Settings};
 use super::sites::SiteGrade;
 use super::stats::rounded;
 use crate::bytes::hex;
@@ -164,7 +166,56 @@ pub struct Advice {
     /// What to do.
     pub text: String,
     /// Zones that show it, in words.
-    pub sites: Vec<String>,
+    pub sites: Vec<ShownBy>,
+}
+
+/// The numbers that definitions name.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Thresholds {
+    /// The rubric's settings.
+    #[serde(flatten)]
+    pub settings: Settings,
+    /// Tilt against the tooth's axis that is allowed in the middle of a side, degrees.
+    pub mid_tilt_deg: f64,
+    /// Tilt into the col that is asked for beside a neighbour, degrees.
+    pub proximal_tilt_deg: [f64; 2],
+}
+
+impl Thresholds {
+    /// For people.
+    pub fn words(&self) -> String {
+        let (set, [least, most]) = (&self.settings, self.proximal_tilt_deg);
+        format!(
+            "target band of force {} to {} N, reached_mm {}, misread_mm {}, steady_mm {}, mid_tilt_deg {}, proximal_tilt_deg {least} to {most}",
+            set.force_n[0],
+            set.force_n[1],
+            set.reached_mm,
+            set.misread_mm,
+            set.steady_mm,
+            self.mid_tilt_deg,
+        )
+    }
+}
+
+/// A zone that shows a weakness. As text it begins with the FDI number of the tooth.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShownBy {
+    /// FDI number of the tooth.
+    pub tooth: u8,
+    /// Which zone, and how it shows.
+    pub says: String,
+}
+
+impl fmt::Display for ShownBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.tooth, self.says)
+    }
+}
+
+impl Serialize for ShownBy {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
+    }
 }
 
 /// A recording of a former version, run again by the present tick.
@@ -247,6 +298,8 @@ pub struct Grade {
     pub sites: Vec<SiteGrade>,
     /// Target band of the force on a floor, newtons.
     pub force_band_n: Option<[f64; 2]>,
+    /// What definitions name: the rubric's settings and the exercise's.
+    pub thresholds: Option<Thresholds>,
     /// Time on the floor by zones of force.
     pub floor_time: FloorTime,
     /// What to practise next, the dearest first.

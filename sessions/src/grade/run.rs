@@ -5,7 +5,7 @@ use sulcus_core::Scene;
 use super::advice::advice;
 use super::definitions::{Definition, METRICS, find};
 use super::evidence::Watcher;
-use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard};
+use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard, Thresholds};
 use super::rubric::Settings;
 use super::score::{happened, score, total};
 use super::series::Series;
@@ -150,6 +150,11 @@ pub fn finish(
             metrics: Vec::new(),
             sites: Vec::new(),
             force_band_n: standard.map(|standard| standard.rubric.settings.force_n),
+            thresholds: standard.map(|standard| Thresholds {
+                settings: standard.rubric.settings,
+                mid_tilt_deg: exercise.probing.mid_tilt_deg,
+                proximal_tilt_deg: exercise.probing.proximal_tilt_deg,
+            }),
             floor_time: FloorTime::default(),
             advice: Vec::new(),
             missing: watcher.events.missing().to_vec(),

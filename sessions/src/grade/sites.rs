@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 use sulcus_core::Scene;
+use sulcus_core::math::fmax;
 use sulcus_core::tissue::gingiva::{Prescribed, Site};
 
 use super::evidence::Evidence;
@@ -11,7 +12,7 @@ use super::rubric::Settings;
 use super::stats::rounded;
 use crate::events::call::Call;
 use crate::events::pocket;
-use crate::exercise::{Exercise, ProbingTask};
+use crate::exercise::Exercise;
 
 /// What is left of a tie after conversion to millimetres.
 const TIE: f64 = 1e-9;
@@ -34,6 +35,8 @@ pub enum Finding {
     Misread,
     /// The tip reached the floor; what was called is where it was under too much force.
     ReadTooHeavy,
+    /// The tip reached the floor, and what was called is what a tilted probe's bands showed, more than 1 mm off.
+    ReadTilted,
     /// The tip reached the floor, and what was called is where it was; yet it is more than 1 mm off.
     Off,
 }
@@ -49,6 +52,7 @@ impl Finding {
             Self::NeverReachedFloor => "never reached the floor",
             Self::Misread => "misread the band",
             Self::ReadTooHeavy => "read under too much force",
+            Self::ReadTilted => "read along a tilted probe",
             Self::Off => "more than 1 mm off",
         }
     }
@@ -76,13 +80,15 @@ pub struct SiteGrade {
     pub called_mm: Option<u8>,
     /// Deepest that the tip was at any force; null where it never was.
     pub deepest_mm: Option<f64>,
+    /// Most that the bands showed below the margin: more than the depth where the probe is tilted; null where the tip never was.
+    pub shown_mm: Option<f64>,
     /// Largest force on the floor; null where the tip never was.
     pub max_force_n: Option<f64>,
-    /// Tilt of the working end against the tooth's axis at the deepest place; null where the tip never was.
+    /// Mean tilt of the working end against the tooth's axis within 0.3 mm of the deepest place; null where the tip never was.
     pub tilt_deg: Option<f64>,
     /// And how far of it points into the col; null in the middle of a side.
     pub into_col_deg: Option<f64>,
-    /// Whether that tilt is as the exercise asks for.
+    /// Whether the tilt was as the exercise asks for over at least half of that time.
     pub tilt_right: Option<bool>,
     /// Prescribed recession: positive where the margin is below the cemento-enamel junction.
     pub recession_truth_mm: Option<f64>,
@@ -120,8 +126,11 @@ impl SiteGrade {
         let (Some(measured), Some(called)) = (self.measured_mm, self.called_mm) else {
             return false;
         };
-        let (called, deepest) = (f64::from(called), self.deepest_mm.unwrap_or(measured));
-        called < measured - set.misread_mm - TIE || called > deepest + set.misread_mm + TIE
+        let called = f64::from(called);
+        // Who reads what a tilted probe's bands show has not misread them.
+        let seen = [self.deepest_mm, self.shown_mm].into_iter().flatten();
+        let most = seen.fold(measured, fmax);
+        called < measured - set.misread_mm - TIE || called > most + set.misread_mm + TIE
     }
 
     fn find(&self, stayed: bool, set: &Settings) -> Finding {
@@ -145,10 +154,11 @@ impl SiteGrade {
         if self.error_mm().is_none_or(|error| error.abs() <= 1.0 + TIE) {
             return Finding::Right;
         }
-        if f64::from(called) > measured + set.misread_mm + TIE {
-            Finding::ReadTooHeavy
-        } else {
-            Finding::Off
+        let above = |mm: f64| f64::from(called) > mm + set.misread_mm + TIE;
+        match self.deepest_mm {
+            _ if !above(measured) => Finding::Off,
+            Some(deepest) if above(deepest) => Finding::ReadTilted,
+            _ => Finding::ReadTooHeavy,
         }
     }
 }
@@ -208,14 +218,7 @@ pub fn sites(
         .collect();
     let grade = |((tooth, site), asked)| {
         let call = called.get(&(tooth, site));
-        one(
-            scene,
-            (tooth, site, asked),
-            evidence,
-            call,
-            &exercise.probing,
-            set,
-        )
+        one(scene, (tooth, site, asked), evidence, call, set)
     };
     all.into_iter().map(grade).collect()
 }
@@ -225,13 +228,12 @@ fn one(
     (tooth, site, asked): (u8, Site, bool),
     evidence: &Evidence,
     heard: Option<&Heard>,
-    task: &ProbingTask,
     set: &Settings,
 ) -> SiteGrade {
     let mm = |metres: f64| rounded(metres * 1e3, 2);
     let truth = prescribed(scene, tooth, site);
     let seen = evidence.zones.of(tooth, site);
-    let tilt = seen.and_then(|seen| seen.tilt);
+    let stood = evidence.zones.stood(tooth, site);
     let call = heard.map(|heard| &heard.call);
     let mut grade = SiteGrade {
         tooth,
@@ -241,12 +243,13 @@ fn one(
         measured_mm: seen.and_then(|seen| seen.measured).map(mm),
         called_mm: call.map(|call| call.depth_mm),
         deepest_mm: seen.map(|seen| mm(seen.deepest)),
+        shown_mm: seen.map(|seen| mm(seen.shown)),
         max_force_n: seen.map(|seen| rounded(seen.max_force, 3)),
-        tilt_deg: tilt.map(|tilt| rounded(tilt.total.to_degrees(), 1)),
-        into_col_deg: tilt
+        tilt_deg: stood.map(|stood| rounded(stood.tilt().to_degrees(), 1)),
+        into_col_deg: stood
             .filter(|_| site.is_proximal())
-            .map(|tilt| rounded(tilt.into_col(site).0.to_degrees(), 1)),
-        tilt_right: tilt.map(|tilt| tilt.is_right(site, task)),
+            .map(|stood| rounded(stood.towards_col().to_degrees(), 1)),
+        tilt_right: stood.map(|stood| stood.is_right()),
         recession_truth_mm: truth.map(|truth| mm(truth.recession)),
         recession_called_mm: call.and_then(|call| call.recession_mm),
         bled: evidence.bled.contains(&(tooth, site)),
@@ -298,6 +301,18 @@ mod tests {
                 "{measured:?} {deepest} {called:?}"
             );
         }
+        // At 25 degrees 5.0 mm show 5.5, which is called 6; 8 is nowhere near.
+        let tilted = |shown: f64, called| {
+            let site = SiteGrade {
+                truth_mm: Some(5.0),
+                shown_mm: Some(shown),
+                ..zone(Some(5.0), 5.1, Some(called))
+            };
+            site.find(true, &SET)
+        };
+        assert_eq!(tilted(5.5, 6), Finding::Right);
+        assert_eq!(tilted(6.4, 7), Finding::ReadTilted);
+        assert_eq!(tilted(6.4, 8), Finding::Misread);
         // Another tooth's deeper floor at the border of the zone.
         assert_eq!(find(Some(5.4), 5.4, Some(6)), Finding::Off);
         assert_eq!(zone(None, 0.0, None).find(false, &SET), Finding::Missed);

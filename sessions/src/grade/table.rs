@@ -50,8 +50,8 @@ pub fn signer(grade: &Grade) -> String {
 }
 
 impl Grade {
-    /// For a terminal; `advice`: with what to practise next; `truth`: with what is prescribed.
-    pub fn text(&self, advice: bool, truth: bool) -> String {
+    /// For a terminal; `exam`: without what tells the depths and what to practise next; `truth`: with what is prescribed.
+    pub fn text(&self, exam: bool, truth: bool) -> String {
         let safe = |text: &str| text.escape_debug().to_string();
         let learner = if self.learner_id.is_empty() {
             "(none)".into()
@@ -116,10 +116,11 @@ impl Grade {
         if !self.sites.is_empty() {
             lines.push(String::new());
             let header = if truth { "   truth" } else { "" };
-            lines.push(format!(
-                "  {:18}{header} reached  called   force  finding",
-                "site"
-            ));
+            lines.push(if exam {
+                format!("  {:18} called   force", "site")
+            } else {
+                format!("  {:18}{header} reached  called   force  finding", "site")
+            });
         }
         for site in &self.sites {
             let mm = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.1}"));
@@ -130,15 +131,15 @@ impl Grade {
             };
             let called = site.called_mm.map_or("-".into(), |mm| mm.to_string());
             let force = site.max_force_n.map_or("-".into(), |n| format!("{n:.2} N"));
-            lines.push(format!(
-                "  {} {:15}{truth}{:>8}{called:>8}{force:>8}  {}",
-                site.tooth,
-                site.site.name(),
-                mm(site.measured_mm),
-                site.finding.words()
-            ));
+            let zone = format!("  {} {:15}", site.tooth, site.site.name());
+            lines.push(if exam {
+                format!("{zone}{called:>8}{force:>8}")
+            } else {
+                let (reached, finding) = (mm(site.measured_mm), site.finding.words());
+                format!("{zone}{truth}{reached:>8}{called:>8}{force:>8}  {finding}")
+            });
         }
-        if advice && !self.advice.is_empty() {
+        if !exam && !self.advice.is_empty() {
             lines.push(String::new());
             lines.push("  practise next".into());
             for advice in &self.advice {

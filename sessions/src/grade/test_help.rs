@@ -26,6 +26,7 @@ pub fn standing(tooth: u8, site: Site, around: f64, depth_mm: f64, force: f64) -
         around: around.to_radians(),
         from_axis: 4e-3,
         depth: depth_mm * 1e-3,
+        shown: depth_mm * 1e-3,
         force,
         zone: ForceZone::Light,
         tilt: Tilt {
@@ -46,6 +47,7 @@ pub fn zone(site: Site, truth: f64, measured: Option<f64>, called: Option<u8>) -
         measured_mm: measured,
         called_mm: called,
         deepest_mm: measured,
+        shown_mm: measured,
         max_force_n: Some(0.2),
         tilt_deg: Some(0.0),
         into_col_deg: None,

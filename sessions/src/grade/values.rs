@@ -1,5 +1,6 @@
 //! The value of every metric, from the evidence and the zones. None where there is nothing to measure.
 
+use super::crown::Crown;
 use super::evidence::Evidence;
 use super::hands::Pressed;
 use super::rubric::Settings;
@@ -18,7 +19,7 @@ const EXACT: f64 = 0.5 + 1e-9;
 /// What is done for less than this share of the exercise's length, and for less than so many seconds, was not done: else who
 /// grazes a crown once, or looks once, is graded by that. Chosen.
 const LEAST_SHARE: f64 = 0.25;
-const LEAST_S: f64 = 5.0;
+pub const LEAST_S: f64 = 5.0;
 
 /// What values are made of.
 #[derive(Clone, Copy, Debug)]
@@ -71,20 +72,23 @@ impl Measured<'_> {
             "angle_proximal" => self.angle(true),
             "walking_step" => median(&steps(self.touches)).map(|step| step * 1e3),
             "withdrawals" => Some(evidence.withdrawals as f64),
-            "recession_within_1mm" => self.share(
-                |site| site.recession_called_mm.is_some() && site.recession_truth_mm.is_some(),
+            "recession_within_1mm" => self.share_once_said(
+                |site| site.recession_called_mm.is_some(),
                 |site| {
                     let both = site.recession_called_mm.zip(site.recession_truth_mm);
                     both.is_some_and(|(said, is)| (f64::from(said) - is).abs() <= WITHIN)
                 },
             ),
-            "bleeding_agreement" => self.share(
-                |site| site.bleeding_called.is_some() && site.is_probed(),
+            "bleeding_agreement" => self.share_once_said(
+                |site| site.bleeding_called.is_some(),
                 |site| site.bleeding_called == Some(site.bled),
             ),
             "target_visible" => self.visible(),
             "coordination" => evidence.hands.together_percent(),
             "mirror_force" => self.pressed(&evidence.mirror),
+            "mirror_peak" => evidence.mirror.peak(),
+            "probe_peak" => evidence.probe.peak(),
+            "crown_covered" => evidence.crown.as_ref().map(Crown::covered_percent),
             "contact_force" => self.pressed(&evidence.probe),
             "smoothness" => self.smoothness,
             "path_length" => Some(evidence.moves[evidence.leading].ways().0 * 1e3),
@@ -123,6 +127,19 @@ impl Measured<'_> {
             .filter(|site| site.asked && of(site))
             .collect();
         percent(all.iter().filter(|site| part(site)).count(), all.len())
+    }
+
+    /// Of the zones asked for that were probed: the share that is `part`, percent; none where nothing was `said` of any.
+    fn share_once_said(
+        &self,
+        said: impl Fn(&SiteGrade) -> bool,
+        part: impl Fn(&SiteGrade) -> bool,
+    ) -> Option<f64> {
+        let any = self
+            .sites
+            .iter()
+            .any(|site| site.asked && site.is_probed() && said(site));
+        self.share(SiteGrade::is_probed, part).filter(|_| any)
     }
 
     fn called_within(&self, most: f64) -> Option<f64> {
@@ -320,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn recession_and_bleeding_where_they_were_called() {
+    fn once_recession_and_bleeding_are_called_they_are_called_everywhere() {
         let with = |recession, bleeding, bled| SiteGrade {
             recession_called_mm: recession,
             bleeding_called: bleeding,
@@ -332,10 +349,10 @@ mod tests {
             with(Some(-1), Some(false), false),
             with(Some(0), Some(false), true), // 2 mm off, and missed
             with(Some(2), Some(true), false), // the sign trap, and seen where nothing was
-            with(None, None, true),
+            with(None, None, true),           // probed, and nothing said of it
         ]);
-        assert_eq!(by.value("recession_within_1mm"), Some(50.0));
-        assert_eq!(by.value("bleeding_agreement"), Some(50.0));
+        assert_eq!(by.value("recession_within_1mm"), Some(40.0));
+        assert_eq!(by.value("bleeding_agreement"), Some(40.0));
         assert_eq!(
             By::hand(vec![zone(Buccal, 3.0, None, Some(3))]).value("bleeding_agreement"),
             None
@@ -351,7 +368,23 @@ mod tests {
             data,
         };
         for (kind, data) in [
-            ("withdrawn", serde_json::json!({})),
+            (
+                "site_reached",
+                serde_json::json!({"tooth": 36, "site": "buccal"}),
+            ),
+            (
+                "withdrawn",
+                serde_json::json!({"tooth": 36, "to": "mesiobuccal"}),
+            ),
+            (
+                "site_reached",
+                serde_json::json!({"tooth": 36, "site": "mesiobuccal"}),
+            ),
+            // To look again is no withdrawal.
+            (
+                "withdrawn",
+                serde_json::json!({"tooth": 36, "to": "buccal"}),
+            ),
             ("force_zone", serde_json::json!({"zone": "trauma"})),
             ("force_zone", serde_json::json!({"zone": "trauma"})),
             ("force_zone", serde_json::json!({"zone": "damage"})),

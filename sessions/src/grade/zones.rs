@@ -2,18 +2,24 @@
 
 use std::collections::BTreeMap;
 
+use sulcus_core::math::fmax;
 use sulcus_core::tissue::gingiva::Site;
 
 use crate::events::Standing;
-use crate::events::angle::Tilt;
+use crate::exercise::ProbingTask;
 
 /// A tip farther below the prescribed floor is not in the pocket any more, metres. Chosen: forces that are taught press 0.1 mm too
 /// deep, 0.6 N 0.8 mm.
-const BEYOND: f64 = 1e-3;
+pub const BEYOND: f64 = 1e-3;
 /// Time in a zone from which it was probed, not passed, seconds.
 pub const STAYED: f64 = 0.2;
 /// What rounding may take off it.
 const TIE: f64 = 1e-9;
+
+/// Depths within so much of the deepest are the deepest place: how the working end stood is judged there, metres.
+pub const AT_FLOOR: f64 = 3e-4;
+/// Width of a bin of depth, metres.
+const BIN: f64 = 5e-5;
 
 /// What was seen of one zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,56 +30,122 @@ pub struct ZoneSeen {
     pub stayed_at: Option<u64>,
     /// Deepest that the tip was, metres.
     pub deepest: f64,
+    /// Most that the bands showed, metres.
+    pub shown: f64,
     /// Deepest with a force on the floor inside the target band, metres.
     pub measured: Option<f64>,
     /// Largest force on the floor, newtons.
     pub max_force: f64,
-    /// How the working end stood at the deepest place: at a correct force where there was one, else at any.
-    pub tilt: Option<Tilt>,
+}
+
+/// How the working end stood, over some time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stood {
+    seconds: f64,
+    right: f64,
+    /// Integrals of its tilt, and of how far of it pointed into the col, radian seconds.
+    tilt: f64,
+    into: f64,
+}
+
+impl Stood {
+    fn add(&mut self, more: &Self) {
+        self.seconds += more.seconds;
+        self.right += more.right;
+        self.tilt += more.tilt;
+        self.into += more.into;
+    }
+
+    /// Mean tilt against the tooth's axis, radians.
+    pub fn tilt(&self) -> f64 {
+        self.tilt / self.seconds
+    }
+
+    /// Mean of how far of it pointed into the col, radians.
+    pub fn towards_col(&self) -> f64 {
+        self.into / self.seconds
+    }
+
+    /// Whether it was right for at least half of the time.
+    pub fn is_right(&self) -> bool {
+        2.0 * self.right >= self.seconds - TIE
+    }
+}
+
+/// A zone, and the time in it by depth: at a correct force, and at any.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Zone {
+    seen: ZoneSeen,
+    stood: [BTreeMap<u32, Stood>; 2],
 }
 
 /// Zones by tooth and site.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Zones(BTreeMap<(u8, Site), ZoneSeen>);
+pub struct Zones(BTreeMap<(u8, Site), Zone>);
 
 impl Zones {
-    /// Takes in a tick by its number, of `dt` seconds; `band` is the target band of force, newtons, `floor` the depth prescribed there, metres.
+    /// Takes in a tick by its number, of `dt` seconds; `task` has the target band of force and of tilt, `floor` is the depth prescribed
+    /// there, metres.
     pub fn observe(
         &mut self,
         at: &Standing,
         (tick, dt): (u64, f64),
         band: [f64; 2],
+        task: &ProbingTask,
         floor: Option<f64>,
     ) {
         if at.depth <= 0.0 {
             return;
         }
         let zone = self.0.entry((at.tooth, at.site)).or_default();
-        zone.seconds += dt;
-        if zone.stayed_at.is_none() && zone.seconds >= STAYED - TIE {
-            zone.stayed_at = Some(tick);
+        let seen = &mut zone.seen;
+        seen.seconds += dt;
+        if seen.stayed_at.is_none() && seen.seconds >= STAYED - TIE {
+            seen.stayed_at = Some(tick);
         }
-        if at.force > zone.max_force {
-            zone.max_force = at.force;
-        }
+        seen.max_force = fmax(seen.max_force, at.force);
+        seen.deepest = fmax(seen.deepest, at.depth);
+        seen.shown = fmax(seen.shown, at.shown);
         // A tip that was forced out through the wall is beside the pocket, whatever it presses on.
         let inside = floor.is_none_or(|floor| at.depth <= floor + BEYOND);
         let correct = inside && (band[0]..=band[1]).contains(&at.force);
-        if correct && zone.measured.is_none_or(|before| at.depth > before) {
-            zone.measured = Some(at.depth);
-            zone.tilt = Some(at.tilt);
+        if correct {
+            seen.measured = Some(seen.measured.map_or(at.depth, |deep| fmax(deep, at.depth)));
         }
-        if at.depth > zone.deepest {
-            zone.deepest = at.depth;
-            if zone.measured.is_none() {
-                zone.tilt = Some(at.tilt);
+        let right = at.tilt.is_right(at.site, task);
+        let now = Stood {
+            seconds: dt,
+            right: if right { dt } else { 0.0 },
+            tilt: at.tilt.total * dt,
+            into: at.tilt.into_col(at.site).0 * dt,
+        };
+        let bin = (at.depth / BIN) as u32;
+        for (k, stood) in zone.stood.iter_mut().enumerate() {
+            if k == 1 || correct {
+                stood.entry(bin).or_default().add(&now);
             }
         }
     }
 
     /// What was seen of a zone; none where the tip never was.
     pub fn of(&self, tooth: u8, site: Site) -> Option<&ZoneSeen> {
-        self.0.get(&(tooth, site))
+        self.0.get(&(tooth, site)).map(|zone| &zone.seen)
+    }
+
+    /// How the working end stood at the deepest place ([`AT_FLOOR`]): at a correct force where there was one, else at any.
+    pub fn stood(&self, tooth: u8, site: Site) -> Option<Stood> {
+        let zone = self.0.get(&(tooth, site))?;
+        let [correct, any] = &zone.stood;
+        let (bins, deepest) = match zone.seen.measured {
+            Some(measured) => (correct, measured),
+            None => (any, zone.seen.deepest),
+        };
+        let from = (fmax(deepest - AT_FLOOR, 0.0) / BIN) as u32;
+        let mut all = Stood::default();
+        for stood in bins.range(from..).map(|(_, stood)| stood) {
+            all.add(stood);
+        }
+        Some(all)
     }
 
     /// The zones that the tip was in, by tooth, then in the order of [`Site::ALL`].
@@ -88,27 +160,52 @@ mod tests {
     use crate::grade::test_help::standing;
 
     #[test]
-    fn the_deepest_at_a_correct_force_counts_and_its_tilt() {
+    fn the_deepest_at_a_correct_force_counts() {
         let (mut zones, mut tick) = (Zones::default(), 0);
-        let mut see = |mm: f64, force: f64, degrees: f64| {
+        let mut see = |mm: f64, force: f64, shown: f64| {
             let mut at = standing(36, Site::Buccal, 90.0, mm, force);
-            at.tilt.total = degrees.to_radians();
+            at.shown = shown * 1e-3;
             tick += 1;
-            zones.observe(&at, (tick, 0.15), [0.1, 0.25], Some(2e-3));
+            let task = ProbingTask::default();
+            zones.observe(&at, (tick, 0.15), [0.1, 0.25], &task, Some(2e-3));
         };
-        see(-1.0, 0.0, 1.0); // above the margin
-        see(1.0, 0.0, 2.0); // no force yet
-        see(2.0, 0.2, 3.0);
-        see(2.5, 0.6, 4.0); // deeper, too heavy
-        see(1.9, 0.2, 5.0); // correct, shallower
-        see(3.1, 0.2, 6.0); // out through the wall, beside the pocket
+        see(-1.0, 0.0, 0.0); // above the margin
+        see(1.0, 0.0, 1.0); // no force yet
+        see(2.0, 0.2, 2.2);
+        see(2.5, 0.6, 2.6); // deeper, too heavy
+        see(1.9, 0.2, 3.3); // correct, shallower, tilted
+        see(3.1, 0.2, 3.2); // out through the wall, beside the pocket
         let seen = zones.of(36, Site::Buccal).expect("it was there");
         assert!((seen.seconds - 0.75).abs() < 1e-12);
         assert_eq!((seen.stayed_at, seen.max_force), (Some(3), 0.6));
         assert!((seen.deepest - 3.1e-3).abs() < 1e-12);
+        assert!((seen.shown - 3.3e-3).abs() < 1e-12);
         assert!((seen.measured.expect("correct") - 2e-3).abs() < 1e-12);
-        assert!((seen.tilt.expect("a tilt").total.to_degrees() - 3.0).abs() < 1e-9);
         assert_eq!(zones.of(36, Site::Lingual), None);
         assert_eq!(zones.all().collect::<Vec<_>>(), [(36, Site::Buccal)]);
+    }
+
+    #[test]
+    fn one_tick_at_the_deepest_does_not_decide_how_the_probe_stood() {
+        let mut zones = Zones::default();
+        let see = |zones: &mut Zones, mm: f64, force: f64, degrees: f64, ticks: u32| {
+            let mut at = standing(36, Site::Buccal, 90.0, mm, force);
+            at.tilt.total = f64::to_radians(degrees);
+            for _ in 0..ticks {
+                let task = ProbingTask::default();
+                zones.observe(&at, (1, 1e-3), [0.1, 0.25], &task, Some(4e-3));
+            }
+        };
+        see(&mut zones, 2.0, 0.2, 60.0, 500); // on the way down: does not count
+        see(&mut zones, 4.0, 0.05, 60.0, 500); // too light
+        see(&mut zones, 3.95, 0.2, 5.0, 300);
+        see(&mut zones, 4.01, 0.2, 40.0, 100);
+        let stood = zones.stood(36, Site::Buccal).expect("it was there");
+        // 300 ticks at 5 degrees, 100 at 40: 13.75 in the mean, and right three times of four.
+        assert!((stood.tilt().to_degrees() - 13.75).abs() < 1e-9);
+        assert!(stood.is_right());
+        see(&mut zones, 3.9, 0.2, 40.0, 250);
+        assert!(!zones.stood(36, Site::Buccal).expect("there").is_right());
+        assert_eq!(zones.stood(36, Site::Lingual), None);
     }
 }

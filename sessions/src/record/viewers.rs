@@ -33,6 +33,7 @@ impl Recorder {
             id = writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())?;
             Ok(())
         })?;
+        self.viewed.channel(id, topic);
         Ok(id)
     }
 
@@ -74,6 +75,12 @@ impl Recorder {
             return Ok(());
         }
         let mut waiting = std::mem::take(&mut self.waiting);
+        let mut begin = 0;
+        for (channel, time, end) in &waiting.messages {
+            self.viewed
+                .message(*channel, *time, &waiting.bytes[begin..*end]);
+            begin = *end;
+        }
         let sequence = self.chain.rows() as u32;
         let written = self.write(|writer| {
             let mut begin = 0;

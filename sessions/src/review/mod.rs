@@ -70,6 +70,8 @@ pub struct ReviewReport {
     pub events: u64,
     /// Whether the replay that it shows is the recorded session bit for bit; it need not be where the recording is of a former version.
     pub identical: bool,
+    /// What is wrong with the recording itself ([`crate::ReplayReport::unsound`]).
+    pub unsound: Option<String>,
     /// Longest tick of the session, CPU time, microseconds; none in a recording without channels for viewers.
     pub longest_tick_us: Option<f64>,
     /// Rows that have a time, by entity.
@@ -212,6 +214,7 @@ pub fn review(
         shapes: tissues.shapes(),
         events,
         identical: report.identical,
+        unsound: report.unsound(),
         longest_tick_us,
         rows,
     })

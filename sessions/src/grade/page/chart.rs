@@ -168,14 +168,7 @@ impl Chart<'_> {
             LEFT - 3.0,
             cej + 3.0
         );
-        let names = [
-            "PD",
-            "recession",
-            "CAL",
-            "bleeding",
-            "PD, true",
-            "bled, true",
-        ];
+        let names = ["PD", "recession", "CAL", "bleeding", "PD, true", "bled"];
         let line = |k: usize| inner + up * k as f64 * LINE;
         for (k, name) in names[..self.lines()].iter().enumerate() {
             let _ = write!(
@@ -249,25 +242,30 @@ impl Chart<'_> {
         }
         let mid = across(fdi, buccal)[1];
         let called = self.at(fdi, mid).and_then(|grade| grade.furcation_called);
-        let grade = called.or_else(|| self.truth.then(|| self.patient.furcation(fdi, buccal)));
+        let prescribed = || self.truth.then(|| self.patient.furcation(fdi, buccal));
         furcation(
             svg,
-            grade.unwrap_or(0),
-            middle,
-            cej + up * FURCATION_MM * MM,
+            called.or_else(prescribed).unwrap_or(0),
+            (middle, cej + up * FURCATION_MM * MM),
+            called.is_some(),
         );
     }
 }
 
-/// Open, half and full circle for the grades 1 to 3.
-fn furcation(svg: &mut String, grade: u8, x: f64, y: f64) {
+/// Open, half and full circle for the grades 1 to 3; dotted where nobody `called` it.
+fn furcation(svg: &mut String, grade: u8, (x, y): (f64, f64), called: bool) {
     if grade == 0 {
         return;
     }
     let fill = if grade == 3 { "#111" } else { "#fff" };
+    let dash = if called {
+        ""
+    } else {
+        " stroke-dasharray=\"1.5 2\""
+    };
     let _ = write!(
         svg,
-        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"{fill}\" stroke=\"#111\" stroke-width=\"1.3\"/>"
+        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"{fill}\" stroke=\"#111\" stroke-width=\"1.3\"{dash}/>"
     );
     if grade == 2 {
         let _ = write!(
@@ -335,31 +333,26 @@ fn signed(mm: i8) -> String {
 
 /// Margin and attachment through neighbouring sites that are known, and the pocket between.
 fn lines(svg: &mut String, spots: &[Option<Spot>], y: impl Fn(f64) -> f64, called: bool) {
-    let known = |spot: &Option<Spot>| -> Option<(f64, f64, f64, bool)> {
+    let known = |spot: &Option<Spot>| -> Option<(f64, f64, f64)> {
         let spot = (*spot)?;
-        // Where recession was not called the margin is drawn at the junction.
-        let margin = spot.recession.unwrap_or(0.0);
-        Some((
-            spot.x,
-            y(margin),
-            y(margin + spot.depth?),
-            spot.recession.is_some(),
-        ))
+        // Where recession was not called nobody has said where the margin is, nor the attachment below it.
+        let margin = spot.recession?;
+        Some((spot.x, y(margin), y(margin + spot.depth?)))
     };
-    let all: Vec<Option<(f64, f64, f64, bool)>> = spots.iter().map(known).collect();
+    let all: Vec<Option<(f64, f64, f64)>> = spots.iter().map(known).collect();
     for run in all.split(Option::is_none) {
-        let mut run: Vec<(f64, f64, f64, bool)> = run.iter().flatten().copied().collect();
+        let mut run: Vec<(f64, f64, f64)> = run.iter().flatten().copied().collect();
         // A single site has some width too.
         if let [only] = run[..] {
             run = vec![
-                (only.0 - 6.0, only.1, only.2, only.3),
-                (only.0 + 6.0, only.1, only.2, only.3),
+                (only.0 - 6.0, only.1, only.2),
+                (only.0 + 6.0, only.1, only.2),
             ];
         }
         if run.is_empty() {
             continue;
         }
-        let through = |which: fn(&(f64, f64, f64, bool)) -> f64| -> Vec<String> {
+        let through = |which: fn(&(f64, f64, f64)) -> f64| -> Vec<String> {
             run.iter()
                 .map(|at| format!("{:.1},{:.1}", at.0, which(at)))
                 .collect()
@@ -368,15 +361,9 @@ fn lines(svg: &mut String, spots: &[Option<Spot>], y: impl Fn(f64) -> f64, calle
         if called {
             let mut around = margin.clone();
             around.extend(floor.iter().rev().cloned());
-            let sure = run.iter().all(|at| at.3);
-            let dash = if sure {
-                ""
-            } else {
-                " stroke-dasharray=\"2 3\""
-            };
             let _ = writeln!(
                 svg,
-                "<polygon points=\"{}\" fill=\"url(#pocket)\" fill-opacity=\"0.75\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{RED}\" stroke-width=\"2.4\"{dash}/><polyline points=\"{}\" fill=\"none\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/>",
+                "<polygon points=\"{}\" fill=\"url(#pocket)\" fill-opacity=\"0.75\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{RED}\" stroke-width=\"2.4\"/><polyline points=\"{}\" fill=\"none\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/>",
                 around.join(" "),
                 margin.join(" "),
                 floor.join(" ")
@@ -384,7 +371,8 @@ fn lines(svg: &mut String, spots: &[Option<Spot>], y: impl Fn(f64) -> f64, calle
         } else {
             let _ = writeln!(
                 svg,
-                "<polyline points=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"1.1\" stroke-dasharray=\"1.5 2.5\"/>",
+                "<polyline points=\"{}\" fill=\"none\" stroke=\"{RED}\" stroke-width=\"1.1\" stroke-dasharray=\"1.5 2.5\"/><polyline points=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"1.1\" stroke-dasharray=\"1.5 2.5\"/>",
+                margin.join(" "),
                 floor.join(" ")
             );
         }
@@ -394,12 +382,12 @@ fn lines(svg: &mut String, spots: &[Option<Spot>], y: impl Fn(f64) -> f64, calle
 /// What the lines and signs of a chart mean, as HTML.
 pub fn key(truth: bool, numbering: Numbering) -> String {
     let truth = if truth {
-        "; dotted: <b>prescribed</b> attachment"
+        "; dotted: <b>prescribed</b> margin (red) and attachment (black), a dotted circle a prescribed furcation that was not called; bled: in the replay"
     } else {
         ""
     };
     format!(
-        "<p class=\"small\"><svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{RED}\" stroke-width=\"2.4\"/></svg> margin (red, unbroken) <svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/></svg> attachment (blue, broken), pocket hatched between{truth}. PD probing depth as called, mm, bold from 4; recession + below, &#8722; above the cemento-enamel junction (CEJ); CAL = PD + recession. Full dot: bleeding called; ring: none. Circle on a molar: furcation I open, II half, III full. {}; the patient&#8217;s right is on the left.</p>\n",
+        "<p class=\"small\"><svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{RED}\" stroke-width=\"2.4\"/></svg> margin (red, unbroken) <svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/></svg> attachment (blue, broken), pocket hatched between{truth}. No lines where recession was not called: nobody said where the margin is. PD probing depth as called, mm, bold from 4; recession + below, &#8722; above the cemento-enamel junction (CEJ); CAL = PD + recession. Full dot: bleeding called; ring: none. Circle on a molar: furcation I open, II half, III full. {}; the patient&#8217;s right is on the left.</p>\n",
         numbering.name()
     )
 }
@@ -419,6 +407,7 @@ mod tests {
             measured_mm: None,
             called_mm: Some(called),
             deepest_mm: None,
+            shown_mm: None,
             max_force_n: None,
             tilt_deg: None,
             into_col_deg: None,
@@ -473,10 +462,54 @@ mod tests {
     }
 
     #[test]
+    fn no_line_is_drawn_where_nobody_said_where_the_margin_is() {
+        let mut unsaid = site(36, Site::Buccal, 5, 0);
+        unsaid.recession_called_mm = None;
+        let svg = |sites: &[SiteGrade], truth: bool| {
+            let chart = Chart {
+                sites,
+                teeth: &[36],
+                patient: &PatientChart::default(),
+                numbering: Numbering::Fdi,
+                truth,
+            };
+            chart.svg()
+        };
+        let (red, blue) = (
+            format!("stroke=\"{RED}\" stroke-width=\"2.4\""),
+            format!("stroke=\"{BLUE}\" stroke-width=\"2.4\""),
+        );
+        let alone = svg(std::slice::from_ref(&unsaid), false);
+        assert!(alone.contains(">5</text>"));
+        assert!(!alone.contains(&red) && !alone.contains(&blue));
+        // Between two that are known it parts them.
+        let three = [
+            site(36, Site::MesioBuccal, 3, -2),
+            unsaid,
+            site(36, Site::DistoBuccal, 3, -2),
+        ];
+        let parted = svg(&three, false);
+        assert_eq!(parted.matches(&blue).count(), 2);
+        // The blue line is the depth below the red one.
+        let y = |svg: &str, colour: &str| -> f64 {
+            let line = svg.split(colour).next().unwrap_or("");
+            let points = line.rsplit("points=\"").next().unwrap_or("");
+            let first = points.split(['"', ' ']).next().unwrap_or("");
+            first
+                .split_once(',')
+                .and_then(|(_, y)| y.parse().ok())
+                .unwrap_or(f64::NAN)
+        };
+        assert!((y(&parted, &blue) - y(&parted, &red) - 3.0 * MM).abs() < 0.11);
+        // What is prescribed is drawn all the same, when it is asked for.
+        assert!(svg(&three, true).contains("stroke=\"#000\" stroke-width=\"1.1\""));
+    }
+
+    #[test]
     fn grades_of_furcation_have_signs_of_their_own() {
         let sign = |grade| {
             let mut svg = String::new();
-            furcation(&mut svg, grade, 0.0, 0.0);
+            furcation(&mut svg, grade, (0.0, 0.0), true);
             svg
         };
         assert_eq!(sign(0), "");

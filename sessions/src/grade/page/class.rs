@@ -11,8 +11,8 @@ use crate::grade::definitions::METRICS;
 use crate::grade::revision::Sidecar;
 use crate::grade::stats::{mean, median, percent, rounded};
 
-/// The page of all sessions; they are sorted by exercise, learner and attempt.
-pub fn class_page(sessions: &[Session], look: &Look<'_>) -> String {
+/// The page of all sessions, sorted by exercise, learner and attempt; `unread`: files that could not be read, and why.
+pub fn class_page(sessions: &[Session], unread: &[(String, String)], look: &Look<'_>) -> String {
     let mut html = String::from("<h1>Class</h1>\n");
     let graded = sessions
         .iter()
@@ -23,6 +23,14 @@ pub fn class_page(sessions: &[Session], look: &Look<'_>) -> String {
         "<p class=\"who\">{} sessions, {graded} of them graded; scores are proposals of the program, from replays.</p>",
         sessions.len()
     );
+    for (file, why) in unread {
+        let _ = writeln!(
+            html,
+            "<p class=\"fail\">Not read: {}: {}</p>",
+            escaped(file),
+            escaped(why)
+        );
+    }
     for group in sessions.chunk_by(|a, b| a.grade.exercise == b.grade.exercise) {
         exercise(&mut html, group, look);
     }
@@ -55,14 +63,12 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
         html.push_str("<p class=\"fail\">Graded by more than one rubric: scores cannot be compared as they stand.</p>\n");
     }
     // (In an exam neither what is prescribed nor what to practise is shown, and of one session the map tells both.)
-    let heat = if look.advice {
-        heat_map(all, look)
-    } else {
+    let heat = if look.exam {
         String::new()
+    } else {
+        heat_map(all, look)
     };
-    let learners: Vec<&[Session]> = all
-        .chunk_by(|a, b| a.grade.learner_id == b.grade.learner_id)
-        .collect();
+    let learners: Vec<&[Session]> = all.chunk_by(|a, b| a.is_of_the_same(b)).collect();
     html.push_str("<div class=\"two\"><section>\n<h2>Learners, last attempt</h2>\n");
     table(html, &learners, look);
     html.push_str("</section><section>\n<h2>What the class loses points on</h2>\n");
@@ -77,7 +83,8 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
     }
     html.push_str("<section><h2>Trend over attempts</h2>\n<div style=\"display:grid;grid-template-columns:repeat(auto-fill,minmax(140px,1fr));gap:6px 12px\">\n");
     for attempts in learners {
-        let pass = attempts[0].grade.pass_mark.unwrap_or_default();
+        let mut marks = attempts.iter().rev().filter_map(|one| one.grade.pass_mark);
+        let pass = marks.next().unwrap_or_default();
         let all: Vec<&Session> = attempts.iter().collect();
         let _ = writeln!(
             html,
@@ -109,14 +116,14 @@ fn table(html: &mut String, learners: &[&[Session]], look: &Look<'_>) {
             html,
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{passed}</td><td class=\"text\">{}</td></tr>",
             look.learner(&last.grade.learner_id),
-            attempts.len(),
+            last.attempt,
             number(last.grade.score),
             number(last.self_score),
             number(revised.map(|said| said.score)),
             last.grade
                 .advice
                 .first()
-                .filter(|_| look.advice)
+                .filter(|_| !look.exam)
                 .map_or(String::new(), |advice| escaped(advice.title)),
         );
     }

@@ -26,8 +26,8 @@ pub struct Look<'a> {
     pub numbering: Numbering,
     /// Whether what is prescribed is shown.
     pub truth: bool,
-    /// Whether it is said what to practise.
-    pub advice: bool,
+    /// An exam: nothing that tells what the depths are, nor what to practise.
+    pub exam: bool,
     /// Practice, self-assessment or exam.
     pub mode: &'a str,
 }

@@ -69,7 +69,7 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
     }
     let band = grade.force_band_n.unwrap_or([0.1, 0.25]);
     let plot = plots::svg(&graded.series, band, |fdi| look.numbering.of(fdi));
-    if !plot.is_empty() {
+    if !plot.is_empty() && !look.exam {
         let _ = writeln!(
             html,
             "<section><h2>Force on the floor, and depth of the tip</h2>\n{plot}</section>"
@@ -79,8 +79,8 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         html.push_str("<div class=\"two\"><section>");
         metrics(&mut html, grade);
         html.push_str("</section><section>");
-        if look.advice {
-            advice(&mut html, grade);
+        if !look.exam {
+            advice(&mut html, grade, look);
         }
         zones(&mut html, grade, look);
         html.push_str("</section></div>\n");
@@ -210,7 +210,7 @@ fn bar(metric: &MetricGrade) -> String {
     })
 }
 
-fn advice(html: &mut String, grade: &Grade) {
+fn advice(html: &mut String, grade: &Grade, look: &Look<'_>) {
     html.push_str("<h2>Practise next</h2>\n");
     if grade.advice.is_empty() {
         html.push_str("<p>Nothing stands out: keep it up, with another patient.</p>\n");
@@ -224,11 +224,14 @@ fn advice(html: &mut String, grade: &Grade) {
             escaped(advice.title),
             escaped(&advice.text)
         );
-        if !advice.sites.is_empty() {
+        let sites = advice.sites.iter();
+        let sites = sites.map(|site| format!("{} {}", look.numbering.of(site.tooth), site.says));
+        let sites: Vec<String> = sites.collect();
+        if !sites.is_empty() {
             let _ = write!(
                 html,
                 " <span class=\"sites\">{}.</span>",
-                escaped(&advice.sites.join("; "))
+                escaped(&sites.join("; "))
             );
         }
         html.push_str("</li>\n");
@@ -242,9 +245,14 @@ fn zones(html: &mut String, grade: &Grade, look: &Look<'_>) {
         return;
     }
     let truth = if look.truth { "<th>true</th>" } else { "" };
+    // Where the tip was tells how deep it is.
+    let (reached, finding) = match look.exam {
+        true => ("", ""),
+        false => ("<th>reached</th>", "<th class=\"text\">finding</th>"),
+    };
     let _ = write!(
         html,
-        "<h2>Zone by zone, mm</h2>\n<table><thead><tr><th>zone</th>{truth}<th>reached</th><th>called</th><th>N</th><th class=\"text\">finding</th></tr></thead><tbody>\n"
+        "<h2>Zone by zone, mm</h2>\n<table><thead><tr><th>zone</th>{truth}{reached}<th>called</th><th>N</th>{finding}</tr></thead><tbody>\n"
     );
     for site in &grade.sites {
         let mm = |x: Option<f64>| x.map_or("&#8211;".into(), |x| format!("{x:.1}"));
@@ -258,16 +266,21 @@ fn zones(html: &mut String, grade: &Grade, look: &Look<'_>) {
         } else {
             "text weak"
         };
+        let (reached, finding) = match look.exam {
+            true => (String::new(), String::new()),
+            false => (
+                format!("<td>{}</td>", mm(site.measured_mm)),
+                format!("<td class=\"{class}\">{}</td>", in_short(site.finding)),
+            ),
+        };
         let _ = writeln!(
             html,
-            "<tr><td class=\"line\">{} {}</td>{truth}<td>{}</td><td>{}</td><td>{}</td><td class=\"{class}\">{}</td></tr>",
+            "<tr><td class=\"line\">{} {}</td>{truth}{reached}<td>{}</td><td>{}</td>{finding}</tr>",
             look.numbering.of(site.tooth),
             short(site),
-            mm(site.measured_mm),
             site.called_mm.map_or("&#8211;".into(), |mm| mm.to_string()),
             site.max_force_n
                 .map_or("&#8211;".into(), |n| format!("{n:.2}")),
-            in_short(site.finding)
         );
     }
     html.push_str("</tbody></table>\n");
@@ -280,6 +293,7 @@ fn in_short(finding: Finding) -> &'static str {
         Finding::Misread => "misread",
         Finding::ReadTooHeavy => "too heavy",
         Finding::NotProbed => "not probed",
+        Finding::ReadTilted => "read tilted",
         Finding::Off => "over 1 mm off",
         other => other.words(),
     }
@@ -308,6 +322,9 @@ fn definitions(html: &mut String, grade: &Grade) {
             target(metric),
             escaped(&table::bound(&metric.zero)).replace('-', "&#8722;")
         );
+    }
+    if let Some(set) = &grade.thresholds {
+        let _ = writeln!(html, "<p><b>Thresholds</b>: {}.</p>", escaped(&set.words()));
     }
     html.push_str("<p>Scores lie straight between both; the total is their mean by weight, less what is taken off for essentials, and is rounded to 0.1. Percentages and seconds are rounded to 0.1, millimetres to 0.01, newtons to 0.01.</p></details>\n");
 }

@@ -225,13 +225,13 @@ mod tests {
         };
         for (from, to, words) in [
             (
-                "version = 2",
+                "version = 3",
                 "version = 0",
                 "version is 0, expected 1 or more",
             ),
             (
-                "version = 2",
-                "version = 2\ncolour = 3",
+                "version = 3",
+                "version = 3\ncolour = 3",
                 "unknown field `colour`",
             ),
             (

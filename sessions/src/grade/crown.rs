@@ -1,0 +1,113 @@
+//! How far round a crown the probe went.
+
+use sulcus_core::{Scene, Vec3};
+
+use super::touches::BEGINS;
+
+/// Sectors about the crown's middle.
+const SECTORS: usize = 12;
+/// A tip nearer to the middle than this is on top of the crown, in no sector, metres.
+pub const OFF_AXIS: f64 = 3e-3;
+/// Time in touch from which a sector counts, seconds.
+pub const LEAST_S: f64 = 0.02;
+/// Height of a crown from its highest cusp down, metres.
+const CROWN: f64 = 7e-3;
+/// What rounding may take off a time.
+const TIE: f64 = 1e-9;
+
+/// Time in touch by sector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crown {
+    middle: Vec3,
+    seconds: [f64; SECTORS],
+}
+
+impl Crown {
+    /// About the first tooth of the scene; none where it has none.
+    pub fn of(scene: &Scene) -> Option<Self> {
+        let tooth = scene
+            .objects
+            .iter()
+            .find(|object| object.fdi != 0 && object.tissue.is_rigid())?;
+        let spheres = || {
+            tooth
+                .tree
+                .shape_at(tooth.level)
+                .map(|(_, node)| node.sphere())
+        };
+        let top = spheres()
+            .map(|s| s.centre.z + s.radius)
+            .fold(f64::NEG_INFINITY, f64::max);
+        // The middle of what the crown takes up: it must not depend on where the spheres are crowded.
+        let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        let (low, high) = spheres().filter(|s| s.centre.z > top - CROWN).fold(
+            none,
+            |(low, high): (Vec3, Vec3), s| {
+                (
+                    low.zip_map(&s.centre, |a, x| f64::min(a, x - s.radius)),
+                    high.zip_map(&s.centre, |a, x| f64::max(a, x + s.radius)),
+                )
+            },
+        );
+        Some(Self::about((low + high) * 0.5))
+    }
+
+    fn about(middle: Vec3) -> Self {
+        Self {
+            middle,
+            seconds: [0.0; SECTORS],
+        }
+    }
+
+    /// Takes in a tick of `dt` seconds: where the tip is, and the force on the probe, newtons.
+    pub fn observe(&mut self, tip: &Vec3, force: f64, dt: f64) {
+        let off = tip - self.middle;
+        let away = (off.x * off.x + off.y * off.y).sqrt();
+        // (A NaN touches nothing.)
+        if force >= BEGINS && away >= OFF_AXIS {
+            let turn = libm::atan2(off.y, off.x) / std::f64::consts::TAU + 0.5;
+            self.seconds[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += dt;
+        }
+    }
+
+    /// Share of the sectors that were touched, percent.
+    pub fn covered_percent(&self) -> f64 {
+        let touched = self.seconds.iter().filter(|s| **s >= LEAST_S - TIE);
+        100.0 * touched.count() as f64 / SECTORS as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_way_round_is_half_and_resting_on_one_place_is_a_twelfth() {
+        let middle = Vec3::new(0.02, -0.03, 0.01);
+        let mut crown = Crown::about(middle);
+        let at = |degrees: f64, mm: f64| {
+            let (sin, cos) = (
+                libm::sin(degrees.to_radians()),
+                libm::cos(degrees.to_radians()),
+            );
+            middle + Vec3::new(cos, sin, 0.1) * (mm * 1e-3)
+        };
+        for _ in 0..5000 {
+            crown.observe(&at(45.0, 5.0), 0.1, 1e-3);
+        }
+        assert!((crown.covered_percent() - 100.0 / 12.0).abs() < 1e-9);
+        // In the air, too near to the middle, not finite.
+        for _ in 0..100 {
+            crown.observe(&at(100.0, 5.0), 0.01, 1e-3);
+            crown.observe(&at(130.0, 2.9), 0.3, 1e-3);
+            crown.observe(&at(160.0, 5.0), f64::NAN, 1e-3);
+        }
+        // In passing: 19 ms.
+        (0..19).for_each(|_| crown.observe(&at(-100.0, 5.0), 0.3, 1e-3));
+        assert!((crown.covered_percent() - 100.0 / 12.0).abs() < 1e-9);
+        for degrees in [5.0, 75.0, 105.0, 135.0, 165.0] {
+            (0..20).for_each(|_| crown.observe(&at(degrees, 5.0), 0.3, 1e-3));
+        }
+        assert!((crown.covered_percent() - 50.0).abs() < 1e-9);
+    }
+}
