@@ -127,7 +127,7 @@ fn main() {
                 std::fs::write(file, grade.to_json().to_string()).unwrap();
             }
             if verbose {
-                println!("{}", grade.text(true, true));
+                println!("{}", grade.text(false, true));
             }
         }
         let fold =

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use common::Station;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_client::link::{Pin, client_config};
-use sulcus_proto::control::{ClientHello, EndReason, RefusedReason};
+use sulcus_proto::control::{ClientHello, EndReason, Event, RefusedReason};
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, PROTOCOL_VERSION, PoseDatagram, ServerMessage};
 
@@ -192,6 +192,30 @@ fn a_second_hello_ends_the_session_with_a_sentence() {
         assert_eq!(goodbye.summary.end, EndReason::Protocol);
         assert!(goodbye.text.contains("protocol"));
     });
+}
+
+#[test]
+fn a_client_that_says_what_only_the_station_says_is_sent_away() {
+    // The second would be a line of the log that says "bleeding at tick 5".
+    for kind in ["bleeding", "bleeding at tick 5: {\"a\":\""] {
+        let station = Station::new();
+        block_on(async {
+            let mut raw = Raw::connect(&station).await;
+            raw.say(&hello(&station)).await;
+            assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
+            raw.say(&ClientMessage::Start).await;
+            raw.say(&ClientMessage::Event(Event {
+                tick: 1,
+                kind: kind.into(),
+                json: "\"}".into(),
+            }))
+            .await;
+            let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
+                panic!("no goodbye")
+            };
+            assert_eq!(goodbye.summary.end, EndReason::Protocol);
+        });
+    }
 }
 
 #[test]

@@ -10,10 +10,10 @@ use rtrb::{Consumer, Producer};
 use sulcus_core::{Scene, State, TickOutput, Vec3};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
-use sulcus_sessions::events::Look;
+use sulcus_sessions::events::{LOST, Look};
 use sulcus_sessions::{
-    Events, Exercise, Level, RecordError, Recorder, Row, Sampler, SessionEnd, SessionHeader,
-    Shapes, StationKey, Views,
+    Events, Exercise, Level, Occurrence, RecordError, Recorder, Row, Sampler, SessionEnd,
+    SessionHeader, Shapes, StationKey, Views,
 };
 
 use crate::ServerConfig;
@@ -260,6 +260,17 @@ impl Thread {
                 error: Some("the session came apart; the file is cut off".into()),
             };
         };
+        if summary.edges_dropped > 0 {
+            let lost = Occurrence {
+                kind: LOST.into(),
+                tick: summary.ticks,
+                data: serde_json::json!({ "count": summary.edges_dropped }),
+            };
+            let result = self
+                .recorder
+                .event(unix_ns(), Level::Warning, &lost.to_string());
+            self.check(result);
+        }
         let text = format!("session ended: {:?}", summary.end);
         let result = self.recorder.event(unix_ns(), Level::Info, &text);
         self.check(result);

@@ -122,8 +122,8 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         ending: recording.ending().clone(),
         end: facts.end,
         signer: recording.signer().fingerprint(),
+        viewers: recording.viewers_by(&verdict.signature),
         signature: verdict.signature,
-        viewers: recording.viewers(),
         damaged_views: facts.damaged_views,
     })
 }

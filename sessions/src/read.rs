@@ -15,6 +15,7 @@ use crate::message::Message;
 use crate::program::Program;
 use crate::scan;
 use crate::statement::SessionEnd;
+use crate::verify::Signature;
 use crate::viewers::Viewers;
 
 /// Why a file is not a recording that can be read.
@@ -273,9 +274,19 @@ impl Recording {
         &self.facts
     }
 
+    /// Whether a chunk that was found good begins at this byte; one of viewers' that was passed over is not.
+    pub(crate) fn is_good_chunk(&self, at: usize) -> bool {
+        let begins = |chunk: &Range<usize>| chunk.start;
+        self.chunks.binary_search_by_key(&at, begins).is_ok()
+    }
+
     /// Whether what viewers read of it is what was recorded.
-    pub fn viewers(&self) -> Viewers {
-        self.viewers
+    /// (A hash in a log that is not what was signed says nothing.)
+    pub fn viewers_by(&self, signature: &Signature) -> Viewers {
+        match (self.viewers, signature) {
+            (Viewers::AsSigned, Signature::Invalid { .. }) => Viewers::NotSigned,
+            (viewers, _) => viewers,
+        }
     }
 
     /// How it ends.

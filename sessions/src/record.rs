@@ -229,7 +229,7 @@ impl Recorder {
     pub fn finish(mut self, end: SessionEnd) -> Result<Finished, RecordError> {
         self.flush()?;
         // In the signed log alone: what viewers read is over.
-        let line = self.viewed.sum().line(self.chain.tick());
+        let line = self.viewed.sum().line();
         self.log_exactly(self.last_time, Level::Info, &line)?;
         self.sign(self.last_time, Some(end))?;
         let rows = self.rows();

@@ -6,19 +6,21 @@
 
 mod lost;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use mcap::read::{ChunkFlattener, Options};
-use mcap::records::{Metadata, Record};
+use mcap::records::{Metadata, Record, op};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 use serde::Serialize;
 
-use crate::read::{Ending, ReadError, Recording};
+use crate::read::{Ending, Facts, ReadError, Recording};
 use crate::verify::{Signature, verify};
+use crate::walk::Walk;
 
 pub use lost::{Lost, LostChannel};
 
@@ -119,7 +121,11 @@ pub fn recover(
             .map_err(|error| failed(error.into_error()))?;
         file.sync_all().map_err(failed)?;
         let again = Recording::open(out)?;
-        if again.facts() != recording.facts() {
+        let facts = Facts {
+            damaged_views: 0,
+            ..recording.facts().clone()
+        };
+        if *again.facts() != facts {
             return Err(RecoverError::Copy("the copy has other messages".to_owned()));
         }
         Ok(Recovered {
@@ -149,9 +155,9 @@ pub fn recover_to<W: Write>(
     progress: &mut dyn FnMut(u64),
 ) -> Result<(W, Lost), RecoverError> {
     let whole = whole_bytes(recording)?;
-    let mut copy = Copy::new(out, whole)?;
-    copy.all(whole, progress)?;
-    let lost = lost::find(recording, whole.len(), &copy.seen);
+    let mut copy = Copy::new(out, &whole)?;
+    copy.all(&whole, progress)?;
+    let lost = lost::find(recording, tear(recording), &copy.seen);
     let note = BTreeMap::from([
         ("by".to_owned(), crate::program::Program::this().to_string()),
         (WAS.to_owned(), recording.ending().to_string()),
@@ -172,13 +178,38 @@ fn copied(error: mcap::McapError) -> RecoverError {
 }
 
 /// The bytes of a torn recording before the tear.
-fn whole_bytes(recording: &Recording) -> Result<&[u8], RecoverError> {
+fn whole_bytes(recording: &Recording) -> Result<Cow<'_, [u8]>, RecoverError> {
     let (Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. }) = recording.ending()
     else {
         return Err(RecoverError::Whole(recording.ending().clone()));
     };
     let at = usize::try_from(*at_byte).unwrap_or(usize::MAX);
-    Ok(recording.bytes.get(..at).unwrap_or(&recording.bytes))
+    let whole = recording.bytes.get(..at).unwrap_or(&recording.bytes);
+    if recording.facts().damaged_views == 0 {
+        return Ok(Cow::Borrowed(whole));
+    }
+    // Without the chunks of viewers' that were passed over.
+    let mut good = Vec::with_capacity(whole.len());
+    let mut walk = Walk::new(whole).ok_or(ReadError::NotMcap)?;
+    good.extend_from_slice(&whole[..walk.at]);
+    while let Ok(record) = walk.peek() {
+        if record.opcode != op::CHUNK || recording.is_good_chunk(walk.at) {
+            good.extend_from_slice(record.whole);
+        }
+        walk.pass(&record);
+    }
+    Ok(Cow::Owned(good))
+}
+
+/// Where a torn recording is torn.
+fn tear(recording: &Recording) -> usize {
+    match recording.ending() {
+        Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. } => {
+            usize::try_from(*at_byte)
+                .map_or(recording.bytes.len(), |at| at.min(recording.bytes.len()))
+        }
+        _ => recording.bytes.len(),
+    }
 }
 
 /// A channel and the time of the last message of it that was kept.

@@ -32,7 +32,7 @@ impl Row {
     /// The layout in words; stored in every recording as the schema of its rows.
     pub const SCHEMA: &str = "\
 Little-endian, no padding.
-u64     tick          number of the tick on the clock's grid (1 kHz)
+u64     tick          number of the tick on the clock's grid; its rate is the scene's, 1 kHz by default
 u64     time_unix_ns  session clock, nanoseconds since the Unix epoch
 u8      paused        0 or 1
 u16     skipped       ticks of the grid missed just before this one

@@ -66,7 +66,9 @@ pub(crate) fn sizes(recording: &Recording, duration_s: f64) -> Result<Sizes, Rea
     // Past the last good chunk only its indices count.
     while let Ok(record) = walk.peek() {
         match record.opcode {
-            op::CHUNK if walk.at <= last => table.chunk(&record).map_err(changed)?,
+            op::CHUNK if recording.is_good_chunk(walk.at) => {
+                table.chunk(&record).map_err(changed)?
+            }
             op::MESSAGE_INDEX => table.index(&record),
             _ if walk.at > last => break,
             _ => {}

@@ -7,12 +7,9 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use serde_json::json;
 
-use crate::occurrence::Occurrence;
-
-/// Kind of the line in the log that holds the hash.
-const KIND: &str = "viewers_hashed";
+/// How the line in the log begins that holds the hash. (No client can write such a line: theirs begin with one word.)
+const SAYS: &str = "what viewers read: ";
 
 /// A hash over messages in their order, and how many there are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,22 +19,17 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    /// The line of the log that says so, after `tick`.
-    pub fn line(&self, tick: u64) -> String {
-        let said = Occurrence {
-            kind: KIND.into(),
-            tick,
-            data: json!({ "blake3": self.blake3, "messages": self.messages }),
-        };
-        said.to_string()
+    /// The line of the log that says so.
+    pub fn line(&self) -> String {
+        format!("{SAYS}{} messages, blake3 {}", self.messages, self.blake3)
     }
 
     /// What such a line says; none for any other.
     pub fn parse(line: &str) -> Option<Self> {
-        let said = Occurrence::parse(line).filter(|said| said.kind == KIND)?;
+        let (messages, blake3) = line.strip_prefix(SAYS)?.split_once(" messages, blake3 ")?;
         Some(Self {
-            blake3: said.data["blake3"].as_str()?.to_owned(),
-            messages: said.data["messages"].as_u64()?,
+            blake3: blake3.to_owned(),
+            messages: messages.parse().ok()?,
         })
     }
 }
@@ -105,7 +97,9 @@ impl std::fmt::Display for Viewers {
             Self::Changed => {
                 "CHANGED: what Rerun, Foxglove and other readers show of this file is not what was recorded"
             }
-            Self::NotSigned => "not signed (the recording has no end, or is of a former version)",
+            Self::NotSigned => {
+                "not signed (the recording has no valid signature or end, or is of a former version)"
+            }
         })
     }
 }
@@ -136,7 +130,7 @@ mod tests {
         ] {
             assert_ne!(whole, sum(other));
         }
-        assert_eq!(Sum::parse(&whole.line(7)), Some(whole.clone()));
+        assert_eq!(Sum::parse(&whole.line()), Some(whole.clone()));
         assert_eq!(Sum::parse("session ended"), None);
         let nothing = Summing::default().sum();
         assert_eq!(Viewers::of(None, &whole), Viewers::NotSigned);

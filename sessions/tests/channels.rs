@@ -70,9 +70,20 @@ fn a_damaged_chunk_of_theirs_costs_nobody_the_session() {
     let recording = Recording::from_bytes(bad.clone()).unwrap();
     assert_eq!(recording.facts().rows, whole.facts().rows);
     assert_eq!(recording.facts().damaged_views, 1);
-    let report = replayed(bad);
+    let said = info(std::path::Path::new("x.mcap"), &recording).unwrap();
+    assert!(said.is_finding() && said.damaged_views == 1, "{said}");
+    let report = replayed(bad.clone());
     assert!(report.gradable && report.is_finding(), "{report:?}");
     assert_eq!(report.viewers, Viewers::Changed);
+    // Torn as well, all of the exact record up to the tear is recovered.
+    let chunks = summary.chunk_indexes.iter();
+    let tear = chunks.map(|chunk| chunk.chunk_start_offset).max().unwrap() as usize + 100;
+    let torn = Recording::from_bytes(bad[..tear].to_vec()).unwrap();
+    assert_eq!(torn.facts().damaged_views, 1);
+    let (copy, _) = recover_to(&torn, Vec::new(), &mut |_| {}).unwrap();
+    let copy = Recording::from_bytes(copy).unwrap();
+    assert_eq!(copy.facts().rows, torn.facts().rows);
+    assert_eq!(copy.facts().damaged_views, 0);
 }
 
 #[test]

@@ -24,10 +24,10 @@ pub struct PassivityParams {
     /// Most force by which damping may go beyond what the simulation wants, N; torque that times the lever. Default 1,
     /// range 0 to 10. Damping never makes a greater force than this or the simulation's own, whichever is greater.
     pub max_force: f64,
-    /// Time in which the wrench falls to a half where damping is not enough, s. Default 2e-3, range 1e-4 to 1. Damping brakes a
+    /// Time in which the wrench falls to a third (1/e) where damping is not enough, s. Default 2e-3, range 1e-4 to 1. Damping brakes a
     /// fast hand; one that is pushed along slowly by a large force is let go of instead. Shorter: less energy comes out.
     pub let_go: f64,
-    /// Time in which half of what was let go comes back once the excess is paid, s. Default 0.03, range 1e-3 to 10. Shorter: a
+    /// Time in which two thirds (1 - 1/e) of what was let go come back once the excess is paid, s. Default 0.03, range 1e-3 to 10. Shorter: a
     /// contact is as firm as it should be sooner; longer: it does not come back as a blow.
     pub take_up: f64,
     /// Excess that is let be, J. Default 1e-7, range 0 to 1: well under what is felt, well over the rounding of poses
@@ -113,9 +113,10 @@ impl PassivityParams {
 pub struct Energy {
     /// Most that the displayed wrench had put out, net, since a contact began, joules.
     pub most_out: f64,
-    /// Most of that within one period.
+    /// Most that was put out beyond what had been paid for within one period, joules: what no controller foresees.
     pub most_at_once: f64,
-    /// What the controller took out, net: the work on it of what was displayed beyond what would have been, joules.
+    /// What the controller took out, net, joules: period by period the work of what would have been displayed next without it, less that
+    /// of what was. (Of a hand that was let go of, the next would be one step of the slew: what it was spared as a whole is more.)
     pub taken: f64,
     /// Periods in which the controller acted.
     pub acted: u64,
@@ -190,7 +191,8 @@ impl Passivity {
             self.debt = fmax(0.0, self.debt - paid);
         }
         self.energy.most_out = fmax(self.energy.most_out, self.out);
-        self.energy.most_at_once = fmax(self.energy.most_at_once, done / periods.max(1) as f64);
+        let unpaid = fmin(done, self.out) / periods.max(1) as f64;
+        self.energy.most_at_once = fmax(self.energy.most_at_once, unpaid);
         self.energy.taken += work(&self.held.plain) - done;
         let felt = &self.held.plain;
         let (force, torque) = (norm(&felt.force), norm(&felt.torque));
@@ -225,14 +227,14 @@ impl Passivity {
     fn next_share(&self, displayed: &Wrench) -> f64 {
         let p = &self.params;
         let power = displayed.force.dot(&self.velocity) + displayed.torque.dot(&self.spin);
-        let halved = |time: f64| p.period_s / (p.period_s + time);
+        let share_in = |time: f64| p.period_s / (p.period_s + time);
         if power > 0.0 && self.debt + power * p.period_s > p.slack {
-            return self.share * (1.0 - halved(p.let_go));
+            return self.share * (1.0 - share_in(p.let_go));
         }
         if self.debt > p.slack || self.share == 1.0 {
             return self.share;
         }
-        let next = self.share + (1.0 - self.share) * halved(p.take_up);
+        let next = self.share + (1.0 - self.share) * share_in(p.take_up);
         if next > 0.999 { 1.0 } else { next }
     }
 

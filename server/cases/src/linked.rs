@@ -63,8 +63,10 @@ pub struct Linked {
     /// Most energy that the displayed wrench had put out into a hand, net, since its contact began. (Contact ends when
     /// nothing was felt for a tenth of a second.)
     pub energy: f64,
-    /// Most work that the displayed wrench did on a hand within one period: what no controller can foresee.
+    /// Most that it put out within one period beyond what had been paid for: what no controller can foresee.
     pub period_work: f64,
+    /// Whether two such periods of every hand explain what came out, but for what is not felt.
+    pub passive: bool,
     /// What the controller took out, all hands.
     pub taken: f64,
     /// Share of the tool-ticks in which it acted.
@@ -89,7 +91,7 @@ pub const FELT: f64 = 1e-4;
 impl Linked {
     /// Whether the loop put out no more than what is not felt and what one period may bring unforeseen.
     pub fn is_passive(&self) -> bool {
-        self.finite && self.energy <= FELT + self.period_work
+        self.finite && self.passive
     }
 
     /// The force error relative to the force; 0 where nothing was felt.
@@ -158,6 +160,7 @@ pub fn run_linked_on(
     let mut linked = Linked {
         ticks,
         finite: true,
+        passive: true,
         ..Linked::default()
     };
     for now in 0..ticks {
@@ -209,6 +212,8 @@ pub fn run_linked_on(
     for energy in displays.map(|display| display.energy()) {
         linked.energy = linked.energy.max(energy.most_out);
         linked.period_work = linked.period_work.max(energy.most_at_once);
+        // One period until it is seen, one until the answer to it is felt.
+        linked.passive &= energy.most_out <= FELT + 2.0 * energy.most_at_once;
         linked.taken += energy.taken;
         acted += energy.acted;
     }

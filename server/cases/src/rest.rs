@@ -90,7 +90,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
     let (mut place, mut report) = (
         None,
         Rest {
-            ticks,
+            ticks: 0,
             period: None,
             drift: 0.0,
             excursion: 0.0,
@@ -123,8 +123,8 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
             report.drift = apart.fold(0.0, f64::max);
             report.excursion = report.excursion.max(report.drift);
         }
+        report.ticks = k + 1;
         if k + 1 >= end {
-            report.ticks = k + 1;
             break;
         }
         if report.period.is_some() || k as f64 * scene.tick_s() < hold {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use quinn::{Connection, SendStream};
 use sulcus_proto::control::{ClientHello, Command, EndReason, Goodbye};
 use sulcus_proto::{ClientMessage, ServerMessage, SessionSummary};
+use sulcus_sessions::events::may_a_client_say;
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::watch;
 
@@ -195,6 +196,9 @@ async fn live(
                         tool: edge.tool,
                         button: edge.button,
                     }),
+                    Some(Ok(ClientMessage::Event(event))) if !may_a_client_say(&event.kind) => {
+                        return EndReason::Protocol;
+                    }
                     Some(Ok(ClientMessage::Event(event))) => {
                         running.event(event);
                         None

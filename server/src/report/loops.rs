@@ -36,9 +36,9 @@ pub(crate) struct Loop {
     /// Most that came out net, without the controller and with it; the same run where it had nothing to do.
     pub(crate) energy_mj: f64,
     pub(crate) energy_controlled_mj: f64,
-    /// Most work of the displayed wrench within one period, with the controller: what none can foresee.
+    /// Most that was put out unpaid within one period, with the controller: what none can foresee.
     pub(crate) period_work_mj: f64,
-    /// Whether no more came out than that and [`FELT_MJ`], with the controller.
+    /// Whether no more came out than two such periods and [`FELT_MJ`] explain, with the controller.
     pub(crate) passive: bool,
     /// What the controller took out, and the share of ticks in which it acted.
     pub(crate) taken_mj: f64,

@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 use sulcus_cases::comparison::as_printed;
-use sulcus_cases::{Case, TABLE, run_on};
-use sulcus_core::Scene;
+use sulcus_cases::{Case, CaseReport, TABLE, run_on};
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::TissueModel;
+use sulcus_core::{Scene, TickInput};
 
 use super::matrix::solver_name;
 use super::times::Times;
+use super::together::on_all_cores;
 
 /// One case by one method with one solver.
 #[derive(Clone, Debug, Serialize)]
@@ -130,16 +131,37 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Row> {
             wanted.push((case, true, SolverKind::ActiveSet));
         }
     }
+    // What is measured does not mind a neighbour; what is timed does.
+    let ran = on_all_cores(
+        &wanted,
+        &|share| progress("", 0.6 * share),
+        |(case, printed, solver)| ran(case, *printed, *solver),
+    );
     let all = wanted.len() as f64;
-    let row = |(k, (case, printed, solver)): (usize, (&Case, bool, SolverKind))| {
-        progress(case.name, k as f64 / all);
-        row(case, printed, solver, quick)
+    let row = |(k, ran): (usize, Ran)| {
+        let (case, printed, solver) = wanted[k];
+        progress(case.name, 0.6 + 0.4 * k as f64 / all);
+        timed(case, printed, solver, ran, quick)
     };
-    wanted.into_iter().enumerate().map(row).collect()
+    ran.into_iter().enumerate().map(row).collect()
 }
 
 /// Measures one.
+#[cfg(test)]
 pub(crate) fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -> Row {
+    timed(case, printed, solver, ran(case, printed, solver), quick)
+}
+
+/// A case as it was run, by what it may be timed.
+struct Ran {
+    scene: Scene,
+    inputs: Vec<TickInput>,
+    /// Ticks in which a tool bore load.
+    touching: Vec<bool>,
+    report: CaseReport,
+}
+
+fn ran(case: &Case, printed: bool, solver: SolverKind) -> Ran {
     let (mut inputs, mut scene, mut touching) = (Vec::new(), None, Vec::new());
     let report = run_on(
         case,
@@ -155,7 +177,21 @@ pub(crate) fn row(case: &Case, printed: bool, solver: SolverKind, quick: bool) -
             touching.push(seen.output.tools.iter().any(|tool| tool.active > 0));
         },
     );
-    let scene = scene.expect("a case has ticks");
+    Ran {
+        scene: scene.expect("a case has ticks"),
+        inputs,
+        touching,
+        report,
+    }
+}
+
+fn timed(case: &Case, printed: bool, solver: SolverKind, ran: Ran, quick: bool) -> Row {
+    let Ran {
+        scene,
+        inputs,
+        touching,
+        report,
+    } = ran;
     // What is there for comparison is slow, and not who must be fast.
     let ours = !printed && solver == SolverKind::ActiveSet;
     let runs = match (ours, quick) {

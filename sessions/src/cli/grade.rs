@@ -340,9 +340,19 @@ fn sessions(all: &[(String, One)]) -> Vec<Session> {
         self_score: one.self_score,
         attempt: 0,
     };
-    let mut sessions: Vec<Session> = all.iter().map(session).collect();
-    number_attempts(&mut sessions);
-    sessions
+    let sessions: Vec<Session> = all.iter().map(session).collect();
+    let mut once: Vec<Session> = Vec::new();
+    for session in sessions {
+        match once.iter().find(|other| other.is(&session)) {
+            Some(other) => eprintln!(
+                "{}: is the session of {}, counted once",
+                session.file, other.file
+            ),
+            None => once.push(session),
+        }
+    }
+    number_attempts(&mut once);
+    once
 }
 
 fn pages(

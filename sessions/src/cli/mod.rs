@@ -22,7 +22,7 @@ use print::{complain, for_each};
 #[command(
     name = "sulcus-sessions",
     version,
-    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs by more than a former version of the format explains, a signature does not hold, a file is damaged or cut off: not gradable), 2 usage or bad input."
+    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs by more than a former version of the format explains, a signature does not hold, what viewers read was changed, a file is damaged or cut off: not gradable; info takes one that was cut off as it is), 2 usage or bad input."
 )]
 struct Cli {
     #[command(subcommand)]

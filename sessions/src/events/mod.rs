@@ -56,6 +56,16 @@ pub const KINDS: [&str; 9] = [
     "target_hidden",
 ];
 
+/// Whether a client may send an event of this kind: one word of lower-case letters, digits and underscores, and none of those that
+/// only a station says. (A line of the log holds the kind as it is: any other could be taken for another line.)
+pub fn may_a_client_say(kind: &str) -> bool {
+    let word = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
+    !kind.is_empty() && kind.bytes().all(word) && !KINDS.contains(&kind) && kind != LOST
+}
+
+/// Kind of the event that more came from a client than was recorded.
+pub const LOST: &str = "client_events_lost";
+
 /// Events of one session, as far as it has gone.
 #[derive(Clone, Debug)]
 pub struct Events {

@@ -1,7 +1,7 @@
 //! What to practise next: where most points were lost, with the zones that show it.
 
 use super::definitions;
-use super::report::ShownBy;
+use super::report::{CriticalError, ShownBy};
 use super::rubric::Settings;
 use super::sites::{Finding, SiteGrade};
 use super::values::FORGIVEN;
@@ -14,11 +14,19 @@ const GOOD: f64 = 80.0;
 /// Most zones that are named.
 const MOST_ZONES: usize = 3;
 
-/// The advice of a session, the dearest first.
-pub fn advice(metrics: &[MetricGrade], sites: &[SiteGrade], set: &Settings) -> Vec<Advice> {
+/// The advice of a session: what failed it at once first, then the dearest.
+pub fn advice(
+    metrics: &[MetricGrade],
+    critical: &[CriticalError],
+    sites: &[SiteGrade],
+    set: &Settings,
+) -> Vec<Advice> {
     let mut lost: Vec<(f64, &MetricGrade)> = metrics
         .iter()
         .filter_map(|metric| {
+            if critical.iter().any(|one| one.metric == metric.name) {
+                return Some((f64::INFINITY, metric));
+            }
             let score = metric.score.filter(|score| *score < GOOD)?;
             let points = metric.weight * (100.0 - score);
             (points > 0.0).then_some((points, metric))

@@ -30,7 +30,7 @@ impl Session {
     }
 
     /// Whether both are the same session: the same recording, or a copy of it.
-    fn is(&self, other: &Self) -> bool {
+    pub fn is(&self, other: &Self) -> bool {
         let what = |session: &Self| {
             let grade = &session.grade;
             let who = (grade.exercise.clone(), grade.learner_id.clone());
@@ -41,7 +41,7 @@ impl Session {
     }
 }
 
-/// Numbers the attempts: sessions of one learner at one exercise, by when they began; a copy of a session is no attempt of its own.
+/// Numbers the attempts: sessions of one learner at one exercise, by when they began.
 pub fn number_attempts(sessions: &mut [Session]) {
     sessions.sort_by(|a, b| {
         let key = |s: &Session| {
@@ -61,7 +61,6 @@ pub fn number_attempts(sessions: &mut [Session]) {
             continue;
         };
         session.attempt = match before.last() {
-            Some(last) if last.is(session) => last.attempt,
             Some(last) if last.is_of_the_same(session) => last.attempt + 1,
             _ => 1,
         };

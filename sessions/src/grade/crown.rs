@@ -12,6 +12,8 @@ pub const OFF_AXIS: f64 = 3e-3;
 pub const LEAST_S: f64 = 0.02;
 /// Height of a crown from its highest cusp down, metres.
 const CROWN: f64 = 7e-3;
+/// A tip farther than this from the box about the crown touches something else, or with its shaft, metres.
+const BESIDE: f64 = 2e-3;
 /// What rounding may take off a time.
 const TIE: f64 = 1e-9;
 
@@ -19,6 +21,8 @@ const TIE: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crown {
     middle: Vec3,
+    /// Half of what the crown takes up, and room for a tip beside it, metres.
+    half: Vec3,
     seconds: [f64; SECTORS],
 }
 
@@ -49,12 +53,14 @@ impl Crown {
                 )
             },
         );
-        Some(Self::about((low + high) * 0.5))
+        let half = (high - low) * 0.5 + Vec3::repeat(BESIDE);
+        Some(Self::about((low + high) * 0.5, half))
     }
 
-    fn about(middle: Vec3) -> Self {
+    fn about(middle: Vec3, half: Vec3) -> Self {
         Self {
             middle,
+            half,
             seconds: [0.0; SECTORS],
         }
     }
@@ -63,8 +69,12 @@ impl Crown {
     pub fn observe(&mut self, tip: &Vec3, force: f64, dt: f64) {
         let off = tip - self.middle;
         let away = (off.x * off.x + off.y * off.y).sqrt();
+        let beside = off
+            .iter()
+            .zip(self.half.iter())
+            .all(|(x, half)| x.abs() <= *half);
         // (A NaN touches nothing.)
-        if force >= BEGINS && away >= OFF_AXIS {
+        if force >= BEGINS && away >= OFF_AXIS && beside {
             let turn = libm::atan2(off.y, off.x) / std::f64::consts::TAU + 0.5;
             self.seconds[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += dt;
         }
@@ -84,7 +94,7 @@ mod tests {
     #[test]
     fn half_way_round_is_half_and_resting_on_one_place_is_a_twelfth() {
         let middle = Vec3::new(0.02, -0.03, 0.01);
-        let mut crown = Crown::about(middle);
+        let mut crown = Crown::about(middle, Vec3::repeat(6e-3));
         let at = |degrees: f64, mm: f64| {
             let (sin, cos) = (
                 libm::sin(degrees.to_radians()),
@@ -101,6 +111,9 @@ mod tests {
             crown.observe(&at(100.0, 5.0), 0.01, 1e-3);
             crown.observe(&at(130.0, 2.9), 0.3, 1e-3);
             crown.observe(&at(160.0, 5.0), f64::NAN, 1e-3);
+            // Beside the tooth, or under it: the shaft touches, not the tip.
+            crown.observe(&at(190.0, 9.0), 0.3, 1e-3);
+            crown.observe(&(at(220.0, 5.0) - Vec3::z() * 8e-3), 0.3, 1e-3);
         }
         // In passing: 19 ms.
         (0..19).for_each(|_| crown.observe(&at(-100.0, 5.0), 0.3, 1e-3));

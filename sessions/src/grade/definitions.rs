@@ -132,7 +132,7 @@ pub const METRICS: [Definition; 28] = [
         name: "misread",
         title: "band misread",
         unit: "%",
-        definition: "Of the zones whose floor was reached and whose depth was called: the share whose called depth is more than `misread_mm` less than the depth that the tip reached at a correct force, or more than that beyond the deepest that it was at any and what the bands showed there: a tilted probe shows more.",
+        definition: "Of the zones whose floor was reached and whose depth was called: the share whose called depth is more than `misread_mm` less than the depth that the tip reached at a correct force, or more than both that beyond the deepest that it was at any, and 0.6 mm beyond what the bands showed at the deepest place (see angle_mid) in the mean: a tilted probe shows more.",
         source: "reading the bands at the margin, apart from where the tip was: Haptodont doi 10.1145/3421765; LMU epub 45788",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -332,7 +332,7 @@ pub const METRICS: [Definition; 28] = [
         name: "crown_covered",
         title: "way round the crown",
         unit: "%",
-        definition: "Share of twelve sectors of 30 degrees about the crown's middle in which the probe's tip, 3 mm or more from it, bore on something with 0.02 N or more for 20 ms or more.",
+        definition: "Share of twelve sectors of 30 degrees about the crown's middle in which the probe's tip, 3 mm or more from it and no more than 2 mm outside of the crown's box, bore on something with 0.02 N or more for 20 ms or more.",
         source: "all of the crown is asked for; sectors chosen for this simulator",
         needs: Needs::Crown,
         missing_is_zero: true,
@@ -408,7 +408,7 @@ mod tests {
 
     #[test]
     fn numbers_in_definitions_are_those_that_are_measured_by() {
-        use crate::grade::{crown, hands, touches, values, zones};
+        use crate::grade::{crown, hands, sites, touches, values, zones};
         let says = |name: &str, what: String| {
             let text = find(name).map_or("", |metric| metric.definition);
             assert!(text.contains(&what), "{name}: `{what}` in `{text}`");
@@ -419,6 +419,7 @@ mod tests {
             "floor_reached",
             format!("no more than {} below", mm(zones::BEYOND)),
         );
+        says("misread", format!("{} mm beyond what", sites::READ_MM));
         says(
             "angle_mid",
             format!("within {} of its deepest", mm(zones::AT_FLOOR)),

@@ -137,7 +137,7 @@ impl Evidence {
                 } else {
                     &mut self.probe
                 };
-                pressed.observe(force, dt);
+                pressed.observe(force, dt, tick_s);
                 if let Some(crown) = self.crown.as_mut().filter(|_| t == self.leading) {
                     crown.observe(&out.graphic.transform(&tool.tip), force, dt);
                 }

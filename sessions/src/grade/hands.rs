@@ -130,17 +130,18 @@ impl Default for Pressed {
 }
 
 impl Pressed {
-    /// Takes in the force of a tick of `dt` seconds, newtons.
-    pub fn observe(&mut self, force: f64, dt: f64) {
+    /// Takes in the force of a tick, newtons. It stands for `dt` seconds, with the ticks that were missed before it; a push lasts as
+    /// long as a tick, `tick_s`.
+    pub fn observe(&mut self, force: f64, dt: f64, tick_s: f64) {
         if force >= super::touches::BEGINS && force.is_finite() {
             let bin = ((force / BIN) as usize).min(BINS - 1);
             self.bins[bin] += 1;
             self.seconds += dt;
         }
         let force = if force.is_finite() { force } else { 0.0 };
-        self.last.push_back((force, dt));
+        self.last.push_back((force, tick_s));
         let long = |last: &VecDeque<(f64, f64)>| -> f64 { last.iter().map(|tick| tick.1).sum() };
-        while self.last.len() > 1 && long(&self.last) > PEAK_S + 0.5 * dt {
+        while self.last.len() > 1 && long(&self.last) > PEAK_S + 0.5 * tick_s {
             self.last.pop_front();
         }
         let push: f64 = self.last.iter().map(|(force, dt)| force * dt).sum();
@@ -242,13 +243,13 @@ mod tests {
     fn a_stab_shows_in_the_peak_where_the_percentile_hides_it() {
         let mut pressed = Pressed::default();
         assert_eq!(pressed.peak(), None);
-        (0..9600).for_each(|_| pressed.observe(1.0, 1e-3));
+        (0..9600).for_each(|_| pressed.observe(1.0, 1e-3, 1e-3));
         assert!((pressed.peak().expect("a touch") - 1.0).abs() < 1e-9);
         // 25 ms of 7 N after 25 ms of 1 N: 4 N in the mean.
-        (0..25).for_each(|_| pressed.observe(7.0, 1e-3));
+        (0..25).for_each(|_| pressed.observe(7.0, 1e-3, 1e-3));
         assert!((pressed.peak().expect("a touch") - 4.0).abs() < 1e-9);
-        (0..375).for_each(|_| pressed.observe(20.0, 1e-3));
-        pressed.observe(f64::NAN, 1e-3);
+        (0..375).for_each(|_| pressed.observe(20.0, 1e-3, 1e-3));
+        pressed.observe(f64::NAN, 1e-3, 1e-3);
         assert!((pressed.peak().expect("a touch") - 20.0).abs() < 1e-9);
         assert!((pressed.p95().expect("a touch") - 1.01).abs() < 1e-9);
     }
@@ -259,10 +260,10 @@ mod tests {
         assert_eq!(pressed.p95(), None);
         for k in 1..=100 {
             // 0.105, 0.205 ... 10.005: the 95th is in the bin up to 9.51.
-            pressed.observe(0.1 * f64::from(k) + 0.005, 1e-3);
+            pressed.observe(0.1 * f64::from(k) + 0.005, 1e-3, 1e-3);
         }
-        pressed.observe(0.01, 1e-3);
-        pressed.observe(f64::NAN, 1e-3);
+        pressed.observe(0.01, 1e-3, 1e-3);
+        pressed.observe(f64::NAN, 1e-3, 1e-3);
         let p95 = pressed.p95().expect("touches");
         assert!((p95 - 9.51).abs() < 1e-9, "{p95}");
     }

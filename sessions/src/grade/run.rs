@@ -211,7 +211,7 @@ pub fn finish(
         trauma_s: rounded(time.trauma_s, 2),
         damage_s: rounded(time.damage_s, 2),
     };
-    grade.advice = advice(&grade.metrics, &sites, set);
+    grade.advice = advice(&grade.metrics, &grade.critical, &sites, set);
     grade.sites = sites;
     graded.seconds = watcher.evidence.series.0.len() as f64 * super::series::STEP_S;
     graded.series = watcher.evidence.series;

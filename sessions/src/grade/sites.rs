@@ -14,6 +14,8 @@ use crate::events::call::Call;
 use crate::events::pocket;
 use crate::exercise::Exercise;
 
+/// A band is read to the nearest millimetre, give or take a tenth, mm.
+pub const READ_MM: f64 = 0.6;
 /// What is left of a tie after conversion to millimetres.
 const TIE: f64 = 1e-9;
 
@@ -80,7 +82,8 @@ pub struct SiteGrade {
     pub called_mm: Option<u8>,
     /// Deepest that the tip was at any force; null where it never was.
     pub deepest_mm: Option<f64>,
-    /// Most that the bands showed below the margin: more than the depth where the probe is tilted; null where the tip never was.
+    /// Mean of what the bands showed below the margin within 0.3 mm of the deepest place: more than the depth where the probe is
+    /// tilted; null where the tip never was.
     pub shown_mm: Option<f64>,
     /// Largest force on the floor; null where the tip never was.
     pub max_force_n: Option<f64>,
@@ -128,9 +131,9 @@ impl SiteGrade {
         };
         let called = f64::from(called);
         // Who reads what a tilted probe's bands show has not misread them.
-        let seen = [self.deepest_mm, self.shown_mm].into_iter().flatten();
-        let most = seen.fold(measured, fmax);
-        called < measured - set.misread_mm - TIE || called > most + set.misread_mm + TIE
+        let deepest = self.deepest_mm.unwrap_or(measured) + set.misread_mm;
+        let shown = self.shown_mm.unwrap_or(measured) + READ_MM;
+        called < measured - set.misread_mm - TIE || called > fmax(deepest, shown) + TIE
     }
 
     fn find(&self, stayed: bool, set: &Settings) -> Finding {
@@ -243,7 +246,7 @@ fn one(
         measured_mm: seen.and_then(|seen| seen.measured).map(mm),
         called_mm: call.map(|call| call.depth_mm),
         deepest_mm: seen.map(|seen| mm(seen.deepest)),
-        shown_mm: seen.map(|seen| mm(seen.shown)),
+        shown_mm: stood.map(|stood| mm(stood.shown())),
         max_force_n: seen.map(|seen| rounded(seen.max_force, 3)),
         tilt_deg: stood.map(|stood| rounded(stood.tilt().to_degrees(), 1)),
         into_col_deg: stood
@@ -313,6 +316,8 @@ mod tests {
         assert_eq!(tilted(5.5, 6), Finding::Right);
         assert_eq!(tilted(6.4, 7), Finding::ReadTilted);
         assert_eq!(tilted(6.4, 8), Finding::Misread);
+        // 6.3 show 6, not 7.
+        assert_eq!(tilted(6.3, 7), Finding::Misread);
         // Another tooth's deeper floor at the border of the zone.
         assert_eq!(find(Some(5.4), 5.4, Some(6)), Finding::Off);
         assert_eq!(zone(None, 0.0, None).find(false, &SET), Finding::Missed);

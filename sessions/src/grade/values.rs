@@ -405,8 +405,8 @@ mod tests {
             .observe(&standing(36, Buccal, 90.0, 2.0, 0.05), 1.0, SET.force_n);
         assert_eq!(by.value("force_in_band"), Some(75.0));
         for _ in 0..10 {
-            by.evidence.mirror.observe(0.805, 0.5);
-            by.evidence.probe.observe(0.305, 0.5);
+            by.evidence.mirror.observe(0.805, 0.5, 0.5);
+            by.evidence.probe.observe(0.305, 0.5, 0.5);
         }
         assert!((by.value("mirror_force").expect("pressed") - 0.81).abs() < 1e-9);
         assert!((by.value("contact_force").expect("pressed") - 0.31).abs() < 1e-9);

@@ -30,8 +30,6 @@ pub struct ZoneSeen {
     pub stayed_at: Option<u64>,
     /// Deepest that the tip was, metres.
     pub deepest: f64,
-    /// Most that the bands showed, metres.
-    pub shown: f64,
     /// Deepest with a force on the floor inside the target band, metres.
     pub measured: Option<f64>,
     /// Largest force on the floor, newtons.
@@ -46,6 +44,8 @@ pub struct Stood {
     /// Integrals of its tilt, and of how far of it pointed into the col, radian seconds.
     tilt: f64,
     into: f64,
+    /// Integral of what the bands showed, metre seconds.
+    shown: f64,
 }
 
 impl Stood {
@@ -54,6 +54,7 @@ impl Stood {
         self.right += more.right;
         self.tilt += more.tilt;
         self.into += more.into;
+        self.shown += more.shown;
     }
 
     /// Mean tilt against the tooth's axis, radians.
@@ -64,6 +65,11 @@ impl Stood {
     /// Mean of how far of it pointed into the col, radians.
     pub fn towards_col(&self) -> f64 {
         self.into / self.seconds
+    }
+
+    /// Mean of what the bands showed below the margin, metres.
+    pub fn shown(&self) -> f64 {
+        self.shown / self.seconds
     }
 
     /// Whether it was right for at least half of the time.
@@ -105,7 +111,6 @@ impl Zones {
         }
         seen.max_force = fmax(seen.max_force, at.force);
         seen.deepest = fmax(seen.deepest, at.depth);
-        seen.shown = fmax(seen.shown, at.shown);
         // A tip that was forced out through the wall is beside the pocket, whatever it presses on.
         let inside = floor.is_none_or(|floor| at.depth <= floor + BEYOND);
         let correct = inside && (band[0]..=band[1]).contains(&at.force);
@@ -118,6 +123,7 @@ impl Zones {
             right: if right { dt } else { 0.0 },
             tilt: at.tilt.total * dt,
             into: at.tilt.into_col(at.site).0 * dt,
+            shown: at.shown * dt,
         };
         let bin = (at.depth / BIN) as u32;
         for (k, stood) in zone.stood.iter_mut().enumerate() {
@@ -179,7 +185,9 @@ mod tests {
         assert!((seen.seconds - 0.75).abs() < 1e-12);
         assert_eq!((seen.stayed_at, seen.max_force), (Some(3), 0.6));
         assert!((seen.deepest - 3.1e-3).abs() < 1e-12);
-        assert!((seen.shown - 3.3e-3).abs() < 1e-12);
+        // What the bands showed at 2.0 and at 1.9 mm, in the mean.
+        let stood = zones.stood(36, Site::Buccal).expect("it stood");
+        assert!((stood.shown() - 2.75e-3).abs() < 1e-12);
         assert!((seen.measured.expect("correct") - 2e-3).abs() < 1e-12);
         assert_eq!(zones.of(36, Site::Lingual), None);
         assert_eq!(zones.all().collect::<Vec<_>>(), [(36, Site::Buccal)]);

@@ -21,7 +21,7 @@ pub(super) fn of(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError>
         if walk.at > last {
             break;
         }
-        if record.opcode == op::CHUNK {
+        if record.opcode == op::CHUNK && recording.is_good_chunk(walk.at) {
             walk::unpack(&record, |opcode, body| {
                 match opcode {
                     op::CHANNEL => {

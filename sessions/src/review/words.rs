@@ -11,6 +11,7 @@ use crate::events::call::READING_CALLED;
 use crate::message::{Level, Message};
 use crate::occurrence::{FORCE_ZONE, Occurrence, zone_name};
 use crate::read::{ReadError, Recording};
+use crate::viewers::Sum;
 
 /// A session's log.
 pub(super) struct Story(Vec<Line>);
@@ -35,6 +36,8 @@ impl Story {
             match message? {
                 Message::Row(row) => tick = row.tick,
                 Message::Snapshot { tick: of, .. } => tick = of,
+                // A hash is for programs.
+                Message::Event(event) if Sum::parse(&event.text).is_some() => {}
                 Message::Event(event) => {
                     let what = Occurrence::parse(&event.text);
                     lines.push(Line {

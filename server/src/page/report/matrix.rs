@@ -14,7 +14,7 @@ pub(super) fn matrix(html: &mut String, report: &Report) {
     if cells.is_empty() {
         return;
     }
-    html.push_str("<section id=\"matrix\"><h2>Level, tissue, solver, method</h2>\n<p class=\"note\">One hand a scene, recorded in the scene as it is shipped; every combination is given that same hand. <b>Force off</b>: rms difference of the raw force to that of the reference (the finest level, coupled, by the judge; in a quick report by the tick's own solver) in percent of it. <b>Shape off</b>: what is touched against what is drawn, at rest, mean. Times are CPU time of ticks in contact. <b>Printed</b>: tissue as the paper has it; where nothing yields there is nothing to print.</p>\n<div class=\"two\">");
+    html.push_str("<section id=\"matrix\"><h2>Level, tissue, solver, method</h2>\n<p class=\"note\">One hand a scene, recorded in the scene as it is shipped; every combination is given that same hand. <b>Force off</b>: rms difference of the raw force to that of the reference (the finest level, coupled, by the judge; in a quick report by the tick's own solver) in percent of it. <b>Shape off</b>: what is touched against what is drawn, at rest, mean. The judge is slow: but for the reference it solves the first ticks at work alone (<b>ticks</b>), so what it is off by is not of the same ticks as the others'. Times are CPU time of ticks in contact. <b>Printed</b>: tissue as the paper has it; where nothing yields there is nothing to print.</p>\n<div class=\"two\">");
     for (solver, title) in [
         ("active_set", "the tick's own solver"),
         ("clarabel", "the judge"),
@@ -34,7 +34,7 @@ pub(super) fn matrix(html: &mut String, report: &Report) {
             );
         }
     }
-    html.push_str("</div>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>yields</th><th>method</th><th>solver</th><th>level</th><th>spheres</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>shape off, µm</th><th>force off, %</th><th>residual, µm</th><th>jump, µm</th><th>click, N</th><th>buzz, N</th><th>outrun</th></tr></thead><tbody>\n");
+    html.push_str("</div>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>yields</th><th>method</th><th>solver</th><th>level</th><th>spheres</th><th>ticks</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>shape off, µm</th><th>force off, %</th><th>residual, µm</th><th>jump, µm</th><th>click, N</th><th>buzz, N</th><th>outrun</th></tr></thead><tbody>\n");
     for cell in cells {
         let t = &cell.times.tick_us;
         let mark = match (cell.shipped, cell.reference) {
@@ -45,13 +45,14 @@ pub(super) fn matrix(html: &mut String, report: &Report) {
         };
         let _ = writeln!(
             html,
-            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}{mark}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.0}</td><td>{:.2}</td><td>{:.3}</td><td>{:.0}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}{mark}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.0}</td><td>{:.2}</td><td>{:.3}</td><td>{:.0}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td></tr>",
             cell.scene,
             escaped(&cell.tissue.replace('_', " ")),
             cell.method,
             cell.solver,
             cell.level,
             cell.spheres,
+            cell.times.ticks,
             t.p50,
             t.p99,
             t.p999,
@@ -73,7 +74,10 @@ fn series(cells: &[Cell], solver: &str) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     let mut cells: Vec<&Cell> = cells.iter().filter(|cell| cell.solver == solver).collect();
     cells.sort_by_key(|cell| cell.level);
-    for cell in cells {
+    for cell in cells
+        .into_iter()
+        .filter(|cell| cell.force_off_percent.is_finite())
+    {
         let name = format!("{}, {}", cell.scene, cell.method);
         let point = (cell.times.tick_us.p999, cell.force_off_percent.max(NOTHING));
         match all.iter_mut().find(|line| line.name == name) {
