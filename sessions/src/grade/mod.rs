@@ -13,7 +13,7 @@
 mod advice;
 pub mod class;
 mod crown;
-mod definitions;
+pub mod definitions;
 pub mod evidence;
 mod fft;
 pub mod floor;
