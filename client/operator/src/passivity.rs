@@ -27,6 +27,9 @@ pub struct PassivityParams {
     /// Time in which the wrench falls to a third (1/e) where damping is not enough, s. Default 2e-3, range 1e-4 to 1. Damping brakes a
     /// fast hand; one that is pushed along slowly by a large force is let go of instead. Shorter: less energy comes out.
     pub let_go: f64,
+    /// Excess up to which nothing is let go of, J: damping alone answers to it. Default 3e-5, range 0 to 1: under what is felt (1e-4).
+    /// Less: a contact that gave back nothing that is felt stays weak for it.
+    pub unfelt: f64,
     /// Time in which two thirds (1 - 1/e) of what was let go come back once the excess is paid, s. Default 0.03, range 1e-3 to 10. Shorter: a
     /// contact is as firm as it should be sooner; longer: it does not come back as a blow.
     pub take_up: f64,
@@ -53,6 +56,7 @@ impl Default for PassivityParams {
             lever: 0.04,
             max_force: 1.0,
             let_go: 2e-3,
+            unfelt: 3e-5,
             take_up: 0.03,
             slack: 1e-7,
             device_damping: 0.0,
@@ -80,6 +84,7 @@ impl PassivityParams {
             ("lever", self.lever, 1e-3, 0.2, "0.001 to 0.2"),
             ("max_force", self.max_force, 0.0, 10.0, "0 to 10"),
             ("let_go", self.let_go, 1e-4, 1.0, "0.0001 to 1"),
+            ("unfelt", self.unfelt, 0.0, 1.0, "0 to 1"),
             ("take_up", self.take_up, 1e-3, 10.0, "0.001 to 10"),
             ("slack", self.slack, 0.0, 1.0, "0 to 1"),
             (
@@ -228,10 +233,10 @@ impl Passivity {
         let p = &self.params;
         let power = displayed.force.dot(&self.velocity) + displayed.torque.dot(&self.spin);
         let share_in = |time: f64| p.period_s / (p.period_s + time);
-        if power > 0.0 && self.debt + power * p.period_s > p.slack {
+        if power > 0.0 && self.debt + power * p.period_s > p.unfelt {
             return self.share * (1.0 - share_in(p.let_go));
         }
-        if self.debt > p.slack || self.share == 1.0 {
+        if self.debt > p.unfelt || self.share == 1.0 {
             return self.share;
         }
         let next = self.share + (1.0 - self.share) * share_in(p.take_up);
