@@ -146,7 +146,7 @@ pub struct Facts {
     pub rows: u64,
     /// Snapshots.
     pub snapshots: u64,
-    /// Lines in the log.
+    /// Lines in the log, but for the hash over what viewers read.
     pub events: u64,
     /// Signed statements.
     pub signatures: u64,

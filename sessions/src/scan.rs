@@ -282,12 +282,10 @@ fn count(message: &Message, facts: &mut Facts, tick: &mut u64) -> Result<(), Str
             facts.signatures += 1;
             facts.end = signed.statement.end;
         }
-        Message::Event(event) => {
-            facts.events += 1;
-            if let Some(sum) = Sum::parse(&event.text) {
-                facts.viewers = Some(sum);
-            }
-        }
+        Message::Event(event) => match Sum::parse(&event.text) {
+            Some(sum) => facts.viewers = Some(sum),
+            None => facts.events += 1,
+        },
     }
     Ok(())
 }

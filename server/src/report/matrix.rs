@@ -168,7 +168,7 @@ fn level_of(scene: &Scene) -> u8 {
     touched.level.min(touched.tree.depth())
 }
 
-/// What is run in `scene`; the reference first. A quick report does without the judge.
+/// What is run in `scene`; the reference first. A quick report does without the judge, and without what is coarser than shipped.
 fn wanted(scene: &Scene, quick: bool) -> Vec<Wanted> {
     let mut all = Vec::new();
     let finest = scene.objects[0].tree.depth();
@@ -181,7 +181,8 @@ fn wanted(scene: &Scene, quick: bool) -> Vec<Wanted> {
     let methods = [("coupled", scene), ("printed", &printed)];
     // Where nothing is as printed there is nothing to compare.
     let methods = &methods[..1 + usize::from(tissues(&printed) != tissues(scene))];
-    for level in (COARSEST..=finest).rev() {
+    let coarsest = if quick { level_of(scene) } else { COARSEST };
+    for level in (coarsest..=finest).rev() {
         for (method, scene) in methods {
             for &solver in solvers {
                 let mut scene = (*scene).clone();
