@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use common::Station;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_client::link::{Pin, client_config};
-use sulcus_proto::control::{ClientHello, EndReason, Event, RefusedReason};
+use sulcus_proto::control::{ClientHello, EndReason, Event, RefusedReason, ServerHello};
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, PROTOCOL_VERSION, PoseDatagram, ServerMessage};
 
@@ -38,6 +38,17 @@ impl Raw {
             send,
             recv,
         }
+    }
+
+    /// Connected, and in a session that runs.
+    async fn started(station: &Station) -> (Self, ServerHello) {
+        let mut raw = Self::connect(station).await;
+        raw.say(&hello(station)).await;
+        let ServerMessage::Hello(server) = raw.hear().await else {
+            panic!("refused")
+        };
+        raw.say(&ClientMessage::Start).await;
+        (raw, server)
     }
 
     async fn say(&mut self, message: &ClientMessage) {
@@ -125,12 +136,7 @@ fn garbage_is_refused_and_the_server_lives() {
 fn bad_datagrams_are_counted_and_move_nothing() {
     let station = Station::new();
     block_on(async {
-        let mut raw = Raw::connect(&station).await;
-        raw.say(&hello(&station)).await;
-        let ServerMessage::Hello(server) = raw.hear().await else {
-            panic!("refused")
-        };
-        raw.say(&ClientMessage::Start).await;
+        let (mut raw, server) = Raw::started(&station).await;
         // The first wrench says that the session reads datagrams.
         raw.connection.read_datagram().await.unwrap();
         let pose = |epoch, sequence| {
@@ -181,10 +187,7 @@ fn bad_datagrams_are_counted_and_move_nothing() {
 fn a_second_hello_ends_the_session_with_a_sentence() {
     let station = Station::new();
     block_on(async {
-        let mut raw = Raw::connect(&station).await;
-        raw.say(&hello(&station)).await;
-        assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
-        raw.say(&ClientMessage::Start).await;
+        let (mut raw, _) = Raw::started(&station).await;
         raw.say(&hello(&station)).await;
         let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
             panic!("no goodbye")
@@ -200,10 +203,7 @@ fn a_client_that_says_what_only_the_station_says_is_sent_away() {
     for kind in ["bleeding", "bleeding at tick 5: {\"a\":\""] {
         let station = Station::new();
         block_on(async {
-            let mut raw = Raw::connect(&station).await;
-            raw.say(&hello(&station)).await;
-            assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
-            raw.say(&ClientMessage::Start).await;
+            let (mut raw, _) = Raw::started(&station).await;
             raw.say(&ClientMessage::Event(Event {
                 tick: 1,
                 kind: kind.into(),

@@ -151,7 +151,8 @@ pub struct ButtonEdge {
 pub struct Event {
     /// Tick whose wrench had just arrived.
     pub tick: u64,
-    /// What it is, for example `depth_called`.
+    /// What it is, for example `reading_called`: one word of lower-case letters, digits and underscores, and none that the station
+    /// itself says (`bleeding`, ...); any other ends the session.
     pub kind: String,
     /// Its content as JSON.
     pub json: String,

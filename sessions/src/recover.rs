@@ -108,7 +108,7 @@ pub fn recover(
         what: what.to_string(),
     };
     // Before a file is made.
-    whole_bytes(recording)?;
+    tear(recording)?;
     let file = OpenOptions::new()
         .write(true)
         .create_new(true)
@@ -154,10 +154,11 @@ pub fn recover_to<W: Write>(
     out: W,
     progress: &mut dyn FnMut(u64),
 ) -> Result<(W, Lost), RecoverError> {
-    let whole = whole_bytes(recording)?;
+    let tear = tear(recording)?;
+    let whole = good_bytes(recording, tear)?;
     let mut copy = Copy::new(out, &whole)?;
     copy.all(&whole, progress)?;
-    let lost = lost::find(recording, tear(recording), &copy.seen);
+    let lost = lost::find(recording, tear, &copy.seen);
     let note = BTreeMap::from([
         ("by".to_owned(), crate::program::Program::this().to_string()),
         (WAS.to_owned(), recording.ending().to_string()),
@@ -177,18 +178,23 @@ fn copied(error: mcap::McapError) -> RecoverError {
     RecoverError::Copy(crate::record::reason(&error))
 }
 
-/// The bytes of a torn recording before the tear.
-fn whole_bytes(recording: &Recording) -> Result<Cow<'_, [u8]>, RecoverError> {
-    let (Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. }) = recording.ending()
-    else {
-        return Err(RecoverError::Whole(recording.ending().clone()));
-    };
-    let at = usize::try_from(*at_byte).unwrap_or(usize::MAX);
-    let whole = recording.bytes.get(..at).unwrap_or(&recording.bytes);
+/// Where a torn recording is torn, bytes.
+fn tear(recording: &Recording) -> Result<usize, RecoverError> {
+    match recording.ending() {
+        Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. } => {
+            let at = usize::try_from(*at_byte).unwrap_or(usize::MAX);
+            Ok(at.min(recording.bytes.len()))
+        }
+        ending => Err(RecoverError::Whole(ending.clone())),
+    }
+}
+
+/// The bytes of a torn recording before the tear, without the chunks of viewers' that were passed over.
+fn good_bytes(recording: &Recording, tear: usize) -> Result<Cow<'_, [u8]>, RecoverError> {
+    let whole = &recording.bytes[..tear];
     if recording.facts().damaged_views == 0 {
         return Ok(Cow::Borrowed(whole));
     }
-    // Without the chunks of viewers' that were passed over.
     let mut good = Vec::with_capacity(whole.len());
     let mut walk = Walk::new(whole).ok_or(ReadError::NotMcap)?;
     good.extend_from_slice(&whole[..walk.at]);
@@ -199,17 +205,6 @@ fn whole_bytes(recording: &Recording) -> Result<Cow<'_, [u8]>, RecoverError> {
         walk.pass(&record);
     }
     Ok(Cow::Owned(good))
-}
-
-/// Where a torn recording is torn.
-fn tear(recording: &Recording) -> usize {
-    match recording.ending() {
-        Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. } => {
-            usize::try_from(*at_byte)
-                .map_or(recording.bytes.len(), |at| at.min(recording.bytes.len()))
-        }
-        _ => recording.bytes.len(),
-    }
 }
 
 /// A channel and the time of the last message of it that was kept.

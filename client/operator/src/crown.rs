@@ -92,21 +92,7 @@ impl Crown {
             .shape_at(tooth.level)
             .map(|(_, node)| node.sphere())
             .collect();
-        let top = spheres
-            .iter()
-            .map(|s| s.centre.z + s.radius)
-            .fold(f64::NEG_INFINITY, f64::max);
-        // The middle of what the crown takes up: it must not depend on where the spheres are crowded.
-        let crown = spheres.iter().filter(|s| s.centre.z > top - 7e-3);
-        let (low, high) = crown.fold(
-            (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
-            |(low, high), s| {
-                (
-                    low.zip_map(&s.centre, |a, x| f64::min(a, x - s.radius)),
-                    high.zip_map(&s.centre, |a, x| f64::max(a, x + s.radius)),
-                )
-            },
-        );
+        let (top, [low, high]) = tooth.top(7e-3);
         let mut axis = (low + high) * 0.5;
         axis.z = 0.0;
         let tip_radius = tip_radius(tool);

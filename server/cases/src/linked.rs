@@ -65,7 +65,7 @@ pub struct Linked {
     pub energy: f64,
     /// Most that it put out within one period beyond what had been paid for: what no controller can foresee.
     pub period_work: f64,
-    /// Whether two such periods of every hand explain what came out, but for what is not felt.
+    /// Whether every number was one and, of every hand, two such periods explain what came out, but for what is not felt.
     pub passive: bool,
     /// What the controller took out, all hands.
     pub taken: f64,
@@ -89,11 +89,6 @@ pub struct Linked {
 pub const FELT: f64 = 1e-4;
 
 impl Linked {
-    /// Whether the loop put out no more than what is not felt and what one period may bring unforeseen.
-    pub fn is_passive(&self) -> bool {
-        self.finite && self.passive
-    }
-
     /// The force error relative to the force; 0 where nothing was felt.
     pub fn infidelity(&self) -> f64 {
         if self.force > 0.0 {
@@ -223,6 +218,7 @@ pub fn run_linked_on(
     linked.force = rms(sums.force, sums.felt);
     linked.shake = rms(sums.shake, sums.shaken);
     linked.finite &= linked.energy.is_finite() && linked.force.is_finite();
+    linked.passive &= linked.finite;
     linked
 }
 

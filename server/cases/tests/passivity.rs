@@ -35,7 +35,7 @@ fn a_late_wrench_puts_out_energy_and_the_controller_takes_it_out() {
         println!("{name}: {without:?}\n    {with:?}");
         assert!(without.energy > least, "{name}: {without:?}");
         let felt = without.energy > FELT;
-        assert!(!felt || !without.is_passive(), "{name}: {without:?}");
+        assert!(!felt || !without.passive, "{name}: {without:?}");
         assert_eq!((without.taken, without.acted), (0.0, 0.0));
         assert!(with.energy < most, "{name}: {with:?}");
         assert!(with.taken > 0.0 && with.acted > 0.0, "{name}: {with:?}");
@@ -46,7 +46,7 @@ fn a_late_wrench_puts_out_energy_and_the_controller_takes_it_out() {
 fn over_the_longest_link_every_case_is_passive() {
     for case in TABLE.iter().filter(|case| !case.name.ends_with("-rest")) {
         let with = linked(case.name, 5, 0.02, PassivityParams::default());
-        assert!(with.is_passive(), "{}: {with:?}", case.name);
+        assert!(with.passive, "{}: {with:?}", case.name);
         // (A hand that tumbles at 60 rad/s and 3 m/s is put 2 mJ into within one period.)
         let most = if case.name == "tumble" { 5e-3 } else { 1e-3 };
         assert!(with.energy < most, "{}: {with:?}", case.name);

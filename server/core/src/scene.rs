@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::math::{Pose, Vec3, norm};
+use crate::math::{Pose, Vec3, fmax, fmin, norm};
 use crate::params::{ParamError, Params, within};
 use crate::tissue::{TissueError, TissueModel};
 use crate::tree::SphereTree;
@@ -154,6 +154,28 @@ pub enum SceneError {
         /// What it must be.
         expected: &'static str,
     },
+}
+
+impl Object {
+    /// The highest point of its spheres in contact, and the box about those whose centres lie no more than `below` metres under it: of
+    /// a tooth, what its crown takes up. (It does not depend on where spheres are crowded.) Metres, world axes at rest.
+    pub fn top(&self, below: f64) -> (f64, [Vec3; 2]) {
+        let spheres = || {
+            self.tree
+                .shape_at(self.level)
+                .map(|(_, node)| node.sphere())
+        };
+        let top = spheres().fold(f64::NEG_INFINITY, |top, s| fmax(top, s.centre.z + s.radius));
+        let none = [f64::INFINITY, f64::NEG_INFINITY].map(Vec3::repeat);
+        let crown = spheres().filter(|s| s.centre.z > top - below);
+        let about = crown.fold(none, |[low, high], s| {
+            [
+                low.zip_map(&s.centre, |a, x| fmin(a, x - s.radius)),
+                high.zip_map(&s.centre, |a, x| fmax(a, x + s.radius)),
+            ]
+        });
+        (top, about)
+    }
 }
 
 impl Scene {

@@ -69,6 +69,9 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
 
 /// Measures one part of the paper and prints it: no page, no files.
 fn one_part(part: Part, args: &ReportArgs, narrator: &Narrator) -> anyhow::Result<u8> {
+    if args.peers.is_some() {
+        bail!("--peers is given, expected not with a part of the paper: it goes onto the page");
+    }
     let found = paper_part(part, args.quick, &|what, share| narrator.say(what, share))?;
     let found = Beside::of(found, args.quick);
     for row in &found.rows {

@@ -11,6 +11,7 @@ use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, present};
 use sulcus_scene::BuiltIn;
 
+use super::shipped::SEED;
 use super::times::Times;
 
 /// One point of a line.
@@ -225,7 +226,7 @@ fn teeth(runs: usize, quick: bool) -> Line {
             super::mouth::shipped()
         };
         let script = sulcus_cases::mouth::hands(scene, 25.0);
-        let hand = (HandParams::default(), 7);
+        let hand = (HandParams::default(), SEED);
         let inputs = record(scene, Box::new(script), hand, ticks, |_, _| {});
         let teeth = scene
             .objects

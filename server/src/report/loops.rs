@@ -147,7 +147,7 @@ fn one(case: &Case, delay_ms: u32) -> Loop {
         energy_mj: free.energy * 1e3,
         energy_controlled_mj: held.energy * 1e3,
         period_work_mj: held.period_work * 1e3,
-        passive: held.is_passive(),
+        passive: held.passive,
         taken_mj: held.taken * 1e3,
         acted_percent: held.acted * 100.0,
         infidelity_percent: free.infidelity() * 100.0,

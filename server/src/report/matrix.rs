@@ -6,15 +6,13 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use sulcus_cases::Observer;
 use sulcus_cases::comparison::as_printed;
-use sulcus_cases::inside::solid_of;
-use sulcus_cases::record;
+use sulcus_cases::{Measures, Observer, record};
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, tick};
 use sulcus_operator::HandParams;
-use sulcus_scene::blend::blend_error;
 
+use super::mouth::off_drawn;
 use super::rates::LOOKS_S;
 use super::rows::tissues;
 use super::shipped::{SEED, SHIPPED, Shipped};
@@ -29,8 +27,6 @@ const SECONDS: [f64; 2] = [1.5, 0.7];
 const JUDGED_S: f64 = 0.15;
 /// Coarsest level that is touched: the levels above only serve culling.
 const COARSEST: u8 = 2;
-/// Radius of a probe's tip, metres: what the error of a blended surface is measured with.
-const TIP: f64 = 2.5e-4;
 
 /// One combination.
 #[derive(Clone, Debug, Serialize)]
@@ -113,9 +109,8 @@ fn of_scene(shipped: &Shipped, quick: bool, share: &dyn Fn(f64)) -> Vec<Cell> {
     // The same whatever the method and the solver.
     let mut errors: BTreeMap<u8, f64> = BTreeMap::new();
     let count = wanted.len() as f64;
-    let cell = |(k, (wanted, (measures, forces))): (usize, (&Wanted, &(_, Vec<Forces>)))| {
+    let cell = |(k, (wanted, (measures, forces))): (usize, (&Wanted, &(Measures, Vec<Forces>)))| {
         share(0.7 + 0.3 * k as f64 / count);
-        let measures: &sulcus_cases::Measures = measures;
         let touches = |k: usize| k >= begins && forces[k].iter().any(|f| f.norm_squared() > 0.0);
         let until = if wanted.is_own() {
             inputs.len()
@@ -125,9 +120,8 @@ fn of_scene(shipped: &Shipped, quick: bool, share: &dyn Fn(f64)) -> Vec<Cell> {
         let repeats = if quick || !wanted.is_own() { 1 } else { 3 };
         let times = Times::of(&wanted.scene, &inputs[..until], repeats, touches);
         let touched = &wanted.scene.objects[0];
-        let error = errors.entry(touched.level).or_insert_with(|| {
-            blend_error(&touched.tree, touched.level, &solid_of(&touched.mesh), TIP).mean
-        });
+        let error = errors.entry(touched.level);
+        let error = error.or_insert_with(|| off_drawn(touched).mean);
         Cell {
             scene: shipped.name,
             tissue: tissues(&scene),
@@ -205,7 +199,7 @@ fn wanted(scene: &Scene, quick: bool) -> Vec<Wanted> {
     all
 }
 
-fn run(scene: &Scene, inputs: &[TickInput], looks_s: f64) -> (sulcus_cases::Measures, Vec<Forces>) {
+fn run(scene: &Scene, inputs: &[TickInput], looks_s: f64) -> (Measures, Vec<Forces>) {
     let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
     let mut observer = Observer::new(scene);
     observer.residual_every = scene.params.ticks_in(looks_s);

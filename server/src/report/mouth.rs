@@ -6,10 +6,11 @@ use serde::Serialize;
 use sulcus_cases::inside::solid_of;
 use sulcus_cases::mouth::{PROBED, hands, mouth};
 use sulcus_cases::record;
-use sulcus_core::{MAX_TOOLS, Scene, TickInput};
+use sulcus_core::{MAX_TOOLS, Object, Scene, TickInput};
 use sulcus_operator::HandParams;
-use sulcus_scene::blend::blend_error;
+use sulcus_scene::blend::{BlendError, blend_error};
 
+use super::shipped::SEED;
 use super::times::Times;
 
 /// When both hands are at work, and how long is measured from then on, seconds.
@@ -97,8 +98,13 @@ fn one_hand() -> Vec<TickInput> {
     let scene = shipped();
     let ticks = ((BEGINS + SECONDS) / scene.tick_s()).round() as u64;
     let script = hands(scene, BEGINS + SECONDS + LEAVING);
-    let hand = (HandParams::default(), 7);
+    let hand = (HandParams::default(), SEED);
     record(scene, Box::new(script), hand, ticks, |_, _| {})
+}
+
+/// How far an object as it is touched is from it as it is drawn, millimetres.
+pub(super) fn off_drawn(object: &Object) -> BlendError {
+    blend_error(&object.tree, object.level, &solid_of(&object.mesh), TIP)
 }
 
 fn at_level(scene: &Scene, level: u8, inputs: &[TickInput], runs: usize) -> Level {
@@ -107,7 +113,7 @@ fn at_level(scene: &Scene, level: u8, inputs: &[TickInput], runs: usize) -> Leve
         .iter()
         .find(|object| object.fdi == PROBED && object.tissue.is_rigid())
         .expect("the patient has the molar");
-    let error = blend_error(&molar.tree, molar.level, &solid_of(&molar.mesh), TIP);
+    let error = off_drawn(molar);
     let begins = (BEGINS / scene.tick_s()).round() as usize;
     let mut contact = [0_usize; MAX_TOOLS];
     let counts = |k| k >= begins;

@@ -22,22 +22,16 @@ pub struct Session {
 impl Session {
     /// Whether both are of one learner at one exercise. Who has no id is nobody's other attempt.
     pub fn is_of_the_same(&self, other: &Self) -> bool {
-        let who = |session: &Self| {
-            let grade = &session.grade;
-            (grade.exercise.clone(), grade.learner_id.clone())
-        };
-        !self.grade.learner_id.is_empty() && who(self) == who(other)
+        let (a, b) = (&self.grade, &other.grade);
+        !a.learner_id.is_empty() && a.learner_id == b.learner_id && a.exercise == b.exercise
     }
 
     /// Whether both are the same session: the same recording, or a copy of it.
     pub fn is(&self, other: &Self) -> bool {
-        let what = |session: &Self| {
-            let grade = &session.grade;
-            let who = (grade.exercise.clone(), grade.learner_id.clone());
-            let when = (grade.started_unix_ns, grade.seed, grade.station.clone());
-            (who, when, grade.signer.clone())
-        };
-        what(self) == what(other)
+        let (a, b) = (&self.grade, &other.grade);
+        (a.started_unix_ns, a.seed) == (b.started_unix_ns, b.seed)
+            && (&a.exercise, &a.learner_id) == (&b.exercise, &b.learner_id)
+            && (&a.station, &a.signer) == (&b.station, &b.signer)
     }
 }
 
@@ -55,15 +49,10 @@ pub fn number_attempts(sessions: &mut [Session]) {
         };
         key(a).cmp(&key(b))
     });
-    for k in 0..sessions.len() {
-        let (before, now) = sessions.split_at_mut(k);
-        let Some(session) = now.first_mut() else {
-            continue;
-        };
-        session.attempt = match before.last() {
-            Some(last) if last.is_of_the_same(session) => last.attempt + 1,
-            _ => 1,
-        };
+    for attempts in sessions.chunk_by_mut(Session::is_of_the_same) {
+        for (k, session) in attempts.iter_mut().enumerate() {
+            session.attempt = k + 1;
+        }
     }
 }
 

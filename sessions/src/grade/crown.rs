@@ -33,26 +33,7 @@ impl Crown {
             .objects
             .iter()
             .find(|object| object.fdi != 0 && object.tissue.is_rigid())?;
-        let spheres = || {
-            tooth
-                .tree
-                .shape_at(tooth.level)
-                .map(|(_, node)| node.sphere())
-        };
-        let top = spheres()
-            .map(|s| s.centre.z + s.radius)
-            .fold(f64::NEG_INFINITY, f64::max);
-        // The middle of what the crown takes up: it must not depend on where the spheres are crowded.
-        let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-        let (low, high) = spheres().filter(|s| s.centre.z > top - CROWN).fold(
-            none,
-            |(low, high): (Vec3, Vec3), s| {
-                (
-                    low.zip_map(&s.centre, |a, x| f64::min(a, x - s.radius)),
-                    high.zip_map(&s.centre, |a, x| f64::max(a, x + s.radius)),
-                )
-            },
-        );
+        let (_, [low, high]) = tooth.top(CROWN);
         let half = (high - low) * 0.5 + Vec3::repeat(BESIDE);
         Some(Self::about((low + high) * 0.5, half))
     }

@@ -1,6 +1,6 @@
 //! What a grade rests on, gathered tick by tick from a replay.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use sulcus_core::output::status;
 use sulcus_core::tissue::gingiva::Site;
@@ -40,7 +40,7 @@ pub struct Evidence {
     /// For plots.
     pub series: Series,
     /// Zones that bled, whatever the cause.
-    pub bled: Vec<(u8, Site)>,
+    pub bled: BTreeSet<(u8, Site)>,
     /// Times that the tip was withdrawn between two zones of a side, on its way to one that it had not been in.
     pub withdrawals: usize,
     /// Entries into the zones of trauma and of damage.
@@ -51,8 +51,8 @@ pub struct Evidence {
     pub leading: usize,
     /// Depths prescribed, metres.
     floors: BTreeMap<(u8, Site), f64>,
-    /// Zones that the tip was in so far: tooth and site as events name them.
-    entered: Vec<(Option<u64>, String)>,
+    /// Zones that the tip was in so far.
+    entered: BTreeSet<(u8, Site)>,
     task: ProbingTask,
     steady: Steady,
     mirror_slot: Option<usize>,
@@ -80,7 +80,7 @@ impl Evidence {
             },
             moves: std::array::from_fn(|_| Moves::new(dt)),
             series: Series::default(),
-            bled: Vec::new(),
+            bled: BTreeSet::new(),
             withdrawals: 0,
             trauma: 0,
             damage: 0,
@@ -97,7 +97,7 @@ impl Evidence {
                     Site::ALL.map(|site| ((fdi, site), gingiva.prescribed(site).depth))
                 })
                 .collect(),
-            entered: Vec::new(),
+            entered: BTreeSet::new(),
             task: exercise.probing,
             steady: Steady::default(),
             mirror_slot: scene.tools.iter().position(|tool| !is_probe(tool)),
@@ -175,20 +175,19 @@ impl Evidence {
     /// Takes in what happened in the tick.
     pub fn happened(&mut self, said: &Occurrence) {
         let is = |key: &str, what: &str| said.data[key] == what;
-        let zone = |site: &str| (said.data["tooth"].as_u64(), said.data[site].to_string());
+        let zone = |site: &str| {
+            let tooth = said.data["tooth"].as_u64();
+            let tooth = tooth.and_then(|fdi| u8::try_from(fdi).ok())?;
+            Some((tooth, Site::from_name(said.data[site].as_str()?)?))
+        };
         match said.kind.as_str() {
             FORCE_ZONE if is("zone", "trauma") => self.trauma += 1,
             FORCE_ZONE if is("zone", "damage") => self.damage += 1,
-            "withdrawn" if !self.entered.contains(&zone("to")) => self.withdrawals += 1,
-            "site_reached" => self.entered.push(zone("site")),
-            "bleeding" => {
-                let tooth = said.data["tooth"].as_u64();
-                let tooth = tooth.and_then(|fdi| u8::try_from(fdi).ok());
-                let site = said.data["site"].as_str().and_then(Site::from_name);
-                if let Some(zone) = tooth.zip(site).filter(|zone| !self.bled.contains(zone)) {
-                    self.bled.push(zone);
-                }
+            "withdrawn" if zone("to").is_none_or(|to| !self.entered.contains(&to)) => {
+                self.withdrawals += 1;
             }
+            "site_reached" => self.entered.extend(zone("site")),
+            "bleeding" => self.bled.extend(zone("site")),
             _ => {}
         }
     }

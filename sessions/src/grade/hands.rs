@@ -106,8 +106,8 @@ impl Hands {
 pub struct Pressed {
     bins: Vec<u64>,
     seconds: f64,
-    /// Force and length of the last ticks, [`PEAK_S`] together, and the sum of their products, newton seconds.
-    last: VecDeque<(f64, f64)>,
+    /// Forces of the last ticks, [`PEAK_S`] together, newtons.
+    last: VecDeque<f64>,
     peak: f64,
 }
 
@@ -139,14 +139,13 @@ impl Pressed {
             self.seconds += dt;
         }
         let force = if force.is_finite() { force } else { 0.0 };
-        self.last.push_back((force, tick_s));
-        let long = |last: &VecDeque<(f64, f64)>| -> f64 { last.iter().map(|tick| tick.1).sum() };
-        while self.last.len() > 1 && long(&self.last) > PEAK_S + 0.5 * tick_s {
+        let ticks = fmax((PEAK_S / tick_s).round(), 1.0);
+        self.last.push_back(force);
+        if self.last.len() > ticks as usize {
             self.last.pop_front();
         }
-        let push: f64 = self.last.iter().map(|(force, dt)| force * dt).sum();
         // What is shorter is that much less.
-        self.peak = fmax(self.peak, push / fmax(PEAK_S, long(&self.last)));
+        self.peak = fmax(self.peak, self.last.iter().sum::<f64>() / ticks);
     }
 
     /// Largest mean force over [`PEAK_S`], newtons; none where it never touched anything.

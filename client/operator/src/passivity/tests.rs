@@ -11,6 +11,19 @@ const BARE: f64 = 1.0;
 /// Period of the device, s.
 const PERIOD: f64 = 1e-3;
 
+/// A hand at x metres.
+fn at(x: f64) -> Pose {
+    Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity())
+}
+
+/// A force along x, newtons.
+fn push(newtons: f64) -> Wrench {
+    Wrench {
+        force: Vec3::new(newtons, 0.0, 0.0),
+        torque: Vec3::zeros(),
+    }
+}
+
 struct Run {
     /// Farthest from the middle in the last second, m.
     swing: f64,
@@ -33,7 +46,7 @@ fn plucked(
             let turn = sulcus_core::math::exp_rotation(&Vec3::new(0.0, x / lever, 0.0));
             Pose::new(Vec3::zeros(), turn)
         } else {
-            Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity())
+            at(x)
         }
     };
     let wrench = |f: f64| Wrench {
@@ -106,15 +119,11 @@ fn damping_is_bounded() {
             ..PassivityParams::default()
         };
         let mut passivity = Passivity::new(params);
-        let push = Wrench {
-            force: Vec3::new(3.0, 0.0, 0.0),
-            torque: Vec3::zeros(),
-        };
+        let push = push(3.0);
         let mut x = 0.0;
         for speed in [0.0, 1.0, 0.3, 0.1, 0.03, 0.01] {
             x += speed * PERIOD;
-            let there = Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity());
-            passivity.moved(Some(&there), 1);
+            passivity.moved(Some(&at(x)), 1);
             let kept = push.force * passivity.share;
             let felt = passivity.damped(&push, 1.0);
             let damping = norm(&(kept - felt.force)) / fmax(speed, 1e-9);
@@ -125,14 +134,10 @@ fn damping_is_bounded() {
     }
     let mut passivity = Passivity::new(PassivityParams::default());
     passivity.moved(Some(&Pose::identity()), 1);
-    let push = Wrench {
-        force: Vec3::new(2.0, 0.0, 0.0),
-        torque: Vec3::zeros(),
-    };
+    let push = push(2.0);
     passivity.hold(&push, &push);
     // 2 mm in a millisecond under 2 N: 4 mJ came out of nothing.
-    let there = Pose::new(Vec3::new(2e-3, 0.0, 0.0), sulcus_core::Quat::identity());
-    passivity.moved(Some(&there), 1);
+    passivity.moved(Some(&at(2e-3)), 1);
     assert!((passivity.energy().most_out - 4e-3).abs() < 1e-12);
     let felt = passivity.damped(&push, 1.0).force.x;
     assert!(
@@ -147,10 +152,9 @@ fn damping_is_bounded() {
 #[test]
 fn a_hand_that_is_pushed_along_slowly_is_let_go_of_until_it_has_paid() {
     let mut passivity = Passivity::new(PassivityParams::default());
-    let at = |x: f64| Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity());
     let push = Wrench {
-        force: Vec3::new(3.0, 0.0, 0.0),
         torque: Vec3::new(0.0, 0.1, 0.0),
+        ..push(3.0)
     };
     let mut x = 0.0;
     let mut go = |passivity: &mut Passivity, speed: f64, ticks: u32| {
@@ -183,11 +187,6 @@ fn a_hand_that_is_pushed_along_slowly_is_let_go_of_until_it_has_paid() {
 #[test]
 fn what_a_contact_took_in_does_not_pay_for_the_next() {
     let mut passivity = Passivity::new(PassivityParams::default());
-    let at = |x: f64| Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity());
-    let push = |f: f64| Wrench {
-        force: Vec3::new(f, 0.0, 0.0),
-        torque: Vec3::zeros(),
-    };
     passivity.moved(Some(&at(0.0)), 1);
     passivity.hold(&push(-1.0), &push(-1.0));
     passivity.moved(Some(&at(1e-3)), 1);
