@@ -14,6 +14,7 @@ use crate::message::Message;
 use crate::read::Recording;
 use crate::replay::{ReplayError, ReplayOptions, replay_observed};
 use crate::row::Row;
+use crate::viewers::Sum;
 
 pub use mesh_file::MeshFormat;
 
@@ -43,7 +44,7 @@ pub struct Exported {
     pub ticks: u64,
     /// Lines of `ticks.csv`, without its head.
     pub tick_lines: u64,
-    /// Lines of `events.csv`, without its head.
+    /// Lines of `events.csv`, without its head (nor the hash over what viewers read, which is no event).
     pub event_lines: u64,
     /// Times at which meshes were written.
     pub mesh_frames: u64,
@@ -151,7 +152,9 @@ pub fn export(
     let mut ticks = if options.tables {
         let mut events = EventTable::create(folder, began)?;
         for message in recording.messages() {
-            if let Message::Event(event) = message.map_err(ReplayError::from)? {
+            if let Message::Event(event) = message.map_err(ReplayError::from)?
+                && Sum::parse(&event.text).is_none()
+            {
                 events.line(&event)?;
             }
         }
