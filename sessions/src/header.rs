@@ -9,6 +9,8 @@ use crate::key::PublicKey;
 pub const FORMAT_VERSION: &str = "4";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
+/// Key in it that recordings of before 24 November 2026 do not have.
+const TICK_SOURCE: &str = "tick_source";
 /// Name of the compiled scene's attachment.
 pub(crate) const SCENE: &str = "scene.bin";
 /// Attachments besides the scene: all text.
@@ -37,6 +39,9 @@ pub struct SessionHeader {
     pub program_version: String,
     /// `debug` or `release`.
     pub build: String,
+    /// Which tick that program has: the beginning of a hash over its sources, as hexadecimal digits; empty in recordings of before
+    /// it was said.
+    pub tick_source: String,
     /// Processor and system, such as `x86_64-linux`.
     pub target: String,
     /// When the session began, nanoseconds since the Unix epoch.
@@ -62,6 +67,7 @@ impl SessionHeader {
                 "release"
             }
             .to_owned(),
+            tick_source: env!("SULCUS_TICK_SOURCE").to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             started_unix_ns: 0,
         }
@@ -98,6 +104,7 @@ impl SessionHeader {
             ("format_version", FORMAT_VERSION.to_owned()),
             ("program_version", self.program_version.clone()),
             ("build", self.build.clone()),
+            (TICK_SOURCE, self.tick_source.clone()),
             ("target", self.target.clone()),
             ("station", self.station.clone()),
             ("learner_id", self.learner_id.clone()),
@@ -136,6 +143,7 @@ impl SessionHeader {
             learner_id: text("learner_id")?,
             program_version: text("program_version")?,
             build: text("build")?,
+            tick_source: pairs.get(TICK_SOURCE).cloned().unwrap_or_default(),
             target: text("target")?,
             started_unix_ns: number("started_unix_ns")?,
         };
@@ -169,7 +177,7 @@ mod tests {
     fn the_digest_covers_every_field() {
         let signer = StationKey::from_seed([1; 32]).public();
         let plain = SessionHeader::new(vec![1, 2, 3]);
-        let mut changed = vec![plain.clone(); 12];
+        let mut changed = vec![plain.clone(); 13];
         changed[0].scene.push(4);
         for (header, field) in changed[1..].iter_mut().zip(0..) {
             match field {
@@ -183,6 +191,7 @@ mod tests {
                 7 => header.program_version.push('x'),
                 8 => header.build.push('x'),
                 9 => header.target.push('x'),
+                10 => header.tick_source.push('x'),
                 _ => header.started_unix_ns += 1,
             }
         }
@@ -196,6 +205,6 @@ mod tests {
         ));
         digests.sort_unstable();
         digests.dedup();
-        assert_eq!(digests.len(), 14);
+        assert_eq!(digests.len(), 15);
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::header::SessionHeader;
 
-/// Version, build and target of a program. Two that are equal give the same bits; two that differ should, and whether
+/// Version, build, target and tick of a program. Two that are equal give the same bits; two that differ should, and whether
 /// they did is what a replay shows.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Program {
@@ -16,6 +16,8 @@ pub struct Program {
     pub build: String,
     /// Processor and system, such as `x86_64-linux`.
     pub target: String,
+    /// Beginning of a hash over the tick's sources; empty where the recording is of before it was said.
+    pub tick_source: String,
 }
 
 impl Program {
@@ -25,6 +27,7 @@ impl Program {
             version: header.program_version.clone(),
             build: header.build.clone(),
             target: header.target.clone(),
+            tick_source: header.tick_source.clone(),
         }
     }
 
@@ -37,8 +40,17 @@ impl Program {
 impl fmt::Display for Program {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // A header's text may hold anything, also what a terminal obeys.
-        let [version, build, target] =
-            [&self.version, &self.build, &self.target].map(|text| text.escape_debug());
-        write!(f, "{version} {build} {target}")
+        let [version, build, target, tick] = [
+            &self.version,
+            &self.build,
+            &self.target,
+            &self.tick_source,
+        ]
+        .map(|text| text.escape_debug());
+        write!(f, "{version} {build} {target}")?;
+        if self.tick_source.is_empty() {
+            return Ok(());
+        }
+        write!(f, " (tick {tick})")
     }
 }

@@ -143,6 +143,7 @@ fn nothing_in_the_header_can_be_exchanged() {
         "seed",
         "program_version",
         "build",
+        "tick_source",
         "started_unix_ns",
     ] {
         let forged = rewritten(
