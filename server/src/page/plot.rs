@@ -24,13 +24,18 @@ pub(crate) struct Plot {
 }
 
 const SIZE: (u32, u32) = (640, 360);
-const COLOURS: [RGBColor; 6] = [
+/// What a line of the legend takes, and where its two columns begin.
+const LEGEND: (u32, [i32; 2]) = (20, [66, 356]);
+const RED: RGBColor = RGBColor(0xb0, 0x1e, 0x1e);
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0x1c, 0x5e, 0xa8),
     RGBColor(0xc7, 0x61, 0x07),
     RGBColor(0x2b, 0x8a, 0x3e),
     RGBColor(0x9b, 0x2f, 0x8f),
     RGBColor(0x5f, 0x6b, 0x77),
-    RGBColor(0xb0, 0x1e, 0x1e),
+    RGBColor(0x8c, 0x6d, 0x1f),
+    RGBColor(0x0b, 0x7a, 0x75),
+    RGBColor(0xd6, 0x5d, 0x9b),
 ];
 
 impl Plot {
@@ -67,22 +72,15 @@ impl Plot {
         drawn.map_or(String::new(), |()| svg)
     }
 
-    /// Where the lines leave room for their names: most fall or rise from the left to the right.
-    fn free_corner(&self) -> SeriesLabelPosition {
-        let falls = |series: &Series| {
-            // (They come in whatever order they were measured.)
-            let by_x = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
-            let ends = (
-                series.points.iter().min_by(by_x),
-                series.points.iter().max_by(by_x),
-            );
-            matches!(ends, (Some(left), Some(right)) if left.1 > right.1)
-        };
-        if self.series.iter().any(falls) {
-            SeriesLabelPosition::UpperRight
-        } else {
-            SeriesLabelPosition::UpperLeft
+    /// What the legend has: names, colours, widths of lines. A line alone is named by its axis.
+    fn names(&self) -> Vec<(&str, RGBColor, u32)> {
+        if self.series.len() < 2 && self.limit.is_none() {
+            return Vec::new();
         }
+        let lines = self.series.iter().zip(COLOURS.iter().cycle());
+        let lines = lines.map(|(series, colour)| (series.name.as_str(), *colour, 3));
+        let limit = self.limit.iter().map(|(_, name)| (name.as_str(), RED, 1));
+        lines.chain(limit).collect()
     }
 
     fn draw<X, Y>(
@@ -98,8 +96,21 @@ impl Plot {
         X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
         Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
-        let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+        let names = self.names();
+        // Below the axes, where no point can be behind it.
+        let rows = names.len().div_ceil(LEGEND.1.len()) as u32;
+        let size = (SIZE.0, SIZE.1 + LEGEND.0 * rows);
+        let root = SVGBackend::with_string(svg, size).into_drawing_area();
         root.fill(&WHITE)?;
+        let (root, below) = root.split_vertically(SIZE.1);
+        for (k, (name, colour, width)) in names.into_iter().enumerate() {
+            let (x, y) = (LEGEND.1[k % LEGEND.1.len()], (k / LEGEND.1.len()) as i32);
+            let y = y * LEGEND.0 as i32 + 8;
+            let line = vec![(x, y), (x + 18, y)];
+            below.draw(&PathElement::new(line, colour.stroke_width(width)))?;
+            let text = ("sans-serif", 13).into_font();
+            below.draw(&Text::new(name.to_owned(), (x + 24, y - 6), text))?;
+        }
         let mut chart = ChartBuilder::on(&root)
             .margin(12)
             .x_label_area_size(44)
@@ -135,33 +146,11 @@ impl Plot {
             if series.points.len() <= 40 {
                 chart.draw_series(points().map(|p| Circle::new(p, 4, colour.filled())))?;
             }
-            // The legend needs an entry of its own: the elements above may be none.
-            chart
-                .draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
-                .label(series.name.as_str())
-                .legend(move |(x, y)| {
-                    PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
-                });
         }
-        if let Some((limit, name)) = &self.limit {
+        if let Some((limit, _)) = &self.limit {
             let range = chart.x_range();
-            let red = RGBColor(0xb0, 0x1e, 0x1e);
             let line = vec![(range.start, *limit), (range.end, *limit)];
-            chart
-                .draw_series([PathElement::new(line, red.stroke_width(1))])?
-                .label(name.as_str())
-                .legend(move |(x, y)| {
-                    PathElement::new(vec![(x, y), (x + 18, y)], red.stroke_width(1))
-                });
-        }
-        if self.series.len() > 1 || self.limit.is_some() {
-            chart
-                .configure_series_labels()
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(0xd9, 0xdc, 0xe0))
-                .label_font(("sans-serif", 13))
-                .position(self.free_corner())
-                .draw()?;
+            chart.draw_series([PathElement::new(line, RED.stroke_width(1))])?;
         }
         root.present()?;
         Ok(())
@@ -226,22 +215,38 @@ mod tests {
     }
 
     #[test]
-    fn the_legend_is_where_lines_are_not_in_whatever_order_they_come() {
-        let mut rising = plot(vec![(390.0, 70.0), (200.0, 1.0)], (false, true));
-        assert!(matches!(
-            rising.free_corner(),
-            SeriesLabelPosition::UpperLeft
-        ));
-        rising.series[0].points.reverse();
-        assert!(matches!(
-            rising.free_corner(),
-            SeriesLabelPosition::UpperLeft
-        ));
-        let falling = plot(vec![(1.0, 70.0), (2.0, 1.0)], (false, true));
-        assert!(matches!(
-            falling.free_corner(),
-            SeriesLabelPosition::UpperRight
-        ));
+    fn the_legend_is_below_the_axes_and_takes_no_point() {
+        let mut many = plot(vec![(1.0, 2.0), (30.0, 4.0)], (true, true));
+        let height = |svg: &str| {
+            let at = svg.split("height=\"").nth(1).expect("a size");
+            at.split('"').next().expect("an end").parse::<u32>()
+        };
+        assert_eq!(height(&many.svg()), Ok(SIZE.1 + LEGEND.0));
+        for k in 0..6 {
+            many.series.push(Series {
+                name: format!("line {k}"),
+                points: vec![(2.0, 3.0)],
+                joined: true,
+            });
+        }
+        let svg = many.svg();
+        assert_eq!(height(&svg), Ok(SIZE.1 + 4 * LEGEND.0));
+        // Every name is below the lowest label of the axes.
+        for name in ["ours", "line 5", "not above"] {
+            let at = svg.find(name).expect("named");
+            let before = &svg[..at];
+            let y = before.rsplit(" y=\"").next().expect("a place");
+            let y: u32 = y
+                .split('"')
+                .next()
+                .expect("an end")
+                .parse()
+                .expect("a number");
+            assert!(y >= SIZE.1 - 10, "{name} at {y}");
+        }
+        many.series.truncate(1);
+        many.limit = None;
+        assert_eq!(height(&many.svg()), Ok(SIZE.1));
     }
 
     fn plot(points: Vec<(f64, f64)>, log: (bool, bool)) -> Plot {

@@ -34,7 +34,38 @@ pub(crate) struct Line {
     pub(crate) with: &'static str,
     pub(crate) should: &'static str,
     pub(crate) points: Vec<Point>,
+    /// What is asked of it, in figures: the median of one point over that of another, and the most that it may be.
+    pub(crate) asked: Vec<Asked>,
 }
+
+/// A ratio of medians that says whether a line grows as it should.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Asked {
+    pub(crate) what: String,
+    pub(crate) found: f64,
+    pub(crate) at_most: f64,
+}
+
+impl Asked {
+    /// How much longer `much` takes than `little`, against `at_most`.
+    fn of(what: &str, much: &Point, little: &Point, at_most: f64) -> Self {
+        Self {
+            what: what.to_owned(),
+            found: much.times.tick_us.p50 / little.times.tick_us.p50,
+            at_most,
+        }
+    }
+
+    pub(crate) fn holds(&self) -> bool {
+        self.found <= self.at_most
+    }
+}
+
+/// How much longer a tick may take with what is not touched in the scene: boxes are looked at, no more. (A tick takes a microsecond
+/// then: half of it is the clock.)
+const FREE: f64 = 4.0;
+/// The same where other things are at work, so that a box more is nothing.
+const HARDLY: f64 = 1.3;
 
 /// All lines.
 #[derive(Clone, Debug, Serialize)]
@@ -113,18 +144,18 @@ fn contacts(runs: usize, _: bool) -> Line {
             })
             .collect();
         let spheres = side * side;
-        point(
-            f64::from(spheres),
-            format!("{spheres} spheres on {spheres}"),
-            &scene,
-            &inputs,
-            runs,
-            400,
-        )
+        let what = format!("{spheres} spheres on {spheres}");
+        let mut point = point(0.0, what, &scene, &inputs, runs, 400);
+        point.x = point.rows;
+        point
     });
+    let [.., few, _, many] = &points;
+    let mut asked = Asked::of("time of a row, of most and of few", many, few, 2.0);
+    asked.found *= few.rows / many.rows;
     Line {
-        with: "pairs in contact: a face of spheres pressed on the same",
+        with: "rows of the optimisation: a face of spheres pressed on the same",
         should: "about in proportion: each row is looked at a few times",
+        asked: vec![asked],
         points: points.into(),
     }
 }
@@ -147,18 +178,36 @@ fn spheres(runs: usize, quick: bool) -> Line {
     let hand = (HandParams::default(), 1);
     let inputs = record(&scene, Box::new(script), hand, ticks, |_, _| {});
     let deepest = scene.objects[0].tree.depth();
-    let points = (1..=deepest).map(|level| {
-        let mut scene = scene.clone();
-        scene.objects[0].level = level;
-        scene.tools[0].level = level.min(scene.tools[0].tree.depth());
-        let spheres = scene.objects[0].tree.shape_at(level).count();
-        let what = format!("level {level}, {spheres} spheres");
-        point(spheres as f64, what, &scene, &inputs, runs, 500)
-    });
+    let points: Vec<Point> = (1..=deepest)
+        .map(|level| {
+            let mut scene = scene.clone();
+            scene.objects[0].level = level;
+            scene.tools[0].level = level.min(scene.tools[0].tree.depth());
+            let spheres = scene.objects[0].tree.shape_at(level).count();
+            let what = format!("level {level}, {spheres} spheres");
+            point(spheres as f64, what, &scene, &inputs, runs, 500)
+        })
+        .collect();
+    let mut asked = Vec::new();
+    if let [.., shipped, finest] = points.as_slice() {
+        let more = finest.x / shipped.x;
+        asked.push(Asked::of(
+            "finest level over the one before, median",
+            finest,
+            shipped,
+            0.25 * more,
+        ));
+        asked.push(Asked {
+            what: "the same at p99.9".into(),
+            found: finest.times.tick_us.p999 / shipped.times.tick_us.p999,
+            at_most: 0.75 * more,
+        });
+    }
     Line {
         with: "spheres of the touched tooth: the probe round a molar's crown, the same hand at every level",
-        should: "far slower than the number of spheres: only what is near is looked at",
-        points: points.collect(),
+        should: "slower than the number of spheres, as only what is near is looked at: hardly in the median, less than in proportion at p99.9, where a shaft lies along the crown",
+        asked,
+        points,
     }
 }
 
@@ -188,10 +237,18 @@ fn tools(runs: usize, _: bool) -> Line {
         runs,
         300,
     ));
+    let asked = match points.as_slice() {
+        [one, two, air] => vec![
+            Asked::of("one more in the air", air, one, HARDLY),
+            Asked::of("two in one tissue over one", two, one, 3.0),
+        ],
+        _ => Vec::new(),
+    };
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
     Line {
         with: "tools: 1, one more in the air (1.5), 2 in one tissue",
-        should: "a tool in the air costs next to nothing, two in one tissue more than twice one: one problem of 12 unknowns",
+        should: "a tool in the air costs next to nothing; two in one tissue are one problem of 12 unknowns, so that where both bear a tick may take more than twice that of one",
+        asked,
         points,
     }
 }
@@ -243,8 +300,10 @@ fn teeth(runs: usize, quick: bool) -> Line {
         )
     });
     let [fourteen, four] = points;
+    let asked = vec![Asked::of("14 teeth over 4", &fourteen, &four, HARDLY)];
     let points = [four, fourteen];
     Line {
+        asked,
         with: "teeth: probe in a pocket and mirror on the tongue",
         should: "hardly at all: a tooth that no tool is near is one box that is looked at",
         points: points.into(),
@@ -260,26 +319,35 @@ fn untouched(runs: usize, _: bool) -> Line {
         ("a tongue of finite elements", changed(BuiltIn::Organ, &[])),
         ("a whole mouth", super::mouth::shipped().clone()),
     ];
-    let points = scenes.into_iter().enumerate().map(|(k, (what, scene))| {
-        let mut input = TickInput::IDLE;
-        for (t, tool) in scene.tools.iter().enumerate().take(MAX_TOOLS) {
-            input.tools[t] = ToolInput::ABSENT;
-            let mut pose = tool.park;
-            pose.position += Vec3::new(0.0, 0.0, 0.05);
-            input.tools[t] = present(&pose);
-        }
-        let inputs = vec![input; 3000];
-        let spheres: usize = scene
-            .objects
-            .iter()
-            .map(|o| o.tree.shape_at(o.level).count())
-            .sum();
-        let what = format!("{what}: {} objects, {spheres} spheres", scene.objects.len());
-        point(k as f64, what, &scene, &inputs, runs, 500)
-    });
+    let points: Vec<Point> = scenes
+        .into_iter()
+        .enumerate()
+        .map(|(k, (what, scene))| {
+            let mut input = TickInput::IDLE;
+            for (t, tool) in scene.tools.iter().enumerate().take(MAX_TOOLS) {
+                input.tools[t] = ToolInput::ABSENT;
+                let mut pose = tool.park;
+                pose.position += Vec3::new(0.0, 0.0, 0.05);
+                input.tools[t] = present(&pose);
+            }
+            let inputs = vec![input; 3000];
+            let spheres: usize = scene
+                .objects
+                .iter()
+                .map(|o| o.tree.shape_at(o.level).count())
+                .sum();
+            let what = format!("{what}: {} objects, {spheres} spheres", scene.objects.len());
+            point(k as f64, what, &scene, &inputs, runs, 500)
+        })
+        .collect();
+    let asked = match points.as_slice() {
+        [least, .., most] => vec![Asked::of("a whole mouth over a molar", most, least, FREE)],
+        _ => Vec::new(),
+    };
     Line {
+        asked,
         with: "what is not touched: the tools 50 mm above where they are parked",
         should: "a few microseconds, whatever is in the scene: what is at rest and untouched costs nothing",
-        points: points.collect(),
+        points,
     }
 }

@@ -47,6 +47,8 @@ pub(crate) struct Cell {
     pub(crate) shape_error_um: f64,
     /// Difference of the raw force to the reference's, rms over ticks in which either bears load, percent of its rms.
     pub(crate) force_off_percent: f64,
+    /// The same over the ticks that the judge solves, the same for every cell of a scene; none where no judge was asked.
+    pub(crate) force_off_at_first_percent: Option<f64>,
     /// What it is compared with.
     pub(crate) reference: bool,
     pub(crate) residual_um: f64,
@@ -135,6 +137,8 @@ fn of_scene(shipped: &Shipped, quick: bool, share: &dyn Fn(f64)) -> Vec<Cell> {
             times,
             shape_error_um: *error * 1e3,
             force_off_percent: off(&forces[begins..], &reference[begins..]),
+            force_off_at_first_percent: (!quick)
+                .then(|| off(&forces[begins..judged], &reference[begins..judged])),
             reference: k == 0,
             residual_um: measures.residual * 1e6,
             graphic_jump_um: measures.jump * 1e6,

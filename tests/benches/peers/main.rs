@@ -56,4 +56,7 @@ fn main() {
     let json = report::json(ticks, &rows, &ratios);
     std::fs::write(&out, json).unwrap_or_else(|e| panic!("{}: cannot write: {e}", out.display()));
     println!("{}", out.display());
+    if !ratios.iter().all(report::Ratio::holds) {
+        std::process::exit(1);
+    }
 }

@@ -33,7 +33,8 @@ impl Ratio {
         }
     }
 
-    fn holds(&self) -> bool {
+    /// Whether it is what was promised.
+    pub fn holds(&self) -> bool {
         self.value >= self.at_least
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use sulcus_core::MAX_TOOLS;
+
 use super::super::html::escaped;
 use crate::report::{FELT_MJ, Level, Loop, Report, Row};
 
@@ -157,10 +159,12 @@ fn error(report: &Report) -> Answer {
         let _ = write!(short, ", shape {:.0} µm", level.tooth_error_mean_um);
     }
     let outrun = outrun_um(report);
+    let (share, scene) = outrun_most(report);
     if outrun > 1.0 {
         let _ = write!(
             long,
-            "<p>In single ticks that a leaping hand outran, a tool and what it strikes (soft tissue most) overlap by up to {outrun:.0} µm until the next.</p>"
+            "<p>In ticks that a leaping hand outran (under random poses {:.0} % of a tool's at most: {}) a tool and what it strikes, soft tissue most, overlap by up to {outrun:.0} µm until a later one is done.</p>",
+            share, scene
         );
     }
     let worst = |model: &str| {
@@ -199,7 +203,22 @@ fn outrun_um(report: &Report) -> f64 {
     rows.chain(rough).fold(0.0, f64::max)
 }
 
-/// What does not hold, in words: hard cases, random poses, links, rest.
+/// Largest share of tool-ticks that a random walk outran, percent, and where.
+fn outrun_most(report: &Report) -> (f64, &'static str) {
+    let shares = report.random_poses.iter().map(|r| {
+        let tool_ticks = (r.ticks * MAX_TOOLS as u64).max(1);
+        (
+            100.0 * r.exhausted_ticks as f64 / tool_ticks as f64,
+            r.scene,
+        )
+    });
+    shares.fold(
+        (0.0, "none"),
+        |most, this| if this.0 > most.0 { this } else { most },
+    )
+}
+
+/// What does not hold, in words: hard cases, random poses, links, rest, what was promised beside the peers.
 pub(crate) fn failures(report: &Report) -> Vec<String> {
     let rows = report.rows.iter().filter(|row| row.status == "broken");
     let rows = rows.map(|row| {
@@ -223,7 +242,20 @@ pub(crate) fn failures(report: &Report) -> Vec<String> {
     let hours = report.passivity.hours.iter().filter(|hour| !hour.holds());
     let hours =
         hours.map(|hour| format!("{} drifts by {:.2} µm at rest", hour.case, hour.drift_um));
-    rows.chain(rough).chain(loops).chain(hours).collect()
+    let peers = report.peers.iter().flat_map(|peers| {
+        let ratios = peers["ratios"].as_array().cloned().unwrap_or_default();
+        ratios.into_iter().filter(|ratio| ratio["holds"] == false)
+    });
+    let peers = peers.map(|ratio| {
+        let name = ratio["name"].as_str().unwrap_or_default();
+        format!(
+            "beside its peers, {name}: {:.2}, asked {:.2} at least",
+            ratio["value"].as_f64().unwrap_or(f64::NAN),
+            ratio["at_least"].as_f64().unwrap_or(f64::NAN)
+        )
+    });
+    let all = rows.chain(rough).chain(loops).chain(hours);
+    all.chain(peers).collect()
 }
 
 /// What the loops over links put out at most, without and with the controller, in words.
@@ -292,7 +324,13 @@ fn breaks(report: &Report) -> Answer {
         + report.random_poses.len()
         + passivity.loops.len()
         + passivity.hours.len();
+    let felt = |l: &&Loop| l.energy_controlled_mj > FELT_MJ;
+    let felt = passivity.loops.iter().filter(felt).count();
     let (short, mood) = match broken.len() {
+        0 if felt > 0 => (
+            format!("Nowhere in {all} runs; {felt} links give back more than {FELT_MJ} mJ"),
+            "so",
+        ),
         0 => (format!("Nowhere in {all} runs"), "yes"),
         n => (format!("In {n} of {all} runs"), "no"),
     };

@@ -6,13 +6,13 @@ use super::super::html::escaped;
 use crate::report::Report;
 
 pub(super) fn hard_cases(html: &mut String, report: &Report) {
-    html.push_str("<section id=\"hard-cases\"><h2>Hard cases</h2>\n<p class=\"note\">Each is a scene, a hand and what must hold; <code>sulcus-client demo --exercise hard/NAME</code> performs it. <b>Residual</b>: deepest overlap of any two spheres in a converged tick, by a query of its own; good is under 1 µm. <b>Jump</b>: how much farther than the hand the drawn tool goes in a tick. <b>Click</b>: largest change of the force in a tick beyond what a hand at up to 0.2 m/s brings with its motion and its turning; good is under 0.02 N. <b>Buzz</b>: mean second difference of the force. <b>Energy</b>: the most that came out of the wrench into the hand; hands that are moved by a script, whatever they feel, may be given much. <b>Margin</b>: how far from going through it was, where there is something to go through. Times are CPU time of ticks in contact. <b>Shown</b>: the method as printed, of which nothing is asked.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>case</th><th>method</th><th>solver</th><th>yields</th><th>level</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>residual, µm</th><th>jump, µm</th><th>click, N</th><th>buzz, N</th><th>energy, mJ</th><th>margin, mm</th><th>outrun</th><th></th></tr></thead><tbody>\n");
+    html.push_str("<section id=\"hard-cases\"><h2>Hard cases</h2>\n<p class=\"note\">Each is a scene, a hand and what must hold; <code>sulcus-client demo --exercise hard/NAME</code> performs it. <b>Residual</b>: deepest overlap of any two spheres in a converged tick, by a query of its own; good is under 1 µm. <b>Jump</b>: how much farther than the hand the drawn tool goes in a tick. <b>Click</b>: largest change of the force in a tick beyond what a hand at up to 0.2 m/s brings with its motion and its turning; good is under 0.02 N. <b>Buzz</b>: mean second difference of the force. <b>Energy</b>: the most that came out of the wrench into the hand; hands that are moved by a script, whatever they feel, may be given much. <b>Margin</b>: how far from going through it was, where there is something to go through. <b>Passes</b>: what continuous collision costs, passes of both tools in a tick in contact, mean and most; <b>outrun</b>: ticks that ran out of them and were finished by the next. Times are CPU time of ticks in contact. <b>Shown</b>: the method as printed, of which nothing is asked.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>case</th><th>method</th><th>solver</th><th>yields</th><th>level</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>residual, µm</th><th>jump, µm</th><th>click, N</th><th>buzz, N</th><th>energy, mJ</th><th>margin, mm</th><th>passes</th><th>most</th><th>outrun</th><th></th></tr></thead><tbody>\n");
     for row in &report.rows {
         let t = &row.times.tick_us;
         let why = escaped(&row.broken.join("; "));
         let _ = writeln!(
             html,
-            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.3}</td><td>{:.0}</td><td>{:.4}</td><td>{:.4}</td><td>{:.2}</td><td>{}</td><td>{}</td><td class=\"{}\" title=\"{why}\">{}</td></tr>",
+            "<tr title=\"{}\"><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.3}</td><td>{:.0}</td><td>{:.4}</td><td>{:.4}</td><td>{:.2}</td><td>{}</td><td>{:.2}</td><td>{}</td><td>{}</td><td class=\"{}\" title=\"{why}\">{}</td></tr>",
             escaped(row.about),
             row.case,
             row.method,
@@ -33,6 +33,8 @@ pub(super) fn hard_cases(html: &mut String, report: &Report) {
             row.energy_mj,
             row.margin_mm
                 .map_or("–".to_owned(), |mm| format!("{mm:.2}")),
+            row.passes_mean,
+            row.passes_max,
             row.exhausted_ticks,
             row.status,
             row.status,

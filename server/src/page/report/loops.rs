@@ -52,7 +52,8 @@ pub(super) fn loops(html: &mut String, report: &Report) {
         let period = match hour.period_ticks {
             Some(1) => "stands still".to_owned(),
             Some(n) => format!("{n} ticks"),
-            None => "not in this time".to_owned(),
+            None if hour.whole_hour => "not in an hour".to_owned(),
+            None => format!("not in {} min", hour.ticks_run / 60_000),
         };
         let _ = writeln!(
             html,

@@ -113,7 +113,8 @@ pub(super) fn growth(html: &mut String, report: &Report) {
                 .map(|p| (p.x, value(&p.times.tick_us)))
                 .collect::<Vec<_>>()
         };
-        let wide = line.points.last().map_or(0.0, |p| p.x) > 100.0;
+        let ends = |of: fn(f64, f64) -> f64, from| line.points.iter().map(|p| p.x).fold(from, of);
+        let wide = ends(f64::min, f64::INFINITY) > 0.0 && ends(f64::max, 0.0) > 100.0;
         let plot = Plot {
             x: line.with.split(':').next().unwrap_or(line.with).into(),
             y: "time of a tick, us".into(),
@@ -125,14 +126,32 @@ pub(super) fn growth(html: &mut String, report: &Report) {
             limit: None,
         };
         let caption = format!(
-            "{}. Should grow: {}.{}",
+            "{}. Should grow: {}.{}{}",
             escaped(line.with),
             escaped(line.should),
+            asked(line),
             points(line)
         );
         figure(html, &plot, &caption);
     }
     html.push_str("</div></section>\n");
+}
+
+/// What is asked of a line in figures, and whether it is so.
+fn asked(line: &Line) -> String {
+    let each = line.asked.iter().map(|asked| {
+        let (class, said) = match asked.holds() {
+            true => ("holds", "as it should"),
+            false => ("broken", "more than it should"),
+        };
+        format!(
+            " {}: {:.2} (at most {:.1}), <span class=\"{class}\">{said}</span>.",
+            escaped(&asked.what),
+            asked.found,
+            asked.at_most
+        )
+    });
+    each.collect()
 }
 
 fn points(line: &Line) -> String {
