@@ -172,7 +172,9 @@ fn widened((low, high): (f64, f64), log: bool) -> (f64, f64) {
     if log {
         return (low / 1.3, high * 1.6);
     }
-    let room = (0.1 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+    // (Round a value that stands alone there is room enough for numbers that differ.)
+    let least = if high > low { 1e-9 } else { 0.2 };
+    let room = (0.1 * (high - low)).max(least * high.abs()).max(1e-12);
     // What is counted from nothing is shown from nothing.
     let low = if low >= 0.0 && low < 0.5 * high {
         0.0
@@ -276,6 +278,13 @@ mod tests {
             }
             assert_eq!(svg.matches("<circle").count(), 2);
         }
+    }
+
+    #[test]
+    fn numbers_beside_an_axis_differ_when_all_points_have_one_value() {
+        let svg = plot(vec![(231.068, 2.0)], (true, true)).svg();
+        assert!(svg.matches("231.068").count() <= 1, "{svg}");
+        assert!(svg.contains("200") && svg.contains("250"), "{svg}");
     }
 
     #[test]
