@@ -8,7 +8,9 @@ use sulcus_core::{
     MAX_TOOLS, NoProbe, Pose, Quat, RawPose, Scene, State, TickInput, ToolInput, Vec3, Workspace,
     tick,
 };
+use sulcus_operator::Script;
 use sulcus_operator::pocket_path::{Manner, PocketPath};
+use sulcus_operator::script::TwoTools;
 
 use crate::measure::{Measures, Observer};
 use crate::scenes::{self, device_over};
@@ -26,7 +28,31 @@ pub struct Fuzz {
     pub homes: fn(&Scene) -> Vec<Pose>,
     /// Length of the walk's usual steps, metres.
     pub step: f64,
+    /// Largest share of tool-ticks whose substeps may run out: leaps go on in later ticks. A little over what a thousand ticks and a
+    /// million come to.
+    pub exhausted_share: f64,
+    /// Deepest that such a tick may leave a tool, metres, likewise.
+    pub deepest: f64,
 }
+
+/// What is asked of those ticks: share and metres, for each kind of scene.
+const RIGID: (f64, f64) = (0.06, 1e-5);
+const GINGIVA: (f64, f64) = (0.09, 4e-5);
+const SKELETON: (f64, f64) = (0.06, 1e-5);
+const ORGAN: (f64, f64) = (0.09, 3e-3);
+/// Two tools wait for each other.
+const TWO_PROBES: (f64, f64) = (0.12, 4e-5);
+const TWO_MIRRORS: (f64, f64) = (0.3, 3e-3);
+
+/// One probe in the narrow pocket.
+pub const POCKET: Fuzz = Fuzz {
+    name: "pocket (gingiva)",
+    scene: || pocket("0.4"),
+    homes: |scene| vec![in_pocket(scene, 90.0)],
+    step: 1.5e-4,
+    exhausted_share: GINGIVA.0,
+    deepest: GINGIVA.1,
+};
 
 /// All of them: every tissue model, one and two tools, what is thin, narrow and sharp.
 pub const ALL: &[Fuzz] = &[
@@ -35,48 +61,57 @@ pub const ALL: &[Fuzz] = &[
         scene: || scenes::scene("wedge", vec![scenes::wedge()]),
         homes: |_| vec![over(-5e-4)],
         step: 1.5e-4,
+        exhausted_share: RIGID.0,
+        deepest: RIGID.1,
     },
     Fuzz {
         name: "thin plate",
         scene: || scenes::scene("thin plate", vec![scenes::thin_plate()]),
         homes: |_| vec![over(-5e-4)],
         step: 1.5e-4,
+        exhausted_share: RIGID.0,
+        deepest: RIGID.1,
     },
     Fuzz {
         name: "sharp edge",
         scene: || scenes::scene("sharp edge", vec![scenes::sharp_edge()]),
         homes: |_| vec![over(-1.5e-3)],
         step: 5e-5,
+        exhausted_share: RIGID.0,
+        deepest: RIGID.1,
     },
     Fuzz {
         name: "blended groove",
         scene: || scenes::scene("groove", vec![scenes::groove(0.785)]),
         homes: |_| vec![over(0.0)],
         step: 1.5e-4,
+        exhausted_share: RIGID.0,
+        deepest: RIGID.1,
     },
-    Fuzz {
-        name: "pocket (gingiva)",
-        scene: || pocket("0.4"),
-        homes: |scene| vec![in_pocket(scene, 90.0)],
-        step: 1.5e-4,
-    },
+    POCKET,
     Fuzz {
         name: "pocket, two probes (gingiva)",
         scene: || twice(pocket("0.4")),
         homes: |scene| vec![in_pocket(scene, 75.0), in_pocket(scene, 105.0)],
         step: 1.5e-4,
+        exhausted_share: TWO_PROBES.0,
+        deepest: TWO_PROBES.1,
     },
     Fuzz {
         name: "tongue (skeleton)",
         scene: || tongue(0.5),
         homes: |scene| vec![mirror(scene, 0.0).pose(4e-3, 0.0, 0.0)],
         step: 4e-4,
+        exhausted_share: SKELETON.0,
+        deepest: SKELETON.1,
     },
     Fuzz {
         name: "tongue (surface_compliance)",
         scene: || organ(0.5),
         homes: |scene| vec![mirror(scene, 0.0).pose(4e-3, 0.0, 0.0)],
         step: 4e-4,
+        exhausted_share: ORGAN.0,
+        deepest: ORGAN.1,
     },
     Fuzz {
         name: "tongue, two mirrors (surface_compliance)",
@@ -87,6 +122,8 @@ pub const ALL: &[Fuzz] = &[
                 .into()
         },
         step: 4e-4,
+        exhausted_share: TWO_MIRRORS.0,
+        deepest: TWO_MIRRORS.1,
     },
 ];
 
@@ -124,6 +161,37 @@ impl Fuzz {
         }
         observer.measures()
     }
+
+    /// Such a walk as a script of `ticks` milliseconds, without the bad numbers (which no script can have).
+    pub fn script(&self, scene: &Scene, seed: u64, ticks: u64) -> Box<dyn Script + Send> {
+        let homes = (self.homes)(scene);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut walks = [Walk::default(); MAX_TOOLS];
+        let made_up: Vec<[Option<Pose>; MAX_TOOLS]> = (0..ticks)
+            .map(|_| {
+                let mut poses = [None; MAX_TOOLS];
+                for (t, home) in homes.iter().enumerate() {
+                    let (pose, there) = walks[t].go(&mut rng, home, &scene.tools[t].tip, self.step);
+                    poses[t] = there.then_some(pose);
+                }
+                poses
+            })
+            .collect();
+        Box::new(TwoTools {
+            poses: move |t: f64| {
+                let k = (t * 1e3).round() as usize;
+                made_up[k.min(made_up.len() - 1)]
+            },
+            duration_s: ticks as f64 * 1e-3,
+        })
+    }
+
+    /// Whether `found` keeps to what is asked of ticks whose substeps ran out, their share being at most `times` that of long runs.
+    pub fn keeps_up(&self, found: &Measures, times: f64) -> bool {
+        let tools = (self.homes)(&(self.scene)()).len() as f64;
+        let share = found.exhausted as f64 / (found.ticks.max(1) as f64 * tools);
+        share <= times * self.exhausted_share && found.exhausted_residual <= self.deepest
+    }
 }
 
 /// A walk about home: mostly small steps, now and then a leap, a turn, an absence, a bad number.
@@ -134,17 +202,24 @@ struct Walk {
 }
 
 impl Walk {
-    fn step(&mut self, rng: &mut ChaCha8Rng, home: &Pose, tip: &Vec3, step: f64) -> ToolInput {
-        let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    /// The next pose, and whether the tool is there.
+    fn go(&mut self, rng: &mut ChaCha8Rng, home: &Pose, tip: &Vec3, step: f64) -> (Pose, bool) {
+        let mut unit = || unit(rng);
         let reach = if unit() < 0.005 { 60.0 * step } else { step };
         self.off = (self.off * 0.995).map(|x| x + 2.0 * (unit() - 0.5) * reach);
         let reach = if unit() < 0.003 { 1.5 } else { 8e-3 };
         self.turn = (self.turn * 0.99).map(|x| x + (unit() - 0.5) * reach);
         let facing = exp_rotation(&self.turn) * home.orientation;
         let at = home.transform(tip) + self.off - facing * tip;
+        (Pose::new(at, facing), unit() > 0.001)
+    }
+
+    fn step(&mut self, rng: &mut ChaCha8Rng, home: &Pose, tip: &Vec3, step: f64) -> ToolInput {
+        let (pose, present) = self.go(rng, home, tip, step);
+        let mut unit = || unit(rng);
         let mut tool = ToolInput {
-            pose: RawPose::from(&Pose::new(at, facing)),
-            present: unit() > 0.001,
+            pose: RawPose::from(&pose),
+            present,
             ..ToolInput::ABSENT
         };
         if unit() < 0.005 {
@@ -158,5 +233,28 @@ impl Walk {
             }
         }
         tool
+    }
+}
+
+/// The next number from 0 to 1.
+fn unit(rng: &mut ChaCha8Rng) -> f64 {
+    (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_runs_out_too_often_or_too_deep_does_not_keep_up() {
+        let found = |exhausted, exhausted_residual| Measures {
+            ticks: 1000,
+            exhausted,
+            exhausted_residual,
+            ..Measures::default()
+        };
+        assert!(ALL[0].keeps_up(&found(59, 9e-6), 1.0));
+        assert!(!ALL[0].keeps_up(&found(61, 9e-6), 1.0));
+        assert!(!ALL[0].keeps_up(&found(59, 1.1e-5), 1.0));
     }
 }

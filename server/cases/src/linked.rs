@@ -65,7 +65,8 @@ pub struct Linked {
     pub energy: f64,
     /// Most that it put out within one period beyond what had been paid for: what no controller can foresee.
     pub period_work: f64,
-    /// Whether every number was one and, of every hand, two such periods explain what came out, but for what is not felt.
+    /// Whether every number was one and, of every hand, two such periods explain what came out, but for what is not felt, and it is no more than
+    /// [`crate::Bounds::linked_energy`].
     pub passive: bool,
     /// What the controller took out, all hands.
     pub taken: f64,
@@ -209,6 +210,8 @@ pub fn run_linked_on(
         linked.period_work = linked.period_work.max(energy.most_at_once);
         // One period until it is seen, one until the answer to it is felt.
         linked.passive &= energy.most_out <= FELT + 2.0 * energy.most_at_once;
+        // That bound grows with what goes wrong; this one is the case's own.
+        linked.passive &= energy.most_out <= case.bounds.linked_energy;
         linked.taken += energy.taken;
         acted += energy.acted;
     }

@@ -6,6 +6,7 @@ use sulcus_core::{
 use sulcus_operator::{Felt, HandParams, Operator, Script, Shown, present};
 
 use crate::measure::{Measures, Observer};
+use crate::table::margin::Moment;
 use crate::table::{Case, Driver};
 
 /// How a case went.
@@ -15,7 +16,7 @@ pub struct CaseReport {
     pub name: &'static str,
     /// The measures.
     pub measures: Measures,
-    /// Smallest value of the case's own margin (positive: never through), metres.
+    /// Smallest value of the case's own margin (positive: never through), metres; infinite where there was nothing to measure.
     pub margin: f64,
     /// What does not hold, in words; empty when the case passes.
     pub broken: Vec<String>,
@@ -101,10 +102,12 @@ pub fn run_at(
         });
         observer.observe(&scene, &input, &output, &ws);
         shown = Shown::from(&output);
-        margin = margin.min((case.margin)(
-            &scene,
-            [last.as_ref().unwrap_or(&output), &output],
-        ));
+        let moment = Moment {
+            scene: &scene,
+            ticks: [last.as_ref().unwrap_or(&output), &output],
+            workspace: &ws,
+        };
+        margin = margin.min((case.margin)(&moment));
         last = Some(output);
     }
     let measures = observer.measures();

@@ -1,14 +1,17 @@
 //! The hard cases, one row each: scene, hand, what must hold.
 
+mod limits;
+pub mod margin;
 mod passing;
 mod rigid;
 mod squeezed;
 pub(crate) mod tissue;
 
-use sulcus_core::{Scene, TickInput, TickOutput};
+use sulcus_core::{Scene, TickInput};
 use sulcus_operator::{HandParams, Script};
 
 use crate::measure::Measures;
+use margin::Moment;
 
 /// Makes a script for a scene.
 pub type MakeScript = fn(&Scene) -> Box<dyn Script + Send>;
@@ -31,6 +34,8 @@ pub struct Bounds {
     pub exhausted_residual: f64,
     /// Most energy put out into the hand, joules: the closed loop must not drive it.
     pub energy: f64,
+    /// Most energy put out by a hand that feels, over a link of 5 ms and with the passivity controller, joules: where every case is run so.
+    pub linked_energy: f64,
     /// Largest share of ticks whose substeps ran out.
     pub exhausted_share: f64,
     /// Largest jump.
@@ -57,8 +62,8 @@ pub struct Bounds {
     pub drift: f64,
     /// Largest disagreement of wrench and coupling, relative.
     pub coupling_error: f64,
-    /// Smallest margin of the case's own (never through).
-    pub margin: f64,
+    /// Smallest margin of the case's own (never through); none where there is nothing to go through.
+    pub margin: Option<f64>,
     /// Fewest ticks in contact: a case that never touches proves nothing.
     pub contact_ticks: u64,
 }
@@ -66,6 +71,9 @@ pub struct Bounds {
 /// Most that the raw force may change by in a tick beyond what a hand at up to 0.2 m/s brings with it, newtons: the tick's own
 /// limit, and rounding.
 const SLOW_FORCE_STEP: f64 = 0.02 + 1e-9;
+
+/// Most energy that a late wrench may put out with the controller, joules: ten times what is not felt ([`crate::linked::FELT`]).
+const LINKED_ENERGY: f64 = 1e-3;
 
 /// One hard case.
 #[derive(Clone, Copy)]
@@ -80,8 +88,9 @@ pub struct Case {
     pub driver: Driver,
     /// What happens to the input on its way (lost packets, bad numbers).
     pub disturb: fn(u64, &mut TickInput),
-    /// The case's own margin, metres, from the tick before (in the first the same) to this one; positive where nothing is wrong.
-    pub margin: fn(&Scene, [&TickOutput; 2]) -> f64,
+    /// The case's own margin, metres, from the tick before to this one; positive where nothing is wrong, infinite where there is nothing to
+    /// measure.
+    pub margin: fn(&Moment<'_>) -> f64,
     /// Seed of the tremor.
     pub seed: u64,
     /// What must hold.
@@ -104,10 +113,10 @@ pub struct Check {
 }
 
 impl Check {
-    /// Whether it holds; not for a NaN.
+    /// Whether it holds; not for a NaN, and no infinite number is at least anything: that was never measured.
     pub fn holds(&self) -> bool {
         if self.floor {
-            self.found >= self.bound
+            self.found >= self.bound && self.found < f64::INFINITY
         } else {
             self.found <= self.bound
         }
@@ -120,6 +129,9 @@ impl Check {
         } else {
             (self.found, self.bound)
         };
+        if self.floor && self.found == f64::INFINITY {
+            return f64::INFINITY;
+        }
         if self.holds() && (part <= 0.0 || whole == f64::INFINITY || whole == part) {
             // Nothing of nothing, or what must be zero and is.
             return 0.0;
@@ -143,7 +155,7 @@ impl Bounds {
             ..most(what, found, bound, scale, unit)
         };
         let exhausted = m.exhausted as f64 / m.ticks.max(1) as f64;
-        vec![
+        let mut checks = vec![
             most("residual", m.residual, self.residual, 1e6, "um"),
             most(
                 "residual, exhausted",
@@ -187,7 +199,6 @@ impl Bounds {
             most("solver failures", m.solver_failed as f64, 0.0, 1.0, "ticks"),
             most("faults", m.faults as f64, 0.0, 1.0, "ticks"),
             most("not finite", m.not_finite as f64, 0.0, 1.0, "ticks"),
-            least("margin", margin, self.margin, 1e3, "mm"),
             least(
                 "contact",
                 m.contact_ticks as f64,
@@ -195,7 +206,12 @@ impl Bounds {
                 1.0,
                 "ticks",
             ),
-        ]
+        ];
+        checks.extend(
+            self.margin
+                .map(|bound| least("margin", margin, bound, 1e3, "mm")),
+        );
+        checks
     }
 
     /// What does not hold, in words.
@@ -215,14 +231,16 @@ impl Bounds {
 
 fn undisturbed(_: u64, _: &mut TickInput) {}
 
-fn no_margin(_: &Scene, _: [&TickOutput; 2]) -> f64 {
-    f64::INFINITY
-}
-
 /// All hard cases, in the order of the report.
 pub const TABLE: &[Case] = &joined();
 
-const GROUPS: [&[Case]; 4] = [rigid::CASES, squeezed::CASES, passing::CASES, tissue::CASES];
+const GROUPS: [&[Case]; 5] = [
+    rigid::CASES,
+    squeezed::CASES,
+    passing::CASES,
+    tissue::CASES,
+    limits::CASES,
+];
 
 const COUNT: usize = {
     let (mut count, mut group) = (0, 0);
@@ -251,4 +269,35 @@ const fn joined() -> [Case; COUNT] {
 /// The case of that name.
 pub fn find(name: &str) -> Option<&'static Case> {
     TABLE.iter().find(|case| case.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_margin_that_was_never_measured_does_not_hold() {
+        let bounds = find("teeth-gap-0.02").expect("in the table").bounds;
+        let holds = |margin: f64| {
+            let checks = bounds.checks(&Measures::default(), margin);
+            let check = checks.iter().find(|check| check.what == "margin");
+            check.expect("it declares one").holds()
+        };
+        assert!(holds(4e-4));
+        assert!(!holds(2e-4) && !holds(f64::INFINITY) && !holds(f64::NAN));
+        let none = find("wedge").expect("in the table").bounds;
+        let checks = none.checks(&Measures::default(), f64::INFINITY);
+        assert!(checks.iter().all(|check| check.what != "margin"));
+    }
+
+    #[test]
+    fn names_are_unique() {
+        for (k, case) in TABLE.iter().enumerate() {
+            assert!(
+                TABLE[..k].iter().all(|other| other.name != case.name),
+                "{}",
+                case.name
+            );
+        }
+    }
 }

@@ -15,7 +15,7 @@ fn each(all: u64) -> u64 {
     asked.map_or(all, |n| n.parse().expect("a number of ticks")) / ALL.len() as u64
 }
 
-fn hold(fuzz: &Fuzz, m: &Measures, ticks: u64) {
+fn hold(fuzz: &Fuzz, m: &Measures, ticks: u64, times: f64) {
     let params = Params::default();
     println!("{}: {m:?}", fuzz.name);
     let name = fuzz.name;
@@ -24,9 +24,7 @@ fn hold(fuzz: &Fuzz, m: &Measures, ticks: u64) {
     assert!(m.residual <= 1e-6, "{name}: residual {:e} m", m.residual);
     // A tick that ran out of passes is done by the next: what does not yield is not entered meanwhile. (Soft tissue, struck by a
     // leap of centimetres, is by millimetres, and the report says so.)
-    let soft = name.starts_with("tongue");
-    assert!(soft || m.exhausted_residual <= 1e-4, "{name}: {m:?}");
-    assert!(m.exhausted_residual <= 5e-3, "{name}: {m:?}");
+    assert!(fuzz.keeps_up(m, times), "{name}: {m:?}");
     assert!(m.solver_failed <= ticks / 10_000, "{name}: {m:?}");
     assert!(m.max_force <= params.max_force + 1e-9, "{name}: {m:?}");
     assert!(m.sent_step <= params.max_force_step + 1e-9, "{name}: {m:?}");
@@ -39,7 +37,7 @@ fn a_hundred_thousand_random_poses() {
     let ticks = each(TICKS);
     for (seed, fuzz) in ALL.iter().enumerate() {
         let found = fuzz.run(seed as u64, ticks, |_| {});
-        hold(fuzz, &found, ticks);
+        hold(fuzz, &found, ticks, 1.0);
         let bad = found.bad_input;
         assert!(bad > ticks / 1000, "{}: {bad}", fuzz.name);
     }
@@ -52,6 +50,7 @@ fn random_poses_with_the_judge_in_the_tick() {
         let found = fuzz.run(100 + seed as u64, ticks, |scene| {
             scene.params.solver = SolverKind::Clarabel;
         });
-        hold(fuzz, &found, ticks);
+        // Over a quarter of a second one leap is much.
+        hold(fuzz, &found, ticks, 2.0);
     }
 }

@@ -6,12 +6,13 @@ use sulcus_operator::Script;
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
 
+use super::margin::{POST, beside_post, lowest_sphere, tip_over_tissue, tools_over_tissue};
 use super::rigid::{THIN_PLATE, stab};
 use super::tissue::{TONGUE, mirror};
-use super::{Bounds, Case, Driver, no_margin};
+use super::{Bounds, Case, Driver};
 use crate::mouth::mouth;
 use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
-use crate::tissue_scenes::{tongue, twice};
+use crate::tissue_scenes::{organ, tongue, twice};
 
 /// Rate of the fast turns, rad/s: the tip, 90 mm away from the device point, then goes at 1.8 m/s.
 const SWING: f64 = 20.0;
@@ -79,10 +80,12 @@ const GAP: Case = Case {
     scene: two_teeth,
     driver: Driver::Kinematic(|scene| through_contact(scene, 0.02)),
     // It may slide up over the ridges of the two, not between them: where it goes through the plane of the contact it is above.
-    margin: |scene, ticks| {
-        let contact = scene.tools[0].park.position - Vec3::new(0.0, 0.0, OVER);
+    margin: |moment| {
+        let contact = moment.scene.tools[0].park.position - Vec3::new(0.0, 0.0, OVER);
         let tip = Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE);
-        let [before, now] = ticks.map(|output| output.tools[0].graphic.transform(&tip) - contact);
+        let [before, now] = moment
+            .ticks
+            .map(|output| output.tools[0].graphic.transform(&tip) - contact);
         if before.y * now.y < 0.0 {
             let share = before.y / (before.y - now.y);
             before.z + share * (now.z - before.z)
@@ -94,7 +97,7 @@ const GAP: Case = Case {
     },
     bounds: Bounds {
         contact_ticks: 2,
-        margin: 3e-4,
+        margin: Some(3e-4),
         exhausted_share: 0.01,
         flips: u64::MAX,
         ..THIN_PLATE.bounds
@@ -135,9 +138,44 @@ const EDGE: Case = Case {
         scene
     },
     driver: Driver::Kinematic(|_| onto_edge(0.1)),
+    margin: tip_over_tissue,
     bounds: Bounds {
         unrest: f64::INFINITY,
+        // The radius of the tip.
+        margin: Some(2.4e-4),
         contact_ticks: 300,
+        ..TONGUE.bounds
+    },
+    ..TONGUE
+};
+
+const COMES_BACK: Case = Case {
+    name: "tissue-comes-back",
+    about: "one mirror dents the tongue by 12 mm and leaves at once, the tissue swings back into another that rests there",
+    scene: || twice(tongue(0.5)),
+    driver: Driver::Kinematic(|scene| {
+        let both = [mirror(scene, 0.0), mirror(scene, 0.46)];
+        let poses = move |t: f64| {
+            let presses =
+                -5e-3 + 17e-3 * smoothstep(t / 1.0) - 20e-3 * smoothstep((t - 2.0) / 0.05);
+            // Comes while the other presses, and stays 3 mm inside of where the tissue is at rest.
+            let rests = -8e-3 + 11e-3 * smoothstep((t - 1.0) / 0.5);
+            [
+                Some(both[0].pose(presses, 0.0, 0.0)),
+                Some(both[1].pose(rests, 0.0, 0.0)),
+            ]
+        };
+        Box::new(TwoTools {
+            poses,
+            duration_s: 4.0,
+        })
+    }),
+    margin: tools_over_tissue,
+    bounds: Bounds {
+        unrest: 12e-3,
+        // The working points are inside of the discs, spheres between them and the tissue.
+        margin: Some(1e-3),
+        contact_ticks: 1500,
         ..TONGUE.bounds
     },
     ..TONGUE
@@ -192,6 +230,12 @@ pub(super) const CASES: &[Case] = &[
         },
         ..GAP
     },
+    Case {
+        name: "tongue-edge-0.02",
+        about: "the same at 0.02 m/s",
+        driver: Driver::Kinematic(|_| onto_edge(0.02)),
+        ..EDGE
+    },
     EDGE,
     Case {
         name: "tongue-edge-0.5",
@@ -233,7 +277,7 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 4.0,
             })
         }),
-        margin: super::rigid::lowest_sphere,
+        margin: lowest_sphere,
         bounds: Bounds {
             // At 20 rad/s the torque's slew limit holds back what it rises and what it falls by: work on a hand that does not care.
             energy: f64::INFINITY,
@@ -250,7 +294,7 @@ pub(super) const CASES: &[Case] = &[
         name: "half-turn",
         about: "the probe turned by 180 degrees in 0.2 s against a post that is in its way, held there, and back: it never jumps past",
         scene: || {
-            let post = scenes::post(Vec3::new(6e-3, 0.0, 0.0));
+            let post = scenes::post(POST);
             scenes::scene("post", vec![post])
         },
         driver: Driver::Kinematic(|_| {
@@ -272,45 +316,24 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 2.5,
             })
         }),
-        // Held there, it is pulled out along the post and round it: a way that is free.
-        margin: no_margin,
+        // Held there, it is pulled out along the post and round it, past its end: a way that is free.
+        margin: beside_post,
         bounds: Bounds {
             exhausted_share: 0.01,
             energy: f64::INFINITY,
             force_step: 0.2,
-            margin: 0.0,
+            // What spheres of 1 and 0.25 mm in rows leave between their axes.
+            margin: Some(1.2e-3),
             contact_ticks: 500,
             ..THIN_PLATE.bounds
         },
         ..THIN_PLATE
     },
+    COMES_BACK,
     Case {
-        name: "tissue-comes-back",
-        about: "one mirror dents the tongue by 12 mm and leaves at once, the tissue swings back into another that rests there",
-        scene: || twice(tongue(0.5)),
-        driver: Driver::Kinematic(|scene| {
-            let both = [mirror(scene, 0.0), mirror(scene, 0.46)];
-            let poses = move |t: f64| {
-                let presses =
-                    -5e-3 + 17e-3 * smoothstep(t / 1.0) - 20e-3 * smoothstep((t - 2.0) / 0.05);
-                // Comes while the other presses, and stays 3 mm inside of where the tissue is at rest.
-                let rests = -8e-3 + 11e-3 * smoothstep((t - 1.0) / 0.5);
-                [
-                    Some(both[0].pose(presses, 0.0, 0.0)),
-                    Some(both[1].pose(rests, 0.0, 0.0)),
-                ]
-            };
-            Box::new(TwoTools {
-                poses,
-                duration_s: 4.0,
-            })
-        }),
-        margin: no_margin,
-        bounds: Bounds {
-            unrest: 12e-3,
-            contact_ticks: 1500,
-            ..TONGUE.bounds
-        },
-        ..TONGUE
+        name: "organ-comes-back",
+        about: "the same with a tongue of finite elements",
+        scene: || twice(organ(0.5)),
+        ..COMES_BACK
     },
 ];

@@ -6,8 +6,9 @@ use sulcus_core::{Pose, Quat, Vec3};
 use sulcus_operator::HandParams;
 use sulcus_operator::script::{OneTool, smoothstep};
 
-use super::rigid::{THIN_PLATE, lowest_sphere};
-use super::{Bounds, Case, Driver, no_margin};
+use super::margin::{self, lowest_sphere};
+use super::rigid::THIN_PLATE;
+use super::{Bounds, Case, Driver};
 use crate::scenes::{self, TIP_BELOW_DEVICE, TIP_RADIUS, device_over};
 
 const OPPOSED: Case = Case {
@@ -34,8 +35,9 @@ const OPPOSED: Case = Case {
         },
         HandParams::default,
     ),
-    margin: no_margin,
+    margin: margin::none,
     bounds: Bounds {
+        margin: None,
         contact_ticks: 1500,
         ..THIN_PLATE.bounds
     },
@@ -80,8 +82,9 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 3.0,
             })
         }),
-        margin: no_margin,
+        margin: margin::none,
         bounds: Bounds {
+            margin: None,
             // Pressed out of it in the first ticks, it rests on its rims; until then it lacks room on both sides.
             exhausted_residual: 5.1e-5,
             contact_ticks: 1000,

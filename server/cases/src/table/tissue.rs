@@ -6,7 +6,7 @@ use sulcus_operator::pocket_path::{Manner, PocketPath};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
 
-use super::{Bounds, Case, Driver, SLOW_FORCE_STEP, no_margin, undisturbed};
+use super::{Bounds, Case, Driver, LINKED_ENERGY, SLOW_FORCE_STEP, margin, undisturbed};
 use crate::tissue_scenes::{bar, organ, pocket, stiff, tongue, twice};
 
 /// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, radians.
@@ -83,13 +83,14 @@ pub(super) const TONGUE: Case = Case {
     scene: || tongue(0.5),
     driver: Driver::Kinematic(|scene| press_and_slide(scene, 10e-3)),
     disturb: undisturbed,
-    margin: no_margin,
+    margin: margin::none,
     seed: 1,
     bounds: Bounds {
         residual: 1e-6,
         exhausted_residual: 2e-5,
         // A hand that is moved, not moving, may be given back what it put in, not more.
         energy: 1e-3,
+        linked_energy: LINKED_ENERGY,
         exhausted_share: 0.001,
         jump: 3.5e-4,
         force_step: 0.05,
@@ -104,7 +105,7 @@ pub(super) const TONGUE: Case = Case {
         rebound: 0.01,
         unrest: 1e-6,
         drift: 1e-6,
-        margin: 0.0,
+        margin: None,
         contact_ticks: 2000,
     },
 };
@@ -188,7 +189,7 @@ const TONGUE_TELEPORT: Case = Case {
     ..TONGUE
 };
 
-const TONGUE_STIFF: Case = Case {
+pub(super) const TONGUE_STIFF: Case = Case {
     name: "tongue-stiff",
     about: "a tongue a thousand times as stiff as is sensible: as good as rigid, never a wild number",
     scene: || stiff(tongue(0.5)),
