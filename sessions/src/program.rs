@@ -40,13 +40,9 @@ impl Program {
 impl fmt::Display for Program {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // A header's text may hold anything, also what a terminal obeys.
-        let [version, build, target, tick] = [
-            &self.version,
-            &self.build,
-            &self.target,
-            &self.tick_source,
-        ]
-        .map(|text| text.escape_debug());
+        let [version, build, target, tick] =
+            [&self.version, &self.build, &self.target, &self.tick_source]
+                .map(|text| text.escape_debug());
         write!(f, "{version} {build} {target}")?;
         if self.tick_source.is_empty() {
             return Ok(());
