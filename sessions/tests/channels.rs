@@ -131,19 +131,10 @@ fn a_summary_that_says_otherwise_than_the_messages_is_found_out() {
 fn a_damaged_chunk_of_theirs_costs_nobody_the_session() {
     let bytes = recorded_with_views(2000, 0..0);
     let whole = Recording::from_bytes(bytes.clone()).unwrap();
-    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
-    let of_views = |chunk: &&mcap::records::ChunkIndex| {
-        let mut ids = chunk.message_index_offsets.keys();
-        let exact = |id: &u16| {
-            let topic = &summary.channels[id].topic;
-            topic.starts_with("/exact") || topic == "/events"
-        };
-        ids.len() > 0 && !ids.any(exact)
-    };
-    let chunk = summary.chunk_indexes.iter().find(of_views).unwrap();
+    let chunk = view_chunks(&bytes)[0].clone();
     let mut bad = bytes.clone();
     // The middle of its packed bytes.
-    bad[(chunk.chunk_start_offset + chunk.chunk_length / 2) as usize] ^= 0x10;
+    bad[chunk.start + chunk.len() / 2] ^= 0x10;
     let recording = Recording::from_bytes(bad.clone()).unwrap();
     assert_eq!(recording.facts().rows, whole.facts().rows);
     assert_eq!(recording.facts().damaged_views, 1);
@@ -153,8 +144,7 @@ fn a_damaged_chunk_of_theirs_costs_nobody_the_session() {
     assert!(report.gradable && report.is_finding(), "{report:?}");
     assert_eq!(report.viewers, Viewers::Changed);
     // Torn as well, all of the exact record up to the tear is recovered.
-    let chunks = summary.chunk_indexes.iter();
-    let tear = chunks.map(|chunk| chunk.chunk_start_offset).max().unwrap() as usize + 100;
+    let tear = records_of(&bytes, op::CHUNK).last().unwrap().start + 100;
     let torn = Recording::from_bytes(bad[..tear].to_vec()).unwrap();
     assert_eq!(torn.facts().damaged_views, 1);
     let (copy, _) = recover_to(&torn, Vec::new(), &mut |_| {}).unwrap();

@@ -1,6 +1,7 @@
 //! A small session, recorded, and ways to tamper with it.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod ask;
 pub mod program;
 
 use std::collections::BTreeMap;
@@ -394,4 +395,23 @@ pub fn records_of(bytes: &[u8], opcode: u8) -> Vec<std::ops::Range<usize>> {
         at += 9 + length;
     }
     found
+}
+
+/// Where the chunks are that hold nothing but what viewers read, by the file's index.
+pub fn view_chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let summary = mcap::Summary::read(bytes).unwrap().unwrap();
+    let exact = |id: &u16| {
+        let topic = &summary.channels[id].topic;
+        topic.starts_with("/exact") || topic == "/events"
+    };
+    let chunks = summary.chunk_indexes.iter().filter(|chunk| {
+        let mut ids = chunk.message_index_offsets.keys();
+        ids.len() > 0 && !ids.any(exact)
+    });
+    chunks
+        .map(|chunk| {
+            let start = chunk.chunk_start_offset as usize;
+            start..start + chunk.chunk_length as usize
+        })
+        .collect()
 }
