@@ -65,6 +65,9 @@ pub struct ComparisonReport {
     pub what_if: Side,
     /// The part that was run, where not all was asked for.
     pub part: Option<Part>,
+    /// Tick of the snapshot that the changed side began with: the recording's first where the change is one of geometry or tissue
+    /// ([`WhatIf::keeps_states`]), otherwise the part's own.
+    pub what_if_snapshot_tick: u64,
     /// What the signatures say of the recording.
     pub signature: Signature,
     /// How the recording ends.
@@ -97,8 +100,9 @@ impl From<crate::read::ReadError> for CompareError {
     }
 }
 
-/// Runs the recorded inputs in the recorded scene and in the changed one, both from the same snapshot on; neither is led back
-/// later.
+/// Runs the recorded inputs in the recorded scene and in the changed one; neither is led back to a snapshot later. The recorded side begins
+/// with the last snapshot before the part, and so does the changed one where that is a state of its own; otherwise it comes to the part
+/// from the session's beginning. They are compared from the part's snapshot on.
 ///
 /// # Errors
 /// As [`crate::replay()`], or when the scene cannot be changed so.
@@ -126,6 +130,7 @@ pub fn compare(
         recorded: Side::default(),
         what_if: Side::default(),
         part: (!options.span.is_all()).then_some(part),
+        what_if_snapshot_tick: part.snapshot_tick,
         signature: Signature::Unsigned {
             fingerprint: String::new(),
             last_valid_tick: None,
@@ -133,26 +138,47 @@ pub fn compare(
         ending: recording.ending().clone(),
     };
     let mut sums = Sums::default();
-    let mut simulated_ticks = 0;
-    let mut started = false;
+    let (mut ran, mut simulated_ticks) = (0, 0_u64);
+    let (mut started, mut other_started) = (false, false);
+    let from_part = what_if.keeps_states();
     for message in recording.messages() {
         let message = message?;
         verifier.message(&message);
         match &message {
-            Message::Snapshot { tick, state } if !started && part.looks_at(*tick) => {
+            Message::Snapshot { tick, state } => {
+                let begins = !started && part.looks_at(*tick);
+                let other_begins = !other_started && (begins || !from_part);
+                if !(begins || other_begins) {
+                    continue;
+                }
                 let state = crate::replay::recorded_state(&scene, *tick, state)
                     .map_err(ReplayError::Snapshot)?;
-                other.begin_like(&state);
-                recorded.begin_with(state);
-                started = true;
+                if other_begins {
+                    other.begin_like(&state);
+                    other_started = true;
+                    report.what_if_snapshot_tick = *tick;
+                }
+                if begins {
+                    recorded.begin_with(state);
+                    started = true;
+                }
             }
-            Message::Row(row) if part.runs(row.tick) => {
+            Message::Row(row)
+                if part.runs(row.tick) || (!from_part && row.tick <= part.to_tick) =>
+            {
                 // On the way from the snapshot to the part only what must be the same is looked at.
                 let counts = part.contains(row.tick);
-                let ours = recorded.tick(&row.input, counts);
                 let theirs = other.tick(&what_if.input(&row.input), counts);
-                report.ticks += 1;
+                ran += 1;
                 simulated_ticks += 1 + u64::from(row.input.skipped);
+                if ran % REPORT_EVERY == 0 {
+                    progress(ran);
+                }
+                if !part.runs(row.tick) {
+                    continue;
+                }
+                let ours = recorded.tick(&row.input, counts);
+                report.ticks += 1;
                 report.recorded_side_identical &= ours.hash == row.hash;
                 if theirs.hash != row.hash {
                     report.first_divergent_tick.get_or_insert(row.tick);
@@ -160,14 +186,11 @@ pub fn compare(
                 if counts {
                     sums.add(&scene, row.tick, &ours, &theirs, &mut report.apart);
                 }
-                if report.ticks.is_multiple_of(REPORT_EVERY) {
-                    progress(report.ticks);
-                }
             }
             _ => {}
         }
     }
-    progress(report.ticks);
+    progress(ran);
     sums.finish(&mut report.apart);
     let simulated_s = simulated_ticks as f64 * scene.tick_s();
     report.realtime_factor = simulated_s / other.seconds().max(1e-9);

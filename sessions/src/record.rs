@@ -105,14 +105,12 @@ impl Recorder {
         let metadata = header.to_metadata(&key.public());
         let digest = header::digest(&metadata);
         let begun = begin(storage, header, metadata).map_err(stopped)?;
-        let mut viewed = Summing::default();
-        viewed.channel(begun.log, channels::LOG);
         Ok(Self {
             writer: Some(begun.writer),
             ids: begun.ids,
             log: begun.log,
             waiting: Waiting::default(),
-            viewed,
+            viewed: begun.viewed,
             key,
             chain: Chain::new(digest),
             hashes: [digest, header.scene_hash(), header.exercise_hash()],

@@ -2,7 +2,7 @@
 //!
 //! What a crash leaves is a clean prefix without an end: this program reads it as it is, other MCAP tools may not. Recovery writes
 //! a new file of all whole chunks, with an index and a proper end, and says in its metadata `sulcus.recovered` that it did,
-//! and what is missing. Messages are copied as they are: chain and signatures hold as far as they went.
+//! and what is missing. A damaged chunk of what viewers read is left behind, so that they can open the rest. Messages are copied as they are: chain and signatures hold as far as they went.
 
 mod lost;
 
@@ -178,13 +178,14 @@ fn copied(error: mcap::McapError) -> RecoverError {
     RecoverError::Copy(crate::record::reason(&error))
 }
 
-/// Where a torn recording is torn, bytes.
+/// Where a torn recording is torn, bytes; one that others cannot open for a damaged chunk of viewers' ends where it ends.
 fn tear(recording: &Recording) -> Result<usize, RecoverError> {
     match recording.ending() {
         Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. } => {
             let at = usize::try_from(*at_byte).unwrap_or(usize::MAX);
             Ok(at.min(recording.bytes.len()))
         }
+        _ if recording.facts().damaged_views > 0 => Ok(recording.bytes.len()),
         ending => Err(RecoverError::Whole(ending.clone())),
     }
 }

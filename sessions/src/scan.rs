@@ -90,19 +90,29 @@ fn read_header(walk: &mut Walk<'_>) -> Result<(Pairs, Files), ReadError> {
             op::ATTACHMENT => {
                 let (name, data) = walk::attachment(record.body)
                     .ok_or_else(|| bad("an attachment is not whole"))?;
-                if (name == SCENE || TEXTS.contains(&name))
-                    && files.insert(name.to_owned(), data.to_vec()).is_some()
-                {
+                // What nobody asks for is signed by nobody either, and others show it.
+                if name != SCENE && !TEXTS.contains(&name) {
+                    return Err(bad(&format!(
+                        "there is an attachment `{}`, expected `{SCENE}`, `{}` alone",
+                        name.escape_debug(),
+                        TEXTS.join("`, `")
+                    )));
+                }
+                if files.insert(name.to_owned(), data.to_vec()).is_some() {
                     return Err(bad(&format!("there are two attachments `{name}`")));
                 }
             }
             op::METADATA => {
                 let (name, pairs) =
                     walk::metadata(record.body).ok_or_else(|| bad("metadata is not whole"))?;
-                if name == METADATA {
-                    walk.pass(&record);
-                    return Ok((pairs, files));
+                if name != METADATA {
+                    return Err(bad(&format!(
+                        "there is metadata `{}`, expected `{METADATA}` alone",
+                        name.escape_debug()
+                    )));
                 }
+                walk.pass(&record);
+                return Ok((pairs, files));
             }
             _ => return Err(ReadError::NotSulcus),
         }
@@ -161,11 +171,15 @@ impl Pass {
                     Err(why) => return Err(Stop::Damaged(why)),
                 },
                 op::DATA_END => break,
-                op::METADATA if is_second_header(&record) => {
-                    return Err(Stop::Damaged("there is a second header".to_owned()));
+                op::METADATA => self.note(&record)?,
+                op::ATTACHMENT => {
+                    let name = walk::attachment(record.body).map_or("", |(name, _)| name);
+                    return Err(Stop::Damaged(format!(
+                        "there is an attachment `{}` behind the header, expected none there",
+                        name.escape_debug()
+                    )));
                 }
-                op::METADATA => self.note(&record),
-                op::MESSAGE_INDEX | op::ATTACHMENT => {}
+                op::MESSAGE_INDEX => {}
                 opcode if opcode >= 0x80 => {}
                 opcode => {
                     return Err(Stop::Damaged(format!(
@@ -181,6 +195,7 @@ impl Pass {
             if !(last || record.opcode == op::DATA_END || walk::is_summary(record.opcode)) {
                 return Err(Stop::Damaged("the summary is damaged".to_owned()));
             }
+            self.said_again(&record)?;
             walk.pass(&record);
             if last {
                 walk.end()?;
@@ -202,13 +217,50 @@ impl Pass {
         }
     }
 
-    /// Keeps what a recovery says of itself.
-    fn note(&mut self, record: &Framed<'_>) {
-        if let Some((name, pairs)) = walk::metadata(record.body)
-            && name == recover::METADATA
-        {
-            self.recovered = Some(pairs);
+    /// Takes in what the summary says again of schemas and channels, which is where other readers look first.
+    fn said_again(&mut self, record: &Framed<'_>) -> Result<(), Stop> {
+        let damaged = || Stop::Damaged("the summary is damaged".to_owned());
+        match record.opcode {
+            op::SCHEMA => {
+                let (id, name, encoding, data) = walk::schema(record.body).ok_or_else(damaged)?;
+                self.viewed.schema(id, name, encoding, data);
+            }
+            op::CHANNEL => {
+                let (id, schema, name, encoding) =
+                    walk::channel(record.body).ok_or_else(damaged)?;
+                let topic = Topic::from_name(name);
+                let before = self.topics.get(&id).copied();
+                self.viewed
+                    .declared_twice(before.is_some_and(|before| before != topic));
+                if topic.is_none() {
+                    self.viewed.channel(id, schema, name, encoding);
+                }
+            }
+            _ => {}
         }
+        Ok(())
+    }
+
+    /// Keeps what a recovery says of itself: once, and nothing else is said behind the header.
+    fn note(&mut self, record: &Framed<'_>) -> Result<(), Stop> {
+        let damaged = |what: String| Err(Stop::Damaged(what));
+        let Some((name, pairs)) = walk::metadata(record.body) else {
+            return damaged("metadata behind the header is not whole".to_owned());
+        };
+        if name == METADATA {
+            return damaged("there is a second header".to_owned());
+        }
+        if name != recover::METADATA {
+            return damaged(format!(
+                "there is metadata `{}` behind the header, expected none but `{}`",
+                name.escape_debug(),
+                recover::METADATA
+            ));
+        }
+        if self.recovered.replace(pairs).is_some() {
+            return damaged(format!("there is metadata `{name}` twice"));
+        }
+        Ok(())
     }
 
     /// Whether the chunk `record`, which cannot be unpacked, has messages of viewers' channels alone by the indexes behind it.
@@ -247,10 +299,6 @@ impl Pass {
         self.chunks.push(at..at + record.whole.len());
         Ok(())
     }
-}
-
-fn is_second_header(record: &Framed<'_>) -> bool {
-    walk::metadata(record.body).is_none_or(|(name, _)| name == METADATA)
 }
 
 fn count(message: &Message, facts: &mut Facts, tick: &mut u64) -> Result<(), String> {
@@ -299,8 +347,15 @@ fn unpack(
     let mut messages = Vec::new();
     walk::unpack(chunk, |opcode, body| {
         match opcode {
+            op::SCHEMA => {
+                let (id, name, encoding, data) =
+                    walk::schema(body).ok_or("a schema's record is not whole")?;
+                if let Some(viewed) = &mut viewed {
+                    viewed.schema(id, name, encoding, data);
+                }
+            }
             op::CHANNEL => {
-                let (id, name, encoding) =
+                let (id, schema, name, encoding) =
                     walk::channel(body).ok_or("a channel's record is not whole")?;
                 let topic = Topic::from_name(name);
                 if topic.is_some_and(|topic| topic.encoding() != encoding) {
@@ -315,11 +370,11 @@ fn unpack(
                     return Err(format!("channel {id} is declared twice"));
                 }
                 if let Some(viewed) = viewed.as_mut().filter(|_| topic.is_none()) {
-                    viewed.channel(id, name);
+                    viewed.channel(id, schema, name, encoding);
                 }
             }
             op::MESSAGE => {
-                let (id, log_time, bytes) =
+                let (id, times, bytes) =
                     walk::message(body).ok_or("a message's record is not whole")?;
                 let topic = topics
                     .get(&id)
@@ -327,12 +382,12 @@ fn unpack(
                 if let Some(topic) = *topic {
                     let message = Message::decode(topic, bytes)
                         .ok_or_else(|| format!("a message of {} makes no sense", topic.name()))?;
-                    if matches!(&message, Message::Row(row) if row.time_unix_ns != log_time) {
+                    if matches!(&message, Message::Row(row) if row.time_unix_ns != times[0]) {
                         return Err("a row's time is not its message's".to_owned());
                     }
                     messages.push(message);
                 } else if let Some(viewed) = &mut viewed {
-                    viewed.message(id, log_time, bytes);
+                    viewed.message(id, times, bytes);
                 }
             }
             _ => {}

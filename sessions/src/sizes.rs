@@ -110,7 +110,7 @@ impl Table {
         walk::unpack(chunk, |opcode, body| {
             match opcode {
                 op::SCHEMA => {
-                    if let Some((id, name)) = schema(body) {
+                    if let Some((id, name, ..)) = walk::schema(body) {
                         self.schemas.insert(id, name.to_owned());
                     }
                 }
@@ -138,11 +138,10 @@ impl Table {
     }
 
     fn channel(&mut self, body: &[u8]) {
-        let schema_id = Cut(body.get(2..).unwrap_or_default()).u16();
-        let Some((id, topic, encoding)) = walk::channel(body) else {
+        let Some((id, schema_id, topic, encoding)) = walk::channel(body) else {
             return;
         };
-        let schema = schema_id.and_then(|id| self.schemas.get(&id));
+        let schema = self.schemas.get(&schema_id);
         self.channels.entry(id).or_insert_with(|| ChannelSize {
             topic: topic.to_owned(),
             schema: schema.cloned().unwrap_or_default(),
@@ -159,11 +158,6 @@ impl Table {
             channel.stored_bytes += record.whole.len() as f64;
         }
     }
-}
-
-fn schema(body: &[u8]) -> Option<(u16, &str)> {
-    let mut cut = Cut(body);
-    Some((cut.u16()?, cut.string()?))
 }
 
 impl fmt::Display for Sizes {
@@ -199,7 +193,7 @@ impl fmt::Display for Sizes {
         match self.gb_per_station_hour {
             Some(hour) => write!(
                 f,
-                "  disk       {hour:.2} GB per station hour; {header:.1} MB more for each session that begins in it"
+                "  disk       {hour:.2} GB per station hour; {header:.1} MB more for each further session that begins in it"
             ),
             None => write!(f, "  disk       too short a session to say"),
         }

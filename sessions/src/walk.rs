@@ -167,22 +167,26 @@ fn check_chunk(body: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// The message of a message record: channel, time and bytes.
-pub(crate) fn message(body: &[u8]) -> Option<(u16, u64, &[u8])> {
+/// The message of a message record: channel, times (of the log, of publication), and bytes.
+pub(crate) fn message(body: &[u8]) -> Option<(u16, [u64; 2], &[u8])> {
     let mut cut = Cut(body);
     let channel = cut.u16()?;
     let _sequence = cut.u32()?;
-    let log_time = cut.u64()?;
-    let _publish_time = cut.u64()?;
-    Some((channel, log_time, cut.0))
+    Some((channel, [cut.u64()?, cut.u64()?], cut.0))
 }
 
-/// Id, topic and encoding of a channel record.
-pub(crate) fn channel(body: &[u8]) -> Option<(u16, &str, &str)> {
+/// Id, schema's id, topic and encoding of a channel record.
+pub(crate) fn channel(body: &[u8]) -> Option<(u16, u16, &str, &str)> {
     let mut cut = Cut(body);
-    let id = cut.u16()?;
-    let _schema = cut.u16()?;
-    Some((id, cut.string()?, cut.string()?))
+    Some((cut.u16()?, cut.u16()?, cut.string()?, cut.string()?))
+}
+
+/// Id, name, encoding and data of a schema record.
+pub(crate) fn schema(body: &[u8]) -> Option<(u16, &str, &str, &[u8])> {
+    let mut cut = Cut(body);
+    let (id, name, encoding) = (cut.u16()?, cut.string()?, cut.string()?);
+    let length = usize::try_from(cut.u32()?).ok()?;
+    Some((id, name, encoding, cut.take(length)?))
 }
 
 /// Name and data of an attachment record.

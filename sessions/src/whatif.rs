@@ -81,15 +81,7 @@ impl WhatIf {
             said.push(format!("tissues at level of detail {detail}"));
         }
         if let Some(blend) = self.blend {
-            scene.params.blend = blend;
-            said.push(
-                if blend {
-                    "blended surfaces"
-                } else {
-                    "bare spheres"
-                }
-                .to_owned(),
-            );
+            said.push(put_blend(&mut scene, blend)?);
         }
         if let Some(solver) = self.solver {
             scene.params.solver = solver;
@@ -97,6 +89,12 @@ impl WhatIf {
         }
         scene.validate()?;
         Ok((scene, said))
+    }
+
+    /// Whether a state of the recorded scene is one of the changed scene, too: in another geometry, or tissue that yields otherwise, a tool
+    /// may be inside of what it lay against, and comes from nowhere out of it.
+    pub fn keeps_states(&self) -> bool {
+        self.tissue.is_none() && self.level.is_none() && self.blend.is_none()
     }
 
     /// The input as it would be.
@@ -161,7 +159,38 @@ fn put_level(scene: &mut Scene, level: u8) -> Result<String, WhatIfError> {
         changed += u32::from(object.level != to);
         object.level = to;
     }
+    if changed == 0 {
+        let expected = "another level than what is rigid was recorded at";
+        return field("level", level, expected.to_owned());
+    }
     Ok(format!("{changed} rigid objects at level {level}"))
+}
+
+fn put_blend(scene: &mut Scene, blend: bool) -> Result<String, WhatIfError> {
+    let lengths = |scene: &Scene| -> Vec<f64> {
+        (0..scene.objects.len())
+            .map(|k| scene.blend_of(k))
+            .collect()
+    };
+    let before = lengths(scene);
+    scene.params.blend = blend;
+    let (name, said, expected) = if blend {
+        (
+            "on",
+            "blended surfaces",
+            "a scene in which calibrated trees are touched sphere by sphere",
+        )
+    } else {
+        (
+            "off",
+            "bare spheres",
+            "a scene in which something is blended",
+        )
+    };
+    if lengths(scene) == before {
+        return field("blend", name, expected.to_owned());
+    }
+    Ok(said.to_owned())
 }
 
 struct Named(SolverKind);

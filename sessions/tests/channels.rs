@@ -6,6 +6,7 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::*;
+use mcap::records::{Record, op};
 use sulcus_sessions::*;
 
 fn replayed(bytes: Vec<u8>) -> ReplayReport {
@@ -51,22 +52,89 @@ fn a_grade_does_not_rest_on_them_and_whoever_changes_them_is_found_out() {
 }
 
 #[test]
+fn whoever_changes_how_they_are_read_is_found_out() {
+    let bytes = recorded_with_views(600, 0..0);
+    assert_eq!(replayed(bytes.clone()).viewers, Viewers::AsSigned);
+    let is_pose = |name: &str| name == "foxglove.PoseInFrame";
+    // Under another schema the same bytes say something else: x for y, and nobody touched a message.
+    let swapped = |data: &mut Vec<u8>| {
+        let at = data
+            .windows(10)
+            .position(|ten| ten == b"quaternion")
+            .unwrap_or(40);
+        data[at] ^= 1;
+    };
+    let mut schema_data = |record: &mut Record<'_>| match record {
+        Record::Schema { header, data } if is_pose(&header.name) => swapped(data.to_mut()),
+        _ => {}
+    };
+    let mut schema_name = |record: &mut Record<'_>| match record {
+        Record::Schema { header, .. } if is_pose(&header.name) => header.name.push('2'),
+        _ => {}
+    };
+    let mut published = |record: &mut Record<'_>| {
+        if let Record::Message { header, .. } = record {
+            header.publish_time += 1;
+        }
+    };
+    let mut topic = |record: &mut Record<'_>| match record {
+        Record::Channel(channel) if channel.topic == "/tools/rod/haptic" => {
+            channel.topic = "/tools/rod/graphic2".to_owned();
+        }
+        _ => {}
+    };
+    let edits: [&mut dyn FnMut(&mut Record<'_>); 4] = [
+        &mut schema_data,
+        &mut schema_name,
+        &mut published,
+        &mut topic,
+    ];
+    for (k, edit) in edits.into_iter().enumerate() {
+        let report = replayed(with_records(&bytes, edit));
+        assert!(report.gradable && report.is_finding(), "{k}: {report:?}");
+        assert_eq!(report.viewers, Viewers::Changed, "{k}");
+    }
+    // Written anew and not changed, by another tool in other chunks, it is what was signed.
+    let same = replayed(with_records(&bytes, &mut |_| {}));
+    assert_eq!(same.viewers, Viewers::AsSigned);
+}
+
+#[test]
+fn a_summary_that_says_otherwise_than_the_messages_is_found_out() {
+    let bytes = recorded_with_views(600, 0..0);
+    let data_end = records_of(&bytes, op::DATA_END)[0].start;
+    // Readers that go by the index take schemas and topics from there.
+    let mut changed = 0;
+    for (opcode, of) in [
+        (op::SCHEMA, "foxglove.PoseInFrame"),
+        (op::CHANNEL, "/tools/rod/haptic"),
+    ] {
+        for record in records_of(&bytes, opcode) {
+            let found = bytes[record.clone()]
+                .windows(of.len())
+                .position(|part| part == of.as_bytes());
+            let Some(at) = found.filter(|_| record.start > data_end) else {
+                continue;
+            };
+            let mut edited = bytes.clone();
+            edited[record.start + at + of.len() - 1] ^= 1;
+            let report = replayed(edited);
+            assert_eq!(report.viewers, Viewers::Changed, "{of}");
+            assert!(report.gradable && report.is_finding(), "{of}");
+            changed += 1;
+        }
+    }
+    assert_eq!(changed, 2);
+}
+
+#[test]
 fn a_damaged_chunk_of_theirs_costs_nobody_the_session() {
     let bytes = recorded_with_views(2000, 0..0);
     let whole = Recording::from_bytes(bytes.clone()).unwrap();
-    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
-    let of_views = |chunk: &&mcap::records::ChunkIndex| {
-        let mut ids = chunk.message_index_offsets.keys();
-        let exact = |id: &u16| {
-            let topic = &summary.channels[id].topic;
-            topic.starts_with("/exact") || topic == "/events"
-        };
-        ids.len() > 0 && !ids.any(exact)
-    };
-    let chunk = summary.chunk_indexes.iter().find(of_views).unwrap();
+    let chunk = view_chunks(&bytes)[0].clone();
     let mut bad = bytes.clone();
     // The middle of its packed bytes.
-    bad[(chunk.chunk_start_offset + chunk.chunk_length / 2) as usize] ^= 0x10;
+    bad[chunk.start + chunk.len() / 2] ^= 0x10;
     let recording = Recording::from_bytes(bad.clone()).unwrap();
     assert_eq!(recording.facts().rows, whole.facts().rows);
     assert_eq!(recording.facts().damaged_views, 1);
@@ -76,8 +144,7 @@ fn a_damaged_chunk_of_theirs_costs_nobody_the_session() {
     assert!(report.gradable && report.is_finding(), "{report:?}");
     assert_eq!(report.viewers, Viewers::Changed);
     // Torn as well, all of the exact record up to the tear is recovered.
-    let chunks = summary.chunk_indexes.iter();
-    let tear = chunks.map(|chunk| chunk.chunk_start_offset).max().unwrap() as usize + 100;
+    let tear = records_of(&bytes, op::CHUNK).last().unwrap().start + 100;
     let torn = Recording::from_bytes(bad[..tear].to_vec()).unwrap();
     assert_eq!(torn.facts().damaged_views, 1);
     let (copy, _) = recover_to(&torn, Vec::new(), &mut |_| {}).unwrap();

@@ -1,6 +1,8 @@
 //! Real recordings, torn and mutated: a clear error or an answer, never a panic. (`sessions/fuzz` does the same for longer.)
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
@@ -8,7 +10,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 use sulcus_sessions::*;
 
-/// The corpus, of former versions too: [`crate`]'s other tests say how it is made.
+/// The corpus, of former versions too: `corpus.rs` says how it is made.
 static CORPUS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
     let mut paths = files(&folder);
@@ -34,37 +36,24 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Asks everything of bytes that may be anything.
+/// Asks everything of them. CRCs, hashes and signatures between them let nothing through.
 fn ask(bytes: &[u8]) -> Result<Ending, String> {
-    let recording = Recording::from_bytes(bytes.to_vec()).map_err(|error| error.to_string())?;
-    info(Path::new("x"), &recording).map_err(|error| error.to_string())?;
-    let tick_s = recording
-        .scene()
-        .map_err(|error| error.to_string())?
-        .tick_s();
-    let (first, _) = recording.facts().ticks.unwrap();
-    // The first ticks: what is wrong with a scene or a state shows in them.
-    let span = Span {
-        from_s: None,
-        to_s: Some((first + 20) as f64 * tick_s),
-    };
-    let options = ReplayOptions {
-        span,
-        ..ReplayOptions::default()
-    };
-    let report = replay(&recording, &options, &mut |_| {}).map_err(|error| error.to_string())?;
-    // CRCs, hashes and signatures between them let nothing through.
+    let report = common::ask::ask(bytes)?;
     assert!(report.identical, "{report:?}");
-    if let Ok((whole, lost)) = recover_to(&recording, Vec::new(), &mut |_| {}) {
-        assert!(!lost.to_string().is_empty());
-        let again = Recording::from_bytes(whole).unwrap();
-        assert_eq!(again.facts(), recording.facts());
-        assert!(matches!(
-            again.ending(),
-            Ending::Recovered { .. } | Ending::Finished
-        ));
-    }
-    Ok(recording.ending().clone())
+    Ok(report.ending)
+}
+
+#[test]
+fn a_torn_file_with_a_damaged_chunk_of_viewers_is_recovered_without_that_chunk() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
+    let mut bytes = std::fs::read(folder.join("bimanual.mcap")).unwrap();
+    let chunk = common::view_chunks(&bytes)[0].clone();
+    bytes[chunk.start + chunk.len() / 2] ^= 0x10;
+    bytes.truncate(bytes.len() - 40);
+    let recording = Recording::from_bytes(bytes.clone()).unwrap();
+    assert_eq!(recording.facts().damaged_views, 1);
+    let ending = ask(&bytes).unwrap();
+    assert!(matches!(ending, Ending::CutOff { .. }), "{ending}");
 }
 
 proptest! {

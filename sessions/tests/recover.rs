@@ -6,6 +6,7 @@ mod common;
 use std::path::Path;
 
 use common::*;
+use mcap::records::op;
 use sulcus_sessions::*;
 
 /// Recovers bytes; gives the report and the new file's bytes.
@@ -196,5 +197,66 @@ fn a_recovery_that_is_made_up_is_no_finished_session() {
             last_valid_tick: None,
             ..
         }
+    ));
+}
+
+#[test]
+fn of_a_finished_session_with_its_last_bytes_cut_nothing_but_the_index_is_missing() {
+    let whole = recorded_with_views(600, 0..0);
+    let index = records_of(&whole, op::DATA_END)[0].start;
+    for at in [index, index + 20, whole.len() - 40, whole.len() - 1] {
+        let (found, bytes) = recovered(&whole[..at]);
+        let lost = &found.lost;
+        assert!(lost.channels.is_empty() && lost.ticks.is_none(), "{lost:?}");
+        assert!(!lost.end_is_missing && lost.damaged_views == 0, "{lost:?}");
+        let said = if at == index {
+            "nothing that is exact"
+        } else {
+            "only the file's index"
+        };
+        assert_eq!(lost.to_string(), said);
+        let report = replayed(&bytes);
+        assert!(report.gradable && report.viewers == Viewers::AsSigned);
+        assert!(by_index(&bytes).is_some());
+    }
+}
+
+#[test]
+fn a_damaged_chunk_of_viewers_is_left_behind_and_said_so_in_a_finished_file_too() {
+    let whole = recorded_with_views(2000, 0..0);
+    let mut bad = whole.clone();
+    // Where its packed bytes begin, behind frame, times, lengths, CRC and `zstd`: others stop there.
+    bad[view_chunks(&whole)[1].start + 53] ^= 0x10;
+    assert_eq!(by_index(&bad), None);
+    let (found, bytes) = recovered(&bad);
+    assert_eq!(
+        (found.was, found.ending),
+        (Ending::Finished, Ending::Finished)
+    );
+    assert_eq!(found.lost.damaged_views, 1);
+    assert_eq!(
+        found.lost.to_string(),
+        "nothing that is exact, and a damaged chunk of what viewers read"
+    );
+    let (kept, all) = (by_index(&bytes).unwrap(), by_index(&whole).unwrap());
+    assert!(kept < all && kept > all / 2, "{kept} of {all}");
+    let report = replayed(&bytes);
+    assert!(report.identical && report.gradable && report.chain_ok);
+    // It is not all that was signed.
+    assert_eq!(report.viewers, Viewers::Changed);
+    // Torn as well.
+    let (found, bytes) = recovered(&bad[..middle_of_chunk_after(&whole, whole.len() * 8 / 10)]);
+    assert_eq!(found.lost.damaged_views, 1);
+    let said = found.lost.to_string();
+    assert!(
+        said.ends_with(", and a damaged chunk of what viewers read"),
+        "{said}"
+    );
+    assert!(by_index(&bytes).is_some());
+    // And whole again, there is nothing more to do.
+    let again = Recording::from_bytes(bytes).unwrap();
+    assert!(matches!(
+        recover_to(&again, Vec::new(), &mut |_| {}),
+        Err(RecoverError::Whole(_))
     ));
 }

@@ -4,6 +4,7 @@
 mod common;
 
 use common::*;
+use mcap::records::op;
 use sulcus_core::{NoProbe, State, TickInput, Workspace, tick};
 use sulcus_sessions::*;
 
@@ -336,8 +337,7 @@ fn a_changed_pose_wrench_snapshot_or_event_is_found_with_its_place() {
 #[test]
 fn a_chunk_cut_out_of_the_file_is_missed() {
     let original = recorded(3000);
-    // Byte for byte, without a tool: the record's frame says where it ends.
-    let chunks = chunks(&original);
+    let chunks = records_of(&original, op::CHUNK);
     assert!(chunks.len() > 20);
     let gone = chunks[chunks.len() / 2].clone();
     let mut edited = original[..gone.start].to_vec();
@@ -367,20 +367,6 @@ fn a_chunk_cut_out_of_the_file_is_missed() {
     );
 }
 
-/// Where the chunks of a file are.
-fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
-    let mut found = Vec::new();
-    let mut at = mcap::MAGIC.len();
-    while at + mcap::MAGIC.len() < bytes.len() {
-        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
-        if bytes[at] == mcap::records::op::CHUNK {
-            found.push(at..at + 9 + length);
-        }
-        at += 9 + length;
-    }
-    found
-}
-
 #[test]
 fn dropped_rows_are_not_gradable_even_when_signed() {
     // The station itself says so: nothing is forged, and still no grade may rest on it.
@@ -401,4 +387,88 @@ fn dropped_rows_are_not_gradable_even_when_signed() {
         Some("7 rows were dropped while recording")
     );
     assert!(report.is_finding() && !report.gradable);
+}
+
+/// A metadata record of one pair, as it stands in a file.
+fn metadata(name: &str, key: &str, value: &str) -> Vec<u8> {
+    let string = |text: &str| [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+    let pairs = [string(key), string(value)].concat();
+    let body = [
+        string(name),
+        (pairs.len() as u32).to_le_bytes().to_vec(),
+        pairs,
+    ]
+    .concat();
+    let length = (body.len() as u64).to_le_bytes();
+    [&[op::METADATA][..], &length, &body].concat()
+}
+
+/// The file with a record put in before byte `at`.
+fn with(bytes: &[u8], at: usize, record: &[u8]) -> Vec<u8> {
+    [&bytes[..at], record, &bytes[at..]].concat()
+}
+
+#[test]
+fn nothing_that_nobody_signed_can_be_put_behind_the_header() {
+    let original = recorded(400);
+    // A rubric from elsewhere, under the same name and under another.
+    let rubric = original[records_of(&original, op::ATTACHMENT)[3].clone()].to_vec();
+    let at = rubric.windows(6).position(|six| six == b"rubric").unwrap();
+    let mut renamed = rubric.clone();
+    renamed[at] = b'R';
+    let recovered = metadata("sulcus.recovered", "missing", "nothing");
+    let (said, twice) = (
+        metadata("grade", "score", "100"),
+        [&recovered[..], &recovered[..]].concat(),
+    );
+    let second = original[records_of(&original, op::METADATA)[0].clone()].to_vec();
+    let chunks = records_of(&original, op::CHUNK);
+    let middle = chunks[chunks.len() / 2].start;
+    let end = records_of(&original, op::DATA_END)[0].start;
+    for (record, says) in [
+        (&rubric, "an attachment `rubric` behind the header"),
+        (&renamed, "an attachment `Rubric` behind the header"),
+        (&said, "metadata `grade` behind the header"),
+        (&second, "a second header"),
+        (&twice, "metadata `sulcus.recovered` twice"),
+    ] {
+        for at in [middle, end] {
+            let report = replayed(with(&original, at, record), None);
+            let Ending::Damaged { why, .. } = &report.ending else {
+                panic!("{says}: {report:?}")
+            };
+            assert!(why.contains(says), "{why}");
+            assert!(report.is_finding() && !report.gradable, "{says}");
+        }
+    }
+    // What a recovery says of itself is said by it alone, and takes nothing from a finished session.
+    let noted = replayed(with(&original, end, &recovered), None);
+    assert!(noted.gradable && noted.ending == Ending::Finished);
+}
+
+#[test]
+fn nothing_that_nobody_asks_for_can_be_put_before_the_header() {
+    let original = recorded(200);
+    let first = records_of(&original, op::ATTACHMENT)[0].clone();
+    let rubric = &original[records_of(&original, op::ATTACHMENT)[3].clone()];
+    let at = rubric.windows(6).position(|six| six == b"rubric").unwrap();
+    let mut renamed = rubric.to_vec();
+    renamed[at] = b'R';
+    for (record, says) in [
+        (
+            &renamed[..],
+            "there is an attachment `Rubric`, expected `scene.bin`, `exercise`, `patient`, `rubric` alone",
+        ),
+        (rubric, "there are two attachments `rubric`"),
+        (
+            &metadata("grade", "score", "100"),
+            "there is metadata `grade`, expected `sulcus` alone",
+        ),
+    ] {
+        let error = Recording::from_bytes(with(&original, first.start, record)).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!("recording's header is damaged: {says}")
+        );
+    }
 }

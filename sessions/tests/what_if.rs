@@ -4,6 +4,7 @@
 mod common;
 
 use common::*;
+use sulcus_core::Scene;
 use sulcus_core::optimise::SolverKind;
 use sulcus_sessions::*;
 
@@ -131,4 +132,131 @@ fn what_the_scene_has_not_is_refused_with_what_it_has() {
         "level of detail is 2, expected 0 to 1"
     );
     assert!(!WhatIf::default().is_asked());
+}
+
+#[test]
+fn what_changes_nothing_is_refused() {
+    let mut scene = scene();
+    let refused =
+        |scene: &Scene, what_if: WhatIf| what_if.applied_to(scene).unwrap_err().to_string();
+    let level = |level| WhatIf {
+        level: Some(level),
+        ..WhatIf::default()
+    };
+    let blend = |on| WhatIf {
+        blend: Some(on),
+        ..WhatIf::default()
+    };
+    scene.objects[0].level = 1;
+    assert_eq!(
+        refused(&scene, level(1)),
+        "level is 1, expected another level than what is rigid was recorded at"
+    );
+    assert!(level(0).applied_to(&scene).is_ok());
+    // No tree of these is calibrated; those of a crown are, and blended.
+    let off = "blend is off, expected a scene in which something is blended";
+    let on = "blend is on, expected a scene in which calibrated trees are touched sphere by sphere";
+    assert_eq!(refused(&scene, blend(false)), off);
+    assert_eq!(refused(&scene, blend(true)), on);
+    let crown = of_the_corpus("crown", true).scene().unwrap();
+    assert_eq!(refused(&crown, blend(true)), on);
+    let (bare, said) = blend(false).applied_to(&crown).unwrap();
+    assert_eq!(said, ["bare spheres"]);
+    assert_eq!(refused(&bare, blend(false)), off);
+    assert!(blend(true).applied_to(&bare).is_ok());
+}
+
+/// A corpus recording; `later` with its snapshots after the first, or without.
+fn of_the_corpus(name: &str, later: bool) -> Recording {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
+    let bytes = std::fs::read(folder.join(format!("{name}.mcap"))).unwrap();
+    let mut snapshots = 0;
+    let bytes = with_messages(&bytes, |topic, _| {
+        snapshots += u32::from(topic == "/exact/snapshots");
+        later || topic != "/exact/snapshots" || snapshots == 1
+    });
+    Recording::from_bytes(bytes).unwrap()
+}
+
+#[test]
+fn a_part_of_what_if_is_that_part_of_the_whole_and_begins_inside_of_nothing() {
+    for (name, what_if) in [
+        (
+            "retraction",
+            WhatIf {
+                tissue: Some(TissueChoice::Rigid),
+                ..WhatIf::default()
+            },
+        ),
+        (
+            "probing",
+            WhatIf {
+                tissue: Some(TissueChoice::Printed),
+                ..WhatIf::default()
+            },
+        ),
+        (
+            "crown",
+            WhatIf {
+                level: Some(1),
+                ..WhatIf::default()
+            },
+        ),
+    ] {
+        let (with, without) = (of_the_corpus(name, true), of_the_corpus(name, false));
+        let (first, last) = with.facts().ticks.unwrap();
+        let late = last - (last - first) / 4;
+        let span = Span {
+            from_s: Some(late as f64 * with.scene().unwrap().tick_s()),
+            to_s: None,
+        };
+        let compared = |recording: &Recording| {
+            let options = ReplayOptions {
+                span,
+                ..ReplayOptions::default()
+            };
+            compare(recording, &what_if, &options, &mut |_| {}).unwrap()
+        };
+        let (part, linear) = (compared(&with), compared(&without));
+        // The recorded side goes on from the snapshot, the changed one comes from the beginning.
+        let began = part.part.unwrap().snapshot_tick;
+        assert!(
+            began > first && part.ticks < linear.ticks,
+            "{name}: {part:?}"
+        );
+        assert_eq!(part.what_if_snapshot_tick, linear.what_if_snapshot_tick);
+        assert!(part.what_if_snapshot_tick < first, "{name}: {part:?}");
+        let untimed = |side: Side| Side {
+            tick_us: 0.0,
+            ..side
+        };
+        assert_eq!(untimed(part.what_if), untimed(linear.what_if), "{name}");
+        assert_eq!(untimed(part.recorded), untimed(linear.recorded), "{name}");
+        assert_eq!(part.apart, linear.apart, "{name}");
+        assert!(part.apart.max_force_n > 0.0, "{name}: {part:?}");
+    }
+}
+
+#[test]
+fn another_solver_goes_on_from_the_parts_own_snapshot() {
+    let recording = of_the_corpus("probing", true);
+    let (first, last) = recording.facts().ticks.unwrap();
+    let options = ReplayOptions {
+        span: Span {
+            from_s: Some((last - 20) as f64 * recording.scene().unwrap().tick_s()),
+            to_s: None,
+        },
+        ..ReplayOptions::default()
+    };
+    let what_if = WhatIf {
+        solver: Some(SolverKind::Clarabel),
+        ..WhatIf::default()
+    };
+    let report = compare(&recording, &what_if, &options, &mut |_| {}).unwrap();
+    assert!(report.what_if_snapshot_tick > first, "{report:?}");
+    assert_eq!(
+        report.part.unwrap().snapshot_tick,
+        report.what_if_snapshot_tick
+    );
+    assert!(report.apart.max_force_n < 0.05, "{report:?}");
 }

@@ -70,6 +70,12 @@ fn text(report: &ComparisonReport) -> String {
             "  part       ticks {} to {}, from the snapshot of tick {}",
             part.from_tick, part.to_tick, part.snapshot_tick
         ));
+        if report.what_if_snapshot_tick != part.snapshot_tick {
+            lines.push(format!(
+                "             (what if from that of tick {}: what changed cannot go on from the recorded state)",
+                report.what_if_snapshot_tick
+            ));
+        }
     }
     lines.push(format!("  signature  {}", report.signature));
     lines.push(format!("  ending     {}", report.ending));

@@ -51,7 +51,7 @@ impl<'a> Running<'a> {
         self.state = state;
     }
 
-    /// Begins with the tools of `state` where they are. What tissue remembers is taken over where both sides' tissue has the same
+    /// Begins with the tools of `state` where they are: best with the first of a recording, where they are mostly out of everything. What tissue remembers is taken over where both sides' tissue has the same
     /// numbers to remember, otherwise it begins at rest, unloaded.
     pub fn begin_like(&mut self, state: &State) {
         let bytes = state.to_bytes();

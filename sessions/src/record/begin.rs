@@ -6,10 +6,11 @@ use foxglove::messages::Log;
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions};
 
-use crate::channels;
+use crate::channels::{self, Schema};
 use crate::header::{self, SessionHeader};
 use crate::message::Topic;
 use crate::storage::{Sink, Storage};
+use crate::viewers::Summing;
 
 /// mcap's own text for an I/O error does not say which.
 pub(crate) fn reason(error: &mcap::McapError) -> String {
@@ -26,6 +27,8 @@ pub(super) struct Begun {
     pub ids: [u16; Topic::ALL.len()],
     /// Channel of the log for viewers.
     pub log: u16,
+    /// Which knows that one.
+    pub viewed: Summing,
 }
 
 /// Header, attachments, metadata and channels, flushed.
@@ -69,9 +72,29 @@ pub(super) fn begin(
         ids[topic as usize] =
             writer.add_channel(schema, topic.name(), topic.encoding(), &BTreeMap::new())?;
     }
-    let log = channels::schema_of::<Log>("foxglove.Log");
-    let schema = writer.add_schema(log.name, "protobuf", log.data)?;
-    let log = writer.add_channel(schema, channels::LOG, "protobuf", &BTreeMap::new())?;
+    let mut viewed = Summing::default();
+    let schema = channels::schema_of::<Log>("foxglove.Log");
+    let log = view_channel(&mut writer, &mut viewed, channels::LOG, &schema)?;
     writer.flush()?;
-    Ok(Begun { writer, ids, log })
+    Ok(Begun {
+        writer,
+        ids,
+        log,
+        viewed,
+    })
+}
+
+/// Declares a channel of protobuf messages for viewers, in the file and to the sum over what they read.
+pub(super) fn view_channel(
+    writer: &mut mcap::Writer<NoSeek<Sink>>,
+    viewed: &mut Summing,
+    topic: &str,
+    schema: &Schema,
+) -> mcap::McapResult<u16> {
+    let encoding = "protobuf";
+    let schema_id = writer.add_schema(schema.name, encoding, schema.data)?;
+    let id = writer.add_channel(schema_id, topic, encoding, &BTreeMap::new())?;
+    viewed.schema(schema_id, schema.name, encoding, schema.data);
+    viewed.channel(id, schema_id, topic, encoding);
+    Ok(id)
 }

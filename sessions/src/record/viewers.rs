@@ -1,11 +1,10 @@
 //! What viewers read: chunks of its own between those of the exact record, so that either can be skipped, and each packs
 //! like with like.
 
-use std::collections::BTreeMap;
-
 use mcap::records::MessageHeader;
 use prost::Message;
 
+use super::begin::view_channel;
 use super::{RecordError, Recorder};
 use crate::channels::Schema;
 
@@ -28,13 +27,13 @@ impl Recorder {
     /// Adds a channel of protobuf messages for viewers. Its number is of no use after a failure to write.
     pub(crate) fn add_view(&mut self, topic: &str, schema: &Schema) -> Result<u16, RecordError> {
         let mut id = 0;
-        self.write(|writer| {
-            let schema = writer.add_schema(schema.name, "protobuf", schema.data)?;
-            id = writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())?;
+        let mut viewed = std::mem::take(&mut self.viewed);
+        let declared = self.write(|writer| {
+            id = view_channel(writer, &mut viewed, topic, schema)?;
             Ok(())
-        })?;
-        self.viewed.channel(id, topic);
-        Ok(id)
+        });
+        self.viewed = viewed;
+        declared.map(|()| id)
     }
 
     /// Adds a message to a channel for viewers.
@@ -78,7 +77,7 @@ impl Recorder {
         let mut begin = 0;
         for (channel, time, end) in &waiting.messages {
             self.viewed
-                .message(*channel, *time, &waiting.bytes[begin..*end]);
+                .message(*channel, [*time; 2], &waiting.bytes[begin..*end]);
             begin = *end;
         }
         let sequence = self.chain.rows() as u32;

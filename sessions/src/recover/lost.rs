@@ -47,11 +47,16 @@ pub struct Lost {
     pub channels: Vec<LostChannel>,
     /// Whether the session went on: its last statement is not in the file.
     pub end_is_missing: bool,
+    /// Chunks of what viewers read that were damaged and are left behind; all that is exact is in others.
+    pub damaged_views: u64,
 }
 
 impl fmt::Display for Lost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.ticks, self.ms) {
+            // Whatever is behind the session's end is none of it.
+            _ if !self.end_is_missing && self.bytes == 0 => f.write_str("nothing that is exact")?,
+            _ if !self.end_is_missing => f.write_str("only the file's index")?,
             (Some(ticks), Some(ms)) => write!(f, "{ticks} ticks ({ms:.0} ms)")?,
             (Some(ticks), None) => write!(f, "{ticks} ticks")?,
             (None, Some(ms)) => write!(f, "{ms:.0} ms")?,
@@ -67,6 +72,11 @@ impl fmt::Display for Lost {
                 ", and the end of the session: up to 200 ms may never have reached the file",
             )?;
         }
+        match self.damaged_views {
+            0 => {}
+            1 => f.write_str(", and a damaged chunk of what viewers read")?,
+            n => write!(f, ", and {n} damaged chunks of what viewers read")?,
+        }
         Ok(())
     }
 }
@@ -77,6 +87,15 @@ const RECENT_NS: u64 = 1_000_000_000;
 /// Looks behind byte `whole` for what the tail still says.
 pub(super) fn find(recording: &Recording, whole: usize, seen: &Seen) -> Lost {
     let tail = recording.bytes.get(whole..).unwrap_or_default();
+    let lost = Lost {
+        bytes: tail.len() as u64,
+        end_is_missing: recording.facts().end.is_none(),
+        damaged_views: recording.facts().damaged_views,
+        ..Lost::default()
+    };
+    if !lost.end_is_missing {
+        return lost;
+    }
     let mut said = Tail::default();
     said.read(tail);
     let last_row = recording.facts().times_unix_ns.unwrap_or_default().1;
@@ -108,11 +127,10 @@ pub(super) fn find(recording: &Recording, whole: usize, seen: &Seen) -> Lost {
         })
     });
     Lost {
-        bytes: tail.len() as u64,
         ms,
         ticks: rows.or(by_time),
         channels: channels.collect(),
-        end_is_missing: recording.facts().end.is_none(),
+        ..lost
     }
 }
 

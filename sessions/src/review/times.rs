@@ -27,8 +27,8 @@ pub(super) fn of(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError>
                     op::CHANNEL => {
                         let named = walk::channel(body);
                         ours = named
-                            .filter(|(_, topic, _)| *topic == SESSION_METRICS)
-                            .map_or(ours, |(id, _, _)| Some(id));
+                            .filter(|(_, _, topic, _)| *topic == SESSION_METRICS)
+                            .map_or(ours, |(id, ..)| Some(id));
                     }
                     op::MESSAGE => {
                         let message = walk::message(body);

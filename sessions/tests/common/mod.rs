@@ -1,6 +1,7 @@
 //! A small session, recorded, and ways to tamper with it.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod ask;
 pub mod program;
 
 use std::collections::BTreeMap;
@@ -289,6 +290,24 @@ pub fn with_attachment(
 
 /// The file written anew, as an honest MCAP tool would, with changes.
 pub fn rewritten(bytes: &[u8], edit: &mut Edit<'_>) -> Vec<u8> {
+    rewritten_by_record(bytes, edit, &mut |_| {})
+}
+
+/// Rewritten with records changed in any way, before anything else is.
+pub fn with_records(bytes: &[u8], change: &mut dyn FnMut(&mut Record<'_>)) -> Vec<u8> {
+    let mut nothing = Edit {
+        message: &mut |_, _| true,
+        metadata: &mut |_| {},
+        attachment: &mut |_, _| {},
+    };
+    rewritten_by_record(bytes, &mut nothing, change)
+}
+
+fn rewritten_by_record(
+    bytes: &[u8],
+    edit: &mut Edit<'_>,
+    change: &mut dyn FnMut(&mut Record<'_>),
+) -> Vec<u8> {
     let mut out = Vec::new();
     let mut writer = WriteOptions::new()
         .library("sulcus test editor")
@@ -298,7 +317,9 @@ pub fn rewritten(bytes: &[u8], edit: &mut Edit<'_>) -> Vec<u8> {
         .unwrap();
     let mut topics = BTreeMap::new();
     for record in mcap::read::ChunkFlattener::new(bytes).unwrap() {
-        match record.unwrap() {
+        let mut record = record.unwrap();
+        change(&mut record);
+        match record {
             Record::Schema { header, data } => {
                 writer
                     .add_schema_with_id(header.id, &header.name, &header.encoding, &data)
@@ -360,4 +381,37 @@ pub fn with_messages(bytes: &[u8], mut message: impl FnMut(&str, &mut Vec<u8>) -
             attachment: &mut |_, _| {},
         },
     )
+}
+
+/// Where the records of a kind are, byte for byte, without a tool: each one's frame says where it ends.
+pub fn records_of(bytes: &[u8], opcode: u8) -> Vec<std::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut at = mcap::MAGIC.len();
+    while at + mcap::MAGIC.len() < bytes.len() {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        if bytes[at] == opcode {
+            found.push(at..at + 9 + length);
+        }
+        at += 9 + length;
+    }
+    found
+}
+
+/// Where the chunks are that hold nothing but what viewers read, by the file's index.
+pub fn view_chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let summary = mcap::Summary::read(bytes).unwrap().unwrap();
+    let exact = |id: &u16| {
+        let topic = &summary.channels[id].topic;
+        topic.starts_with("/exact") || topic == "/events"
+    };
+    let chunks = summary.chunk_indexes.iter().filter(|chunk| {
+        let mut ids = chunk.message_index_offsets.keys();
+        ids.len() > 0 && !ids.any(exact)
+    });
+    chunks
+        .map(|chunk| {
+            let start = chunk.chunk_start_offset as usize;
+            start..start + chunk.chunk_length as usize
+        })
+        .collect()
 }
