@@ -14,7 +14,7 @@ use crate::exercise::Exercise;
 pub const FORGIVEN: f64 = 0.05;
 /// Farthest that a call counts as within a millimetre, and as exact, mm; what is left of a tie after conversion.
 const WITHIN: f64 = 1.0 + 1e-9;
-const EXACT: f64 = 0.5 + 1e-9;
+pub const EXACT: f64 = 0.5 + 1e-9;
 
 /// What is done for less than this share of the exercise's length, and for less than so many seconds, was not done: else who
 /// grazes a crown once, or looks once, is graded by that. Chosen.
@@ -302,6 +302,7 @@ mod tests {
             around: degrees.to_radians(),
             from_axis: 4e-3,
             peak,
+            way: 0.0,
         };
         by.touches = vec![
             touch(36, 60.0, 0.05),
