@@ -252,7 +252,7 @@ pub const METRICS: [Definition; 28] = [
         name: "withdrawals",
         title: "withdrawals between zones",
         unit: "",
-        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth, on its way to a zone that it had not been in: to look again at one is no withdrawal.",
+        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth in which it stayed for 0.2 s, on its way to a zone on whose floor it had not stayed so long: to look again at one is no withdrawal.",
         source: "repeated withdrawal traumatises: Gehrig (LWW); spot probing as an error: dimensionsofdentalhygiene.com",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -419,6 +419,7 @@ mod tests {
             "floor_reached",
             format!("no more than {} below", mm(zones::BEYOND)),
         );
+        says("withdrawals", format!("for {} s", zones::STAYED));
         says("misread", format!("{} mm beyond what", sites::READ_MM));
         says(
             "angle_mid",

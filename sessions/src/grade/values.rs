@@ -368,18 +368,19 @@ mod tests {
             tick: 1,
             data,
         };
+        // A short touch on the way is no stay; a quarter of a second on the floor is.
+        let mut bears = |site, seconds: f64| {
+            let at = standing(36, site, 90.0, 3.0, 0.2);
+            for _ in 0..(seconds * 1e3) as u32 {
+                by.evidence.stays(Some(&at), 1e-3);
+            }
+        };
+        bears(Buccal, 0.25);
+        bears(MesioBuccal, 0.15);
         for (kind, data) in [
-            (
-                "site_reached",
-                serde_json::json!({"tooth": 36, "site": "buccal"}),
-            ),
             (
                 "withdrawn",
                 serde_json::json!({"tooth": 36, "to": "mesiobuccal"}),
-            ),
-            (
-                "site_reached",
-                serde_json::json!({"tooth": 36, "site": "mesiobuccal"}),
             ),
             // To look again is no withdrawal.
             (
