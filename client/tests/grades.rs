@@ -12,7 +12,7 @@ use sulcus_client::demo::lockstep;
 use sulcus_client::exercise::{self, Asked};
 use sulcus_client::progress::Steps;
 use sulcus_operator::Habit;
-use sulcus_sessions::grade::{Finding, Grade, Options, grade};
+use sulcus_sessions::grade::{Advice, Finding, Grade, Options, grade};
 use sulcus_sessions::{Recording, Rubric, StationKey};
 
 /// The file of an exercise that goes round one molar.
@@ -81,7 +81,16 @@ fn all_must_hold(exercise: &str, habits: &[Habit], seed: u64) {
                 assert!(count(&bad, Finding::Misread) > 0, "{}", said());
                 assert_eq!(count(&bad, Finding::NeverReachedFloor), 0, "{}", said());
             }
-            // The hand, not the eye.
+            // The hand, not the eye: the bands were read as they were, and nobody is told to read them.
+            Habit::HeavyHand => {
+                assert_eq!(count(&bad, Finding::Misread), 0, "{}", said());
+                assert!(count(&bad, Finding::ReadTooHeavy) > 0, "{}", said());
+                let reads = |advice: &Advice| advice.text.contains("band");
+                assert!(!bad.advice.iter().any(reads), "{}", said());
+                // Its touches are those of its bobs, not of whole sides.
+                let step = bad.metric("walking_step").and_then(|step| step.value);
+                assert!(step.is_some_and(|mm| mm < 1.5), "{}", said());
+            }
             Habit::StopsShort => {
                 assert_eq!(count(&bad, Finding::Misread), 0, "{}", said());
                 assert!(count(&bad, Finding::NeverReachedFloor) > 0, "{}", said());

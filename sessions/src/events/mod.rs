@@ -8,7 +8,7 @@
 //! | `floor_felt` | force on the floor rises into the reading band | tool, tooth, site, depth_mm, force_n |
 //! | `angle` | the tilt becomes wrong, or right again | tool, tooth, site, right, and the tilt in parts |
 //! | `left_site` | the tip leaves a zone | tool, tooth, site, deepest_mm, max_force_n, seconds |
-//! | `withdrawn` | it came out of the pocket between two sites | tool, tooth, from, to, seconds |
+//! | `withdrawn` | it stays 0.2 s in a zone, and came out of the pocket since it last did in another of that side | tool, tooth, from, to, seconds since it came out |
 //! | `bleeding` | after a site that bleeds, or trauma | tool, tooth, site, cause |
 //! | `force_zone` | a hand becomes too heavy ([`Occurrence::force_zone`]) | |
 //! | `target_visible`, `target_hidden` | by rays from the eye | tooth, free, free_past_mirror, of |
@@ -103,8 +103,8 @@ impl Events {
         Self {
             exercise: exercise.clone(),
             bleeding: Bleeding::new(pockets.len()),
+            probes: std::array::from_fn(|_| Probe::new(pockets.len())),
             pockets,
-            probes: [Probe::default(); MAX_TOOLS],
             centres: vec![Vec3::zeros(); look.len()],
             look,
             sight,

@@ -30,6 +30,8 @@ const PAST: f64 = 2.0 * std::f64::consts::PI / 180.0;
 const NEARER: f64 = 2e-4;
 /// Share of the reading force under which the floor is let go.
 const LET_GO: f64 = 0.5;
+/// Time below the margin in one visit from which a tip stayed in a zone, and did not pass, seconds.
+pub const STAYED_S: f64 = 0.2;
 
 /// A probe in a tick.
 #[derive(Clone, Copy, Debug)]
@@ -61,21 +63,33 @@ pub struct Visit {
     watch: Watch,
     /// When the tip came above the margin, while it is.
     above: Option<u64>,
+    /// Ticks below the margin, and the number of the tick before this one.
+    below: u64,
+    last: u64,
+    /// Whether that was long enough to have stayed.
+    stayed: bool,
 }
 
-/// Where the tip was when it came out of a pocket.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Out {
-    pocket: usize,
-    site: Site,
-    tick: u64,
+/// One side of a tooth: the zone in which the tip stayed last, and when it came out of the pocket since.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Side {
+    stayed: Option<Site>,
+    out: Option<u64>,
+}
+
+/// Both sides of a tooth, and on which the tip stayed last: it may slip over another zone on its way out, or round to the other side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Walk {
+    sides: [Side; 2],
+    last: usize,
 }
 
 /// What is known of one probe.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Probe {
     visit: Option<Visit>,
-    out: Option<Out>,
+    /// By pocket.
+    walks: Vec<Walk>,
     /// The visit that ended in this tick.
     ended: Option<Visit>,
     standing: Option<Standing>,
@@ -90,6 +104,14 @@ struct Spot<'a> {
 }
 
 impl Probe {
+    /// One that was in none of so many pockets yet.
+    pub fn new(pockets: usize) -> Self {
+        Self {
+            walks: vec![Walk::default(); pockets],
+            ..Self::default()
+        }
+    }
+
     /// The visit that ended in the tick observed last.
     pub fn ended(&self) -> Option<&Visit> {
         self.ended.as_ref()
@@ -137,21 +159,6 @@ impl Probe {
             self.leave((tick, tool), pockets, scene, other_tooth, said);
         }
         if self.visit.is_none() {
-            if let Some(out) = self.out.take()
-                && (out.pocket == spot.pocket)
-                && out.site != site
-                && out.site.is_buccal() == site.is_buccal()
-            {
-                say(
-                    said,
-                    KINDS[4],
-                    tick,
-                    json!({
-                        "tool": tool, "tooth": fdi, "from": out.site.name(), "to": site.name(),
-                        "seconds": tick.saturating_sub(out.tick) as f64 * scene.tick_s(),
-                    }),
-                );
-            }
             say(
                 said,
                 KINDS[0],
@@ -170,8 +177,12 @@ impl Probe {
                 felt: false,
                 watch: Watch::default(),
                 above: None,
+                below: 0,
+                last: tick,
+                stayed: false,
             });
         }
+        self.stays((tick, tool), &spot, fdi, scene, said);
         let Some(visit) = &mut self.visit else {
             return;
         };
@@ -227,6 +238,47 @@ impl Probe {
             }
         } else {
             visit.watch.rests();
+        }
+    }
+
+    /// Counts time below the margin; once the tip has stayed, says so where it came out of the pocket since it stayed in another zone
+    /// of that side.
+    fn stays(
+        &mut self,
+        (tick, tool): (u64, usize),
+        spot: &Spot<'_>,
+        fdi: u8,
+        scene: &Scene,
+        said: &mut Vec<Occurrence>,
+    ) {
+        let Some(visit) = &mut self.visit else {
+            return;
+        };
+        let ticks = tick.saturating_sub(visit.last);
+        visit.last = tick;
+        if spot.depth > 0.0 {
+            visit.below += ticks;
+        }
+        if visit.stayed || visit.below < scene.params.ticks_in(STAYED_S) {
+            return;
+        }
+        visit.stayed = true;
+        let walk = &mut self.walks[visit.pocket];
+        walk.last = usize::from(visit.site.is_buccal());
+        let side = &mut walk.sides[walk.last];
+        let before = side.stayed.replace(visit.site);
+        if let Some((from, out)) = before.zip(side.out.take())
+            && from != visit.site
+        {
+            say(
+                said,
+                KINDS[4],
+                tick,
+                json!({
+                    "tool": tool, "tooth": fdi, "from": from.name(), "to": visit.site.name(),
+                    "seconds": tick.saturating_sub(out) as f64 * scene.tick_s(),
+                }),
+            );
         }
     }
 
@@ -302,11 +354,10 @@ impl Probe {
                 "seconds": tick.saturating_sub(visit.since) as f64 * scene.tick_s(),
             }),
         );
-        self.out = out.then_some(Out {
-            pocket: visit.pocket,
-            site: visit.site,
-            tick,
-        });
+        if out {
+            let Walk { sides, last } = &mut self.walks[visit.pocket];
+            sides[*last].out.get_or_insert(tick);
+        }
         self.ended = Some(visit);
     }
 }

@@ -4,7 +4,7 @@ use super::definitions;
 use super::report::{CriticalError, ShownBy};
 use super::rubric::Settings;
 use super::sites::{Finding, SiteGrade};
-use super::values::FORGIVEN;
+use super::values::{EXACT, FORGIVEN};
 use super::{Advice, MetricGrade};
 
 /// Most pieces of advice that are given: more are not heard.
@@ -38,14 +38,59 @@ pub fn advice(
     lost.into_iter()
         .map(|(_, metric)| {
             let known = definitions::find(metric.name).map_or("", |known| known.advice);
+            let text = if metric.name.starts_with("called_") {
+                of_calls(sites).unwrap_or(known)
+            } else {
+                known
+            };
             Advice {
                 metric: metric.name,
                 title: metric.title,
-                text: known.into(),
+                text: text.into(),
                 sites: shown_by(metric.name, sites, set),
             }
         })
         .collect()
+}
+
+/// Why depths were called wrong, by what most of the zones say whose called depth is not the nearest millimetre; of equal
+/// numbers the hand's fault comes before the eye's. None where hand and eye did well in all of these.
+fn of_calls(sites: &[SiteGrade]) -> Option<&'static str> {
+    let off = |site: &&SiteGrade| {
+        let error = site.error_mm();
+        site.asked && error.is_some_and(|error| error.abs() > EXACT)
+    };
+    let count = |finding| {
+        let of = sites.iter().filter(off);
+        of.filter(|site| site.finding == finding).count()
+    };
+    let causes = [
+        (
+            Finding::ReadTooHeavy,
+            "The depth was read while the probe was pressed too hard: let the force go back to 10 to 25 g, then read.",
+        ),
+        (
+            Finding::ReadTilted,
+            "The depth was read along a tilted probe, which shows more: stand it right, then read.",
+        ),
+        (
+            Finding::NeverReachedFloor,
+            "The depth was called before the floor was felt: go down to it, then read.",
+        ),
+        (
+            Finding::Misread,
+            "The tip was on the floor and the mark was read wrong: call the depth that the band shows, to the millimetre.",
+        ),
+        (
+            Finding::NotProbed,
+            "The depth was called where the probe had not been: probe first, then call.",
+        ),
+    ];
+    let counts = causes.map(|(finding, _)| count(finding));
+    let most = counts.into_iter().max().filter(|most| *most > 0)?;
+    let mut first = causes.into_iter().zip(counts);
+    let (cause, _) = first.find(|(_, count)| *count == most)?;
+    Some(cause.1)
 }
 
 /// The zones that show a weakness, in words.
@@ -67,7 +112,9 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
             "floor_reached" if site.finding == Finding::NeverReachedFloor => reach,
             "misread" if site.finding == Finding::Misread => format!("{reach}, {called}"),
             "called_exact" | "called_within_1mm" | "called_bias" => {
-                let error = site.error_mm().filter(|error| error.abs() > 1.0)?;
+                let at_fault = !matches!(site.finding, Finding::Right | Finding::Off);
+                let most = if at_fault { EXACT } else { 1.0 };
+                let error = site.error_mm().filter(|error| error.abs() > most)?;
                 let way = if error > 0.0 {
                     "too deep"
                 } else {

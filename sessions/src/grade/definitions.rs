@@ -146,7 +146,7 @@ pub const METRICS: [Definition; 28] = [
         source: "students 34.8 % on manikins with preset truth (LMU epub 45788), 63 % in clinic (Jansen 2025)",
         needs: Needs::Zones,
         missing_is_zero: true,
-        advice: "Call the depth that the band shows, to the millimetre.",
+        advice: "Read to the nearest millimetre, at the margin, with the tip on the floor under 10 to 25 g.",
     },
     Definition {
         name: "called_within_1mm",
@@ -156,7 +156,7 @@ pub const METRICS: [Definition; 28] = [
         source: "students 79.9 % (LMU epub 45788), trained examiners 97.4 % (CMN 762)",
         needs: Needs::Zones,
         missing_is_zero: true,
-        advice: "Called depths are more than 1 mm off: see for each zone whether the tip stopped short or the band was misread.",
+        advice: "Called depths are more than 1 mm off: see for each zone whether hand or eye was at fault.",
     },
     Definition {
         name: "called_bias",
@@ -172,7 +172,7 @@ pub const METRICS: [Definition; 28] = [
         name: "touches_too_light",
         title: "touches too light",
         unit: "%",
-        definition: "Share of the touches of the floor whose largest force stays under the target band. A touch begins at 0.02 N on the floor and ends when the force has been under 0.01 N for 50 ms, or the tip leaves the tooth.",
+        definition: "Share of the touches of the floor whose largest force stays under the target band. A touch begins at 0.02 N on the floor and ends when the force has been under half of the touch's largest for 50 ms, or the tip leaves the tooth; the next begins at twice the least force since.",
         source: "recommended 10 to 25 g: Gehrig, Boyd, Polson 1980, Lang 1991",
         needs: Needs::Zones,
         missing_is_zero: true,
@@ -242,7 +242,7 @@ pub const METRICS: [Definition; 28] = [
         name: "walking_step",
         title: "walking step",
         unit: "mm",
-        definition: "Median distance along the tooth between neighbouring places where the floor was touched, side by side of each tooth; places nearer than 0.4 mm are one.",
+        definition: "Median distance along the tooth between neighbouring places where the floor was touched, side by side of each tooth; places nearer than 0.4 mm are one; the way of a touch that goes 2 mm along the tooth or farther without being lifted is a step as well.",
         source: "steps of 1 mm, 1 to 2 mm in other texts: Gehrig (LWW)",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -252,7 +252,7 @@ pub const METRICS: [Definition; 28] = [
         name: "withdrawals",
         title: "withdrawals between zones",
         unit: "",
-        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth, on its way to a zone that it had not been in: to look again at one is no withdrawal.",
+        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth in which it stayed for 0.2 s, on its way to a zone on whose floor it had not stayed so long: to look again at one is no withdrawal.",
         source: "repeated withdrawal traumatises: Gehrig (LWW); spot probing as an error: dimensionsofdentalhygiene.com",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -419,12 +419,21 @@ mod tests {
             "floor_reached",
             format!("no more than {} below", mm(zones::BEYOND)),
         );
+        says("withdrawals", format!("for {} s", zones::STAYED));
         says("misread", format!("{} mm beyond what", sites::READ_MM));
         says(
             "angle_mid",
             format!("within {} of its deepest", mm(zones::AT_FLOOR)),
         );
         says("touches_too_light", format!("at {} N", touches::BEGINS));
+        says(
+            "touches_too_light",
+            format!("largest for {} ms", touches::FOR * 1e3),
+        );
+        says(
+            "walking_step",
+            format!("goes {} along", mm(touches::DRAGGED)),
+        );
         says("touches_too_heavy", format!("{} N above", values::FORGIVEN));
         says("mirror_peak", format!("over {} ms", hands::PEAK_S * 1e3));
         says("probe_peak", format!("over {} ms", hands::PEAK_S * 1e3));

@@ -12,9 +12,9 @@ use super::hands::{Hands, Moment, Pressed, Steady};
 use super::moves::Moves;
 use super::rubric::Settings;
 use super::series::Series;
-use super::touches::Touches;
-use super::zones::Zones;
-use crate::events::{Events, pocket};
+use super::touches::{BEGINS, Touches};
+use super::zones::{STAYED, TIE, Zones};
+use crate::events::{Events, Standing, pocket};
 use crate::exercise::{Exercise, ProbingTask};
 use crate::occurrence::{FORCE_ZONE, Occurrence};
 
@@ -41,7 +41,7 @@ pub struct Evidence {
     pub series: Series,
     /// Zones that bled, whatever the cause.
     pub bled: BTreeSet<(u8, Site)>,
-    /// Times that the tip was withdrawn between two zones of a side, on its way to one that it had not been in.
+    /// Times that the tip was withdrawn between two zones of a side, on its way to one on whose floor it had not stayed.
     pub withdrawals: usize,
     /// Entries into the zones of trauma and of damage.
     pub trauma: usize,
@@ -51,8 +51,10 @@ pub struct Evidence {
     pub leading: usize,
     /// Depths prescribed, metres.
     floors: BTreeMap<(u8, Site), f64>,
-    /// Zones that the tip was in so far.
+    /// Zones on whose floor the tip stayed so far: who sweeps along the margin was in none.
     entered: BTreeSet<(u8, Site)>,
+    /// Where the tip is now, and for how long it has borne on the floor there, seconds.
+    here: Option<((u8, Site), f64)>,
     task: ProbingTask,
     steady: Steady,
     mirror_slot: Option<usize>,
@@ -98,6 +100,7 @@ impl Evidence {
                 })
                 .collect(),
             entered: BTreeSet::new(),
+            here: None,
             task: exercise.probing,
             steady: Steady::default(),
             mirror_slot: scene.tools.iter().position(|tool| !is_probe(tool)),
@@ -151,6 +154,7 @@ impl Evidence {
                 .observe(at, (output.tick, dt), set.force_n, task, floor);
             self.floor.observe(at, dt, set.force_n);
         }
+        self.stays(standing, dt);
         self.touches.observe(standing, dt);
         let mirror = self.mirror_slot.filter(held);
         let mirror = mirror.map(|t| output.tools[t].graphic.transform(&scene.tools[t].tip));
@@ -172,6 +176,19 @@ impl Evidence {
         self.series.observe(at_s, standing, visible);
     }
 
+    /// Enters the zone on whose floor the tip has borne long enough in one visit.
+    pub(super) fn stays(&mut self, at: Option<&Standing>, dt: f64) {
+        self.here = at.map(|at| {
+            let zone = (at.tooth, at.site);
+            let before = self.here.filter(|(there, _)| *there == zone);
+            let more = if at.force >= BEGINS { dt } else { 0.0 };
+            (zone, before.map_or(0.0, |(_, seconds)| seconds) + more)
+        });
+        let long = |(_, seconds): &((u8, Site), f64)| *seconds >= STAYED - TIE;
+        self.entered
+            .extend(self.here.filter(long).map(|(zone, _)| zone));
+    }
+
     /// Takes in what happened in the tick.
     pub fn happened(&mut self, said: &Occurrence) {
         let is = |key: &str, what: &str| said.data[key] == what;
@@ -186,7 +203,6 @@ impl Evidence {
             "withdrawn" if zone("to").is_none_or(|to| !self.entered.contains(&to)) => {
                 self.withdrawals += 1;
             }
-            "site_reached" => self.entered.extend(zone("site")),
             "bleeding" => self.bled.extend(zone("site")),
             _ => {}
         }

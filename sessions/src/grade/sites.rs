@@ -10,6 +10,7 @@ use sulcus_core::tissue::gingiva::{Prescribed, Site};
 use super::evidence::Evidence;
 use super::rubric::Settings;
 use super::stats::rounded;
+use super::values::FORGIVEN;
 use crate::events::call::Call;
 use crate::events::pocket;
 use crate::exercise::Exercise;
@@ -23,7 +24,7 @@ const TIE: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Finding {
-    /// The tip reached the floor, and the depth was called as it is, within 1 mm.
+    /// The tip reached the floor, and the depth was called as it is, within 1 mm, and not by way of a heavy or a tilted hand.
     Right,
     /// Neither probed nor called.
     Missed,
@@ -37,7 +38,7 @@ pub enum Finding {
     Misread,
     /// The tip reached the floor; what was called is where it was under too much force.
     ReadTooHeavy,
-    /// The tip reached the floor, and what was called is what a tilted probe's bands showed, more than 1 mm off.
+    /// The tip reached the floor, and what was called is what a tilted probe's bands showed: more than 1 mm off, or less and the tilt was wrong.
     ReadTilted,
     /// The tip reached the floor, and what was called is where it was; yet it is more than 1 mm off.
     Off,
@@ -154,13 +155,27 @@ impl SiteGrade {
         if self.is_misread(set) {
             return Finding::Misread;
         }
-        if self.error_mm().is_none_or(|error| error.abs() <= 1.0 + TIE) {
-            return Finding::Right;
-        }
+        let near = self.error_mm().is_none_or(|error| error.abs() <= 1.0 + TIE);
         let above = |mm: f64| f64::from(called) > mm + set.misread_mm + TIE;
+        if !above(measured) {
+            return if near { Finding::Right } else { Finding::Off };
+        }
+        // What was called is not where a correct force brings the tip: a fault of the hand explains it, or it would be misread. By less
+        // than a millimetre it is one only where the hand was at fault.
+        let heavy = || {
+            let most = set.force_n[1] + FORGIVEN;
+            self.max_force_n.is_some_and(|force| force > most)
+        };
+        let tilted = || self.tilt_right == Some(false);
         match self.deepest_mm {
-            _ if !above(measured) => Finding::Off,
-            Some(deepest) if above(deepest) => Finding::ReadTilted,
+            Some(deepest) if above(deepest) => {
+                if near && !tilted() {
+                    Finding::Right
+                } else {
+                    Finding::ReadTilted
+                }
+            }
+            _ if near && !heavy() => Finding::Right,
             _ => Finding::ReadTooHeavy,
         }
     }
@@ -318,6 +333,14 @@ mod tests {
         assert_eq!(tilted(6.4, 8), Finding::Misread);
         // 6.3 show 6, not 7.
         assert_eq!(tilted(6.3, 7), Finding::Misread);
+        // The same where it stood wrong.
+        let wrong = SiteGrade {
+            truth_mm: Some(5.0),
+            shown_mm: Some(5.5),
+            tilt_right: Some(false),
+            ..zone(Some(5.0), 5.1, Some(6))
+        };
+        assert_eq!(wrong.find(true, &SET), Finding::ReadTilted);
         // Another tooth's deeper floor at the border of the zone.
         assert_eq!(find(Some(5.4), 5.4, Some(6)), Finding::Off);
         assert_eq!(zone(None, 0.0, None).find(false, &SET), Finding::Missed);
@@ -325,5 +348,22 @@ mod tests {
             zone(None, 0.0, Some(4)).find(false, &SET),
             Finding::NotProbed
         );
+    }
+
+    #[test]
+    fn a_depth_under_too_much_force_is_not_right_because_it_is_within_a_millimetre() {
+        let at = |force, called| {
+            let site = SiteGrade {
+                truth_mm: Some(3.0),
+                max_force_n: Some(force),
+                ..zone(Some(3.2), 3.9, Some(called))
+            };
+            site.find(true, &SET)
+        };
+        assert_eq!(at(0.6, 4), Finding::ReadTooHeavy);
+        // Called as it is under a correct force, however heavy the hand was.
+        assert_eq!(at(0.6, 3), Finding::Right);
+        // What a tremor adds is forgiven.
+        assert_eq!(at(0.29, 4), Finding::Right);
     }
 }

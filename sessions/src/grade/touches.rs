@@ -1,15 +1,25 @@
 //! Touches of the floor: how heavy each was, and how far along the tooth they lie apart.
+//!
+//! A hand that walks need not unload the tip to lift it: a touch ends where the force falls far under its own peak, and the next
+//! begins where it rises again as far above the least since. Who does not lift the tip at all drags it, and makes one touch: the way
+//! along the tooth is then a step like any other, as it is the way from one place to the next at which the tip came down.
 
 use std::collections::BTreeMap;
 
+use sulcus_core::math::{fmax, fmin};
+
 use crate::events::Standing;
 
-/// Force at which a touch begins, newtons; and under which it ends, when it lasts so many seconds.
+/// Force at which a touch begins, newtons.
 pub const BEGINS: f64 = 0.02;
-const ENDS: f64 = 0.01;
-const FOR: f64 = 0.05;
+/// Share of its peak under which a touch has ended when the force stays there for so many seconds; the next begins where the force is
+/// as many times the least since. Chosen: as the floor is let go of in the session's events, and half a period of the fastest tremor.
+pub const LET_GO: f64 = 0.5;
+pub const FOR: f64 = 0.05;
 /// Places of touch nearer to each other along the tooth are one, metres.
 const ONE: f64 = 0.4e-3;
+/// A touch that goes as far along the tooth is dragged, metres. Chosen: the longest step that is taught.
+pub const DRAGGED: f64 = 2e-3;
 
 /// One touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +34,30 @@ pub struct Touch {
     pub from_axis: f64,
     /// Largest force, newtons.
     pub peak: f64,
+    /// How far along the tooth it went, from one end to the other, metres.
+    pub way: f64,
+}
+
+/// A touch under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Now {
+    touch: Touch,
+    /// Where it is now along the tooth from where it began, and the ends of the way so far, metres.
+    along: f64,
+    ends: [f64; 2],
+    /// Angle about the tooth in the last tick, radians.
+    around: f64,
+    /// How long the force has been under the share of its peak, seconds, and the least since then, newtons.
+    light: f64,
+    least: f64,
 }
 
 /// Follows one probe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Touches {
-    now: Option<Touch>,
-    /// How long the force has been as good as none, seconds.
-    light: f64,
+    now: Option<Now>,
+    /// Least force since the last touch of the tooth ended, newtons; none where it is as good as none.
+    least: Option<f64>,
     all: Vec<Touch>,
 }
 
@@ -40,55 +66,93 @@ impl Touches {
     pub fn observe(&mut self, at: Option<&Standing>, dt: f64) {
         let Some(at) = at else {
             self.end();
+            self.least = None;
             return;
         };
-        if self.now.is_some_and(|touch| touch.tooth != at.tooth) {
+        if self.now.is_some_and(|now| now.touch.tooth != at.tooth) {
             self.end();
+            self.least = None;
         }
-        let here = Touch {
-            tooth: at.tooth,
-            buccal: at.site.is_buccal(),
-            around: at.around,
-            from_axis: at.from_axis,
-            peak: at.force,
-        };
-        match &mut self.now {
-            None if at.force >= BEGINS => (self.now, self.light) = (Some(here), 0.0),
-            None => {}
-            Some(touch) => {
-                if at.force > touch.peak {
-                    *touch = here;
-                }
-                self.light = if at.force < ENDS {
-                    self.light + dt
-                } else {
-                    0.0
-                };
-                if self.light >= FOR {
-                    self.end();
-                }
+        let Some(now) = &mut self.now else {
+            let least = self.least.map_or(0.0, |least| fmin(least, at.force));
+            self.least = Some(least);
+            if at.force >= BEGINS && LET_GO * at.force >= least {
+                self.now = Some(Now::at(at));
             }
+            return;
+        };
+        now.goes_on(at);
+        (now.light, now.least) = if at.force < LET_GO * now.touch.peak {
+            (now.light + dt, fmin(now.least, at.force))
+        } else {
+            (0.0, at.force)
+        };
+        if now.light >= FOR {
+            self.least = Some(now.least);
+            self.end();
         }
     }
 
     fn end(&mut self) {
-        self.all.extend(self.now.take());
+        self.all.extend(self.now.take().map(|now| now.touch));
     }
 
     /// All touches, the one under way included.
     pub fn all(&self) -> Vec<Touch> {
-        self.all.iter().copied().chain(self.now).collect()
+        let now = self.now.map(|now| now.touch);
+        self.all.iter().copied().chain(now).collect()
     }
 }
 
-/// Distances along the tooth between neighbouring places of touch, for each side of each tooth, metres, sorted.
+impl Now {
+    fn at(at: &Standing) -> Self {
+        Self {
+            touch: Touch {
+                tooth: at.tooth,
+                buccal: at.site.is_buccal(),
+                around: at.around,
+                from_axis: at.from_axis,
+                peak: at.force,
+                way: 0.0,
+            },
+            along: 0.0,
+            ends: [0.0; 2],
+            around: at.around,
+            light: 0.0,
+            least: at.force,
+        }
+    }
+
+    fn goes_on(&mut self, at: &Standing) {
+        // (Angles end at half a turn, where a way need not.)
+        let turn = libm::remainder(at.around - self.around, std::f64::consts::TAU);
+        self.around = at.around;
+        self.along += turn * at.from_axis;
+        // What moves while the tip is as good as lifted is no drag.
+        if at.force >= BEGINS {
+            let [from, to] = self.ends;
+            self.ends = [fmin(from, self.along), fmax(to, self.along)];
+            self.touch.way = self.ends[1] - self.ends[0];
+        }
+        if at.force > self.touch.peak {
+            self.touch = Touch {
+                way: self.touch.way,
+                ..Self::at(at).touch
+            };
+        }
+    }
+}
+
+/// Distances along the tooth between neighbouring places of touch, for each side of each tooth, and the ways of those that were
+/// dragged, metres, sorted.
 pub fn steps(touches: &[Touch]) -> Vec<f64> {
     let mut sides: BTreeMap<(u8, bool), Vec<(f64, f64)>> = BTreeMap::new();
     for touch in touches {
         let side = sides.entry((touch.tooth, touch.buccal)).or_default();
         side.push((touch.around, touch.from_axis));
     }
-    let mut steps = Vec::new();
+    let dragged = touches.iter().map(|touch| touch.way);
+    let mut steps: Vec<f64> = dragged.filter(|way| *way >= DRAGGED).collect();
     for side in sides.values_mut() {
         side.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut last: Option<(f64, f64)> = None;
@@ -136,6 +200,59 @@ mod tests {
         assert_eq!(peaks, [0.22, 0.06]);
     }
 
+    /// A hand on the buccal side at these forces (newtons) and angles (degrees), each for 100 ms.
+    fn made(path: &[(f64, f64)]) -> Vec<Touch> {
+        let mut touches = Touches::default();
+        for (force, degrees) in path {
+            for _ in 0..100 {
+                let at = standing(36, Site::Buccal, *degrees, 2.0, *force);
+                touches.observe(Some(&at), 1e-3);
+            }
+        }
+        touches.all()
+    }
+
+    #[test]
+    fn a_hand_that_bobs_without_unloading_makes_a_touch_of_each_bob() {
+        let bobs: Vec<(f64, f64)> = (0..9)
+            .map(|k| (if k % 2 == 0 { 0.6 } else { 0.05 }, 60.0 + f64::from(k) * 5.0))
+            .collect();
+        let touches = made(&bobs);
+        assert_eq!(touches.len(), 5);
+        assert!(touches.iter().all(|touch| touch.peak == 0.6));
+        // Ten degrees at 4 mm, four times.
+        let found = steps(&touches);
+        assert_eq!(found.len(), 4);
+        let ten = 4e-3 * 10f64.to_radians();
+        assert!(found.iter().all(|step| (step - ten).abs() < 1e-9), "{found:?}");
+        // A press that is slackened to a third and held there is one touch, and so is one that is slackened to two thirds and
+        // pressed again.
+        let peaks = |path: &[(f64, f64)]| {
+            let touches = made(path);
+            touches.iter().map(|touch| touch.peak).collect::<Vec<_>>()
+        };
+        assert_eq!(peaks(&[(0.3, 90.0), (0.1, 90.0), (0.15, 90.0), (0.1, 90.0)]), [0.3]);
+        assert_eq!(peaks(&[(0.3, 90.0), (0.2, 90.0), (0.3, 90.0)]), [0.3]);
+        // Twice as much as that is another.
+        assert_eq!(peaks(&[(0.3, 90.0), (0.1, 90.0), (0.2, 90.0)]), [0.3, 0.2]);
+    }
+
+    #[test]
+    fn a_drag_is_a_step_of_its_whole_way() {
+        // Half a turn over the end of the angles at 4 mm, 5 degrees a time.
+        let drag: Vec<(f64, f64)> = (0..=36)
+            .map(|k| 90.0 + f64::from(k) * 5.0)
+            .map(|degrees| (0.2, if degrees > 180.0 { degrees - 360.0 } else { degrees }))
+            .collect();
+        let touches = made(&drag);
+        assert_eq!(touches.len(), 1);
+        let found = steps(&touches);
+        assert_eq!(found.len(), 1);
+        assert!((found[0] - 4e-3 * std::f64::consts::PI).abs() < 1e-9, "{found:?}");
+        // As far as a hand slips while it presses is none: 20 degrees are 1.4 mm.
+        assert!(steps(&made(&[(0.2, 60.0), (0.2, 80.0)])).is_empty());
+    }
+
     #[test]
     fn steps_are_arcs_between_neighbours_whatever_the_order() {
         let at = |degrees: f64, buccal: bool| Touch {
@@ -144,6 +261,7 @@ mod tests {
             around: degrees.to_radians(),
             from_axis: 4e-3,
             peak: 0.2,
+            way: 0.0,
         };
         // 20 and 40 degrees at 4 mm are 1.396 and 2.793 mm; 2 degrees (0.14 mm) are the same place.
         let touches = [

@@ -14,7 +14,7 @@ use crate::exercise::Exercise;
 pub const FORGIVEN: f64 = 0.05;
 /// Farthest that a call counts as within a millimetre, and as exact, mm; what is left of a tie after conversion.
 const WITHIN: f64 = 1.0 + 1e-9;
-const EXACT: f64 = 0.5 + 1e-9;
+pub const EXACT: f64 = 0.5 + 1e-9;
 
 /// What is done for less than this share of the exercise's length, and for less than so many seconds, was not done: else who
 /// grazes a crown once, or looks once, is graded by that. Chosen.
@@ -302,6 +302,7 @@ mod tests {
             around: degrees.to_radians(),
             from_axis: 4e-3,
             peak,
+            way: 0.0,
         };
         by.touches = vec![
             touch(36, 60.0, 0.05),
@@ -367,18 +368,19 @@ mod tests {
             tick: 1,
             data,
         };
+        // A short touch on the way is no stay; a quarter of a second on the floor is.
+        let mut bears = |site, seconds: f64| {
+            let at = standing(36, site, 90.0, 3.0, 0.2);
+            for _ in 0..(seconds * 1e3) as u32 {
+                by.evidence.stays(Some(&at), 1e-3);
+            }
+        };
+        bears(Buccal, 0.25);
+        bears(MesioBuccal, 0.15);
         for (kind, data) in [
-            (
-                "site_reached",
-                serde_json::json!({"tooth": 36, "site": "buccal"}),
-            ),
             (
                 "withdrawn",
                 serde_json::json!({"tooth": 36, "to": "mesiobuccal"}),
-            ),
-            (
-                "site_reached",
-                serde_json::json!({"tooth": 36, "site": "mesiobuccal"}),
             ),
             // To look again is no withdrawal.
             (

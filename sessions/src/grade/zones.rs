@@ -14,7 +14,7 @@ pub const BEYOND: f64 = 1e-3;
 /// Time in a zone from which it was probed, not passed, seconds.
 pub const STAYED: f64 = 0.2;
 /// What rounding may take off it.
-const TIE: f64 = 1e-9;
+pub const TIE: f64 = 1e-9;
 
 /// Depths within so much of the deepest are the deepest place: how the working end stood is judged there, metres.
 pub const AT_FLOOR: f64 = 3e-4;

@@ -131,11 +131,10 @@ fn out_of_the_pocket_between_two_sites_is_withdrawal() {
             depth: height,
             ..at
         };
-        let path = [a]
-            .into_iter()
+        let path = stay(a)
             .chain(to(a, over(a), 50))
             .chain(to(over(a), over(b), 200));
-        let all = told(path.chain(to(over(b), b, 50)));
+        let all = told(path.chain(to(over(b), b, 50)).chain(stay(b)));
         let kinds = all.iter().filter(|one| one.kind == "withdrawn");
         kinds
             .map(|one| format!("{} {}", one.data["from"], one.data["to"]))
@@ -168,6 +167,81 @@ fn out_of_the_pocket_between_two_sites_is_withdrawal() {
     // To the same site, and round to the other side, where there is no way through.
     assert_eq!(withdrawn(100.0, 80.0, -2.0), [""; 0]);
     assert_eq!(withdrawn(90.0, -90.0, -2.0), [""; 0]);
+}
+
+/// Long enough to have stayed.
+fn stay(at: At) -> impl Iterator<Item = At> {
+    std::iter::repeat_n(at, 210)
+}
+
+/// What is told of withdrawals on a way through `steps`: an angle, and for how many ticks the tip is 3 mm deep there; it comes out between
+/// two unless the next is `slid` to.
+fn withdrawals(steps: &[(f64, usize, bool)]) -> Vec<String> {
+    let at = |around| At { around, ..UPRIGHT };
+    let out = |around| At {
+        depth: -2.0,
+        ..at(around)
+    };
+    let mut path = vec![out(steps[0].0)];
+    for (k, (around, ticks, slid)) in steps.iter().enumerate() {
+        let before = steps[k.saturating_sub(1)].0;
+        if *slid {
+            path.extend(to(at(before), at(*around), 40));
+        } else {
+            path.extend(to(at(before), out(before), 20));
+            path.extend(to(out(before), out(*around), 50));
+            path.extend(to(out(*around), at(*around), 20));
+        }
+        path.extend(std::iter::repeat_n(at(*around), *ticks));
+    }
+    let all = told(path);
+    let kinds = all.iter().filter(|one| one.kind == "withdrawn");
+    kinds
+        .map(|one| {
+            format!(
+                "{} {}",
+                one.data["from"].as_str().unwrap(),
+                one.data["to"].as_str().unwrap()
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn a_tip_that_slips_over_the_next_zone_on_its_way_out_was_withdrawn_all_the_same() {
+    // 190 ms in the middle, then out, and in there.
+    assert_eq!(
+        withdrawals(&[(150.0, 300, false), (90.0, 120, true), (90.0, 300, false)]),
+        ["distobuccal buccal"]
+    );
+    // Round to the other side on its way out.
+    assert_eq!(
+        withdrawals(&[(150.0, 300, false), (-150.0, 60, true), (90.0, 300, false)]),
+        ["distobuccal buccal"]
+    );
+    // In again where it came out, and on from there: it walks.
+    assert_eq!(
+        withdrawals(&[(150.0, 300, false), (150.0, 300, false), (90.0, 300, true)]),
+        [""; 0]
+    );
+    // In passing only.
+    assert_eq!(
+        withdrawals(&[(150.0, 300, false), (90.0, 60, false), (150.0, 300, false)]),
+        [""; 0]
+    );
+}
+
+#[test]
+fn probing_both_sides_in_turn_hides_no_withdrawal() {
+    assert_eq!(
+        withdrawals(&[
+            (150.0, 300, false),
+            (-150.0, 300, false),
+            (90.0, 300, false),
+            (-90.0, 300, false),
+        ]),
+        ["distobuccal buccal", "distolingual lingual"]
+    );
 }
 
 #[test]
