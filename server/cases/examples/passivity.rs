@@ -58,12 +58,7 @@ fn main() {
         }
     }
     println!("an hour at rest, hand without tremor:");
-    for name in [
-        "thin-plate-0.02",
-        "pocket-rest",
-        "tongue-rest",
-        "organ-rest",
-    ] {
+    for name in ["hour-rest", "pocket-rest", "tongue-rest", "organ-rest"] {
         let case = find(name).expect("in the table");
         if !chosen(name) {
             continue;

@@ -188,9 +188,14 @@ impl Fuzz {
 
     /// Whether `found` keeps to what is asked of ticks whose substeps ran out, their share being at most `times` that of long runs.
     pub fn keeps_up(&self, found: &Measures, times: f64) -> bool {
+        self.exhausted_share_of(found) <= times * self.exhausted_share
+            && found.exhausted_residual <= self.deepest
+    }
+
+    /// Share of the tools' ticks that ran out of passes.
+    pub fn exhausted_share_of(&self, found: &Measures) -> f64 {
         let tools = (self.homes)(&(self.scene)()).len() as f64;
-        let share = found.exhausted as f64 / (found.ticks.max(1) as f64 * tools);
-        share <= times * self.exhausted_share && found.exhausted_residual <= self.deepest
+        found.exhausted as f64 / (found.ticks.max(1) as f64 * tools)
     }
 }
 

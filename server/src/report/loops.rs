@@ -36,7 +36,7 @@ pub(crate) struct Loop {
     pub(crate) energy_controlled_mj: f64,
     /// Most that was put out unpaid within one period, with the controller: what none can foresee.
     pub(crate) period_work_mj: f64,
-    /// Whether no more came out than two such periods and [`FELT_MJ`] explain, with the controller.
+    /// Whether no more came out than two such periods and [`FELT_MJ`] explain, nor more than the case allows, with the controller.
     pub(crate) passive: bool,
     /// What the controller took out, and the share of ticks in which it acted.
     pub(crate) taken_mj: f64,
@@ -96,13 +96,8 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Loops {
         one(link.0, link.1)
     });
     let resting: &[&str] = match quick {
-        true => &["thin-plate-0.02"],
-        false => &[
-            "thin-plate-0.02",
-            "pocket-rest",
-            "tongue-rest",
-            "organ-rest",
-        ],
+        true => &["hour-rest"],
+        false => &["hour-rest", "pocket-rest", "tongue-rest", "organ-rest"],
     };
     let hours = on_all_cores(
         resting,
@@ -110,11 +105,7 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Loops {
         |&name| {
             let case = find(name).expect("in the table");
             // Only the plate's state repeats soon; the others' have to be run all the way.
-            let ticks = if name == "thin-plate-0.02" {
-                HOUR
-            } else {
-                MINUTES
-            };
+            let ticks = if name == "hour-rest" { HOUR } else { MINUTES };
             let found = rest(case, 2.0, ticks, PassivityParams::default());
             Hour {
                 case: case.name,

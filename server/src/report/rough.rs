@@ -17,6 +17,9 @@ pub(crate) struct Rough {
     pub(crate) faults: u64,
     pub(crate) bad_input: u64,
     pub(crate) exhausted_ticks: u64,
+    /// Their share of the tools' ticks, and whether it and the overlap meanwhile are within the scene's bounds.
+    pub(crate) exhausted_percent: f64,
+    pub(crate) keeps_up: bool,
     pub(crate) solver_failed: u64,
     pub(crate) residual_um: f64,
     pub(crate) exhausted_residual_um: f64,
@@ -28,7 +31,7 @@ impl Rough {
     /// Whether all holds that must.
     pub(crate) fn holds(&self) -> bool {
         let finite = self.not_finite == 0 && self.faults == 0;
-        finite && self.residual_um <= 1.0 && self.slow_force_step_n <= 0.02 + 1e-9
+        finite && self.keeps_up && self.residual_um <= 1.0 && self.slow_force_step_n <= 0.02 + 1e-9
     }
 }
 
@@ -47,6 +50,8 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rough> {
             faults: m.faults,
             bad_input: m.bad_input,
             exhausted_ticks: m.exhausted,
+            exhausted_percent: 100.0 * fuzz.exhausted_share_of(m),
+            keeps_up: fuzz.keeps_up(m, 1.0),
             solver_failed: m.solver_failed,
             residual_um: m.residual * 1e6,
             exhausted_residual_um: m.exhausted_residual * 1e6,

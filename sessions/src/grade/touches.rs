@@ -215,7 +215,12 @@ mod tests {
     #[test]
     fn a_hand_that_bobs_without_unloading_makes_a_touch_of_each_bob() {
         let bobs: Vec<(f64, f64)> = (0..9)
-            .map(|k| (if k % 2 == 0 { 0.6 } else { 0.05 }, 60.0 + f64::from(k) * 5.0))
+            .map(|k| {
+                (
+                    if k % 2 == 0 { 0.6 } else { 0.05 },
+                    60.0 + f64::from(k) * 5.0,
+                )
+            })
             .collect();
         let touches = made(&bobs);
         assert_eq!(touches.len(), 5);
@@ -224,14 +229,20 @@ mod tests {
         let found = steps(&touches);
         assert_eq!(found.len(), 4);
         let ten = 4e-3 * 10f64.to_radians();
-        assert!(found.iter().all(|step| (step - ten).abs() < 1e-9), "{found:?}");
+        assert!(
+            found.iter().all(|step| (step - ten).abs() < 1e-9),
+            "{found:?}"
+        );
         // A press that is slackened to a third and held there is one touch, and so is one that is slackened to two thirds and
         // pressed again.
         let peaks = |path: &[(f64, f64)]| {
             let touches = made(path);
             touches.iter().map(|touch| touch.peak).collect::<Vec<_>>()
         };
-        assert_eq!(peaks(&[(0.3, 90.0), (0.1, 90.0), (0.15, 90.0), (0.1, 90.0)]), [0.3]);
+        assert_eq!(
+            peaks(&[(0.3, 90.0), (0.1, 90.0), (0.15, 90.0), (0.1, 90.0)]),
+            [0.3]
+        );
         assert_eq!(peaks(&[(0.3, 90.0), (0.2, 90.0), (0.3, 90.0)]), [0.3]);
         // Twice as much as that is another.
         assert_eq!(peaks(&[(0.3, 90.0), (0.1, 90.0), (0.2, 90.0)]), [0.3, 0.2]);
@@ -242,13 +253,25 @@ mod tests {
         // Half a turn over the end of the angles at 4 mm, 5 degrees a time.
         let drag: Vec<(f64, f64)> = (0..=36)
             .map(|k| 90.0 + f64::from(k) * 5.0)
-            .map(|degrees| (0.2, if degrees > 180.0 { degrees - 360.0 } else { degrees }))
+            .map(|degrees| {
+                (
+                    0.2,
+                    if degrees > 180.0 {
+                        degrees - 360.0
+                    } else {
+                        degrees
+                    },
+                )
+            })
             .collect();
         let touches = made(&drag);
         assert_eq!(touches.len(), 1);
         let found = steps(&touches);
         assert_eq!(found.len(), 1);
-        assert!((found[0] - 4e-3 * std::f64::consts::PI).abs() < 1e-9, "{found:?}");
+        assert!(
+            (found[0] - 4e-3 * std::f64::consts::PI).abs() < 1e-9,
+            "{found:?}"
+        );
         // As far as a hand slips while it presses is none: 20 degrees are 1.4 mm.
         assert!(steps(&made(&[(0.2, 60.0), (0.2, 80.0)])).is_empty());
     }

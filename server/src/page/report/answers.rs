@@ -2,8 +2,6 @@
 
 use std::fmt::Write;
 
-use sulcus_core::MAX_TOOLS;
-
 use super::super::html::escaped;
 use crate::report::{FELT_MJ, Level, Loop, Report, Row};
 
@@ -205,13 +203,8 @@ fn outrun_um(report: &Report) -> f64 {
 
 /// Largest share of tool-ticks that a random walk outran, percent, and where.
 fn outrun_most(report: &Report) -> (f64, &'static str) {
-    let shares = report.random_poses.iter().map(|r| {
-        let tool_ticks = (r.ticks * MAX_TOOLS as u64).max(1);
-        (
-            100.0 * r.exhausted_ticks as f64 / tool_ticks as f64,
-            r.scene,
-        )
-    });
+    let all = report.random_poses.iter();
+    let shares = all.map(|r| (r.exhausted_percent, r.scene));
     shares.fold(
         (0.0, "none"),
         |most, this| if this.0 > most.0 { this } else { most },
@@ -228,8 +221,14 @@ pub(crate) fn failures(report: &Report) -> Vec<String> {
     let rough = report.random_poses.iter().filter(|r| !r.holds());
     let rough = rough.map(|r| {
         format!(
-            "random poses, {}: {} not finite, {} faults, residual {:.2} µm, click {:.3} N",
-            r.scene, r.not_finite, r.faults, r.residual_um, r.slow_force_step_n
+            "random poses, {}: {} not finite, {} faults, residual {:.2} µm, click {:.3} N, {:.1} % outrun, {:.0} µm deep meanwhile",
+            r.scene,
+            r.not_finite,
+            r.faults,
+            r.residual_um,
+            r.slow_force_step_n,
+            r.exhausted_percent,
+            r.exhausted_residual_um
         )
     });
     let loops = report.passivity.loops.iter().filter(|l| !l.passive);

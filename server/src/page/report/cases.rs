@@ -66,11 +66,11 @@ pub(super) fn hard_cases(html: &mut String, report: &Report) {
 }
 
 pub(super) fn random_poses(html: &mut String, report: &Report) {
-    html.push_str("<section id=\"random-poses\"><h2>Random poses</h2>\n<p class=\"note\">A walk with leaps of many millimetres, turns, absences and numbers that are none, where there is much to touch. Good: no number that is not finite, no fault of a tick, residual under 1 µm, click under 0.02 N. <b>While outrun</b>: overlap in ticks that ran out of passes and go on in the next; good is under 50 µm for what does not yield, and soft tissue that a leap of centimetres strikes is entered by up to millimetres.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>ticks</th><th>in contact</th><th>bad input</th><th>not finite</th><th>faults</th><th>outrun</th><th>no answer</th><th>residual, µm</th><th>while outrun, µm</th><th>click, N</th><th>force, N</th></tr></thead><tbody>\n");
+    html.push_str("<section id=\"random-poses\"><h2>Random poses</h2>\n<p class=\"note\">A walk with leaps of many millimetres, turns, absences and numbers that are none, where there is much to touch. Good: no number that is not finite, no fault of a tick, residual under 1 µm, click under 0.02 N. <b>While outrun</b>: overlap in ticks that ran out of passes and go on in the next; good is under 10 µm for what does not yield, and soft tissue that a leap of centimetres strikes is entered by up to millimetres; how many ticks and how deep is bounded for each scene.</p>\n<div class=\"wide\"><table class=\"small\"><thead><tr><th>scene</th><th>ticks</th><th>in contact</th><th>bad input</th><th>not finite</th><th>faults</th><th>outrun</th><th>% of ticks</th><th>no answer</th><th>residual, µm</th><th>while outrun, µm</th><th>click, N</th><th>force, N</th></tr></thead><tbody>\n");
     for r in &report.random_poses {
         let _ = writeln!(
             html,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.1}</td><td>{:.4}</td><td>{:.2}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{}</td><td>{:.3}</td><td>{:.1}</td><td>{:.4}</td><td>{:.2}</td></tr>",
             escaped(r.scene),
             r.ticks,
             r.contact_ticks,
@@ -78,6 +78,7 @@ pub(super) fn random_poses(html: &mut String, report: &Report) {
             r.not_finite,
             r.faults,
             r.exhausted_ticks,
+            r.exhausted_percent,
             r.solver_failed,
             r.residual_um,
             r.exhausted_residual_um,
