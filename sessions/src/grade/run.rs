@@ -1,6 +1,8 @@
 //! From a recording to its grade: one replay, and what is made of it.
 
 use sulcus_core::Scene;
+use sulcus_core::math::fmin;
+use sulcus_core::tissue::TissueModel;
 
 use super::advice::advice;
 use super::definitions::{Definition, METRICS, find};
@@ -58,6 +60,8 @@ pub struct Graded {
     pub patient: String,
     /// Length of the session, seconds.
     pub seconds: f64,
+    /// Force on a pocket's floor from which healthy tissue bleeds: the least of the scene's gingivae, newtons; none without gingiva.
+    pub trauma_n: Option<f64>,
 }
 
 /// Settings where there is no rubric: nothing is graded, events are watched all the same.
@@ -163,6 +167,14 @@ pub fn finish(
         teeth,
         patient: header.patient.clone(),
         seconds: 0.0,
+        trauma_n: scene
+            .objects
+            .iter()
+            .filter_map(|object| match &object.tissue {
+                TissueModel::Gingiva(gingiva) => Some(gingiva.params.trauma),
+                _ => None,
+            })
+            .reduce(fmin),
     };
     let Some(standard) = standard else {
         graded.grade.gradable = false;

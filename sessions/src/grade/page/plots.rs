@@ -8,16 +8,20 @@ const WIDTH: f64 = 760.0;
 const LEFT: f64 = 60.0;
 const RIGHT: f64 = 6.0;
 const HIGH: f64 = 52.0;
-/// Force at which healthy tissue bleeds, newtons.
-const TRAUMA: f64 = 0.5;
 /// Most columns that a plot is made of.
 const COLUMNS: usize = 1400;
 
 /// One column: zone, deepest (mm), heaviest (N), whether the target was visible.
 type Column = (Option<(u8, usize)>, f64, f64, Option<bool>);
 
-/// The plot of a session; `band` is the target band of force, newtons. Empty where there is nothing to draw.
-pub fn svg(series: &Series, band: [f64; 2], number: impl Fn(u8) -> String) -> String {
+/// The plot of a session; `band` is the target band of force, `trauma` the force from which healthy tissue of the scene bleeds, newtons.
+/// Empty where there is nothing to draw.
+pub fn svg(
+    series: &Series,
+    band: [f64; 2],
+    trauma: Option<f64>,
+    number: impl Fn(u8) -> String,
+) -> String {
     let points = &series.0;
     if points.iter().all(|point| point.zone.is_none()) {
         return String::new();
@@ -67,12 +71,12 @@ pub fn svg(series: &Series, band: [f64; 2], number: impl Fn(u8) -> String) -> St
         band[0],
         band[1]
     );
-    // From here on healthy tissue bleeds (Lang 1991; the scene's default).
-    if heaviest >= TRAUMA {
-        let y = force_y(TRAUMA);
+    // From here on healthy tissue bleeds.
+    if let Some(trauma) = trauma.filter(|trauma| heaviest >= *trauma) {
+        let y = force_y(trauma);
         let _ = writeln!(
             svg,
-            "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{0:.1}\" y2=\"{y:.1}\" stroke=\"#c4122f\" stroke-width=\"1.2\" stroke-dasharray=\"5 2\"/><text x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"end\">trauma from {TRAUMA} N</text>",
+            "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{0:.1}\" y2=\"{y:.1}\" stroke=\"#c4122f\" stroke-width=\"1.2\" stroke-dasharray=\"5 2\"/><text x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"end\">trauma from {trauma} N</text>",
             WIDTH - RIGHT,
             WIDTH - RIGHT - 2.0,
             y - 2.0

@@ -12,6 +12,9 @@ use crate::grade::{Graded, table};
 
 /// Most pieces of advice that a sheet has room for.
 const MOST_ADVICE: usize = 3;
+/// Most characters of an instructor's reason, and of who and when, that it has room for.
+const MOST_REASON: usize = 200;
+const MOST_NAME: usize = 40;
 
 /// The page of one session.
 pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> String {
@@ -19,15 +22,20 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
     let mut html = String::new();
     head(&mut html, session, look);
     if let Some(sidecar) = &session.sidecar {
-        for said in &sidecar.revisions {
+        // (Those before it, and the whole of a long reason, are in the JSON.)
+        if let Some(said) = sidecar.latest() {
+            let before = match sidecar.revisions.len() {
+                0 | 1 => String::new(),
+                all => format!(", revision {all}"),
+            };
             let _ = writeln!(
                 html,
-                "<p class=\"revised\"><b>Revised by an instructor: {:.1}, {}</b> ({}, {}): {}</p>",
+                "<p class=\"revised\"><b>Revised by an instructor: {:.1}, {}</b> ({}, {}{before}): {}</p>",
                 said.score,
                 if said.passed { "passed" } else { "not passed" },
-                escaped(&said.by),
-                escaped(&said.at),
-                escaped(&said.reason)
+                escaped(&clipped(&said.by, MOST_NAME)),
+                escaped(&clipped(&said.at, MOST_NAME)),
+                escaped(&clipped(&said.reason, MOST_REASON))
             );
         }
     }
@@ -68,7 +76,9 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         );
     }
     let band = grade.force_band_n.unwrap_or([0.1, 0.25]);
-    let plot = plots::svg(&graded.series, band, |fdi| look.numbering.of(fdi));
+    let plot = plots::svg(&graded.series, band, graded.trauma_n, |fdi| {
+        look.numbering.of(fdi)
+    });
     if !plot.is_empty() && !look.exam {
         let _ = writeln!(
             html,
@@ -92,6 +102,15 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         escaped(&grade.exercise)
     );
     page(&title, &html)
+}
+
+/// A text, or its beginning with three dots.
+fn clipped(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let beginning: String = text.chars().take(most).collect();
+    format!("{}...", beginning.trim_end())
 }
 
 fn head(html: &mut String, session: &Session, look: &Look<'_>) {
@@ -327,4 +346,17 @@ fn definitions(html: &mut String, grade: &Grade) {
         let _ = writeln!(html, "<p><b>Thresholds</b>: {}.</p>", escaped(&set.words()));
     }
     html.push_str("<p>Scores lie straight between both; the total is their mean by weight, less what is taken off for essentials, and is rounded to 0.1. Percentages and seconds are rounded to 0.1, millimetres to 0.01, newtons to 0.01.</p></details>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::clipped;
+
+    #[test]
+    fn a_long_reason_is_cut_between_characters_and_a_short_one_is_not() {
+        assert_eq!(clipped("finger rest slipped", 200), "finger rest slipped");
+        assert_eq!(clipped(&"ü".repeat(200), 200), "ü".repeat(200));
+        assert_eq!(clipped(&"ü".repeat(201), 200), "ü".repeat(200) + "...");
+        assert_eq!(clipped("slipped twice", 8), "slipped...");
+    }
 }
