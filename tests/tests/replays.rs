@@ -1,17 +1,12 @@
 //! Every exercise, every habit, both hands in the whole mouth: recorded, replayed bit for bit, also from a snapshot.
 
-use serde_json::Value;
-use sulcus_tests::{Place, Program};
+use std::collections::BTreeMap;
+use std::path::Path;
 
-const HABITS: [&str; 7] = [
-    "heavy-hand",
-    "wrong-angle",
-    "skips-sites",
-    "impatient",
-    "spot-probes",
-    "misreads",
-    "lets-tongue-go",
-];
+use serde_json::Value;
+use sulcus_operator::Habit;
+use sulcus_sessions::{Message, Recording};
+use sulcus_tests::{Place, Program};
 
 /// Performs in virtual time, in release; the demo's own replay at its end must be identical.
 fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value {
@@ -87,10 +82,74 @@ fn every_exercise_replays_whole_and_from_a_snapshot() {
     assert_eq!(debug["recorded_by"]["build"], "release");
 }
 
+/// Where a habit shows: exercise and seconds. What it does differently it does by then.
+fn shows(habit: Habit) -> (&'static str, &'static str) {
+    match habit {
+        // At the first insertion.
+        Habit::HeavyHand
+        | Habit::WrongAngle
+        | Habit::Impatient
+        | Habit::SpotProbes
+        | Habit::StopsShort => ("probing", "3"),
+        // In what is called.
+        Habit::Misreads => ("probing", "12"),
+        // Behind the first zones; and half-way through the tour.
+        Habit::SkipsSites | Habit::LetsTongueGo => ("bimanual", "36"),
+    }
+}
+
+/// What a performance came to: the hash after its last tick, and the readings that were called.
+fn came_to(demo: &Value) -> (u64, Vec<String>) {
+    let file = demo["recording"].as_str().expect("a path");
+    let recording = Recording::open(Path::new(file)).expect("it opens");
+    let (mut hash, mut called) = (None, Vec::new());
+    for message in recording.messages() {
+        match message.expect("a message") {
+            Message::Row(row) => hash = Some(row.hash),
+            Message::Event(event) if event.text.starts_with("reading_called") => {
+                called.push(event.text);
+            }
+            _ => {}
+        }
+    }
+    (hash.expect("a row"), called)
+}
+
 #[test]
-fn every_habit_replays() {
+fn every_habit_acts_and_replays() {
     let place = Place::new();
-    for habit in HABITS {
-        perform(&place, "bimanual", "5", &["--habit", habit]);
+    let mut good = BTreeMap::new();
+    for habit in Habit::ALL {
+        let (exercise, seconds) = shows(habit);
+        let good = good
+            .entry((exercise, seconds))
+            .or_insert_with(|| came_to(&perform(&place, exercise, seconds, &[])));
+        let bad = perform(&place, exercise, seconds, &["--habit", habit.name()]);
+        let bad = came_to(&bad);
+        if habit == Habit::Misreads {
+            // The hand is the good one's: he says another number.
+            assert_eq!(bad.0, good.0, "{habit:?}");
+            assert_ne!(bad.1, good.1, "{habit:?}");
+            assert_eq!(bad.1.len(), good.1.len(), "{habit:?}");
+        } else {
+            assert_ne!(bad.0, good.0, "{habit:?}");
+        }
+    }
+}
+
+#[test]
+fn a_replay_is_many_times_as_fast_as_the_session() {
+    let place = Place::new();
+    // (On a shared machine of two cores, other work beside it: 25 and 21 times.)
+    for (exercise, seconds, least) in [("probing", "12", 10.0), ("bimanual", "20", 4.0)] {
+        let demo = perform(&place, exercise, seconds, &[]);
+        let file = demo["recording"].as_str().expect("a path");
+        // The best of three: others may have the processor meanwhile.
+        let factors = [(); 3].map(|()| {
+            let report = replay(&place, &[file], &["--jobs", "1"]);
+            report["realtime_factor"].as_f64().expect("a number")
+        });
+        let best = factors.into_iter().fold(0.0, f64::max);
+        assert!(best >= least, "{exercise}: {factors:?}, expected {least}");
     }
 }
