@@ -1,7 +1,6 @@
 //! Every exercise, every habit, both hands in the whole mouth: recorded, replayed bit for bit, also from a snapshot.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde_json::Value;
 use sulcus_operator::Habit;
@@ -85,23 +84,22 @@ fn every_exercise_replays_whole_and_from_a_snapshot() {
 /// Where a habit shows: exercise and seconds. What it does differently it does by then.
 fn shows(habit: Habit) -> (&'static str, &'static str) {
     match habit {
-        // At the first insertion.
+        // Within the first zones; misreads in what is called.
         Habit::HeavyHand
         | Habit::WrongAngle
         | Habit::Impatient
         | Habit::SpotProbes
-        | Habit::StopsShort => ("probing", "3"),
-        // In what is called.
-        Habit::Misreads => ("probing", "12"),
+        | Habit::StopsShort
+        | Habit::Misreads => ("probing", "12"),
         // Behind the first zones; and half-way through the tour.
         Habit::SkipsSites | Habit::LetsTongueGo => ("bimanual", "36"),
     }
 }
 
 /// What a performance came to: the hash after its last tick, and the readings that were called.
-fn came_to(demo: &Value) -> (u64, Vec<String>) {
+fn came_to(place: &Place, demo: &Value) -> (u64, Vec<String>) {
     let file = demo["recording"].as_str().expect("a path");
-    let recording = Recording::open(Path::new(file)).expect("it opens");
+    let recording = Recording::open(&place.path(file)).expect("it opens");
     let (mut hash, mut called) = (None, Vec::new());
     for message in recording.messages() {
         match message.expect("a message") {
@@ -123,9 +121,9 @@ fn every_habit_acts_and_replays() {
         let (exercise, seconds) = shows(habit);
         let good = good
             .entry((exercise, seconds))
-            .or_insert_with(|| came_to(&perform(&place, exercise, seconds, &[])));
+            .or_insert_with(|| came_to(&place, &perform(&place, exercise, seconds, &[])));
         let bad = perform(&place, exercise, seconds, &["--habit", habit.name()]);
-        let bad = came_to(&bad);
+        let bad = came_to(&place, &bad);
         if habit == Habit::Misreads {
             // The hand is the good one's: he says another number.
             assert_eq!(bad.0, good.0, "{habit:?}");
