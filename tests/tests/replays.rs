@@ -138,8 +138,9 @@ fn every_habit_acts_and_replays() {
 #[test]
 fn a_replay_is_many_times_as_fast_as_the_session() {
     let place = Place::new();
-    // (On a shared machine of two cores, other work beside it: 25 and 21 times.)
-    for (exercise, seconds, least) in [("probing", "12", 10.0), ("bimanual", "20", 4.0)] {
+    // What is promised is 10 and 4 times on a core of its own; found are 25 and 21 beside other work. Half is asked here, where nobody
+    // knows what else the machine does: enough to see a replay that became some times slower.
+    for (exercise, seconds, least) in [("probing", "12", 5.0), ("bimanual", "20", 2.0)] {
         let demo = perform(&place, exercise, seconds, &[]);
         let file = demo["recording"].as_str().expect("a path");
         // The best of three: others may have the processor meanwhile.
