@@ -26,6 +26,7 @@ fn a_quick_report_writes_its_page_and_its_numbers_and_all_holds() {
     let place = Place::new();
     let report = ["report", "--quick", "--json", "--out", "found"];
     let found = place.run(Program::Server, &report).ok().json();
+    assert!(found["machine"]["processor"].is_string());
     let rows = list(&found, "rows");
     assert!(rows.len() >= 15, "{} rows", rows.len());
     for row in rows {

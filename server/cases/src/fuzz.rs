@@ -28,21 +28,36 @@ pub struct Fuzz {
     pub homes: fn(&Scene) -> Vec<Pose>,
     /// Length of the walk's usual steps, metres.
     pub step: f64,
-    /// Largest share of tool-ticks whose substeps may run out: leaps go on in later ticks. A little over what a thousand ticks and a
-    /// million come to.
-    pub exhausted_share: f64,
-    /// Deepest that such a tick may leave a tool, metres, likewise.
+    /// What is asked of ticks whose substeps run out: leaps go on in later ones.
+    pub outrun: Outrun,
+}
+
+/// How often and how deep ticks may run out of substeps. A little over what a thousand ticks and a million come to.
+#[derive(Clone, Copy)]
+pub struct Outrun {
+    /// Tools that walk.
+    pub tools: u64,
+    /// Largest share of their ticks.
+    pub share: f64,
+    /// Deepest that such a tick may leave a tool, metres.
     pub deepest: f64,
 }
 
-/// What is asked of those ticks: share and metres, for each kind of scene.
-const RIGID: (f64, f64) = (0.06, 1e-5);
-const GINGIVA: (f64, f64) = (0.09, 4e-5);
-const SKELETON: (f64, f64) = (0.06, 1e-5);
-const ORGAN: (f64, f64) = (0.09, 3e-3);
+const fn outrun(tools: u64, share: f64, deepest: f64) -> Outrun {
+    Outrun {
+        tools,
+        share,
+        deepest,
+    }
+}
+
+const RIGID: Outrun = outrun(1, 0.06, 1e-5);
+const GINGIVA: Outrun = outrun(1, 0.09, 4e-5);
+const SKELETON: Outrun = outrun(1, 0.06, 1e-5);
+const ORGAN: Outrun = outrun(1, 0.09, 3e-3);
 /// Two tools wait for each other.
-const TWO_PROBES: (f64, f64) = (0.12, 4e-5);
-const TWO_MIRRORS: (f64, f64) = (0.3, 3e-3);
+const TWO_PROBES: Outrun = outrun(2, 0.12, 4e-5);
+const TWO_MIRRORS: Outrun = outrun(2, 0.3, 3e-3);
 
 /// One probe in the narrow pocket.
 pub const POCKET: Fuzz = Fuzz {
@@ -50,8 +65,7 @@ pub const POCKET: Fuzz = Fuzz {
     scene: || pocket("0.4"),
     homes: |scene| vec![in_pocket(scene, 90.0)],
     step: 1.5e-4,
-    exhausted_share: GINGIVA.0,
-    deepest: GINGIVA.1,
+    outrun: GINGIVA,
 };
 
 /// All of them: every tissue model, one and two tools, what is thin, narrow and sharp.
@@ -61,32 +75,28 @@ pub const ALL: &[Fuzz] = &[
         scene: || scenes::scene("wedge", vec![scenes::wedge()]),
         homes: |_| vec![over(-5e-4)],
         step: 1.5e-4,
-        exhausted_share: RIGID.0,
-        deepest: RIGID.1,
+        outrun: RIGID,
     },
     Fuzz {
         name: "thin plate",
         scene: || scenes::scene("thin plate", vec![scenes::thin_plate()]),
         homes: |_| vec![over(-5e-4)],
         step: 1.5e-4,
-        exhausted_share: RIGID.0,
-        deepest: RIGID.1,
+        outrun: RIGID,
     },
     Fuzz {
         name: "sharp edge",
         scene: || scenes::scene("sharp edge", vec![scenes::sharp_edge()]),
         homes: |_| vec![over(-1.5e-3)],
         step: 5e-5,
-        exhausted_share: RIGID.0,
-        deepest: RIGID.1,
+        outrun: RIGID,
     },
     Fuzz {
         name: "blended groove",
         scene: || scenes::scene("groove", vec![scenes::groove(0.785)]),
         homes: |_| vec![over(0.0)],
         step: 1.5e-4,
-        exhausted_share: RIGID.0,
-        deepest: RIGID.1,
+        outrun: RIGID,
     },
     POCKET,
     Fuzz {
@@ -94,24 +104,21 @@ pub const ALL: &[Fuzz] = &[
         scene: || twice(pocket("0.4")),
         homes: |scene| vec![in_pocket(scene, 75.0), in_pocket(scene, 105.0)],
         step: 1.5e-4,
-        exhausted_share: TWO_PROBES.0,
-        deepest: TWO_PROBES.1,
+        outrun: TWO_PROBES,
     },
     Fuzz {
         name: "tongue (skeleton)",
         scene: || tongue(0.5),
         homes: |scene| vec![mirror(scene, 0.0).pose(4e-3, 0.0, 0.0)],
         step: 4e-4,
-        exhausted_share: SKELETON.0,
-        deepest: SKELETON.1,
+        outrun: SKELETON,
     },
     Fuzz {
         name: "tongue (surface_compliance)",
         scene: || organ(0.5),
         homes: |scene| vec![mirror(scene, 0.0).pose(4e-3, 0.0, 0.0)],
         step: 4e-4,
-        exhausted_share: ORGAN.0,
-        deepest: ORGAN.1,
+        outrun: ORGAN,
     },
     Fuzz {
         name: "tongue, two mirrors (surface_compliance)",
@@ -122,8 +129,7 @@ pub const ALL: &[Fuzz] = &[
                 .into()
         },
         step: 4e-4,
-        exhausted_share: TWO_MIRRORS.0,
-        deepest: TWO_MIRRORS.1,
+        outrun: TWO_MIRRORS,
     },
 ];
 
@@ -188,14 +194,13 @@ impl Fuzz {
 
     /// Whether `found` keeps to what is asked of ticks whose substeps ran out, their share being at most `times` that of long runs.
     pub fn keeps_up(&self, found: &Measures, times: f64) -> bool {
-        self.exhausted_share_of(found) <= times * self.exhausted_share
-            && found.exhausted_residual <= self.deepest
+        self.exhausted_share(found) <= times * self.outrun.share
+            && found.exhausted_residual <= self.outrun.deepest
     }
 
     /// Share of the tools' ticks that ran out of passes.
-    pub fn exhausted_share_of(&self, found: &Measures) -> f64 {
-        let tools = (self.homes)(&(self.scene)()).len() as f64;
-        found.exhausted as f64 / (found.ticks.max(1) as f64 * tools)
+    pub fn exhausted_share(&self, found: &Measures) -> f64 {
+        found.exhausted as f64 / (found.ticks.max(1) * self.outrun.tools) as f64
     }
 }
 
@@ -249,6 +254,14 @@ fn unit(rng: &mut ChaCha8Rng) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn as_many_tools_walk_as_are_said_to() {
+        for fuzz in ALL {
+            let homes = (fuzz.homes)(&(fuzz.scene)()).len() as u64;
+            assert_eq!(homes, fuzz.outrun.tools, "{}", fuzz.name);
+        }
+    }
 
     #[test]
     fn what_runs_out_too_often_or_too_deep_does_not_keep_up() {

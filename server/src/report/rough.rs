@@ -50,7 +50,7 @@ pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Rough> {
             faults: m.faults,
             bad_input: m.bad_input,
             exhausted_ticks: m.exhausted,
-            exhausted_percent: 100.0 * fuzz.exhausted_share_of(m),
+            exhausted_percent: 100.0 * fuzz.exhausted_share(m),
             keeps_up: fuzz.keeps_up(m, 1.0),
             solver_failed: m.solver_failed,
             residual_um: m.residual * 1e6,

@@ -106,8 +106,8 @@ pub(super) const CASES: &[Case] = &[
         driver: Driver::Kinematic(|scene| fuzz::POCKET.script(scene, 4, 10_000)),
         bounds: Bounds {
             // Leaps of 9 mm and 0.7 rad in a tick, over 1 m/s on the way: as the random poses, what is asked is safety.
-            exhausted_residual: fuzz::POCKET.deepest,
-            exhausted_share: fuzz::POCKET.exhausted_share,
+            exhausted_residual: fuzz::POCKET.outrun.deepest,
+            exhausted_share: fuzz::POCKET.outrun.share,
             energy: f64::INFINITY,
             // As with the hand that tumbles: nobody foresees what a leap puts in within a period (1.06 mJ over a link of 2 ms).
             linked_energy: 5e-3,
