@@ -217,6 +217,8 @@ mod tests {
         let exercise = Exercise::built_in().remove(1);
         let good = Rubric::of(&exercise).unwrap_or_else(|| panic!("built in"));
         let text = toml::to_string(&good).unwrap_or_default();
+        let version = format!("version = {}", good.version);
+        let coloured = format!("{version}\ncolour = 3");
         let told = |from: &str, to: &str| {
             assert!(text.contains(from), "{from} is not in {text}");
             Rubric::parse(&text.replacen(from, to, 1))
@@ -225,13 +227,13 @@ mod tests {
         };
         for (from, to, words) in [
             (
-                "version = 3",
+                version.as_str(),
                 "version = 0",
                 "version is 0, expected 1 or more",
             ),
             (
-                "version = 3",
-                "version = 3\ncolour = 3",
+                version.as_str(),
+                coloured.as_str(),
                 "unknown field `colour`",
             ),
             (
