@@ -28,6 +28,7 @@ Examples:
   sulcus-client demo --virtual --exercise retraction --json
   sulcus-client demo --virtual --exercise hard/wedge
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
+  sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
 
 Exit codes: 0 success, 1 a finding (demo: the replay differs or the recording cannot be graded; run: the server was lost or its
 recording is not complete), 2 wrong usage or bad input.";
@@ -77,8 +78,8 @@ pub struct DemoArgs {
     /// Folder for recordings; created when missing
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
-    /// Opaque learner id for the recording; never a name
-    #[arg(long, value_name = "ID", default_value = "")]
+    /// Opaque learner id for the recording, never a name: letters, digits, - and _, one digit at least
+    #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
@@ -123,11 +124,16 @@ pub struct RunArgs {
     /// Length of the session in seconds; the exercise's own when omitted
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
+    /// Read what is called from standard input, a line each while the hands work: tooth, site and depth, then what else was
+    /// called of recession (mm, negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3), such
+    /// as `36 mb 5 -2 b`. The simulated operator then calls nothing, and the session lasts until it is done and the input ends
+    #[arg(long)]
+    pub readings: bool,
     /// Seed of the simulated operator's tremor
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Opaque learner id for the recording; never a name
-    #[arg(long, value_name = "ID", default_value = "")]
+    /// Opaque learner id for the recording, never a name: letters, digits, - and _, one digit at least
+    #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]

@@ -1,5 +1,6 @@
 //! `run`: joins a server that is already running.
 
+use std::io::BufReader;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use crate::exercise;
 use crate::link::{Link, LinkConfig, Pin};
 use crate::perform::perform;
 use crate::progress::Steps;
+use crate::typed::{WithReadings, listen};
 
 /// Joins; the exit code is 1 when the server was lost in mid-session.
 ///
@@ -50,16 +52,17 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
             prepared.scene.name
         );
     }
-    let ran = perform(
-        link,
-        Simulated {
-            operator: prepared.operator,
-            until_done: prepared.until_done,
-        },
-        prepared.ticks,
-        None,
-        &steps,
-    )?;
+    let device = Simulated {
+        operator: prepared.operator,
+        until_done: prepared.until_done,
+    };
+    let ran = if args.readings {
+        let lines = BufReader::new(std::io::stdin());
+        let device = WithReadings::new(device, listen(lines, prepared.scene.clone())?);
+        perform(link, device, prepared.ticks, None, &steps)?
+    } else {
+        perform(link, device, prepared.ticks, None, &steps)?
+    };
     let summary = ran.goodbye.as_ref().ok().map(|goodbye| &goodbye.summary);
     if args.json {
         let text = ran

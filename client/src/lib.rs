@@ -15,6 +15,7 @@ pub mod link;
 pub mod perform;
 pub mod progress;
 pub mod stats;
+pub mod typed;
 
 mod device_loop;
 

@@ -121,6 +121,25 @@ fn garbage_is_refused_and_the_server_lives() {
             };
             assert_eq!(refused.reason, RefusedReason::BadHello, "{}", refused.text);
         }
+        // A name where an id is asked for.
+        let mut raw = Raw::connect(&station).await;
+        let ClientMessage::Hello(named) = hello(&station) else {
+            panic!("a hello")
+        };
+        raw.say(&ClientMessage::Hello(ClientHello {
+            learner: "Jane Doe".into(),
+            ..named
+        }))
+        .await;
+        let ServerMessage::Refused(refused) = raw.hear().await else {
+            panic!("not refused")
+        };
+        assert_eq!(refused.reason, RefusedReason::BadHello);
+        assert!(
+            refused.text.contains("learner `Jane Doe`"),
+            "{}",
+            refused.text
+        );
         let mut raw = Raw::connect(&station).await;
         raw.say(&ClientMessage::Start).await;
         assert!(

@@ -48,7 +48,7 @@ pub struct ClientHello {
     pub token: String,
     /// Kind of haptic device, for the record.
     pub device: String,
-    /// Opaque learner id, never a name; may be empty.
+    /// Opaque learner id, never a name ([`crate::learner`]); may be empty.
     pub learner: String,
     /// Exercise asked for; empty: the server's choice.
     pub exercise: String,

@@ -19,6 +19,7 @@ pub mod codec;
 pub mod control;
 pub mod datagram;
 pub mod frame;
+pub mod learner;
 pub mod limits;
 pub mod newest;
 pub mod status;

@@ -1,6 +1,6 @@
 //! The programs from outside, over real sockets and real files: how the tests start them.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
@@ -124,6 +124,23 @@ impl Place {
             Program::Client,
             &[&run[..], &["--json"], arguments].concat(),
         )
+    }
+
+    /// The same, with `typed` on the client's standard input.
+    pub fn perform_typing(&self, server: &Serving, arguments: &[&str], typed: &str) -> Ended {
+        let run = ["run", "--server", &server.address, "--ticket"];
+        let mut child = self
+            .command(Program::Client.path())
+            .args([&run[..], &[&server.ticket, "--json"], arguments].concat())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let mut to = child.stdin.take().expect("piped");
+        to.write_all(typed.as_bytes()).expect("it reads");
+        drop(to);
+        Ended::new(child.wait_with_output().expect("it ends"))
     }
 
     /// The one recording under `recordings`.

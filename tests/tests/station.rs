@@ -93,3 +93,69 @@ fn an_exercise_that_a_scene_has_nothing_for_is_named() {
         .run(Program::Sessions, &export)
         .refused(&["absent.mcap", "No such file"]);
 }
+
+/// Only the simulated operator could call a reading: a person at a device had no way to.
+#[test]
+fn what_a_person_types_is_called() {
+    let place = Place::new();
+    let server = place.serve(&["--exercise", "probing"]);
+    let typed = "36 MB 5 -2 b\nnonsense\n36 b 3 nb f1\n";
+    let ended = place.perform_typing(
+        &server,
+        &[
+            "--exercise",
+            "probing",
+            "--duration",
+            "3",
+            "--readings",
+            "--learner",
+            "a7f3",
+        ],
+        typed,
+    );
+    assert!(
+        ended.stderr.contains("not taken: the site is missing"),
+        "{ended:#?}"
+    );
+    ended.ok();
+    let file = place.recording();
+    let file = file.to_str().expect("plain");
+    let grade = place
+        .run(Program::Sessions, &["grade", file, "--json"])
+        .json();
+    assert_eq!(grade["learner_id"], "a7f3");
+    let called: Vec<_> = grade["sites"]
+        .as_array()
+        .expect("sites")
+        .iter()
+        .filter(|site| !site["called_mm"].is_null())
+        .map(|site| {
+            (
+                site["site"].clone(),
+                site["called_mm"].clone(),
+                site["furcation_called"].clone(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        called,
+        [
+            ("mesiobuccal".into(), 5.into(), serde_json::Value::Null),
+            ("buccal".into(), 3.into(), 1.into()),
+        ],
+        "{grade}"
+    );
+}
+
+/// A class's names went into recordings where an id was asked for.
+#[test]
+fn a_learner_is_an_id_and_no_name() {
+    let place = Place::new();
+    for program in [
+        &["demo", "--learner", "Jane Doe"][..],
+        &["demo", "--learner", "jane"],
+    ] {
+        let ended = place.run(Program::Client, program);
+        ended.refused(&["--learner", "opaque id", "a7f3"]);
+    }
+}

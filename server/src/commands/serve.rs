@@ -50,8 +50,8 @@ pub struct ServeArgs {
     /// Name of this station in recordings
     #[arg(long, value_name = "NAME", default_value = "station")]
     pub station: String,
-    /// Opaque learner id for recordings when the client names none; never a name
-    #[arg(long, value_name = "ID", default_value = "")]
+    /// Opaque learner id for recordings when the client names none, never a name: letters, digits, - and _, one digit at least
+    #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
     /// What students are asked to do: bimanual, crown, probing, retraction, a file of one (ending in .toml), or `free`; its
     /// definition and rubric go into the recordings. Default: crown, with --scene free, which is not graded

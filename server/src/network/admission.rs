@@ -7,7 +7,7 @@ use quinn::{Connection, RecvStream, SendStream};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello, ToolInfo};
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::limits::{HELLO, NAME_BYTES};
-use sulcus_proto::{ClientMessage, CodecError, PROTOCOL_VERSION, ServerMessage};
+use sulcus_proto::{ClientMessage, CodecError, PROTOCOL_VERSION, ServerMessage, learner};
 
 use super::control::{self, ReadError};
 use super::{CLOSE_REFUSED, Shared, close_after_last_word, session};
@@ -122,6 +122,10 @@ async fn judge(
     ];
     if names.iter().any(|name| name.len() > NAME_BYTES) {
         let text = format!("a name in the hello is longer than {NAME_BYTES} bytes");
+        return Err(refused(RefusedReason::BadHello, &text));
+    }
+    if let Err(expected) = learner::parse(&hello.learner) {
+        let text = format!("learner `{}`: {expected}", clean(&hello.learner));
         return Err(refused(RefusedReason::BadHello, &text));
     }
     // Hashes compare in constant time, strings do not.

@@ -60,6 +60,8 @@ pub(crate) struct Report {
     /// Everything that the paper prints beside what is measured here.
     pub(crate) paper: Option<Beside>,
     pub(crate) took_s: f64,
+    /// What each part of that took, seconds, by name.
+    pub(crate) parts_s: Vec<(&'static str, f64)>,
 }
 
 /// A spring of the benchmark with one degree of freedom.
@@ -116,19 +118,35 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
             progress(&format!("{name}{what}"), before + of * share);
         }
     };
+    let mut parts_s = Vec::new();
+    let mut since = begun;
+    let mut ended = |k: usize| {
+        parts_s.push((PARTS[k].0, since.elapsed().as_secs_f64()));
+        since = Instant::now();
+    };
     let mouth = mouth::measure(quick, &part(0));
+    ended(0);
     let matrix = matrix::measure(quick, &part(1));
+    ended(1);
     let rates = rates::measure(quick, &part(2));
+    ended(2);
     let growth = growth::measure(quick, &part(3));
+    ended(3);
     let rows = rows::measure(quick, &part(4));
+    ended(4);
     let random_poses = rough::measure(quick, &part(5));
+    ended(5);
     let passivity = loops::measure(quick, &part(6));
+    ended(6);
     part(7)("", 0.0);
     let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
+    ended(7);
     let elements = against_fem(quick, &part(8))?;
+    ended(8);
     let paper = options
         .paper
         .then(|| Beside::of(paper::paper_beside(quick, &elements, &part(9)), quick));
+    ended(9);
     Ok(Report {
         program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
         quick,
@@ -145,6 +163,7 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         peers: options.peers,
         paper,
         took_s: begun.elapsed().as_secs_f64(),
+        parts_s,
     })
 }
 

@@ -38,7 +38,7 @@ impl Crown {
         Some(Self::about((low + high) * 0.5, half))
     }
 
-    fn about(middle: Vec3, half: Vec3) -> Self {
+    pub(super) fn about(middle: Vec3, half: Vec3) -> Self {
         Self {
             middle,
             half,

@@ -184,8 +184,10 @@ impl Measured<'_> {
 mod tests {
     use super::*;
     use crate::events::Standing;
+    use crate::grade::hands::Moment;
     use crate::grade::sites::Finding;
     use crate::grade::test_help::{SET, empty_scene, standing, zone};
+    use sulcus_core::Vec3;
     use sulcus_core::tissue::gingiva::Site::{self, *};
 
     /// Values of a session made by hand.
@@ -415,6 +417,96 @@ mod tests {
         assert_eq!(by.value("charm"), None);
         assert_eq!(by.value("target_visible"), None);
         assert_eq!(by.value("coordination"), None);
+    }
+
+    #[test]
+    fn what_hands_do_together_is_measured_over_the_work() {
+        let mut by = By::hand(vec![]);
+        let mut all = |in_pocket, visible, holds, seconds| {
+            let now = Moment {
+                in_pocket: Some(in_pocket),
+                held: true,
+                visible,
+                holds,
+            };
+            by.evidence.hands.observe(&now, seconds);
+        };
+        all(true, true, true, 3.0);
+        all(false, true, true, 1.0); // from one pocket to the next
+        all(true, true, false, 2.0);
+        all(true, false, true, 4.0);
+        all(false, true, true, 5.0); // after the work
+        // Ten seconds of work, six of them with the target in sight; nine in pockets, three of them with both.
+        assert_eq!(by.value("time"), Some(10.0));
+        assert_eq!(by.value("target_visible"), Some(60.0));
+        assert_eq!(by.value("coordination"), Some(100.0 / 3.0));
+    }
+
+    #[test]
+    fn a_look_that_is_over_at_once_was_not_done() {
+        let mut by = By::hand(vec![]);
+        by.exercise.zones.clear();
+        by.exercise.duration_s = 12.0;
+        let look = |by: &mut By, visible, seconds| {
+            let now = Moment {
+                in_pocket: None,
+                held: true,
+                visible,
+                holds: true,
+            };
+            by.evidence.hands.observe(&now, seconds);
+        };
+        // A quarter of twelve seconds is asked for.
+        look(&mut by, true, 2.875);
+        assert_eq!(by.value("target_visible"), None);
+        look(&mut by, false, 0.125);
+        assert_eq!(by.value("target_visible"), Some(100.0 * 2.875 / 3.0));
+        // Of a longer one five seconds.
+        by.exercise.duration_s = 60.0;
+        assert_eq!(by.value("target_visible"), None);
+        look(&mut by, false, 2.75);
+        assert_eq!(by.value("target_visible"), Some(50.0));
+        // So with a tool that hardly touches anything; its hardest push counts all the same.
+        by.evidence.mirror.observe(0.5, 4.5, 0.05);
+        assert_eq!(by.value("mirror_force"), None);
+        assert_eq!(by.value("mirror_peak"), Some(0.5));
+        by.evidence.mirror.observe(0.5, 0.5, 0.05);
+        assert!((by.value("mirror_force").expect("pressed") - 0.51).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_hardest_push_is_a_mean_over_fifty_milliseconds() {
+        let mut by = By::hand(vec![]);
+        assert_eq!(by.value("probe_peak"), None);
+        // Ticks of 10 ms: five make a push. 1, 1, 1, 4, 4 N: 2.2 N in the mean.
+        for force in [1.0, 1.0, 1.0, 1.0, 1.0, 4.0, 4.0] {
+            by.evidence.probe.observe(force, 0.01, 0.01);
+        }
+        let peak = by.value("probe_peak").expect("pressed");
+        assert!((peak - 2.2).abs() < 1e-12, "{peak}");
+        assert_eq!(by.value("mirror_peak"), None);
+    }
+
+    #[test]
+    fn a_crown_is_covered_by_twelfths() {
+        let mut by = By::hand(vec![]);
+        assert_eq!(by.value("crown_covered"), None);
+        let mut crown = Crown::about(Vec3::zeros(), Vec3::repeat(6e-3));
+        let mut touch = |degrees: f64, away: f64, force: f64| {
+            let (x, y) = (degrees.to_radians().cos(), degrees.to_radians().sin());
+            let tip = Vec3::new(x, y, 0.0) * away;
+            (0..20).for_each(|_| crown.observe(&tip, force, 1e-3));
+        };
+        // Three of twelve; a second touch in the first, one on top, one from far and one without force are none.
+        touch(15.0, 5e-3, 0.2);
+        touch(45.0, 5e-3, 0.2);
+        touch(195.0, 5e-3, 0.2);
+        touch(20.0, 4e-3, 0.2);
+        touch(75.0, 1e-3, 0.2);
+        touch(105.0, 10e-3, 0.2);
+        touch(135.0, 5e-3, 0.0);
+        by.evidence.crown = Some(crown);
+        assert_eq!(by.value("crown_covered"), Some(25.0));
     }
 
     #[test]

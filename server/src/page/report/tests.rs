@@ -37,6 +37,7 @@ fn small() -> Report {
         })),
         paper: None,
         took_s: 1.0,
+        parts_s: Vec::new(),
     }
 }
 
