@@ -324,6 +324,18 @@ fn modes_ask_for_what_they_need() {
         table.find("own score").unwrap() < table.find("score      ").unwrap(),
         "{table}"
     );
+    // It is kept, and none that comes after the grade replaces it.
+    let (code, again, _) = place.run(&own);
+    assert_eq!((code, &again), (0, &table));
+    let beside = place.path("session.mcap.grade.json");
+    let before = std::fs::read(&beside).unwrap();
+    let other = [&own[..], &["--self-score", "90"]].concat();
+    assert!(told(&other).contains("self_score is 90, expected 60"));
+    assert_eq!(std::fs::read(&beside).unwrap(), before);
+    let wrong = String::from_utf8(before.clone()).unwrap();
+    std::fs::write(&beside, wrong.replace("60.0", "160.0")).unwrap();
+    assert!(told(&own).contains("self_score is 160, expected 0 to 100"));
+    std::fs::write(&beside, before).unwrap();
     let exam = ["grade", "session.mcap", "--mode", "exam"];
     assert!(told(&exam).contains("--signer is missing"));
     std::fs::write(place.path("rubric.toml"), "").unwrap();

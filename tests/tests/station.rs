@@ -139,9 +139,10 @@ fn what_a_person_types_is_called() {
         .collect();
     assert_eq!(
         called,
+        // (In the order of the exercise.)
         [
-            ("mesiobuccal".into(), 5.into(), serde_json::Value::Null),
             ("buccal".into(), 3.into(), 1.into()),
+            ("mesiobuccal".into(), 5.into(), serde_json::Value::Null),
         ],
         "{grade}"
     );

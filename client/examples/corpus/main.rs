@@ -1,4 +1,5 @@
-//! Makes the corpus of recordings that every later version must replay bit for bit (`sessions/tests/corpus`).
+//! Makes the corpus of recordings that every later version must replay bit for bit (`sessions/tests/corpus`), and the grades
+//! that every later version must give those that can be graded (`NAME.grade.json`).
 //!
 //! ```text
 //! cargo run --release -p sulcus-client --example corpus [-- FOLDER]
@@ -19,6 +20,7 @@ mod perform;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
+use sulcus_sessions::grade::{self, grade};
 use sulcus_sessions::{Recording, ReplayOptions, replay};
 
 use entries::{ENTRIES, Entry};
@@ -73,6 +75,16 @@ fn make(entry: &Entry, path: &Path) -> anyhow::Result<()> {
             bytes / 1000,
             recording.header().scene.len() / 1000
         );
+        return golden(&recording, &path.with_extension("grade.json"));
+    }
+}
+
+/// The grade of what can be graded.
+fn golden(recording: &Recording, path: &Path) -> anyhow::Result<()> {
+    let graded = grade(recording, &grade::Options::default(), &mut |_| {})?;
+    if graded.grade.score.is_none() {
         return Ok(());
     }
+    let text = serde_json::to_string_pretty(&graded.grade.to_json())?;
+    Ok(std::fs::write(path, text + "\n")?)
 }

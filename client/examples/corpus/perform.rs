@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use sulcus_client::calls::calls;
 use sulcus_client::demo::lockstep::as_sent;
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 use sulcus_operator::{Operator, Shown};
+use sulcus_sessions::grade::Rubric;
 use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};
 
 use crate::entries::Entry;
@@ -119,9 +121,14 @@ pub fn record(entry: &Entry, scene: &Scene, window: &Window, path: &Path) -> any
     for _ in 0..window.from {
         performance.step();
     }
+    // What was called until then was not heard.
+    drop(calls(&mut performance.operator));
     let mut header = SessionHeader::new(scene.to_bytes()?);
     header.exercise_name = entry.exercise.into();
-    header.exercise = entry.definition()?.definition(1)?;
+    let exercise = entry.definition()?;
+    header.exercise = exercise.definition(1)?;
+    let rubric = Rubric::of(&exercise).map(|rubric| rubric.definition());
+    header.rubric = rubric.transpose()?.unwrap_or_default();
     header.seed = 1;
     header.station = "corpus".into();
     header.started_unix_ns = BEGAN_UNIX_NS;
@@ -140,6 +147,9 @@ pub fn record(entry: &Entry, scene: &Scene, window: &Window, path: &Path) -> any
         let (input, output) = performance.step();
         let now = time(output.tick);
         recorder.push(&Row::new(now, &input, &output))?;
+        for call in calls(&mut performance.operator) {
+            recorder.event(now, Level::Info, &call.at(output.tick).to_string())?;
+        }
         if k == length / 2 {
             recorder.snapshot(now, output.tick, &performance.state.to_bytes())?;
         }

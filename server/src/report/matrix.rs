@@ -22,7 +22,7 @@ use super::together::on_all_cores;
 /// One thing that yields in each, or nothing: the whole mouth has parts of its own in the report.
 const SCENES: [&str; 4] = ["crown", "pocket", "tongue", "organ"];
 /// How long is measured from when the hand is at work, seconds, in a full report and in a quick one.
-const SECONDS: [f64; 2] = [1.5, 0.7];
+const SECONDS: [f64; 2] = [1.2, 0.6];
 /// How long of that where the judge solves, which takes milliseconds (as printed up to a quarter of a second): all but the reference.
 const JUDGED_S: f64 = 0.15;
 /// Coarsest level that is touched: the levels above only serve culling.

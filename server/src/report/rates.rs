@@ -13,7 +13,7 @@ use super::times::Times;
 /// is tried.
 pub(crate) const RATES: [u16; 4] = [1000, 2000, 4000, 8000];
 /// How long is measured from when the hands are at work, seconds, in a full report and in a quick one.
-const SECONDS: [f64; 2] = [8.0, 2.0];
+const SECONDS: [f64; 2] = [6.0, 1.5];
 /// Time between two looks at the residual (all pairs of spheres: it takes longer than a tick), seconds, in a full report and in a quick
 /// one; the page says so.
 pub(crate) const LOOKS_S: [f64; 2] = [4e-3, 16e-3];

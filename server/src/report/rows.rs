@@ -119,6 +119,8 @@ const JUDGED: [&str; 16] = [
 const JUDGED_QUICK: usize = 3;
 /// Ticks over which what is not the tick's own method and solver is timed.
 const FEWER: usize = 3_000;
+/// Ticks from which one run says enough of times: nothing of a case that takes longer is left out, nor repeated.
+const LONG: usize = 8_000;
 
 /// Measures them all.
 pub(super) fn measure(quick: bool, progress: &dyn Fn(&str, f64)) -> Vec<Row> {
@@ -219,7 +221,7 @@ fn timed(case: &Case, printed: bool, solver: SolverKind, ran: Ran, quick: bool) 
     let ours = !printed && solver == SolverKind::ActiveSet;
     let runs = match (ours, quick) {
         (false, _) | (_, true) => 1,
-        _ if inputs.len() > 20_000 => 1,
+        _ if inputs.len() > LONG => 1,
         _ => 3,
     };
     let timed = if ours {

@@ -41,7 +41,8 @@ pub(super) struct GradeArgs {
     /// rubric and a trusted key only, without advice and truth
     #[arg(long, value_enum, default_value = "practice")]
     mode: Mode,
-    /// The learner's own score, 0 to 100, given before the grade is shown (asked for on a terminal in self-assessment)
+    /// The learner's own score, 0 to 100, given before the grade is shown (asked for on a terminal in self-assessment); the first
+    /// one is kept in FILE.grade.json
     #[arg(long, value_name = "N", value_parser = points)]
     self_score: Option<f64>,
     /// Show what is prescribed, on the page and in the table
@@ -193,7 +194,9 @@ fn options(args: &GradeArgs) -> anyhow::Result<Options> {
 
 fn one(path: &Path, args: &GradeArgs, options: &Options) -> anyhow::Result<One> {
     // The learner's own score comes before the program's.
-    let self_score = match (args.mode, args.self_score) {
+    let kept = Sidecar::read(path).map_err(|error| at(path, &error))?;
+    let kept = kept.and_then(|sidecar| sidecar.self_score);
+    let given = match (args.mode, args.self_score.or(kept)) {
         (Mode::SelfAssessment, None) => Some(ask(path)?),
         (_, given) => given,
     };
@@ -220,6 +223,9 @@ fn one(path: &Path, args: &GradeArgs, options: &Options) -> anyhow::Result<One> 
             path.display()
         );
     }
+    if let Some(own) = given {
+        Sidecar::assess(path, &graded.grade, own).map_err(|error| at(path, &error))?;
+    }
     let sidecar = match args.revise {
         Some(score) => {
             let given = |text: &Option<String>| text.clone().unwrap_or_default();
@@ -243,7 +249,7 @@ fn one(path: &Path, args: &GradeArgs, options: &Options) -> anyhow::Result<One> 
     Ok(One {
         graded,
         sidecar,
-        self_score,
+        self_score: given,
     })
 }
 

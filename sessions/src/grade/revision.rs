@@ -1,5 +1,6 @@
-//! What an instructor says of a grade, kept beside the recording: `FILE.grade.json` has the program's proposal as it was, and a
-//! list of revisions that only grows. Who and when are given from outside: an opaque id, a date as text.
+//! What people say of a grade, kept beside the recording: `FILE.grade.json` has the program's proposal as it was, the learner's own
+//! score from before it was shown, and a list of an instructor's revisions that only grows. Who and when are given from outside:
+//! an opaque id, a date as text.
 
 use std::path::{Path, PathBuf};
 
@@ -47,13 +48,16 @@ pub struct Proposal {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sidecar {
-    /// What the program proposed when the first revision was made.
+    /// What the program proposed when the file was begun.
     pub proposal: Proposal,
+    /// The learner's own score, 0 to 100, given before the proposal was shown for the first time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_score: Option<f64>,
     /// What was said since, the oldest first.
     pub revisions: Vec<Revision>,
 }
 
-/// Why a revision cannot be read or kept.
+/// Why what was said cannot be read or kept.
 #[derive(Debug, thiserror::Error)]
 pub enum RevisionError {
     /// The file cannot be read or written.
@@ -125,6 +129,18 @@ impl Revision {
     }
 }
 
+/// Whether a learner's own score is one.
+fn check_own(score: f64) -> Result<(), RevisionError> {
+    if (0.0..=100.0).contains(&score) {
+        return Ok(());
+    }
+    Err(RevisionError::Field {
+        field: "self_score",
+        found: score.to_string(),
+        expected: "0 to 100".into(),
+    })
+}
+
 impl Sidecar {
     /// What is beside a recording; none where there is nothing.
     ///
@@ -152,6 +168,7 @@ impl Sidecar {
         for revision in &found.revisions {
             revision.check()?;
         }
+        found.self_score.map_or(Ok(()), check_own)?;
         Ok(Some(found))
     }
 
@@ -185,25 +202,58 @@ impl Sidecar {
     /// When a value is not as it must be, what is there is of another session, or it cannot be written.
     pub fn add(recording: &Path, grade: &Grade, revision: Revision) -> Result<Self, RevisionError> {
         revision.check()?;
-        let mut sidecar = Self::read(recording)?.unwrap_or_else(|| Self {
+        let mut sidecar = Self::begun(recording, grade)?;
+        sidecar.revisions.push(revision);
+        sidecar.write(recording)?;
+        Ok(sidecar)
+    }
+
+    /// Keeps the learner's own score. The first one counts: whoever gives another has seen the grade.
+    ///
+    /// # Errors
+    /// When it is no score, another was kept before, what is there is of another session, or it cannot be written.
+    pub fn assess(recording: &Path, grade: &Grade, own: f64) -> Result<Self, RevisionError> {
+        check_own(own)?;
+        let mut sidecar = Self::begun(recording, grade)?;
+        match sidecar.self_score {
+            Some(first) if first == own => return Ok(sidecar),
+            Some(first) => {
+                return Err(RevisionError::Field {
+                    field: "self_score",
+                    found: own.to_string(),
+                    expected: format!("{first}, which was given before the grade was shown"),
+                });
+            }
+            None => sidecar.self_score = Some(own),
+        }
+        sidecar.write(recording)?;
+        Ok(sidecar)
+    }
+
+    /// What is beside the recording, or a new one.
+    fn begun(recording: &Path, grade: &Grade) -> Result<Self, RevisionError> {
+        let sidecar = Self::read(recording)?.unwrap_or_else(|| Self {
             proposal: Proposal::of(grade),
+            self_score: None,
             revisions: Vec::new(),
         });
         sidecar.belongs_to(grade)?;
-        sidecar.revisions.push(revision);
+        Ok(sidecar)
+    }
+
+    fn write(&self, recording: &Path) -> Result<(), RevisionError> {
         let path = beside(recording);
         let failed = |why: String| RevisionError::File {
             path: path.display().to_string(),
             why,
         };
         let text =
-            serde_json::to_string_pretty(&sidecar).map_err(|error| failed(error.to_string()))?;
+            serde_json::to_string_pretty(self).map_err(|error| failed(error.to_string()))?;
         // Whole or not at all: what was said before must not be lost.
         let draft = path.with_extension("json.new");
         std::fs::write(&draft, text + "\n")
             .and_then(|()| std::fs::rename(&draft, &path))
-            .map_err(|error| failed(error.to_string()))?;
-        Ok(sidecar)
+            .map_err(|error| failed(error.to_string()))
     }
 
     /// The last word; none where nothing was said.
