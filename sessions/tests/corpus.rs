@@ -233,7 +233,11 @@ fn every_grade_is_what_it_was() {
     for name in NAMES {
         let recording = open(name);
         let found = grade::grade(&recording, &grade::Options::default(), &mut |_| {}).unwrap();
-        assert_eq!(GRADED.contains(&name), found.grade.score.is_some(), "{name}");
+        assert_eq!(
+            GRADED.contains(&name),
+            found.grade.score.is_some(),
+            "{name}"
+        );
         if found.grade.score.is_none() {
             continue;
         }

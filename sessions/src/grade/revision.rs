@@ -247,8 +247,7 @@ impl Sidecar {
             path: path.display().to_string(),
             why,
         };
-        let text =
-            serde_json::to_string_pretty(self).map_err(|error| failed(error.to_string()))?;
+        let text = serde_json::to_string_pretty(self).map_err(|error| failed(error.to_string()))?;
         // Whole or not at all: what was said before must not be lost.
         let draft = path.with_extension("json.new");
         std::fs::write(&draft, text + "\n")
