@@ -8,6 +8,8 @@ const WIDTH: f64 = 760.0;
 const LEFT: f64 = 60.0;
 const RIGHT: f64 = 6.0;
 const HIGH: f64 = 52.0;
+/// What keeps words readable over bars.
+const HALO: &str = "paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"3\"";
 /// Most columns that a plot is made of.
 const COLUMNS: usize = 1400;
 
@@ -63,9 +65,21 @@ pub fn svg(
     let (low, high) = (force_y(band[0]), force_y(band[1]));
     let _ = writeln!(
         svg,
-        "<rect x=\"{LEFT}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#dcdcdc\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#333\">target {} to {} N</text>",
+        "<rect x=\"{LEFT}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#dcdcdc\"/>",
         WIDTH - LEFT - RIGHT,
-        low - high,
+        low - high
+    );
+    axis(&mut svg, force_top, "force, N", &[0.0, heaviest], &force_y);
+    bars(
+        &mut svg,
+        &columns,
+        &x,
+        |c| (force_y(c.2), force_y(0.0)),
+        "#333",
+    );
+    let _ = writeln!(
+        svg,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" {HALO}>target {} to {} N</text>",
         WIDTH - RIGHT - 2.0,
         high - 2.0,
         band[0],
@@ -76,20 +90,12 @@ pub fn svg(
         let y = force_y(trauma);
         let _ = writeln!(
             svg,
-            "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{0:.1}\" y2=\"{y:.1}\" stroke=\"#c4122f\" stroke-width=\"1.2\" stroke-dasharray=\"5 2\"/><text x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"end\">trauma from {trauma} N</text>",
+            "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{0:.1}\" y2=\"{y:.1}\" stroke=\"#c4122f\" stroke-width=\"1.2\" stroke-dasharray=\"5 2\"/><text x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"end\" {HALO}>trauma from {trauma} N</text>",
             WIDTH - RIGHT,
             WIDTH - RIGHT - 2.0,
             y - 2.0
         );
     }
-    axis(&mut svg, force_top, "force, N", &[0.0, heaviest], &force_y);
-    bars(
-        &mut svg,
-        &columns,
-        &x,
-        |c| (force_y(c.2), force_y(0.0)),
-        "#333",
-    );
     // Depth: down is deeper, as in the mouth.
     let depth_y = |mm: f64| depth_top + HIGH * mm / deepest;
     axis(
