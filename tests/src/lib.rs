@@ -113,25 +113,14 @@ impl Place {
 
     /// Runs the client to the end of a session with `server`, with further arguments.
     pub fn perform(&self, server: &Serving, arguments: &[&str]) -> Ended {
-        let run = [
-            "run",
-            "--server",
-            &server.address,
-            "--ticket",
-            &server.ticket,
-        ];
-        self.run(
-            Program::Client,
-            &[&run[..], &["--json"], arguments].concat(),
-        )
+        self.run(Program::Client, &server.joining(arguments))
     }
 
     /// The same, with `typed` on the client's standard input.
     pub fn perform_typing(&self, server: &Serving, arguments: &[&str], typed: &str) -> Ended {
-        let run = ["run", "--server", &server.address, "--ticket"];
         let mut child = self
             .command(Program::Client.path())
-            .args([&run[..], &[&server.ticket, "--json"], arguments].concat())
+            .args(server.joining(arguments))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -257,6 +246,14 @@ pub struct Serving {
     pub address: String,
     /// What a client needs besides.
     pub ticket: String,
+}
+
+impl Serving {
+    /// What a client is told to join it, with further arguments.
+    fn joining<'a>(&'a self, more: &[&'a str]) -> Vec<&'a str> {
+        let run = ["run", "--server", &self.address, "--ticket", &self.ticket];
+        [&run[..], &["--json"], more].concat()
+    }
 }
 
 impl Drop for Serving {

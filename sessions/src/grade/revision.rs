@@ -212,11 +212,11 @@ impl Sidecar {
     ///
     /// # Errors
     /// When it is no score, another was kept before, what is there is of another session, or it cannot be written.
-    pub fn assess(recording: &Path, grade: &Grade, own: f64) -> Result<Self, RevisionError> {
+    pub fn assess(recording: &Path, grade: &Grade, own: f64) -> Result<(), RevisionError> {
         check_own(own)?;
         let mut sidecar = Self::begun(recording, grade)?;
         match sidecar.self_score {
-            Some(first) if first == own => return Ok(sidecar),
+            Some(first) if first == own => return Ok(()),
             Some(first) => {
                 return Err(RevisionError::Field {
                     field: "self_score",
@@ -226,8 +226,7 @@ impl Sidecar {
             }
             None => sidecar.self_score = Some(own),
         }
-        sidecar.write(recording)?;
-        Ok(sidecar)
+        sidecar.write(recording)
     }
 
     /// What is beside the recording, or a new one.
