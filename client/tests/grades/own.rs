@@ -13,7 +13,7 @@ pub fn own(habit: Habit) -> &'static [&'static str] {
         Habit::HeavyHand => &["touches_too_heavy", "trauma_events"],
         Habit::WrongAngle => &["angle_mid"],
         Habit::SkipsSites => &["zones_charted"],
-        Habit::Impatient => &["touches_too_light"],
+        Habit::Impatient => &["readings_held", "touches_too_light"],
         Habit::LetsTongueGo => &["coordination", "target_visible"],
         Habit::SpotProbes => &["withdrawals", "walking_step"],
         Habit::Misreads => &["misread"],

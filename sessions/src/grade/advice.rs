@@ -131,6 +131,9 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
                 let force = site.max_force_n.filter(|force| *force < set.force_n[0])?;
                 format!("{force:.2} N at most")
             }
+            "readings_held" if site.called_mm.is_some() && !site.is_held() => {
+                format!("held for {:.1} s", site.held_s?)
+            }
             "angle_mid" if !site.site.is_proximal() && site.tilt_right == Some(false) => {
                 format!("{:.0} degrees off the axis", site.tilt_deg?)
             }

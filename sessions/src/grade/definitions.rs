@@ -97,7 +97,7 @@ pub struct Definition {
 const CHOSEN: &str = "chosen for this simulator";
 
 /// All metrics, in the order of pages.
-pub const METRICS: [Definition; 28] = [
+pub const METRICS: [Definition; 29] = [
     Definition {
         name: "zones_charted",
         title: "zones probed and called",
@@ -187,6 +187,16 @@ pub const METRICS: [Definition; 28] = [
         needs: Needs::Zones,
         missing_is_zero: false,
         advice: "Lighten the hand: 10 to 25 g is enough, more reads too deep and makes healthy tissue bleed.",
+    },
+    Definition {
+        name: "readings_held",
+        title: "floor held while read",
+        unit: "%",
+        definition: "Of the zones asked for that were probed and called: the share in which a force of the target band or more stood on the floor for 0.5 s or more, forces under it for 50 ms or less forgiven.",
+        source: "the base must yield softly before a depth is read: Boyd, LWW; how long is chosen for this simulator",
+        needs: Needs::Zones,
+        missing_is_zero: true,
+        advice: "Let the tip rest on the floor for half a second at the taught force, and read the band meanwhile.",
     },
     Definition {
         name: "force_in_band",
@@ -434,6 +444,8 @@ mod tests {
             "walking_step",
             format!("goes {} along", mm(touches::DRAGGED)),
         );
+        says("readings_held", format!("for {} s", sites::HELD_S));
+        says("readings_held", format!("for {} ms", zones::LAPSE * 1e3));
         says("touches_too_heavy", format!("{} N above", values::FORGIVEN));
         says("mirror_peak", format!("over {} ms", hands::PEAK_S * 1e3));
         says("probe_peak", format!("over {} ms", hands::PEAK_S * 1e3));

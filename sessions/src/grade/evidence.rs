@@ -13,7 +13,7 @@ use super::moves::Moves;
 use super::rubric::Settings;
 use super::series::Series;
 use super::touches::{BEGINS, Touches};
-use super::zones::{STAYED, TIE, Zones};
+use super::zones::{STAYED, Span, TIE, Zones};
 use crate::events::{Events, Standing, pocket};
 use crate::exercise::{Exercise, ProbingTask};
 use crate::occurrence::{FORCE_ZONE, Occurrence};
@@ -150,8 +150,12 @@ impl Evidence {
         if let Some(at) = standing {
             let floor = self.floors.get(&(at.tooth, at.site)).copied();
             let task = &self.task;
-            self.zones
-                .observe(at, (output.tick, dt), set.force_n, task, floor);
+            let now = Span {
+                tick: output.tick,
+                to: output.tick as f64 * tick_s,
+                dt,
+            };
+            self.zones.observe(at, now, set.force_n, task, floor);
             self.floor.observe(at, dt, set.force_n);
         }
         self.stays(standing, dt);

@@ -17,6 +17,8 @@ use crate::exercise::Exercise;
 
 /// A band is read to the nearest millimetre, give or take a tenth, mm.
 pub const READ_MM: f64 = 0.6;
+/// Shortest that a tip rests on the floor while a band is read, seconds. Chosen: a look from the floor's feel to the margin.
+pub const HELD_S: f64 = 0.5;
 /// What is left of a tie after conversion to millimetres.
 const TIE: f64 = 1e-9;
 
@@ -88,6 +90,8 @@ pub struct SiteGrade {
     pub shown_mm: Option<f64>,
     /// Largest force on the floor; null where the tip never was.
     pub max_force_n: Option<f64>,
+    /// Longest that a force of the target band or more stood on the floor, seconds; null where the tip never was.
+    pub held_s: Option<f64>,
     /// Mean tilt of the working end against the tooth's axis within 0.3 mm of the deepest place; null where the tip never was.
     pub tilt_deg: Option<f64>,
     /// And how far of it points into the col; null in the middle of a side.
@@ -123,6 +127,11 @@ impl SiteGrade {
     pub fn is_reached(&self, set: &Settings) -> bool {
         let both = self.measured_mm.zip(self.truth_mm);
         both.is_some_and(|(measured, truth)| measured >= truth - set.reached_mm - TIE)
+    }
+
+    /// Whether the tip rested on the floor for as long as it takes to read a band.
+    pub fn is_held(&self) -> bool {
+        self.held_s.is_some_and(|held| held >= HELD_S - TIE)
     }
 
     /// Whether what was called is nowhere near where the tip was.
@@ -263,6 +272,7 @@ fn one(
         deepest_mm: seen.map(|seen| mm(seen.deepest)),
         shown_mm: stood.map(|stood| mm(stood.shown())),
         max_force_n: seen.map(|seen| rounded(seen.max_force, 3)),
+        held_s: seen.map(|seen| rounded(seen.held, 2)),
         tilt_deg: stood.map(|stood| rounded(stood.tilt().to_degrees(), 1)),
         into_col_deg: stood
             .filter(|_| site.is_proximal())

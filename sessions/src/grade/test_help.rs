@@ -49,6 +49,7 @@ pub fn zone(site: Site, truth: f64, measured: Option<f64>, called: Option<u8>) -
         deepest_mm: measured,
         shown_mm: measured,
         max_force_n: Some(0.2),
+        held_s: Some(1.0),
         tilt_deg: Some(0.0),
         into_col_deg: None,
         tilt_right: Some(true),

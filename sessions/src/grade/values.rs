@@ -65,6 +65,10 @@ impl Measured<'_> {
             "touches_too_heavy" => {
                 self.share_of_touches(|touch| touch.peak > self.set.force_n[1] + FORGIVEN)
             }
+            "readings_held" => self.share(
+                |site| site.is_probed() && site.called_mm.is_some(),
+                SiteGrade::is_held,
+            ),
             "force_in_band" => evidence.floor.in_band_percent(),
             "trauma_events" => Some(evidence.trauma as f64),
             "damage_events" => Some(evidence.damage as f64),
@@ -281,6 +285,26 @@ mod tests {
         assert_eq!(by.value("floor_reached"), Some(0.0));
         assert_eq!(by.value("misread"), None);
         assert_eq!(By::hand(vec![]).value("zones_charted"), None);
+    }
+
+    #[test]
+    fn a_reading_is_held_for_half_a_second() {
+        let held = |finding, called, held_s| SiteGrade {
+            finding,
+            held_s,
+            ..zone(Buccal, 3.0, Some(3.0), called)
+        };
+        let by = By::hand(vec![
+            held(Finding::Right, Some(3), Some(0.5)),
+            held(Finding::Misread, Some(5), Some(2.0)),
+            held(Finding::Right, Some(3), Some(0.49)),
+            held(Finding::NeverReachedFloor, Some(3), Some(0.0)),
+            // Not read at all, or from hearsay.
+            held(Finding::NotCalled, None, Some(1.0)),
+            held(Finding::NotProbed, Some(3), None),
+        ]);
+        assert_eq!(by.value("readings_held"), Some(50.0));
+        assert_eq!(By::hand(vec![]).value("readings_held"), None);
     }
 
     #[test]

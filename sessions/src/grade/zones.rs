@@ -16,6 +16,9 @@ pub const STAYED: f64 = 0.2;
 /// What rounding may take off it.
 pub const TIE: f64 = 1e-9;
 
+/// A force on the floor stands while it is not under the target band for longer than this, seconds.
+pub const LAPSE: f64 = 0.05;
+
 /// Depths within so much of the deepest are the deepest place: how the working end stood is judged there, metres.
 pub const AT_FLOOR: f64 = 3e-4;
 /// Width of a bin of depth, metres.
@@ -34,6 +37,19 @@ pub struct ZoneSeen {
     pub measured: Option<f64>,
     /// Largest force on the floor, newtons.
     pub max_force: f64,
+    /// Longest that a force of the target band or more stood on the floor, lapses ([`LAPSE`]) included, seconds.
+    pub held: f64,
+}
+
+/// A tick, and the time that it stands for: more than its own where ticks before it were skipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Its number.
+    pub tick: u64,
+    /// Its end, seconds.
+    pub to: f64,
+    /// How long it is, seconds.
+    pub dt: f64,
 }
 
 /// How the working end stood, over some time.
@@ -82,6 +98,8 @@ impl Stood {
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Zone {
     seen: ZoneSeen,
+    /// From when to when a force has stood on the floor, seconds.
+    stands: Option<[f64; 2]>,
     stood: [BTreeMap<u32, Stood>; 2],
 }
 
@@ -90,12 +108,12 @@ struct Zone {
 pub struct Zones(BTreeMap<(u8, Site), Zone>);
 
 impl Zones {
-    /// Takes in a tick by its number, of `dt` seconds; `task` has the target band of force and of tilt, `floor` is the depth prescribed
-    /// there, metres.
+    /// Takes in a tick; `band` is the target band of force, newtons, `task` has that of tilt, `floor` is the depth prescribed there,
+    /// metres.
     pub fn observe(
         &mut self,
         at: &Standing,
-        (tick, dt): (u64, f64),
+        Span { tick, to, dt }: Span,
         band: [f64; 2],
         task: &ProbingTask,
         floor: Option<f64>,
@@ -116,6 +134,15 @@ impl Zones {
         let correct = inside && (band[0]..=band[1]).contains(&at.force);
         if correct {
             seen.measured = Some(seen.measured.map_or(at.depth, |deep| fmax(deep, at.depth)));
+        }
+        if at.force >= band[0] {
+            let goes_on = |[_, until]: &[f64; 2]| to - dt - until <= LAPSE + TIE;
+            let from = zone
+                .stands
+                .filter(goes_on)
+                .map_or(to - dt, |[from, _]| from);
+            zone.stands = Some([from, to]);
+            seen.held = fmax(seen.held, to - from);
         }
         let right = at.tilt.is_right(at.site, task);
         let now = Stood {
@@ -173,7 +200,13 @@ mod tests {
             at.shown = shown * 1e-3;
             tick += 1;
             let task = ProbingTask::default();
-            zones.observe(&at, (tick, 0.15), [0.1, 0.25], &task, Some(2e-3));
+            let dt = 0.15;
+            let now = Span {
+                tick,
+                to: tick as f64 * dt,
+                dt,
+            };
+            zones.observe(&at, now, [0.1, 0.25], &task, Some(2e-3));
         };
         see(-1.0, 0.0, 0.0); // above the margin
         see(1.0, 0.0, 1.0); // no force yet
@@ -194,6 +227,49 @@ mod tests {
     }
 
     #[test]
+    fn a_force_stands_that_lapses_for_no_longer_than_a_tremor() {
+        let (mut zones, mut tick) = (Zones::default(), 0);
+        let mut hold = |force: f64, ticks: u32| {
+            for _ in 0..ticks {
+                tick += 1;
+                let at = standing(36, Site::Buccal, 90.0, 2.0, force);
+                let task = ProbingTask::default();
+                let now = Span {
+                    tick,
+                    to: tick as f64 * 1e-3,
+                    dt: 1e-3,
+                };
+                zones.observe(&at, now, [0.1, 0.25], &task, Some(2e-3));
+            }
+            zones.of(36, Site::Buccal).map_or(0.0, |seen| seen.held)
+        };
+        // (Milliseconds; the lapse counts once it has passed, and what is too heavy stands, too.)
+        for (force, ms, held) in [
+            (0.09, 100, 0.0),
+            (0.1, 100, 0.1),
+            (0.05, 50, 0.1),
+            (0.6, 200, 0.35),
+            (0.05, 51, 0.35),
+            (0.2, 300, 0.35),
+            (0.2, 100, 0.4),
+        ] {
+            let found = hold(force, ms);
+            assert!((found - held).abs() < 1e-9, "{found}, not {held}");
+        }
+        // Ticks that were skipped belong to the one after them: half a second of it.
+        let at = standing(36, Site::Buccal, 90.0, 2.0, 0.2);
+        let now = Span {
+            tick: 1451,
+            to: 1.451,
+            dt: 0.5,
+        };
+        let task = ProbingTask::default();
+        zones.observe(&at, now, [0.1, 0.25], &task, Some(2e-3));
+        let held = zones.of(36, Site::Buccal).map_or(0.0, |seen| seen.held);
+        assert!((held - 0.9).abs() < 1e-9, "{held}");
+    }
+
+    #[test]
     fn one_tick_at_the_deepest_does_not_decide_how_the_probe_stood() {
         let mut zones = Zones::default();
         let see = |zones: &mut Zones, mm: f64, force: f64, degrees: f64, ticks: u32| {
@@ -201,7 +277,12 @@ mod tests {
             at.tilt.total = f64::to_radians(degrees);
             for _ in 0..ticks {
                 let task = ProbingTask::default();
-                zones.observe(&at, (1, 1e-3), [0.1, 0.25], &task, Some(4e-3));
+                let now = Span {
+                    tick: 1,
+                    to: 1e-3,
+                    dt: 1e-3,
+                };
+                zones.observe(&at, now, [0.1, 0.25], &task, Some(4e-3));
             }
         };
         see(&mut zones, 2.0, 0.2, 60.0, 500); // on the way down: does not count

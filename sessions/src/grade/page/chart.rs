@@ -409,6 +409,7 @@ mod tests {
             deepest_mm: None,
             shown_mm: None,
             max_force_n: None,
+            held_s: None,
             tilt_deg: None,
             into_col_deg: None,
             tilt_right: None,
