@@ -97,7 +97,7 @@ pub struct Definition {
 const CHOSEN: &str = "chosen for this simulator";
 
 /// All metrics, in the order of pages.
-pub const METRICS: [Definition; 29] = [
+pub const METRICS: [Definition; 30] = [
     Definition {
         name: "zones_charted",
         title: "zones probed and called",
@@ -272,7 +272,7 @@ pub const METRICS: [Definition; 29] = [
         name: "recession_within_1mm",
         title: "recession called within 1 mm",
         unit: "%",
-        definition: "Where recession was called at all: of the zones asked for that were probed, the share in which it was called within 1 mm of the prescribed one (positive: margin below the cemento-enamel junction).",
+        definition: "Where recession was called at all, or the rubric's `ask_recession` is set: of the zones asked for that were probed, the share in which it was called within 1 mm of the prescribed one (positive: margin below the cemento-enamel junction).",
         source: "students 94.4 %: LMU epub 45788",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -282,11 +282,21 @@ pub const METRICS: [Definition; 29] = [
         name: "bleeding_agreement",
         title: "bleeding called as it was",
         unit: "%",
-        definition: "Where bleeding was called at all: of the zones asked for that were probed, the share in which it was called as it was in the replay; where nothing was said of it, it was not.",
+        definition: "Where bleeding was called at all, or the rubric's `ask_bleeding` is set: of the zones asked for that were probed, the share in which it was called as it was in the replay; where nothing was said of it, it was not.",
         source: "students agree with staff on 86 %: synapsesocial 69e07e",
         needs: Needs::Zones,
         missing_is_zero: false,
         advice: "Look back at each zone after the probe has passed: blood comes late.",
+    },
+    Definition {
+        name: "furcation_agreement",
+        title: "furcation called as it is",
+        unit: "%",
+        definition: "Where furcation was called at all, or the rubric's `ask_furcation` is set: of the middles of molars' sides asked for that were probed, the share in which it was called as the patient's chart has it (Hamp 1975: 0 to 3); nothing where the recording has no patient.",
+        source: "students' furcation calls were not acceptable: LMU epub 45788; classes: Hamp 1975",
+        needs: Needs::MidZones,
+        missing_is_zero: false,
+        advice: "Feel for the entrance between the roots in the middle of a molar's side, from the cheek and from the tongue.",
     },
     Definition {
         name: "target_visible",

@@ -70,6 +70,9 @@ const PLAIN: Settings = Settings {
     reached_mm: 0.5,
     misread_mm: 0.75,
     steady_mm: 1.5,
+    ask_recession: false,
+    ask_bleeding: false,
+    ask_furcation: false,
 };
 
 /// A watcher for a session, with its rubric's settings.
@@ -203,7 +206,9 @@ pub fn finish(
     let calls: Vec<Call> = heard.iter().map(|(_, call)| *call).collect();
     let leading = watcher.evidence.leading;
     let smoothness = watcher.evidence.moves[leading].smoothness();
-    let sites = sites(scene, exercise, &watcher.evidence, &heard, set);
+    let patient = PatientChart::of(&header.patient);
+    let patient = patient.as_ref();
+    let sites = sites(scene, exercise, &watcher.evidence, &heard, patient, set);
     let measured = Measured {
         exercise,
         evidence: &watcher.evidence,

@@ -8,6 +8,7 @@ use sulcus_core::math::fmax;
 use sulcus_core::tissue::gingiva::{Prescribed, Site};
 
 use super::evidence::Evidence;
+use super::patient::PatientChart;
 use super::rubric::Settings;
 use super::stats::rounded;
 use super::values::FORGIVEN;
@@ -106,13 +107,21 @@ pub struct SiteGrade {
     pub bled: bool,
     /// What was called of that.
     pub bleeding_called: Option<bool>,
-    /// Furcation that was called in the middle of a side (Hamp: 0 to 3).
+    /// Furcation that the patient's chart says, in the middle of a molar's side (Hamp: 0 to 3); null elsewhere, and where the recording
+    /// has no patient.
+    pub furcation_truth: Option<u8>,
+    /// What was called of it.
     pub furcation_called: Option<u8>,
     /// What it comes to.
     pub finding: Finding,
 }
 
 impl SiteGrade {
+    /// Whether the middle of a molar's side: what has a furcation in a lower jaw.
+    fn is_furcation(tooth: u8, site: Site) -> bool {
+        !site.is_proximal() && tooth % 10 >= 6
+    }
+
     /// Whether the tip was in the zone, and not only passing.
     pub fn is_probed(&self) -> bool {
         !matches!(self.finding, Finding::Missed | Finding::NotProbed)
@@ -211,6 +220,7 @@ pub fn sites(
     exercise: &Exercise,
     evidence: &Evidence,
     calls: &[(u64, Call)],
+    patient: Option<&PatientChart>,
     set: &Settings,
 ) -> Vec<SiteGrade> {
     let mut called: BTreeMap<(u8, Site), Heard> = BTreeMap::new();
@@ -245,7 +255,10 @@ pub fn sites(
         .collect();
     let grade = |((tooth, site), asked)| {
         let call = called.get(&(tooth, site));
-        one(scene, (tooth, site, asked), evidence, call, set)
+        let mut grade = one(scene, (tooth, site, asked), evidence, call, set);
+        let said = patient.filter(|_| SiteGrade::is_furcation(tooth, site));
+        grade.furcation_truth = said.map(|chart| chart.furcation(tooth, site.is_buccal()));
+        grade
     };
     all.into_iter().map(grade).collect()
 }
@@ -282,6 +295,7 @@ fn one(
         recession_called_mm: call.and_then(|call| call.recession_mm),
         bled: evidence.bled.contains(&(tooth, site)),
         bleeding_called: call.and_then(|call| call.bleeding),
+        furcation_truth: None,
         furcation_called: call.and_then(|call| call.furcation),
         finding: Finding::Missed,
     };

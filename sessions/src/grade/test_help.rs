@@ -16,6 +16,9 @@ pub const SET: Settings = Settings {
     reached_mm: 0.5,
     misread_mm: 0.75,
     steady_mm: 1.5,
+    ask_recession: false,
+    ask_bleeding: false,
+    ask_furcation: false,
 };
 
 /// A tip at an angle (degrees), depth (mm) and force (N), upright, 4 mm from the tooth's axis.
@@ -57,6 +60,7 @@ pub fn zone(site: Site, truth: f64, measured: Option<f64>, called: Option<u8>) -
         recession_called_mm: None,
         bled: false,
         bleeding_called: None,
+        furcation_truth: None,
         furcation_called: None,
         finding: Finding::Right,
     }

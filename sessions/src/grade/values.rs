@@ -77,6 +77,8 @@ impl Measured<'_> {
             "walking_step" => median(&steps(self.touches)).map(|step| step * 1e3),
             "withdrawals" => Some(evidence.withdrawals as f64),
             "recession_within_1mm" => self.share_once_said(
+                self.set.ask_recession,
+                |_| true,
                 |site| site.recession_called_mm.is_some(),
                 |site| {
                     let both = site.recession_called_mm.zip(site.recession_truth_mm);
@@ -84,8 +86,16 @@ impl Measured<'_> {
                 },
             ),
             "bleeding_agreement" => self.share_once_said(
+                self.set.ask_bleeding,
+                |_| true,
                 |site| site.bleeding_called.is_some(),
                 |site| site.bleeding_called == Some(site.bled),
+            ),
+            "furcation_agreement" => self.share_once_said(
+                self.set.ask_furcation,
+                |site| site.furcation_truth.is_some(),
+                |site| site.furcation_called.is_some(),
+                |site| site.furcation_called == site.furcation_truth,
             ),
             "target_visible" => self.visible(),
             "coordination" => evidence.hands.together_percent(),
@@ -133,17 +143,19 @@ impl Measured<'_> {
         percent(all.iter().filter(|site| part(site)).count(), all.len())
     }
 
-    /// Of the zones asked for that were probed: the share that is `part`, percent; none where nothing was `said` of any.
+    /// Of the zones asked for that were probed and are `of`: the share that is `part`, percent; none where nothing was `said` of any,
+    /// unless it was `required`.
     fn share_once_said(
         &self,
+        required: bool,
+        of: impl Fn(&SiteGrade) -> bool,
         said: impl Fn(&SiteGrade) -> bool,
         part: impl Fn(&SiteGrade) -> bool,
     ) -> Option<f64> {
-        let any = self
-            .sites
-            .iter()
-            .any(|site| site.asked && site.is_probed() && said(site));
-        self.share(SiteGrade::is_probed, part).filter(|_| any)
+        let of = |site: &SiteGrade| site.is_probed() && of(site);
+        let any = |site: &SiteGrade| site.asked && of(site) && said(site);
+        let any = required || self.sites.iter().any(any);
+        self.share(of, part).filter(|_| any)
     }
 
     fn called_within(&self, most: f64) -> Option<f64> {

@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use super::jaw::{Jaw, Numbering, across};
-use super::patient::PatientChart;
+use crate::grade::patient::PatientChart;
 use super::tooth::{FURCATION_MM, ToothKind};
 use crate::grade::sites::SiteGrade;
 
@@ -417,6 +417,7 @@ mod tests {
             recession_called_mm: Some(recession),
             bled: true,
             bleeding_called: Some(true),
+            furcation_truth: None,
             furcation_called: None,
             finding: Finding::Right,
         }

@@ -4,7 +4,6 @@
 mod chart;
 mod class;
 mod jaw;
-mod patient;
 mod plots;
 mod student;
 mod style;

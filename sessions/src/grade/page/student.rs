@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::chart::{Chart, key};
-use super::patient::PatientChart;
+use crate::grade::patient::PatientChart;
 use super::{Look, date, escaped, page, plots};
 use crate::grade::class::Session;
 use crate::grade::report::{Grade, MetricGrade};

@@ -12,6 +12,7 @@
 //! reached_mm = 0.5                # so near to the prescribed depth the floor counts as reached
 //! misread_mm = 0.75               # a call so far from what the tip reached is a misreading
 //! steady_mm = 1.5                 # a mirror is steady that moves less in half a second
+//! ask_bleeding = true             # who calls none at all has nothing right; likewise ask_recession, ask_furcation; may be left out
 //!
 //! [[metric]]
 //! name = "floor_reached"          # one of the table of definitions
@@ -58,6 +59,20 @@ pub struct Settings {
     pub misread_mm: f64,
     /// A mirror is steady that is no farther than this from where it was half a second before, mm. Range 0.1 to 20.
     pub steady_mm: f64,
+    /// Whether recession is to be called: who calls none at all has none right. Else it counts from the first call of it.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub ask_recession: bool,
+    /// Likewise of bleeding.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub ask_bleeding: bool,
+    /// Likewise of furcation.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub ask_furcation: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_no(yes: &bool) -> bool {
+    !yes
 }
 
 /// A metric, weighed.

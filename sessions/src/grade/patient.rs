@@ -1,4 +1,4 @@
-//! What a recording's patient text says of teeth, as far as a chart draws it. It is text of others, read with suspicion: what
+//! What a recording's patient text says of teeth, as far as a chart draws it and a grade asks for it. It is text of others, read with suspicion: what
 //! is not as expected is left out.
 
 use toml::{Table, Value};
@@ -13,6 +13,11 @@ pub struct PatientChart {
 }
 
 impl PatientChart {
+    /// From the text of a patient; none where there is none.
+    pub fn of(text: &str) -> Option<Self> {
+        (!text.trim().is_empty()).then(|| Self::read(text))
+    }
+
     /// From the text of a patient.
     pub fn read(text: &str) -> Self {
         let table: Table = toml::from_str(text).unwrap_or_default();
