@@ -22,6 +22,7 @@ mod lowpass;
 mod moves;
 pub mod names;
 pub mod page;
+mod patient;
 pub mod report;
 pub mod revision;
 pub mod rubric;

@@ -185,8 +185,15 @@ impl Thresholds {
     /// For people.
     pub fn words(&self) -> String {
         let (set, [least, most]) = (&self.settings, self.proximal_tilt_deg);
+        let asked = [
+            (set.ask_recession, ", recession is asked for"),
+            (set.ask_bleeding, ", bleeding is asked for"),
+            (set.ask_furcation, ", furcation is asked for"),
+        ];
+        let asked = asked.iter().filter(|one| one.0).map(|one| one.1);
+        let asked: String = asked.collect();
         format!(
-            "target band of force {} to {} N, reached_mm {}, misread_mm {}, steady_mm {}, mid_tilt_deg {}, proximal_tilt_deg {least} to {most}",
+            "target band of force {} to {} N, reached_mm {}, misread_mm {}, steady_mm {}, mid_tilt_deg {}, proximal_tilt_deg {least} to {most}{asked}",
             set.force_n[0],
             set.force_n[1],
             set.reached_mm,

@@ -7,6 +7,7 @@ use sulcus_core::tissue::TissueModel;
 use super::advice::advice;
 use super::definitions::{Definition, METRICS, find};
 use super::evidence::Watcher;
+use super::patient::PatientChart;
 use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard, Thresholds};
 use super::rubric::Settings;
 use super::score::{happened, score, total};

@@ -187,6 +187,7 @@ impl SiteGrade {
         let tilted = || self.tilt_right == Some(false);
         match self.deepest_mm {
             Some(deepest) if above(deepest) => {
+                // (The bands were read at a correct force: how heavy the hand was elsewhere is no matter.)
                 if near && !tilted() {
                     Finding::Right
                 } else {

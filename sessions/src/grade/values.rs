@@ -213,6 +213,7 @@ mod tests {
         sites: Vec<SiteGrade>,
         calls: Vec<Call>,
         touches: Vec<Touch>,
+        set: Settings,
     }
 
     impl By {
@@ -227,6 +228,7 @@ mod tests {
                 sites,
                 calls: Vec::new(),
                 touches: Vec::new(),
+                set: SET,
             }
         }
 
@@ -238,7 +240,7 @@ mod tests {
                 calls: &self.calls,
                 touches: &self.touches,
                 smoothness: Some(-1.75),
-                set: &SET,
+                set: &self.set,
             };
             measured.value(name)
         }
@@ -392,10 +394,50 @@ mod tests {
         ]);
         assert_eq!(by.value("recession_within_1mm"), Some(40.0));
         assert_eq!(by.value("bleeding_agreement"), Some(40.0));
-        assert_eq!(
-            By::hand(vec![zone(Buccal, 3.0, None, Some(3))]).value("bleeding_agreement"),
-            None
-        );
+        let with = |site, truth, furcation| SiteGrade {
+            furcation_truth: truth,
+            furcation_called: furcation,
+            ..zone(site, 3.0, None, Some(3))
+        };
+        let by = By::hand(vec![
+            with(Buccal, Some(1), Some(1)),
+            with(Lingual, Some(0), Some(0)),
+            with(Buccal, Some(2), Some(1)), // another class
+            with(Lingual, Some(0), None),   // nothing said of it
+            with(MesioBuccal, None, None),  // no furcation there
+        ]);
+        assert_eq!(by.value("furcation_agreement"), Some(50.0));
+    }
+
+    #[test]
+    fn who_calls_none_at_all_has_none_right_only_where_it_is_asked_for() {
+        let mut by = By::hand(vec![
+            SiteGrade {
+                furcation_truth: Some(1),
+                bled: true,
+                ..zone(Buccal, 3.0, None, Some(3))
+            },
+            zone(MesioBuccal, 3.0, None, Some(3)),
+        ]);
+        let all = |by: &By| {
+            [
+                "recession_within_1mm",
+                "bleeding_agreement",
+                "furcation_agreement",
+            ]
+            .map(|name| by.value(name))
+        };
+        assert_eq!(all(&by), [None; 3]);
+        by.set = Settings {
+            ask_recession: true,
+            ask_bleeding: true,
+            ask_furcation: true,
+            ..SET
+        };
+        assert_eq!(all(&by), [Some(0.0); 3]);
+        // A recording without a patient has no truth of furcation.
+        by.sites[0].furcation_truth = None;
+        assert_eq!(by.value("furcation_agreement"), None);
     }
 
     #[test]

@@ -5,8 +5,8 @@
 use std::fmt::Write as _;
 
 use super::jaw::{Jaw, Numbering, across};
-use crate::grade::patient::PatientChart;
 use super::tooth::{FURCATION_MM, ToothKind};
+use crate::grade::patient::PatientChart;
 use crate::grade::sites::SiteGrade;
 
 /// A millimetre, and what a row shows of them towards the root and towards the crown.

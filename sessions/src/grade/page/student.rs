@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::chart::{Chart, key};
-use crate::grade::patient::PatientChart;
 use super::{Look, date, escaped, page, plots};
 use crate::grade::class::Session;
+use crate::grade::patient::PatientChart;
 use crate::grade::report::{Grade, MetricGrade};
 use crate::grade::sites::{Finding, SiteGrade};
 use crate::grade::{Graded, table};
