@@ -227,7 +227,8 @@ fn what_an_earlier_program_recorded_replays_bit_for_bit_too() {
 }
 
 /// A grade is recomputed from the recording alone, by debug and release builds, here and elsewhere, byte for byte. Where a metric
-/// is meant to be measured otherwise from now on, the corpus is made anew, and the change of each grade is there to be read.
+/// is meant to be measured otherwise from now on, the grades alone are written anew (`--example corpus -- grades`), and the change of
+/// each is there to be read.
 #[test]
 fn every_grade_is_what_it_was() {
     for name in NAMES {

@@ -2,8 +2,10 @@
 //! that every later version must give those that can be graded (`NAME.grade.json`).
 //!
 //! ```text
-//! cargo run --release -p sulcus-client --example corpus [-- FOLDER]
+//! cargo run --release -p sulcus-client --example corpus [-- [grades] [FOLDER]]
 //! ```
+//!
+//! With `grades` the recordings stay, and their grades are written anew.
 //!
 //! Each file is a second or so of an exercise or a hard case: the one in which most is touched and let go. The whole is performed
 //! first to find it, then again to record it, from a snapshot on. Scenes carry no meshes to look at, no levels finer than
@@ -32,13 +34,19 @@ fn main() -> anyhow::Result<()> {
     if cfg!(debug_assertions) {
         bail!("the corpus is what a release build records: cargo run --release ...");
     }
-    let folder = std::env::args_os().nth(1).map_or_else(
+    let mut args = std::env::args_os().skip(1).peekable();
+    let grades_only = args.next_if(|word| word == "grades").is_some();
+    let folder = args.next().map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../sessions/tests/corpus"),
         PathBuf::from,
     );
     std::fs::create_dir_all(&folder)?;
     for entry in ENTRIES {
         let path = folder.join(format!("{}.mcap", entry.name));
+        if grades_only {
+            golden(&Recording::open(&path)?, &path.with_extension("grade.json"))?;
+            continue;
+        }
         make(entry, &path).with_context(|| format!("`{}`", entry.name))?;
     }
     Ok(())

@@ -213,6 +213,19 @@ mod tests {
     }
 
     #[test]
+    fn what_is_asked_for_besides_depth_travels_with_the_rubric() {
+        let mut rubric = Rubric::built_in().remove(1);
+        assert!(!rubric.definition().unwrap_or_default().contains("ask_"));
+        rubric.settings.ask_bleeding = true;
+        let text = rubric.definition().unwrap_or_default();
+        let back = Rubric::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(back.settings, rubric.settings);
+        let found = Rubric::parse(&text.replace("ask_bleeding = true", "ask_bleeding = 1"));
+        let error = found.map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains("ask_bleeding"), "{error}");
+    }
+
+    #[test]
     fn what_is_wrong_is_named_with_what_was_found_and_expected() {
         let exercise = Exercise::built_in().remove(1);
         let good = Rubric::of(&exercise).unwrap_or_else(|| panic!("built in"));
