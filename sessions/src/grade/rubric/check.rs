@@ -225,7 +225,7 @@ mod tests {
         let back = Rubric::parse(&text).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(back.settings, rubric.settings);
         let found = Rubric::parse(&text.replace("ask_bleeding = true", "ask_bleeding = 1"));
-        let error = found.map(|_| ()).unwrap_err().to_string();
+        let error = found.map_or_else(|error| error.to_string(), |_| String::new());
         assert!(error.contains("ask_bleeding"), "{error}");
     }
 
