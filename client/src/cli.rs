@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use sulcus_core::optimise::SolverKind;
 use sulcus_operator::Habit;
+use sulcus_sessions::Mode;
 
 /// Periodontal training with touch: the student's side.
 ///
@@ -81,6 +82,10 @@ pub struct DemoArgs {
     /// Opaque learner id for the recording, never a name: letters, digits, - and _, one digit at least
     #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
+    /// What the session is for: it goes into the recording, and `sulcus-sessions grade` shows the grade accordingly; the demo
+    /// itself shows depths and grade after practice only
+    #[arg(long, value_enum, default_value_t)]
+    pub mode: Mode,
     /// Print one JSON object on the last line of standard output
     #[arg(long)]
     pub json: bool,
@@ -188,6 +193,7 @@ impl Default for DemoArgs {
             rate_hz: None,
             recordings: "recordings".into(),
             learner: String::new(),
+            mode: Mode::default(),
             json: false,
         }
     }

@@ -16,7 +16,7 @@ use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_operator::{Habit, HandParams, Operator, Script};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::exercise::Kind;
-use sulcus_sessions::{Events, Exercise, Rubric};
+use sulcus_sessions::{Events, Exercise, Mode, Rubric};
 
 use crate::progress::Steps;
 
@@ -69,6 +69,8 @@ pub struct Prepared {
     pub patient: String,
     /// Opaque learner id for a recording; may be empty.
     pub learner: String,
+    /// What the session is for, for a recording.
+    pub mode: Mode,
     /// Who performs it.
     pub operator: Operator,
     /// The hard case behind it, if it is one.
@@ -305,6 +307,7 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
         ticks: operator.ticks(),
         until_done: asked.duration_s.is_none(),
         learner: String::new(),
+        mode: Mode::default(),
         operator,
         case: hard,
         warnings,

@@ -8,6 +8,7 @@ use std::time::Duration;
 use sulcus_core::{Scene, TickInput};
 use sulcus_proto::limits::NAME_BYTES;
 use sulcus_proto::ticket::hex;
+use sulcus_sessions::Mode;
 
 use crate::ServerError;
 use crate::detail::Detail;
@@ -55,6 +56,8 @@ pub struct ServerConfig {
     pub station: String,
     /// Opaque learner id for the record when the client names none; never a name.
     pub learner: String,
+    /// What sessions are for, for the record: who may see what of a grade.
+    pub mode: Mode,
     /// The patient's text for the recording; may be empty.
     pub patient: String,
     /// The rubric's text for the recording; may be empty.
@@ -92,6 +95,7 @@ impl ServerConfig {
             exercise: Exercise::default(),
             station: "station".into(),
             learner: String::new(),
+            mode: Mode::default(),
             patient: String::new(),
             rubric: String::new(),
             station_key: None,

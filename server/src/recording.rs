@@ -146,6 +146,7 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         seed: config.exercise.seed,
         station: config.station.clone(),
         learner_id: plan.learner,
+        mode: Some(config.mode),
         started_unix_ns: plan.started_unix_ns,
         ..SessionHeader::new(config.scene_bytes.to_vec())
     };

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::key::PublicKey;
+use crate::mode::Mode;
 
 /// Version of the recording's layout and of what its numbers mean ([`crate::format`]). Another version is migrated or refused, never
 /// guessed at.
@@ -11,6 +12,8 @@ pub const FORMAT_VERSION: &str = "4";
 pub(crate) const METADATA: &str = "sulcus";
 /// Key in it that recordings of before 24 November 2026 do not have.
 const TICK_SOURCE: &str = "tick_source";
+/// Another of that day.
+const MODE: &str = "mode";
 /// Name of the compiled scene's attachment.
 pub(crate) const SCENE: &str = "scene.bin";
 /// Attachments besides the scene: all text.
@@ -35,6 +38,8 @@ pub struct SessionHeader {
     pub station: String,
     /// Opaque id of the learner. Never a name.
     pub learner_id: String,
+    /// What the session is for; none in recordings of before it was said.
+    pub mode: Option<Mode>,
     /// Version of the program that recorded.
     pub program_version: String,
     /// `debug` or `release`.
@@ -49,7 +54,7 @@ pub struct SessionHeader {
 }
 
 impl SessionHeader {
-    /// A header for `scene`, with this program's version, build and target; everything else empty.
+    /// A header for `scene` and practice, with this program's version, build and target; everything else empty.
     pub fn new(scene: Vec<u8>) -> Self {
         Self {
             scene,
@@ -60,6 +65,7 @@ impl SessionHeader {
             seed: 0,
             station: String::new(),
             learner_id: String::new(),
+            mode: Some(Mode::default()),
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             build: if cfg!(debug_assertions) {
                 "debug"
@@ -115,6 +121,10 @@ impl SessionHeader {
         ] {
             pairs.insert(key.to_owned(), value);
         }
+        pairs.extend(
+            self.mode
+                .map(|mode| (MODE.to_owned(), mode.name().to_owned())),
+        );
         pairs
     }
 
@@ -141,6 +151,10 @@ impl SessionHeader {
             seed: number("seed")?,
             station: text("station")?,
             learner_id: text("learner_id")?,
+            mode: match pairs.get(MODE) {
+                Some(name) => Some(Mode::from_name(name).ok_or(MODE)?),
+                None => None,
+            },
             program_version: text("program_version")?,
             build: text("build")?,
             tick_source: pairs.get(TICK_SOURCE).cloned().unwrap_or_default(),
@@ -177,7 +191,7 @@ mod tests {
     fn the_digest_covers_every_field() {
         let signer = StationKey::from_seed([1; 32]).public();
         let plain = SessionHeader::new(vec![1, 2, 3]);
-        let mut changed = vec![plain.clone(); 13];
+        let mut changed = vec![plain.clone(); 15];
         changed[0].scene.push(4);
         for (header, field) in changed[1..].iter_mut().zip(0..) {
             match field {
@@ -192,6 +206,8 @@ mod tests {
                 8 => header.build.push('x'),
                 9 => header.target.push('x'),
                 10 => header.tick_source.push('x'),
+                11 => header.mode = Some(Mode::Exam),
+                12 => header.mode = None,
                 _ => header.started_unix_ns += 1,
             }
         }
@@ -205,6 +221,6 @@ mod tests {
         ));
         digests.sort_unstable();
         digests.dedup();
-        assert_eq!(digests.len(), 15);
+        assert_eq!(digests.len(), 17);
     }
 }

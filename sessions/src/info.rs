@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::bytes::hex;
 use crate::format::Migration;
+use crate::mode::Mode;
 use crate::read::{Ending, ReadError, Recording};
 use crate::sizes::{Sizes, sizes};
 use crate::statement::SessionEnd;
@@ -54,6 +55,8 @@ pub struct Info {
     pub learner_id: String,
     /// Station.
     pub station: String,
+    /// What the session was for; null in recordings of before it was said.
+    pub mode: Option<Mode>,
     /// Version of the program that recorded.
     pub program_version: String,
     /// `debug` or `release`.
@@ -114,6 +117,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         seed: header.seed,
         learner_id: header.learner_id.clone(),
         station: header.station.clone(),
+        mode: header.mode,
         program_version: header.program_version.clone(),
         build: header.build.clone(),
         target: header.target.clone(),
@@ -185,6 +189,9 @@ impl fmt::Display for Info {
             self.exercise_blake3
         )?;
         writeln!(f, "  learner    {}", or(&self.learner_id, "(none)"))?;
+        if let Some(mode) = self.mode {
+            writeln!(f, "  mode       {mode}")?;
+        }
         writeln!(f, "  station    {}", or(&self.station, "(none)"))?;
         writeln!(
             f,

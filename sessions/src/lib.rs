@@ -6,7 +6,7 @@
 //!
 //! # Layout of a recording (format version 4)
 //! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions,
-//!   station, opaque learner id, blake3 of every attachment, the signer's public key
+//!   station, opaque learner id, mode, blake3 of every attachment, the signer's public key
 //! - `/exact/ticks`: [`Row`]; `/exact/snapshots`: tick and state; `/exact/chain`:
 //!   [`SignedStatement`]; `/events`: [`Event`]; the layouts stand in the file, as schemas
 //! - the rest is for viewers ([`channels`]), in chunks of its own, not signed, and skipped here: what a replay and a grade rest
@@ -33,6 +33,7 @@ pub mod header;
 pub mod info;
 pub mod key;
 pub mod message;
+pub mod mode;
 mod naming;
 pub mod occurrence;
 pub mod program;
@@ -65,6 +66,7 @@ pub use header::SessionHeader;
 pub use info::{Info, info};
 pub use key::{KeyError, PublicKey, StationKey};
 pub use message::{Event, Level, Message};
+pub use mode::Mode;
 pub use occurrence::Occurrence;
 pub use program::Program;
 pub use read::{Ending, Facts, ReadError, Recording};

@@ -166,6 +166,29 @@ fn nothing_in_the_header_can_be_exchanged() {
 }
 
 #[test]
+fn an_exam_cannot_be_made_of_practice_nor_the_other_way() {
+    let original = recorded(200);
+    for said in [Some("exam"), Some("self-assessment"), None] {
+        let forged = rewritten(
+            &original,
+            &mut Edit {
+                message: &mut |_, _| true,
+                metadata: &mut |pairs| {
+                    assert_eq!(pairs.remove("mode").as_deref(), Some("practice"));
+                    pairs.extend(said.map(|mode| ("mode".to_owned(), mode.to_owned())));
+                },
+                attachment: &mut |_, _| {},
+            },
+        );
+        let report = replayed(forged, None);
+        assert!(
+            matches!(report.signature, Signature::Invalid { .. }),
+            "{said:?}: {report:?}"
+        );
+    }
+}
+
+#[test]
 fn an_event_or_a_snapshot_cannot_be_changed_left_out_or_added() {
     let original = recorded(200);
     let edits: [Change<'_>; 3] = [

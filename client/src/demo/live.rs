@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use sulcus_proto::control::EndReason;
 use sulcus_server::{Exercise, Server, ServerConfig};
+use sulcus_sessions::Mode;
 
 use crate::cli::DemoArgs;
 use crate::demo::check;
@@ -37,6 +38,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     config.patient.clone_from(&prepared.patient);
     config.rubric = prepared.rubric()?;
     config.learner.clone_from(&args.learner);
+    config.mode = args.mode;
     let server = Server::start(config)?;
     let link = Link::connect(LinkConfig::new(
         server.local_addr(),
@@ -79,14 +81,17 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     }
     let checked = check::check(&recording, steps)?;
     // (The wire carries no readings: what happened is known from the replay.)
-    for line in &checked.zones {
-        eprintln!("{line}");
+    if args.mode == Mode::Practice {
+        for line in &checked.zones {
+            eprintln!("{line}");
+        }
     }
     Ok(DemoSummary {
         recording,
         exercise: name,
         scene: scene.name.clone(),
         virtual_time: false,
+        mode: args.mode,
         rate_hz: scene.params.rate_hz,
         ticks: summary.ticks,
         deadline_misses: summary.deadline_misses,

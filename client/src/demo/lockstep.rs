@@ -57,6 +57,7 @@ pub fn run(
     header.rubric = prepared.rubric()?;
     header.seed = seed;
     header.learner_id.clone_from(&prepared.learner);
+    header.mode = Some(prepared.mode);
     header.station = "virtual".into();
     header.started_unix_ns = started;
     let (mut recorder, recording) = Recorder::create_in(folder, &header, &key)?;

@@ -8,7 +8,7 @@ pub mod summary;
 mod zones;
 
 use anyhow::Context;
-use sulcus_sessions::StationKey;
+use sulcus_sessions::{Mode, StationKey};
 
 use crate::cli::DemoArgs;
 use crate::exercise;
@@ -40,6 +40,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     };
     let mut prepared = exercise::prepare(&asked, &steps)?;
     prepared.learner.clone_from(&args.learner);
+    prepared.mode = args.mode;
     if prepared.case.is_some() && args.duration.is_some() {
         eprintln!(
             "warning: `{}` has its own length; --duration has no effect",
@@ -55,11 +56,14 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
             args.recordings.display()
         )
     })?;
-    let summary = if args.virtual_time {
+    let mut summary = if args.virtual_time {
         run_virtual(args, &mut prepared, &steps)?
     } else {
         run_live(args, prepared, &steps)?
     };
+    if args.mode != Mode::Practice {
+        summary.withhold();
+    }
     if args.json {
         println!("{}", serde_json::to_string(&summary)?);
     } else {
@@ -93,6 +97,7 @@ fn run_virtual(
         exercise: prepared.exercise.name.clone(),
         scene: prepared.scene.name.clone(),
         virtual_time: true,
+        mode: prepared.mode,
         rate_hz: prepared.scene.params.rate_hz,
         ticks: ran.ticks,
         deadline_misses: 0,

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use sulcus_proto::Percentiles;
-use sulcus_sessions::Grade;
 use sulcus_sessions::events::Tally;
+use sulcus_sessions::{Grade, Mode};
 
 use crate::calls::Called;
 
@@ -23,6 +23,8 @@ pub struct DemoSummary {
     /// Whether it ran in virtual time.
     #[serde(rename = "virtual")]
     pub virtual_time: bool,
+    /// What the session was for.
+    pub mode: Mode,
     /// Ticks a second.
     pub rate_hz: u16,
     /// Ticks computed.
@@ -68,13 +70,13 @@ pub struct DemoSummary {
     pub replay_realtime_factor: f64,
     /// Size of the recording.
     pub recording_bytes: u64,
-    /// What was read in pockets; null where no tool was in one.
+    /// What was read in pockets; null where no tool was in one, and after anything but practice.
     pub pocket: Option<PocketSummary>,
     /// How tissue fared; null where nothing yields.
     pub tissue: Option<TissueSummary>,
     /// What happened in the exercise, found in the replay.
     pub events: Option<EventsSummary>,
-    /// What the program proposes as a grade; null where nothing is asked that is graded.
+    /// What the program proposes as a grade; null where nothing is asked that is graded, and after anything but practice.
     pub grade: Option<Grade>,
 }
 
@@ -238,6 +240,14 @@ impl TissueSummary {
 }
 
 impl DemoSummary {
+    /// Leaves out what a learner is not to see before their own score is given, or before an exam is over: depths and grade.
+    pub fn withhold(&mut self) {
+        (self.pocket, self.grade) = (None, None);
+        if let Some(events) = &mut self.events {
+            events.calls.clear();
+        }
+    }
+
     /// The summary for people.
     pub fn text(&self) -> String {
         let times = |p: &Percentiles| {
@@ -328,6 +338,11 @@ impl DemoSummary {
             lines.extend(grade_lines(grade));
         } else if !self.gradable {
             lines.push("grading       NOT POSSIBLE: the recording is not complete".into());
+        } else if self.mode != Mode::Practice {
+            lines.push(format!(
+                "grading       {}: see below; depths and grade are not shown here",
+                self.mode
+            ));
         }
         if !self.signature_valid {
             lines.push("signature     NOT VALID".into());
@@ -347,7 +362,7 @@ impl DemoSummary {
             "  cargo run --release -p sulcus-sessions -- replay --audit {}",
             self.recording.display()
         ));
-        if self.grade.is_some() {
+        if self.grade.is_some() || self.mode != Mode::Practice {
             lines.push(format!(
                 "  cargo run --release -p sulcus-sessions -- grade --html pages {}",
                 self.recording.display()

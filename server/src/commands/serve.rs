@@ -13,7 +13,7 @@ use sulcus_core::Scene;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::ticket::hex;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
-use sulcus_sessions::{Events, Rubric};
+use sulcus_sessions::{Events, Mode, Rubric};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use super::scene::Narrator;
@@ -53,6 +53,9 @@ pub struct ServeArgs {
     /// Opaque learner id for recordings when the client names none, never a name: letters, digits, - and _, one digit at least
     #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
+    /// What sessions are for: it goes into the recordings, signed, and grades are shown accordingly
+    #[arg(long, value_enum, default_value_t)]
+    pub mode: Mode,
     /// What students are asked to do: bimanual, crown, probing, retraction, a file of one (ending in .toml), or `free`; its
     /// definition and rubric go into the recordings. Default: crown, with --scene free, which is not graded
     #[arg(long, value_name = "NAME")]
@@ -102,6 +105,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     config.patient = patient;
     config.station.clone_from(&args.station);
     config.learner.clone_from(&args.learner);
+    config.mode = args.mode;
     (config.exercise, config.rubric) = recorded(asked.as_ref(), args.rubric.as_deref())?;
     config.station_key.clone_from(&args.key);
     if let Some(budget_us) = args.detail_budget {

@@ -11,13 +11,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::print::{at, complain, object, say};
-use crate::grade::class::{Session, csv, number_attempts};
+use crate::grade::class::{Session, Shown, csv, number_attempts};
 use crate::grade::names::Names;
 use crate::grade::page::{Look, Numbering, class_page, student_page};
 use crate::grade::report::Source;
 use crate::grade::revision::{Revision, Sidecar};
 use crate::grade::{Graded, Options, Rubric, grade};
 use crate::key::PublicKey;
+use crate::mode::Mode;
 use crate::read::Recording;
 
 #[derive(Args)]
@@ -37,10 +38,9 @@ pub(super) struct GradeArgs {
     /// Grade by this rubric instead of the recording's own; the output says so
     #[arg(long, value_name = "FILE")]
     rubric: Option<PathBuf>,
-    /// practice: everything is shown; self-assessment: the learner's own score comes first; exam: by the recording's own
-    /// rubric and a trusted key only, without advice and truth
-    #[arg(long, value_enum, default_value = "practice")]
-    mode: Mode,
+    /// How to show it; when omitted as what it was recorded. What was recorded as something else is no exam
+    #[arg(long, value_enum)]
+    mode: Option<Mode>,
     /// The learner's own score, 0 to 100, given before the grade is shown (asked for on a terminal in self-assessment); the first
     /// one is kept in FILE.grade.json
     #[arg(long, value_name = "N", value_parser = points)]
@@ -75,23 +75,6 @@ pub(super) struct GradeArgs {
     passed: Option<bool>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Mode {
-    Practice,
-    SelfAssessment,
-    Exam,
-}
-
-impl Mode {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Practice => "practice",
-            Self::SelfAssessment => "self-assessment",
-            Self::Exam => "exam",
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Numbers {
     Fdi,
@@ -107,10 +90,18 @@ struct One {
     graded: Graded,
     sidecar: Option<Sidecar>,
     self_score: Option<f64>,
+    shown: Shown,
+}
+
+/// What is graded by, for all recordings.
+struct Asked {
+    rubric: Option<Rubric>,
+    /// The key that was named.
+    signer: Option<PublicKey>,
 }
 
 pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
-    let options = options(args)?;
+    let asked = asked(args)?;
     let names = args.names.as_deref().map(Names::open).transpose()?;
     if args.self_score.is_some() && args.files.len() > 1 {
         bail!(
@@ -127,13 +118,13 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     let (mut code, mut objects, mut all) = (0u8, Vec::new(), Vec::new());
     let mut unread: Vec<(String, String)> = Vec::new();
     for path in &args.files {
-        match one(path, args, &options) {
+        match one(path, args, &asked) {
             Ok(one) => {
                 code = code.max(u8::from(one.graded.grade.score.is_none()));
                 if !args.json {
                     say(&text(path, &one, args))?;
                 }
-                objects.push(json(path, &one, args.mode));
+                objects.push(json(path, &one));
                 all.push((file_name(path), one));
             }
             Err(error) => {
@@ -167,51 +158,84 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(code))
 }
 
-fn options(args: &GradeArgs) -> anyhow::Result<Options> {
-    let exam = args.mode == Mode::Exam;
-    if exam && args.rubric.is_some() {
+fn asked(args: &GradeArgs) -> anyhow::Result<Asked> {
+    if args.mode == Some(Mode::Exam) {
+        no_exam(args)?;
+    }
+    let signer = args.signer.as_deref().map(PublicKey::from_file_or_hex);
+    Ok(Asked {
+        rubric: args.rubric.as_deref().map(Rubric::open).transpose()?,
+        signer: signer.transpose()?,
+    })
+}
+
+/// What an exam is not graded with.
+fn no_exam(args: &GradeArgs) -> anyhow::Result<()> {
+    if args.rubric.is_some() {
         bail!(
             "--rubric is given, expected none in an exam: it is graded by the rubric that was recorded"
         );
     }
-    if exam && args.truth {
-        bail!("--truth is given, expected not in an exam");
+    if args.truth {
+        bail!(
+            "--truth is given, expected not in an exam (to look at one with its learner: --mode practice)"
+        );
     }
-    let named = args
-        .signer
-        .as_deref()
-        .map(PublicKey::from_file_or_hex)
-        .transpose()?;
-    let trust = named.or_else(|| exam.then(PublicKey::of_this_station).flatten());
+    Ok(())
+}
+
+/// How a recording is graded in this mode.
+fn options(asked: &Asked, mode: Mode) -> anyhow::Result<Options> {
+    let exam = mode == Mode::Exam;
+    let station = || exam.then(PublicKey::of_this_station).flatten();
+    let trust = asked.signer.or_else(station);
     if exam && trust.is_none() {
         bail!(
             "--signer is missing, expected the station's public key in an exam (`station.pub` beside its key, on the station in ~/.local/state/sulcus): without it whoever makes a recording can sign it"
         );
     }
-    let rubric = args.rubric.as_deref().map(Rubric::open).transpose()?;
-    Ok(Options { rubric, trust })
+    Ok(Options {
+        rubric: asked.rubric.clone(),
+        trust,
+    })
 }
 
-fn one(path: &Path, args: &GradeArgs, options: &Options) -> anyhow::Result<One> {
+/// How a recording is shown.
+fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
+    let recorded = recording.header().mode;
+    let mode = args.mode.or(recorded).unwrap_or_default();
+    if mode == Mode::Exam {
+        if let Some(other) = recorded.filter(|recorded| *recorded != Mode::Exam) {
+            bail!("mode is {other} in the recording, expected exam: what was practised is no exam");
+        }
+        no_exam(args)?;
+    }
+    Ok(Shown { mode, recorded })
+}
+
+fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
+    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let named = |error: anyhow::Error| at(path, &*error);
+    let shown = shown(&recording, args).map_err(named)?;
+    let options = options(asked, shown.mode).map_err(named)?;
     // The learner's own score comes before the program's.
     let kept = Sidecar::read(path).map_err(|error| at(path, &error))?;
     let kept = kept.and_then(|sidecar| sidecar.self_score);
-    let given = match (args.mode, args.self_score.or(kept)) {
+    let given = match (shown.mode, args.self_score.or(kept)) {
         (Mode::SelfAssessment, None) => Some(ask(path)?),
         (_, given) => given,
     };
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
     // Draws nothing when standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
         bar.set_style(style);
     }
-    let graded = grade(&recording, options, &mut |ticks| bar.set_position(ticks));
+    let graded = grade(&recording, &options, &mut |ticks| bar.set_position(ticks));
     bar.finish_and_clear();
     let graded = graded.map_err(|error| at(path, &error))?;
     let used = graded.grade.rubric.as_ref().map(|used| used.source);
-    if args.mode == Mode::Exam && used.is_some_and(|source| source != Source::Recording) {
+    if shown.mode == Mode::Exam && used.is_some_and(|source| source != Source::Recording) {
         bail!(
             "{}: holds no rubric, expected its own in an exam",
             path.display()
@@ -250,6 +274,7 @@ fn one(path: &Path, args: &GradeArgs, options: &Options) -> anyhow::Result<One> 
         graded,
         sidecar,
         self_score: given,
+        shown,
     })
 }
 
@@ -279,9 +304,10 @@ fn ask(path: &Path) -> anyhow::Result<f64> {
 }
 
 fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
-    let exam = args.mode == Mode::Exam;
+    let exam = one.shown.mode == Mode::Exam;
     let grade = &one.graded.grade;
     let mut lines = vec![path.display().to_string()];
+    lines.push(format!("  mode       {}", one.shown.words()));
     if let (Some(own), Some(score)) = (one.self_score, grade.score) {
         lines.push(format!(
             "  own score  {own:.1}, {:+.1} against the program's",
@@ -316,9 +342,9 @@ const TELLS: [&str; 7] = [
     "finding",
 ];
 
-fn json(path: &Path, one: &One, mode: Mode) -> Value {
+fn json(path: &Path, one: &One) -> Value {
     let mut json = object(one.graded.grade.to_json());
-    if mode == Mode::Exam {
+    if one.shown.mode == Mode::Exam {
         json.remove("advice");
         let sites = json.get_mut("sites").and_then(Value::as_array_mut);
         for site in sites.into_iter().flatten().filter_map(Value::as_object_mut) {
@@ -328,7 +354,8 @@ fn json(path: &Path, one: &One, mode: Mode) -> Value {
         }
     }
     json.insert("file".into(), json!(file_name(path)));
-    json.insert("mode".into(), json!(mode.name()));
+    json.insert("mode".into(), json!(one.shown.mode));
+    json.insert("recorded_mode".into(), json!(one.shown.recorded));
     json.insert("self_score".into(), json!(one.self_score));
     let revisions = one.sidecar.as_ref().map(|sidecar| &sidecar.revisions);
     json.insert(
@@ -344,6 +371,7 @@ fn sessions(all: &[(String, One)]) -> Vec<Session> {
         grade: one.graded.grade.clone(),
         sidecar: one.sidecar.clone(),
         self_score: one.self_score,
+        shown: one.shown,
         attempt: 0,
     };
     let sessions: Vec<Session> = all.iter().map(session).collect();
@@ -370,7 +398,6 @@ fn pages(
 ) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-    let exam = args.mode == Mode::Exam;
     let look = Look {
         names,
         numbering: match args.numbering {
@@ -378,8 +405,6 @@ fn pages(
             Numbers::Universal => Numbering::Universal,
         },
         truth: args.truth,
-        exam,
-        mode: args.mode.name(),
     };
     let mut used = BTreeSet::from(["class".to_owned()]);
     let write = |name: &str, page: String| {

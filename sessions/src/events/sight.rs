@@ -97,7 +97,8 @@ impl Look {
     }
 }
 
-fn is_tongue(tissue: &TissueModel) -> bool {
+/// Whether it yields as a whole: a tongue.
+pub fn is_tongue(tissue: &TissueModel) -> bool {
     matches!(
         tissue,
         TissueModel::Skeleton(_) | TissueModel::Surface(_) | TissueModel::PrintedSkeleton(_)

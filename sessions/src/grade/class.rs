@@ -3,6 +3,28 @@
 use super::names::Names;
 use super::report::Grade;
 use super::revision::Sidecar;
+use crate::mode::Mode;
+
+/// As what a session is shown, and as what it was recorded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shown {
+    /// As what it is shown.
+    pub mode: Mode,
+    /// As what it was recorded; none where the recording does not say.
+    pub recorded: Option<Mode>,
+}
+
+impl Shown {
+    /// For people.
+    pub fn words(self) -> String {
+        match self.recorded {
+            Some(recorded) if recorded != self.mode => {
+                format!("{recorded}, shown as {}", self.mode)
+            }
+            _ => self.mode.to_string(),
+        }
+    }
+}
 
 /// One session of a class.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,11 +37,18 @@ pub struct Session {
     pub sidecar: Option<Sidecar>,
     /// The learner's own score, where it was asked for.
     pub self_score: Option<f64>,
+    /// As what it is shown.
+    pub shown: Shown,
     /// Which attempt of this learner at this exercise it is, from 1.
     pub attempt: usize,
 }
 
 impl Session {
+    /// Whether nothing is shown of it that tells what the depths are, nor what to practise.
+    pub fn is_exam(&self) -> bool {
+        self.shown.mode == Mode::Exam
+    }
+
     /// Whether both are of one learner at one exercise. Who has no id is nobody's other attempt.
     pub fn is_of_the_same(&self, other: &Self) -> bool {
         let (a, b) = (&self.grade, &other.grade);
@@ -81,6 +110,7 @@ pub fn csv(
     header.extend([
         "exercise",
         "attempt",
+        "mode",
         "started_unix_ns",
         "rubric",
         "rubric_version",
@@ -111,6 +141,10 @@ pub fn csv(
         row.extend([
             plain(&grade.exercise),
             session.attempt.to_string(),
+            session
+                .shown
+                .recorded
+                .map_or(String::new(), |mode| mode.to_string()),
             grade.started_unix_ns.to_string(),
             used.map_or(String::new(), |used| plain(&used.name)),
             used.map_or(String::new(), |used| used.version.to_string()),

@@ -312,7 +312,7 @@ pub const METRICS: [Definition; 30] = [
         name: "coordination",
         title: "both hands at once",
         unit: "%",
-        definition: "Share of the time of the probe in a pocket in which the target was visible and the mirror held the tongue: it bore on something with 0.02 N or more and was no farther than `steady_mm` from where it was half a second before.",
+        definition: "Share of the time of the probe in a pocket in which the target was visible and the mirror held the tongue: it bore on it with 0.02 N or more and was no farther than `steady_mm` from where it was half a second before.",
         source: CHOSEN,
         needs: Needs::BothHands,
         missing_is_zero: true,

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use sulcus_core::contact::Contact;
+use sulcus_core::math::norm;
 use sulcus_core::output::status;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
@@ -14,6 +16,7 @@ use super::rubric::Settings;
 use super::series::Series;
 use super::touches::{BEGINS, Touches};
 use super::zones::{STAYED, Span, TIE, Zones};
+use crate::events::sight::is_tongue;
 use crate::events::{Events, Standing, pocket};
 use crate::exercise::{Exercise, ProbingTask};
 use crate::occurrence::{FORCE_ZONE, Occurrence};
@@ -58,6 +61,8 @@ pub struct Evidence {
     task: ProbingTask,
     steady: Steady,
     mirror_slot: Option<usize>,
+    /// Of the scene's objects: which are tongues.
+    tongues: Vec<bool>,
     has_zones: bool,
     first_tick: Option<u64>,
     last_tick: u64,
@@ -104,14 +109,26 @@ impl Evidence {
             task: exercise.probing,
             steady: Steady::default(),
             mirror_slot: scene.tools.iter().position(|tool| !is_probe(tool)),
+            tongues: scene
+                .objects
+                .iter()
+                .map(|object| is_tongue(&object.tissue))
+                .collect(),
             has_zones: !exercise.zones.is_empty(),
             first_tick: None,
             last_tick: 0,
         }
     }
 
-    /// Takes in a tick, with `events` as they are after it.
-    pub fn observe(&mut self, scene: &Scene, output: &TickOutput, events: &Events, set: &Settings) {
+    /// Takes in a tick, with `events` and `shapes` as they are after it.
+    pub fn observe(
+        &mut self,
+        scene: &Scene,
+        output: &TickOutput,
+        events: &Events,
+        shapes: &Workspace,
+        set: &Settings,
+    ) {
         let tick_s = scene.tick_s();
         let first = *self.first_tick.get_or_insert(output.tick);
         // What was skipped went by too.
@@ -129,8 +146,7 @@ impl Evidence {
         for (t, tool) in scene.tools.iter().enumerate() {
             let out = &output.tools[t];
             let here = held(&t);
-            let force = out.raw_wrench.force;
-            let force = force.dot(&force).sqrt();
+            let force = norm(&out.raw_wrench.force);
             let in_pocket = events.standing(t).is_some();
             let tip = here.then(|| (out.graphic.transform(&tool.tip), force < FREE && !in_pocket));
             self.moves[t].observe(tip);
@@ -162,10 +178,15 @@ impl Evidence {
         self.touches.observe(standing, dt);
         let mirror = self.mirror_slot.filter(held);
         let mirror = mirror.map(|t| output.tools[t].graphic.transform(&scene.tools[t].tip));
-        // A mirror in the air holds nothing, however still it is.
+        // A mirror in the air, or on a tooth, holds no tongue, however still it is.
         let bears = self.mirror_slot.filter(held).is_some_and(|t| {
-            let force = output.tools[t].raw_wrench.force;
-            force.dot(&force).sqrt() >= FREE
+            let on_tongue = |contact: &Contact| {
+                usize::from(contact.tool) == t
+                    && self.tongues.get(usize::from(contact.object)) == Some(&true)
+            };
+            let loads = shapes.contacts();
+            let loads = loads.filter(|(contact, _)| on_tongue(contact));
+            loads.map(|(_, load)| load).sum::<f64>() >= FREE
         });
         let visible = events.is_target_visible();
         let moment = Moment {
@@ -177,7 +198,9 @@ impl Evidence {
             holds: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3) && bears,
         };
         self.hands.observe(&moment, dt);
-        self.series.observe(at_s, standing, visible);
+        let lead = Some(self.leading).filter(held);
+        let push = lead.map_or(0.0, |t| norm(&output.tools[t].raw_wrench.force));
+        self.series.observe(at_s, standing, push, visible);
     }
 
     /// Enters the zone on whose floor the tip has borne long enough in one visit.
@@ -242,6 +265,6 @@ impl Watcher {
             self.evidence.happened(&said);
         }
         self.evidence
-            .observe(scene, output, &self.events, &self.settings);
+            .observe(scene, output, &self.events, shapes, &self.settings);
     }
 }

@@ -53,7 +53,7 @@ pub struct Moment {
     pub held: bool,
     /// Whether the target is visible.
     pub visible: bool,
-    /// Whether the mirror holds: it is steady, and bears on something.
+    /// Whether the mirror holds: it is steady, and bears on the tongue.
     pub holds: bool,
 }
 

@@ -59,6 +59,8 @@ pub struct Graded {
     pub teeth: Vec<u8>,
     /// The patient's text; may be empty.
     pub patient: String,
+    /// Name of the tool that leads: the one whose forces the series has.
+    pub leads: String,
     /// Length of the session, seconds.
     pub seconds: f64,
     /// Force on a pocket's floor from which healthy tissue bleeds: the least of the scene's gingivae, newtons; none without gingiva.
@@ -170,6 +172,10 @@ pub fn finish(
         series: Series::default(),
         teeth,
         patient: header.patient.clone(),
+        leads: scene
+            .tools
+            .get(watcher.evidence.leading)
+            .map_or(String::new(), |tool| tool.name.clone()),
         seconds: 0.0,
         trauma_n: scene
             .objects

@@ -18,6 +18,8 @@ pub struct Point {
     pub depth: f64,
     /// Heaviest on the floor, newtons.
     pub force: f64,
+    /// Heaviest on the leading tool, whatever pushed, newtons.
+    pub push: f64,
     /// Whether the target was visible at its end; none without a target.
     pub visible: Option<bool>,
 }
@@ -27,8 +29,8 @@ pub struct Point {
 pub struct Series(pub Vec<Point>);
 
 impl Series {
-    /// Takes in a tick at `at_s` seconds since the first one.
-    pub fn observe(&mut self, at_s: f64, at: Option<&Standing>, visible: Option<bool>) {
+    /// Takes in a tick at `at_s` seconds since the first one, with the force on the leading tool in it, newtons.
+    pub fn observe(&mut self, at_s: f64, at: Option<&Standing>, push: f64, visible: Option<bool>) {
         let k = (at_s / STEP_S) as usize;
         if k >= MOST {
             return;
@@ -38,6 +40,9 @@ impl Series {
         }
         let point = &mut self.0[k];
         point.visible = visible;
+        if push > point.push {
+            point.push = push;
+        }
         let Some(at) = at.filter(|at| at.depth > 0.0) else {
             return;
         };
@@ -66,11 +71,11 @@ mod tests {
             (0.12, 3.0, 0.0),
         ] {
             let at = standing(36, Site::Buccal, 90.0, mm, force);
-            series.observe(at_s, Some(&at), Some(at_s < 0.1));
+            series.observe(at_s, Some(&at), 2.0 * force, Some(at_s < 0.1));
         }
         assert_eq!(series.0.len(), 3);
         let first = series.0[0];
-        assert!((first.depth - 2e-3).abs() < 1e-12 && first.force == 0.3);
+        assert!((first.depth - 2e-3).abs() < 1e-12 && first.force == 0.3 && first.push == 0.6);
         assert_eq!(
             (first.zone, first.visible),
             (Some((36, Site::Buccal)), Some(true))
@@ -78,7 +83,7 @@ mod tests {
         assert_eq!(series.0[1], Point::default());
         assert_eq!(series.0[2].visible, Some(false));
         // What is after two hours is not kept.
-        series.observe(1e9, None, None);
+        series.observe(1e9, None, 0.0, None);
         assert_eq!(series.0.len(), 3);
     }
 }

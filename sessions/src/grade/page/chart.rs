@@ -49,16 +49,42 @@ struct Spot {
 }
 
 impl Chart<'_> {
-    /// The jaws that have zones, one below the other, and the key.
-    pub fn svg(&self) -> String {
-        let mut svg = String::new();
-        let jaws = [Jaw::Upper, Jaw::Lower];
-        for jaw in jaws {
-            if self.sites.iter().any(|site| Jaw::of(site.tooth) == jaw) {
-                svg += &self.jaw(jaw);
-            }
+    /// The jaws that have zones, one below the other, and what lines and signs mean.
+    pub fn html(&self) -> String {
+        let signs = Signs {
+            truth: self.truth,
+            furcation: self.jaws().flat_map(Jaw::teeth).any(|fdi| {
+                [true, false]
+                    .iter()
+                    .any(|buccal| self.furcation(fdi, *buccal).0 > 0)
+            }),
+            no_margin: self
+                .sites
+                .iter()
+                .any(|site| site.recession_called_mm.is_none()),
+        };
+        self.svg() + &signs.key(self.numbering)
+    }
+
+    /// Grade of a furcation to be drawn, and whether it was called.
+    fn furcation(&self, fdi: u8, buccal: bool) -> (u8, bool) {
+        if ToothKind::of(fdi) != ToothKind::Molar {
+            return (0, false);
         }
-        svg
+        let middle = self.at(fdi, across(fdi, buccal)[1]);
+        let called = middle.and_then(|grade| grade.furcation_called);
+        let prescribed = || self.truth.then(|| self.patient.furcation(fdi, buccal));
+        (called.or_else(prescribed).unwrap_or(0), called.is_some())
+    }
+
+    /// The jaws that have zones, one below the other.
+    fn svg(&self) -> String {
+        self.jaws().map(|jaw| self.jaw(jaw)).collect()
+    }
+
+    fn jaws(&self) -> impl Iterator<Item = Jaw> + '_ {
+        let has_zones = |jaw: &Jaw| self.sites.iter().any(|site| Jaw::of(site.tooth) == *jaw);
+        [Jaw::Upper, Jaw::Lower].into_iter().filter(has_zones)
     }
 
     fn at(&self, tooth: u8, site: sulcus_core::tissue::gingiva::Site) -> Option<&SiteGrade> {
@@ -237,23 +263,13 @@ impl Chart<'_> {
                 "<path d=\"M{left:.1},{a:.1}L{right:.1},{b:.1}M{right:.1},{a:.1}L{left:.1},{b:.1}\" stroke=\"#555\" stroke-width=\"1.2\"/>"
             );
         }
-        if kind != ToothKind::Molar {
-            return;
-        }
-        let mid = across(fdi, buccal)[1];
-        let called = self.at(fdi, mid).and_then(|grade| grade.furcation_called);
-        let prescribed = || self.truth.then(|| self.patient.furcation(fdi, buccal));
-        furcation(
-            svg,
-            called.or_else(prescribed).unwrap_or(0),
-            (middle, cej + up * FURCATION_MM * MM),
-            called.is_some(),
-        );
+        let at = (middle, cej + up * FURCATION_MM * MM);
+        furcation(svg, self.furcation(fdi, buccal), at);
     }
 }
 
 /// Open, half and full circle for the grades 1 to 3; dotted where nobody `called` it.
-fn furcation(svg: &mut String, grade: u8, (x, y): (f64, f64), called: bool) {
+fn furcation(svg: &mut String, (grade, called): (u8, bool), (x, y): (f64, f64)) {
     if grade == 0 {
         return;
     }
@@ -379,17 +395,48 @@ fn lines(svg: &mut String, spots: &[Option<Spot>], y: impl Fn(f64) -> f64, calle
     }
 }
 
-/// What the lines and signs of a chart mean, as HTML.
-pub fn key(truth: bool, numbering: Numbering) -> String {
-    let truth = if truth {
-        "; dotted: <b>prescribed</b> margin (red) and attachment (black), a dotted circle a prescribed furcation that was not called; bled: in the replay"
-    } else {
-        ""
-    };
-    format!(
-        "<p class=\"small\"><svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{RED}\" stroke-width=\"2.4\"/></svg> margin (red, unbroken) <svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{BLUE}\" stroke-width=\"2.4\" stroke-dasharray=\"7 2.5\"/></svg> attachment (blue, broken), pocket hatched between{truth}. No lines where recession was not called: nobody said where the margin is. PD probing depth as called, mm, bold from 4; recession + below, &#8722; above the cemento-enamel junction (CEJ); CAL = PD + recession. Full dot: bleeding called; ring: none. Circle on a molar: furcation I open, II half, III full. {}; the patient&#8217;s right is on the left.</p>\n",
-        numbering.name()
-    )
+/// Which of the signs that need words a chart has.
+struct Signs {
+    truth: bool,
+    /// A furcation, called or prescribed.
+    furcation: bool,
+    /// A zone of which no recession was called.
+    no_margin: bool,
+}
+
+impl Signs {
+    /// What the lines and signs mean, as HTML.
+    fn key(&self, numbering: Numbering) -> String {
+        let say = |is: bool, words: &'static str| if is { words } else { "" };
+        let truth = say(
+            self.truth,
+            "; dotted: <b>prescribed</b> margin (red) and attachment (black); bled: in the replay",
+        );
+        let no_margin = say(
+            self.no_margin,
+            " No lines where recession was not called: nobody said where the margin is.",
+        );
+        let furcation = say(
+            self.furcation,
+            " Circle on a molar: furcation I open, II half, III full",
+        );
+        let uncalled = say(
+            self.furcation && self.truth,
+            ", dotted where it was not called",
+        );
+        let stop = say(self.furcation, ".");
+        let line = |colour: &str, dash: &str| {
+            format!(
+                "<svg style=\"display:inline;width:26px;height:9px;vertical-align:middle\" viewBox=\"0 0 26 9\"><line x1=\"0\" y1=\"4.5\" x2=\"26\" y2=\"4.5\" stroke=\"{colour}\" stroke-width=\"2.4\"{dash}/></svg>"
+            )
+        };
+        format!(
+            "<p class=\"small\">{} margin (red, unbroken) {} attachment (blue, broken), pocket hatched between{truth}.{no_margin} PD probing depth as called, mm, bold from 4; recession + below, &#8722; above the cemento-enamel junction (CEJ); CAL = PD + recession. Full dot: bleeding called; ring: none.{furcation}{uncalled}{stop} {}; the patient&#8217;s right is on the left.</p>\n",
+            line(RED, ""),
+            line(BLUE, " stroke-dasharray=\"7 2.5\""),
+            numbering.name()
+        )
+    }
 }
 
 #[cfg(test)]
@@ -508,10 +555,36 @@ mod tests {
     }
 
     #[test]
+    fn the_key_says_what_is_drawn_and_no_more() {
+        let mut sites = [site(36, Site::Buccal, 5, -2)];
+        let patient = PatientChart::read("[[tooth]]\nfdi = 36\nfurcation.buccal = 2\n");
+        let says = |sites: &[SiteGrade], truth: bool| {
+            let chart = Chart {
+                sites,
+                teeth: &[35, 36],
+                patient: &patient,
+                numbering: Numbering::Fdi,
+                truth,
+            };
+            let html = chart.html();
+            let words = ["furcation", "dotted where", "prescribed", "nobody said"];
+            let found = words.map(|word| html.contains(word));
+            // Whatever the key says, the picture shows.
+            assert_eq!(html.contains(" r=\"5\""), found[0]);
+            found
+        };
+        assert_eq!(says(&sites, false), [false; 4]);
+        assert_eq!(says(&sites, true), [true, true, true, false]);
+        sites[0].furcation_called = Some(1);
+        sites[0].recession_called_mm = None;
+        assert_eq!(says(&sites, false), [true, false, false, true]);
+    }
+
+    #[test]
     fn grades_of_furcation_have_signs_of_their_own() {
         let sign = |grade| {
             let mut svg = String::new();
-            furcation(&mut svg, grade, (0.0, 0.0), true);
+            furcation(&mut svg, (grade, true), (0.0, 0.0));
             svg
         };
         assert_eq!(sign(0), "");

@@ -63,7 +63,7 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
         html.push_str("<p class=\"fail\">Graded by more than one rubric: scores cannot be compared as they stand.</p>\n");
     }
     // (In an exam neither what is prescribed nor what to practise is shown, and of one session the map tells both.)
-    let heat = if look.exam {
+    let heat = if all.iter().any(Session::is_exam) {
         String::new()
     } else {
         heat_map(all, look)
@@ -123,7 +123,7 @@ fn table(html: &mut String, learners: &[&[Session]], look: &Look<'_>) {
             last.grade
                 .advice
                 .first()
-                .filter(|_| !look.exam)
+                .filter(|_| !last.is_exam())
                 .map_or(String::new(), |advice| escaped(advice.title)),
         );
     }

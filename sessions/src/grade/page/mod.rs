@@ -25,10 +25,6 @@ pub struct Look<'a> {
     pub numbering: Numbering,
     /// Whether what is prescribed is shown.
     pub truth: bool,
-    /// An exam: nothing that tells what the depths are, nor what to practise.
-    pub exam: bool,
-    /// Practice, self-assessment or exam.
-    pub mode: &'a str,
 }
 
 impl Look<'_> {

@@ -2,142 +2,165 @@
 
 use std::fmt::Write as _;
 
-use crate::grade::series::{STEP_S, Series};
+use super::escaped;
+use crate::grade::Graded;
+use crate::grade::series::{Point, STEP_S};
 
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 60.0;
 const RIGHT: f64 = 6.0;
 const HIGH: f64 = 52.0;
-/// What keeps words readable over bars.
-const HALO: &str = "paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"3\"";
 /// Most columns that a plot is made of.
 const COLUMNS: usize = 1400;
 
-/// One column: zone, deepest (mm), heaviest (N), whether the target was visible.
-type Column = (Option<(u8, usize)>, f64, f64, Option<bool>);
+/// One column of a plot.
+struct Column {
+    zone: Option<(u8, usize)>,
+    /// Deepest, mm.
+    depth: f64,
+    /// Heaviest, newtons.
+    force: f64,
+    visible: Option<bool>,
+}
 
-/// The plot of a session; `band` is the target band of force, `trauma` the force from which healthy tissue of the scene bleeds, newtons.
-/// Empty where there is nothing to draw.
-pub fn svg(
-    series: &Series,
-    band: [f64; 2],
-    trauma: Option<f64>,
-    number: impl Fn(u8) -> String,
-) -> String {
-    let points = &series.0;
-    if points.iter().all(|point| point.zone.is_none()) {
-        return String::new();
-    }
+/// A plot, and what it shows.
+pub struct Plot {
+    /// What it shows, as HTML.
+    pub title: String,
+    /// The picture.
+    pub svg: String,
+}
+
+/// The plot of a session: force on the floor and depth where a pocket was probed, else the force on the leading tool; none where there is
+/// nothing to draw.
+pub fn plot(graded: &Graded, number: impl Fn(u8) -> String) -> Option<Plot> {
+    let points = &graded.series.0;
+    let probed = points.iter().any(|point| point.zone.is_some());
     let each = points.len().div_ceil(COLUMNS).max(1);
     let columns: Vec<Column> = points
         .chunks(each)
         .map(|chunk| {
-            let most = |of: fn(&crate::grade::Point) -> f64| {
-                chunk
-                    .iter()
-                    .map(of)
-                    .fold(0.0, |a: f64, b| if b > a { b } else { a })
+            let most = |of: fn(&Point) -> f64| {
+                let larger = |a: f64, b| if b > a { b } else { a };
+                chunk.iter().map(of).fold(0.0, larger)
             };
-            let last = chunk.last().and_then(|point| point.visible);
             let zone = chunk.iter().rev().find_map(|point| point.zone);
-            (
-                zone.map(|(tooth, site)| (tooth, site as usize)),
-                most(|point| point.depth) * 1e3,
-                most(|point| point.force),
-                last,
-            )
+            Column {
+                zone: zone.map(|(tooth, site)| (tooth, site as usize)),
+                depth: most(|point| point.depth) * 1e3,
+                force: most(if probed {
+                    |point| point.force
+                } else {
+                    |point| point.push
+                }),
+                visible: chunk.last().and_then(|point| point.visible),
+            }
         })
         .collect();
+    if columns
+        .iter()
+        .all(|column| column.force <= 0.0 && column.zone.is_none())
+    {
+        return None;
+    }
     let seconds = points.len() as f64 * STEP_S;
     let x = |k: f64| LEFT + (WIDTH - LEFT - RIGHT) * k / columns.len() as f64;
-    let deepest = columns.iter().map(|c| c.1).fold(4.0, f64::max).ceil();
-    let heaviest = columns.iter().map(|c| c.2).fold(0.4, f64::max);
-    let heaviest = (heaviest * 10.0).ceil() / 10.0;
-    let sight = columns.iter().any(|c| c.3.is_some());
+    let largest = |least: f64, of: fn(&Column) -> f64| columns.iter().map(of).fold(least, f64::max);
+    let deepest = largest(4.0, |column| column.depth).ceil();
+    let heaviest = (largest(0.4, |column| column.force) * 10.0).ceil() / 10.0;
+    let sight = columns.iter().any(|column| column.visible.is_some());
     let (force_top, depth_top) = (4.0, HIGH + 16.0);
     let zones_top = depth_top + HIGH + 4.0;
-    let height = zones_top + 15.0 + if sight { 12.0 } else { 0.0 } + 16.0;
+    let sight_top = if probed {
+        zones_top + 15.0
+    } else {
+        HIGH + 10.0
+    };
+    let time_top = sight_top + if sight { 12.0 } else { 0.0 };
     let mut svg = format!(
-        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"force and depth over time\" font-size=\"9.5\">\n"
+        "<svg viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" aria-label=\"force{} over time\" font-size=\"9.5\">\n",
+        time_top + 16.0,
+        if probed { " and depth" } else { "" }
     );
     // Force: up is heavier.
     let force_y = |n: f64| force_top + HIGH * (1.0 - n / heaviest);
-    let (low, high) = (force_y(band[0]), force_y(band[1]));
-    let _ = writeln!(
-        svg,
-        "<rect x=\"{LEFT}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#dcdcdc\"/>",
-        WIDTH - LEFT - RIGHT,
-        low - high
-    );
+    let band = graded.grade.force_band_n.filter(|_| probed);
+    if let Some([least, most]) = band {
+        let (low, high) = (force_y(least), force_y(most));
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{LEFT}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#dcdcdc\"/>",
+            WIDTH - LEFT - RIGHT,
+            low - high
+        );
+    }
     axis(&mut svg, force_top, "force, N", &[0.0, heaviest], &force_y);
-    bars(
-        &mut svg,
-        &columns,
-        &x,
-        |c| (force_y(c.2), force_y(0.0)),
-        "#333",
-    );
-    let _ = writeln!(
-        svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" {HALO}>target {} to {} N</text>",
-        WIDTH - RIGHT - 2.0,
-        high - 2.0,
-        band[0],
-        band[1]
-    );
+    let up = |column: &Column| (force_y(column.force), force_y(0.0));
+    bars(&mut svg, &columns, &x, up, "#333");
     // From here on healthy tissue bleeds.
-    if let Some(trauma) = trauma.filter(|trauma| heaviest >= *trauma) {
+    let trauma = graded
+        .trauma_n
+        .filter(|trauma| probed && heaviest >= *trauma);
+    if let Some(trauma) = trauma {
         let y = force_y(trauma);
         let _ = writeln!(
             svg,
-            "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{0:.1}\" y2=\"{y:.1}\" stroke=\"#c4122f\" stroke-width=\"1.2\" stroke-dasharray=\"5 2\"/><text x=\"{1:.1}\" y=\"{2:.1}\" text-anchor=\"end\" {HALO}>trauma from {trauma} N</text>",
-            WIDTH - RIGHT,
-            WIDTH - RIGHT - 2.0,
-            y - 2.0
+            "<line x1=\"{LEFT}\" y1=\"{y:.1}\" x2=\"{:.1}\" y2=\"{y:.1}\" stroke=\"#c4122f\" stroke-width=\"1.2\" stroke-dasharray=\"5 2\"/>",
+            WIDTH - RIGHT
         );
     }
-    // Depth: down is deeper, as in the mouth.
-    let depth_y = |mm: f64| depth_top + HIGH * mm / deepest;
-    axis(
-        &mut svg,
-        depth_top,
-        "depth, mm",
-        &[0.0, 0.5 * deepest, deepest],
-        &depth_y,
-    );
-    bars(
-        &mut svg,
-        &columns,
-        &x,
-        |c| (depth_y(0.0), depth_y(c.1)),
-        "#123a8c",
-    );
-    zones(&mut svg, &columns, &x, zones_top, number);
-    let mut below = zones_top + 15.0;
+    if probed {
+        // Depth: down is deeper, as in the mouth.
+        let depth_y = |mm: f64| depth_top + HIGH * mm / deepest;
+        let marks = [0.0, 0.5 * deepest, deepest];
+        axis(&mut svg, depth_top, "depth, mm", &marks, &depth_y);
+        let down = |column: &Column| (depth_y(0.0), depth_y(column.depth));
+        bars(&mut svg, &columns, &x, down, "#123a8c");
+        zones(&mut svg, &columns, &x, zones_top, number);
+    }
     if sight {
-        let _ = write!(
-            svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">target seen</text>",
-            LEFT - 3.0,
-            below + 8.0
-        );
-        let mut from = 0;
-        for run in columns.chunk_by(|a, b| a.3 == b.3) {
-            let (a, b) = (x(from as f64), x((from + run.len()) as f64));
-            if run[0].3 == Some(true) {
-                let _ = write!(
-                    svg,
-                    "<rect x=\"{a:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"6\" fill=\"#555\"/>",
-                    below + 2.0,
-                    b - a
-                );
-            }
-            from += run.len();
-        }
-        below += 12.0;
+        seen(&mut svg, &columns, &x, sight_top);
     }
-    time_axis(&mut svg, seconds, below, WIDTH - LEFT - RIGHT);
-    svg + "</svg>\n"
+    time_axis(&mut svg, seconds, time_top, WIDTH - LEFT - RIGHT);
+    svg.push_str("</svg>\n");
+    let said = [
+        band.map(|[least, most]| format!("grey: target {least} to {most} N")),
+        trauma.map(|trauma| format!("broken line: trauma from {trauma} N")),
+    ];
+    let said: Vec<String> = said.into_iter().flatten().collect();
+    let key = match said[..] {
+        [] => String::new(),
+        _ => format!(" <span class=\"small\">{}</span>", said.join("; ")),
+    };
+    let title = match probed {
+        true => format!("Force on the floor, and depth of the tip{key}"),
+        false => format!("Force on the {}", escaped(&graded.leads)),
+    };
+    Some(Plot { title, svg })
+}
+
+/// When the target was seen, as a bar.
+fn seen(svg: &mut String, columns: &[Column], x: &dyn Fn(f64) -> f64, top: f64) {
+    let _ = write!(
+        svg,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">target seen</text>",
+        LEFT - 3.0,
+        top + 8.0
+    );
+    let mut from = 0;
+    for run in columns.chunk_by(|a, b| a.visible == b.visible) {
+        let (a, b) = (x(from as f64), x((from + run.len()) as f64));
+        if run[0].visible == Some(true) {
+            let _ = write!(
+                svg,
+                "<rect x=\"{a:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"6\" fill=\"#555\"/>",
+                top + 2.0,
+                b - a
+            );
+        }
+        from += run.len();
+    }
+    svg.push('\n');
 }
 
 fn axis(svg: &mut String, top: f64, name: &str, marks: &[f64], y: &dyn Fn(f64) -> f64) {
@@ -170,7 +193,7 @@ fn bars(
     let mut path = String::new();
     for (k, column) in columns.iter().enumerate() {
         let (top, bottom) = span(column);
-        if column.0.is_some() && bottom - top > 0.05 {
+        if bottom - top > 0.05 {
             let (a, b) = (x(k as f64), x(k as f64 + 1.0));
             let _ = write!(path, "M{a:.1},{bottom:.1}V{top:.1}H{b:.1}V{bottom:.1}Z");
         }
@@ -188,9 +211,9 @@ fn zones(
 ) {
     const SHORT: [&str; 6] = ["MB", "B", "DB", "DL", "L", "ML"];
     let mut from = 0;
-    for run in columns.chunk_by(|a, b| a.0 == b.0) {
+    for run in columns.chunk_by(|a, b| a.zone == b.zone) {
         let (a, b) = (x(from as f64), x((from + run.len()) as f64));
-        if let Some((tooth, site)) = run[0].0 {
+        if let Some((tooth, site)) = run[0].zone {
             let _ = write!(
                 svg,
                 "<rect x=\"{a:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"12\" fill=\"#f0f0f0\" stroke=\"#777\" stroke-width=\"0.5\"/>",

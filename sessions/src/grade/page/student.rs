@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::chart::{Chart, key};
+use super::chart::Chart;
 use super::{Look, date, escaped, page, plots};
 use crate::grade::class::Session;
 use crate::grade::patient::PatientChart;
@@ -70,29 +70,26 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         };
         let _ = writeln!(
             html,
-            "<section><h2>Periodontal chart, as called</h2>\n{}{}</section>",
-            chart.svg(),
-            key(look.truth, look.numbering)
+            "<section><h2>Periodontal chart, as called</h2>\n{}</section>",
+            chart.html()
         );
     }
-    let band = grade.force_band_n.unwrap_or([0.1, 0.25]);
-    let plot = plots::svg(&graded.series, band, graded.trauma_n, |fdi| {
-        look.numbering.of(fdi)
-    });
-    if !plot.is_empty() && !look.exam {
+    let plot = plots::plot(graded, |fdi| look.numbering.of(fdi));
+    if let Some(plot) = plot.filter(|_| !session.is_exam()) {
         let _ = writeln!(
             html,
-            "<section><h2>Force on the floor, and depth of the tip</h2>\n{plot}</section>"
+            "<section><h2>{}</h2>\n{}</section>",
+            plot.title, plot.svg
         );
     }
     if grade.score.is_some() {
         html.push_str("<div class=\"two\"><section>");
         metrics(&mut html, grade);
         html.push_str("</section><section>");
-        if !look.exam {
+        if !session.is_exam() {
             advice(&mut html, grade, look);
         }
-        zones(&mut html, grade, look);
+        zones(&mut html, session, look);
         html.push_str("</section></div>\n");
         definitions(&mut html, grade);
     }
@@ -132,7 +129,7 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
         } else {
             escaped(&grade.station)
         },
-        escaped(look.mode),
+        escaped(&session.shown.words()),
         escaped(&table::rubric(grade)),
     );
     let _ = write!(
@@ -179,10 +176,13 @@ fn reservations(grade: &Grade) -> String {
 
 fn metrics(html: &mut String, grade: &Grade) {
     html.push_str("<h2>What was measured</h2>\n<table><thead><tr><th>metric</th><th>value</th><th>target</th><th>weight</th><th class=\"text\">score</th></tr></thead><tbody>\n");
-    let (plain, counted): (Vec<&MetricGrade>, Vec<&MetricGrade>) = grade
+    let (plain, weighed): (Vec<&MetricGrade>, Vec<&MetricGrade>) = grade
         .metrics
         .iter()
         .partition(|metric| metric.weight == 0.0);
+    let (counted, not): (Vec<&MetricGrade>, Vec<&MetricGrade>) = weighed
+        .into_iter()
+        .partition(|metric| metric.score.is_some());
     for metric in counted {
         let weak = metric.weight > 0.0 && metric.score.is_some_and(|score| score < 50.0);
         let (class, line) = if weak {
@@ -202,20 +202,22 @@ fn metrics(html: &mut String, grade: &Grade) {
         );
     }
     html.push_str("</tbody></table>\n");
-    if !plain.is_empty() {
-        let say = |metric: &&MetricGrade| {
-            format!(
-                "{} {}",
-                escaped(metric.title),
-                escaped(&table::value(metric))
-            )
-        };
-        let all: Vec<String> = plain.iter().map(say).collect();
-        let _ = writeln!(
-            html,
-            "<p class=\"small\">Reported only: {}.</p>",
-            all.join("; ")
-        );
+    let reported = plain.iter().map(|metric| {
+        format!(
+            "{} {}",
+            escaped(metric.title),
+            escaped(&table::value(metric))
+        )
+    });
+    let reported: Vec<String> = reported.collect();
+    let not: Vec<String> = not.iter().map(|metric| escaped(metric.title)).collect();
+    let rest = [("Reported only", reported), ("Nothing to measure", not)];
+    let rest = rest.iter().filter(|(_, all)| !all.is_empty());
+    let rest: Vec<String> = rest
+        .map(|(what, all)| format!("{what}: {}.", all.join("; ")))
+        .collect();
+    if !rest.is_empty() {
+        let _ = writeln!(html, "<p class=\"small\">{}</p>", rest.join(" "));
     }
 }
 
@@ -259,13 +261,14 @@ fn advice(html: &mut String, grade: &Grade, look: &Look<'_>) {
 }
 
 /// The zones: what the tip reached, what was called, what it comes to.
-fn zones(html: &mut String, grade: &Grade, look: &Look<'_>) {
+fn zones(html: &mut String, session: &Session, look: &Look<'_>) {
+    let grade = &session.grade;
     if grade.sites.is_empty() {
         return;
     }
     let truth = if look.truth { "<th>true</th>" } else { "" };
     // Where the tip was tells how deep it is.
-    let (reached, finding) = match look.exam {
+    let (reached, finding) = match session.is_exam() {
         true => ("", ""),
         false => ("<th>reached</th>", "<th class=\"text\">finding</th>"),
     };
@@ -285,7 +288,7 @@ fn zones(html: &mut String, grade: &Grade, look: &Look<'_>) {
         } else {
             "text weak"
         };
-        let (reached, finding) = match look.exam {
+        let (reached, finding) = match session.is_exam() {
             true => (String::new(), String::new()),
             false => (
                 format!("<td>{}</td>", mm(site.measured_mm)),
