@@ -227,7 +227,7 @@ pub fn replay_observed(
         replayed_by: Program::this(),
         viewers: recording.viewers_by(&verdict.signature),
         signature: verdict.signature,
-        signer_trusted: options.trust.is_some(),
+        signer_trusted: options.trust.is_some_and(|key| key == recording.signer()),
         chain_ok: verdict.chain_ok,
         ending: recording.ending().clone(),
         gradable: false,

@@ -8,6 +8,7 @@ mod parallel;
 mod print;
 mod replay;
 mod review;
+mod written;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

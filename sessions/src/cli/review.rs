@@ -14,10 +14,15 @@ pub(super) struct ReviewArgs {
     #[arg(long, value_name = "FILE.rrd")]
     out: Option<PathBuf>,
     /// Show from this second of the session on
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     from: f64,
     /// Show up to this second of the session
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     to: Option<f64>,
     /// Where the slider stands when the file is opened: `end` for a picture of that moment
     #[arg(long, value_enum, default_value_t = SliderAt::Start)]
@@ -53,6 +58,7 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     use serde_json::json;
 
     use super::print::{at, object, say};
+    use super::written::may_write;
     use crate::read::Recording;
     use crate::review::{ReviewError, Slider, Window, review};
 
@@ -73,9 +79,13 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         Some(out) => out.clone(),
         None => args.file.with_extension("rrd"),
     };
-    if out == args.file {
-        anyhow::bail!("{file}: --out is the recording itself, expected another file");
-    }
+    may_write("--out", &out, [args.file.as_path()])?;
+    // It is renamed to what it will be when all is there: a device would be lost by that.
+    anyhow::ensure!(
+        !out.exists() || out.is_file(),
+        "--out is `{}`, which is no plain file, expected one or a new one",
+        out.display()
+    );
     let recording = Recording::open(&args.file).map_err(|error| at(&args.file, &error))?;
     // Draws nothing when standard error is no terminal.
     let bar =

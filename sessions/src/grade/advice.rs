@@ -21,8 +21,15 @@ pub fn advice(
     sites: &[SiteGrade],
     set: &Settings,
 ) -> Vec<Advice> {
+    // Who called before probing has one thing to mend; what was not measured for want of it says nothing of hand and eye.
+    let not_charted = |metric: &MetricGrade| {
+        metric.name == "zones_charted" && metric.score.is_some_and(|score| score < GOOD)
+    };
+    let not_charted = metrics.iter().any(not_charted);
+    let measured = |metric: &&MetricGrade| metric.value.is_some() || !not_charted;
     let mut lost: Vec<(f64, &MetricGrade)> = metrics
         .iter()
+        .filter(measured)
         .filter_map(|metric| {
             if critical.iter().any(|one| one.metric == metric.name) {
                 return Some((f64::INFINITY, metric));

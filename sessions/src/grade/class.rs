@@ -1,6 +1,7 @@
 //! A class in one table: a row for each session, and what its pages and its CSV are made of.
 
 use super::names::Names;
+use super::page::date;
 use super::report::Grade;
 use super::revision::Sidecar;
 use crate::mode::Mode;
@@ -53,6 +54,26 @@ impl Session {
     pub fn is_of_the_same(&self, other: &Self) -> bool {
         let (a, b) = (&self.grade, &other.grade);
         !a.learner_id.is_empty() && a.learner_id == b.learner_id && a.exercise == b.exercise
+    }
+
+    /// How much it says, to compare copies: whether there is a grade, how much an instructor said, whether the learner did.
+    pub fn says(&self) -> (bool, usize, bool) {
+        let said = self.sidecar.as_ref();
+        let revisions = said.map_or(0, |sidecar| sidecar.revisions.len());
+        (
+            self.grade.score.is_some(),
+            revisions,
+            self.self_score.is_some(),
+        )
+    }
+
+    /// What counts in the end, and whether it is passed: an instructor's last word, else the proposal.
+    pub fn counts(&self) -> (Option<f64>, Option<bool>) {
+        let latest = self.sidecar.as_ref().and_then(Sidecar::latest);
+        match latest {
+            Some(said) => (Some(said.score), Some(said.passed)),
+            None => (self.grade.score, self.grade.passed),
+        }
     }
 
     /// Whether both are the same session: the same recording, or a copy of it.
@@ -111,6 +132,7 @@ pub fn csv(
         "exercise",
         "attempt",
         "mode",
+        "started_utc",
         "started_unix_ns",
         "rubric",
         "rubric_version",
@@ -122,16 +144,20 @@ pub fn csv(
         "reason",
         "score",
         "passed",
+        "pass_mark",
         "self_score",
         "revised_score",
         "revised_passed",
         "revised_at",
         "revised_by",
         "revised_reason",
+        "final_score",
+        "final_passed",
     ]);
     header.extend(&metrics);
     out.write_record(&header)?;
     let number = |x: Option<f64>| x.map_or(String::new(), |x| x.to_string());
+    let truth = |x: Option<bool>| x.map_or(String::new(), |x| x.to_string());
     for session in sessions {
         let grade = &session.grade;
         let used = grade.rubric.as_ref();
@@ -145,6 +171,7 @@ pub fn csv(
                 .shown
                 .recorded
                 .map_or(String::new(), |mode| mode.to_string()),
+            date(grade.started_unix_ns),
             grade.started_unix_ns.to_string(),
             used.map_or(String::new(), |used| plain(&used.name)),
             used.map_or(String::new(), |used| used.version.to_string()),
@@ -158,15 +185,16 @@ pub fn csv(
             grade.gradable.to_string(),
             grade.reason.as_deref().map_or(String::new(), plain),
             number(grade.score),
-            grade
-                .passed
-                .map_or(String::new(), |passed| passed.to_string()),
+            truth(grade.passed),
+            number(grade.pass_mark),
             number(session.self_score),
             number(latest.map(|said| said.score)),
             latest.map_or(String::new(), |said| said.passed.to_string()),
             latest.map_or(String::new(), |said| plain(&said.at)),
             latest.map_or(String::new(), |said| plain(&said.by)),
             latest.map_or(String::new(), |said| plain(&said.reason)),
+            number(session.counts().0),
+            truth(session.counts().1),
         ]);
         row.extend(
             metrics

@@ -102,7 +102,7 @@ pub const METRICS: [Definition; 30] = [
         name: "zones_charted",
         title: "zones probed and called",
         unit: "%",
-        definition: "Share of the zones asked for in which the tip was below the margin for 0.2 s or more and of which a depth was called.",
+        definition: "Share of the zones asked for in which the tip was below the margin for 0.2 s or more and of which a depth was called then (a call from before is hearsay).",
         source: "whole circumference, six zones a tooth: SDCEP periodontalcare.sdcep.org.uk; Boyd",
         needs: Needs::Zones,
         missing_is_zero: true,

@@ -100,6 +100,20 @@ impl Proposal {
     }
 }
 
+impl Proposal {
+    /// This one in words, where another came to something else.
+    pub fn differs(&self, now: &Self) -> Option<String> {
+        let same = (self.score, &self.rubric_blake3) == (now.score, &now.rubric_blake3);
+        let score = self
+            .score
+            .map_or("no grade".into(), |score| format!("{score:.1}"));
+        (!same).then(|| {
+            let (name, version) = (self.rubric.escape_debug(), self.rubric_version);
+            format!("{score} by rubric {name}, version {version}")
+        })
+    }
+}
+
 /// The file beside a recording: its whole name, and `.grade.json`.
 pub fn beside(recording: &Path) -> PathBuf {
     let mut name = recording.as_os_str().to_owned();
@@ -164,7 +178,11 @@ impl Sidecar {
             Ok(_) => {}
         }
         let text = std::fs::read_to_string(&path).map_err(|error| failed(error.to_string()))?;
-        let found: Self = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
+        let found: Self = serde_json::from_str(&text).map_err(|error| {
+            failed(format!(
+                "{error}, expected as this program writes it with --revise and --self-score"
+            ))
+        })?;
         for revision in &found.revisions {
             revision.check()?;
         }

@@ -53,7 +53,7 @@ impl Finding {
         match self {
             Self::Right => "right",
             Self::Missed => "missed",
-            Self::NotProbed => "called, not probed",
+            Self::NotProbed => "called, not probed first",
             Self::NotCalled => "not called",
             Self::NeverReachedFloor => "never reached the floor",
             Self::Misread => "misread the band",

@@ -1,15 +1,6 @@
 //! A grade as text for a terminal.
 
 use super::report::{Grade, MetricGrade, Source};
-use super::rubric::Bound;
-
-/// A bound as people write it.
-pub fn bound(bound: &Bound) -> String {
-    match bound {
-        Bound::One(x) => format!("{x}"),
-        Bound::Band([a, b]) => format!("{a} to {b}"),
-    }
-}
 
 /// A metric's value with its unit.
 pub fn value(metric: &MetricGrade) -> String {
@@ -42,7 +33,7 @@ pub fn rubric(grade: &Grade) -> String {
 pub fn signer(grade: &Grade) -> String {
     let short = &grade.signer[..grade.signer.len().min(16)];
     let whose = if grade.signer_trusted {
-        "the key asked for"
+        "the key that was asked for"
     } else {
         "the recording's own word: name the right key with --signer"
     };
@@ -109,7 +100,7 @@ impl Grade {
                 "  {:42} {:>12} {:>14} {:>7} {score:>6}",
                 metric.title,
                 value(metric),
-                bound(&metric.target),
+                metric.target.to_string(),
                 metric.weight,
             ));
         }

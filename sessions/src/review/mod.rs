@@ -98,7 +98,7 @@ pub enum ReviewError {
         what: Difference,
     },
     /// Nothing of it lies in the window.
-    #[error("nothing from {from_s} s to {to_s} s: the session runs from {first_s} s to {last_s} s")]
+    #[error("nothing from {from_s} s to {}: the session runs from {first_s} s to {last_s} s", if to_s.is_finite() { format!("{to_s} s") } else { "its end".into() })]
     Empty {
         /// From when was asked for, seconds.
         from_s: f64,

@@ -2,6 +2,10 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// A viewer that ends within this did not start.
+const AT_ONCE: Duration = Duration::from_millis(700);
 
 /// Version of Rerun that files are written with. A viewer of another version may refuse them.
 pub fn version() -> String {
@@ -74,16 +78,24 @@ fn open_with(program: &str, file: &Path) -> Result<(), NoViewer> {
             file: name,
         });
     }
-    Command::new(program)
-        .arg(file)
+    start(Command::new(program).arg(file))
+}
+
+/// Starts what runs on by itself.
+fn start(command: &mut Command) -> Result<(), NoViewer> {
+    let failed = |why: String| NoViewer::Start { why };
+    let mut viewer = command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
-        .map(drop)
-        .map_err(|error| NoViewer::Start {
-            why: error.to_string(),
-        })
+        .map_err(|error| failed(error.to_string()))?;
+    // Without a display, say, it ends at once; what hands the file to a viewer that runs already ends well.
+    std::thread::sleep(AT_ONCE);
+    match viewer.try_wait() {
+        Ok(Some(end)) if !end.success() => Err(failed(format!("it ended at once, {end}"))),
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -109,5 +121,19 @@ mod tests {
     fn another_program_is_not_taken_for_the_viewer() {
         let told = open_with("echo", Path::new("a.rrd")).expect_err("it is echo");
         assert!(matches!(told, NoViewer::Version { .. }), "{told:?}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_viewer_that_ends_at_once_was_not_opened() {
+        let run = |script: &str| start(Command::new("sh").args(["-c", script]));
+        let told = run("exit 3").expect_err("it failed").to_string();
+        assert!(
+            told.contains("ended at once") && told.contains('3'),
+            "{told}"
+        );
+        // Handed over to a viewer that runs already, and one that goes on.
+        assert_eq!(run("exit 0"), Ok(()));
+        assert_eq!(run("sleep 2"), Ok(()));
     }
 }

@@ -104,13 +104,10 @@ fn table(html: &mut String, learners: &[&[Session]], look: &Look<'_>) {
         };
         let number = |x: Option<f64>| x.map_or("&#8211;".into(), |x| format!("{x:.1}"));
         let revised = last.sidecar.as_ref().and_then(Sidecar::latest);
-        let passed = match (
-            revised.map(|said| said.passed).or(last.grade.passed),
-            last.grade.score,
-        ) {
-            (Some(true), _) => "yes",
-            (Some(false), _) => "no",
-            (None, _) => "no grade",
+        let passed = match last.counts().1 {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "no grade",
         };
         let _ = writeln!(
             html,

@@ -56,7 +56,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// A moment as a date and a time of day, UTC.
-fn date(unix_ns: u64) -> String {
+pub(super) fn date(unix_ns: u64) -> String {
     let seconds = unix_ns / 1_000_000_000;
     let (days, day) = (seconds / 86_400, seconds % 86_400);
     // Days since 1 March of the year 0 (Howard Hinnant, "chrono-compatible low-level date algorithms").

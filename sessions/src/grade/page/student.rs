@@ -7,6 +7,7 @@ use super::{Look, date, escaped, page, plots};
 use crate::grade::class::Session;
 use crate::grade::patient::PatientChart;
 use crate::grade::report::{Grade, MetricGrade};
+use crate::grade::revision::Proposal;
 use crate::grade::sites::{Finding, SiteGrade};
 use crate::grade::{Graded, table};
 
@@ -28,13 +29,16 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
                 0 | 1 => String::new(),
                 all => format!(", revision {all}"),
             };
+            let then = sidecar.proposal.differs(&Proposal::of(grade));
+            let then = then.map_or(String::new(), |then| format!("; {then} was proposed then"));
             let _ = writeln!(
                 html,
-                "<p class=\"revised\"><b>Revised by an instructor: {:.1}, {}</b> ({}, {}{before}): {}</p>",
+                "<p class=\"revised\"><b>Revised by an instructor: {:.1}, {}</b> ({}, {}{before}{}): {}</p>",
                 said.score,
                 if said.passed { "passed" } else { "not passed" },
                 escaped(&clipped(&said.by, MOST_NAME)),
                 escaped(&clipped(&said.at, MOST_NAME)),
+                escaped(&then),
                 escaped(&clipped(&said.reason, MOST_REASON))
             );
         }
@@ -47,14 +51,18 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         let all: Vec<String> = grade.failures.iter().map(|why| escaped(why)).collect();
         let _ = writeln!(
             html,
-            "<p class=\"fail\">Not passed: {}.</p>",
+            "<p class=\"fail\">{}: {}.</p>",
+            match session.counts().1 {
+                Some(true) => "Not passed in the program&#8217;s proposal",
+                _ => "Not passed",
+            },
             all.join(" &#183; ")
         );
     }
     if let Some(own) = session.self_score.zip(grade.score) {
         let _ = writeln!(
             html,
-            "<p>Own score before the grade was shown: <b>{:.1}</b> ({:+.1} against the program&#8217;s).</p>",
+            "<p>Own score, given before this grade was: <b>{:.1}</b> ({:+.1} against the program&#8217;s).</p>",
             own.0,
             own.0 - own.1
         );
@@ -222,7 +230,7 @@ fn metrics(html: &mut String, grade: &Grade) {
 }
 
 fn target(metric: &MetricGrade) -> String {
-    escaped(&table::bound(&metric.target)).replace('-', "&#8722;")
+    escaped(&metric.target.to_string()).replace('-', "&#8722;")
 }
 
 fn bar(metric: &MetricGrade) -> String {
@@ -342,7 +350,7 @@ fn definitions(html: &mut String, grade: &Grade) {
             escaped(metric.definition),
             escaped(metric.source),
             target(metric),
-            escaped(&table::bound(&metric.zero)).replace('-', "&#8722;")
+            escaped(&metric.zero.to_string()).replace('-', "&#8722;")
         );
     }
     if let Some(set) = &grade.thresholds {

@@ -85,7 +85,7 @@ impl Rubric {
                 }
             }
             let (target, zero) = (weighed.target, weighed.zero);
-            let found = format!("{zero:?} with target {target:?}");
+            let found = format!("{zero} with target {target}");
             let sound = match (target, zero) {
                 (Bound::One(a), Bound::One(b)) => {
                     (a - b).abs() > 0.0 && a.is_finite() && b.is_finite()
@@ -116,7 +116,11 @@ impl Rubric {
             let bounds = [critical.above, critical.below];
             let given: Vec<f64> = bounds.into_iter().flatten().collect();
             if given.len() != 1 || !given[0].is_finite() {
-                let found = format!("{bounds:?}");
+                let found = match given[..] {
+                    [] => "missing, as is `below`".to_owned(),
+                    [only] => only.to_string(),
+                    _ => "given, as is `below`".to_owned(),
+                };
                 return wrong(
                     &field("above"),
                     found,

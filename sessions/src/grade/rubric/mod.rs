@@ -31,6 +31,8 @@
 
 mod check;
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::definitions::{self, Definition};
@@ -45,6 +47,15 @@ pub enum Bound {
     One(f64),
     /// From and to.
     Band([f64; 2]),
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::One(x) => write!(f, "{x}"),
+            Self::Band([a, b]) => write!(f, "{a} to {b}"),
+        }
+    }
 }
 
 /// Settings of the measurement itself.

@@ -1,0 +1,110 @@
+//! All recordings of a command as a class: each session once, a page for each and one for all.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use anyhow::Context as _;
+
+use super::session::One;
+use super::{GradeArgs, Numbers};
+use crate::grade::class::{Session, number_attempts};
+use crate::grade::names::Names;
+use crate::grade::page::{Look, Numbering, class_page, student_page};
+
+/// Each session once, with the number of its recording in `all`: of copies the one that says most.
+pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
+    let session = |(file, one): &(String, One)| Session {
+        file: file.clone(),
+        grade: one.graded.grade.clone(),
+        sidecar: one.sidecar.clone(),
+        self_score: one.self_score,
+        shown: one.shown,
+        attempt: 0,
+    };
+    let mut once: Vec<Session> = Vec::new();
+    for session in all.iter().map(session) {
+        let Some(other) = once.iter_mut().find(|other| other.is(&session)) else {
+            once.push(session);
+            continue;
+        };
+        let left = if session.says() > other.says() {
+            std::mem::replace(other, session)
+        } else {
+            session
+        };
+        let differ = match (&left.sidecar, &other.sidecar) {
+            (Some(left), kept) if Some(left) != kept.as_ref() => {
+                "; what people said of it beside this one does not count"
+            }
+            _ => "",
+        };
+        eprintln!(
+            "{}: is the session of {}, counted once{differ}",
+            left.file, other.file
+        );
+    }
+    number_attempts(&mut once);
+    once
+}
+
+/// Says whose name the key table has not.
+pub(super) fn warn_of_unnamed(sessions: &[Session], names: &Names) {
+    let ids: BTreeSet<&str> = sessions
+        .iter()
+        .map(|session| session.grade.learner_id.as_str())
+        .filter(|id| !id.is_empty() && names.of(id).is_none_or(str::is_empty))
+        .collect();
+    for id in ids {
+        eprintln!(
+            "warning: the key table has no name for `{}`",
+            id.escape_debug()
+        );
+    }
+}
+
+/// Writes the pages.
+///
+/// # Errors
+/// When one cannot be written.
+pub(super) fn pages(
+    folder: &Path,
+    all: &[(String, One)],
+    (sessions, unread): (&[Session], &[(String, String)]),
+    names: Option<&Names>,
+    args: &GradeArgs,
+) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+    let look = Look {
+        names,
+        numbering: match args.numbering {
+            Numbers::Fdi => Numbering::Fdi,
+            Numbers::Universal => Numbering::Universal,
+        },
+        truth: args.truth,
+    };
+    let mut used = BTreeSet::from(["class".to_owned()]);
+    let write = |name: &str, page: String| {
+        let path = folder.join(format!("{name}.html"));
+        std::fs::write(&path, page).with_context(|| format!("cannot write `{}`", path.display()))
+    };
+    for session in sessions {
+        let own = |(file, one): &&(String, One)| {
+            *file == session.file && one.graded.grade == session.grade
+        };
+        let Some((file, one)) = all.iter().find(own) else {
+            continue;
+        };
+        let stem = file.strip_suffix(".mcap").unwrap_or(file);
+        let mut name = stem.to_owned();
+        let mut k = 2;
+        while !used.insert(name.clone()) {
+            name = format!("{stem}-{k}");
+            k += 1;
+        }
+        write(&name, student_page(session, &one.graded, &look))?;
+    }
+    write("class", class_page(sessions, unread, &look))?;
+    eprintln!("pages in {}", folder.display());
+    Ok(())
+}

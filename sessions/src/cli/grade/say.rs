@@ -1,0 +1,83 @@
+//! A grade for a terminal and as JSON: as much of it as the mode shows.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::session::One;
+use super::{GradeArgs, file_name};
+use crate::cli::print::object;
+use crate::grade::revision::Proposal;
+use crate::mode::Mode;
+
+/// For a terminal.
+pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
+    let exam = one.shown.mode == Mode::Exam;
+    let grade = &one.graded.grade;
+    let mut lines = vec![path.display().to_string()];
+    lines.push(format!("  mode       {}", one.shown.words()));
+    if let (Some(own), Some(score)) = (one.self_score, grade.score) {
+        lines.push(format!(
+            "  own score  {own:.1}, {:+.1} against the program's",
+            own - score
+        ));
+    }
+    lines.push(grade.text(exam, args.truth));
+    if let Some(sidecar) = &one.sidecar {
+        let before = sidecar.proposal.differs(&Proposal::of(grade));
+        let before = before.filter(|_| !sidecar.revisions.is_empty());
+        lines.extend(before.map(|said| format!("  THEN       revised where {said} was proposed")));
+        for (k, said) in sidecar.revisions.iter().enumerate() {
+            let last = k + 1 == sidecar.revisions.len();
+            lines.push(format!(
+                "  {} {:.1}, {}, by {} at {}: {}",
+                if last { "REVISED   " } else { "before    " },
+                said.score,
+                if said.passed { "passed" } else { "not passed" },
+                said.by.escape_debug(),
+                said.at.escape_debug(),
+                said.reason.escape_debug()
+            ));
+        }
+    }
+    lines.push(String::new());
+    lines.join("\n")
+}
+
+/// What is said of a zone in an exam: what was called, and how the hand was; nothing that tells how deep it is, or was to be.
+const IN_EXAM: [&str; 12] = [
+    "tooth",
+    "site",
+    "asked",
+    "called_mm",
+    "recession_called_mm",
+    "bleeding_called",
+    "furcation_called",
+    "max_force_n",
+    "held_s",
+    "tilt_deg",
+    "into_col_deg",
+    "tilt_right",
+];
+
+/// For other programs.
+pub(super) fn json(path: &Path, one: &One) -> Value {
+    let mut json = object(one.graded.grade.to_json());
+    if one.shown.mode == Mode::Exam {
+        json.remove("advice");
+        let sites = json.get_mut("sites").and_then(Value::as_array_mut);
+        for site in sites.into_iter().flatten().filter_map(Value::as_object_mut) {
+            site.retain(|key, _| IN_EXAM.contains(&key.as_str()));
+        }
+    }
+    json.insert("file".into(), json!(file_name(path)));
+    json.insert("mode".into(), json!(one.shown.mode));
+    json.insert("recorded_mode".into(), json!(one.shown.recorded));
+    json.insert("self_score".into(), json!(one.self_score));
+    let revisions = one.sidecar.as_ref().map(|sidecar| &sidecar.revisions);
+    json.insert(
+        "revisions".into(),
+        json!(revisions.map_or(&[][..], Vec::as_slice)),
+    );
+    Value::Object(json)
+}

@@ -1,0 +1,215 @@
+//! One recording: how it is shown, the learner's own score first, its grade, and what people said of it.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::{GradeArgs, file_name, points};
+use crate::cli::print::at;
+use crate::grade::class::Shown;
+use crate::grade::report::Source;
+use crate::grade::revision::{Revision, Sidecar};
+use crate::grade::{Graded, Options, Rubric, grade};
+use crate::key::PublicKey;
+use crate::mode::Mode;
+use crate::read::Recording;
+
+/// One recording, graded.
+pub(super) struct One {
+    pub graded: Graded,
+    pub sidecar: Option<Sidecar>,
+    pub self_score: Option<f64>,
+    pub shown: Shown,
+    /// Why what was said could not be kept.
+    pub unkept: Option<anyhow::Error>,
+}
+
+/// What is graded by, for all recordings.
+pub(super) struct Asked {
+    rubric: Option<Rubric>,
+    /// The key that was named.
+    signer: Option<PublicKey>,
+}
+
+impl Asked {
+    pub fn of(args: &GradeArgs) -> anyhow::Result<Self> {
+        if args.mode == Some(Mode::Exam) {
+            no_exam(args)?;
+        }
+        let signer = args.signer.as_deref().map(PublicKey::from_file_or_hex);
+        Ok(Self {
+            rubric: args.rubric.as_deref().map(Rubric::open).transpose()?,
+            signer: signer.transpose()?,
+        })
+    }
+
+    /// How a recording is graded in this mode.
+    fn options(&self, mode: Mode) -> anyhow::Result<Options> {
+        let exam = mode == Mode::Exam;
+        let station = || exam.then(PublicKey::of_this_station).flatten();
+        let trust = self.signer.or_else(station);
+        if exam && trust.is_none() {
+            bail!(
+                "--signer is missing, expected the station's public key in an exam (`station.pub` beside its key, on the station in $SULCUS_STATE_DIR, else ~/.local/state/sulcus): without it whoever makes a recording can sign it"
+            );
+        }
+        Ok(Options {
+            rubric: self.rubric.clone(),
+            trust,
+        })
+    }
+}
+
+/// What an exam is not graded with.
+fn no_exam(args: &GradeArgs) -> anyhow::Result<()> {
+    if args.rubric.is_some() {
+        bail!(
+            "--rubric is given, expected none in an exam: it is graded by the rubric that was recorded"
+        );
+    }
+    if args.truth {
+        bail!(
+            "--truth is given, expected not in an exam (to look at one with its learner afterwards: --mode practice)"
+        );
+    }
+    Ok(())
+}
+
+/// How a recording is shown.
+fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
+    let recorded = recording.header().mode;
+    let mode = args.mode.or(recorded).unwrap_or_default();
+    if mode == Mode::Exam {
+        if let Some(other) = recorded.filter(|recorded| *recorded != Mode::Exam) {
+            bail!("mode is {other} in the recording, expected exam: what was practised is no exam");
+        }
+        no_exam(args)?;
+    }
+    if args.self_score.is_some() && mode != Mode::SelfAssessment {
+        bail!("--self-score is given, expected in self-assessment only; this is {mode}");
+    }
+    Ok(Shown { mode, recorded })
+}
+
+/// Grades one recording.
+///
+/// # Errors
+/// When it cannot be graded as asked, or what is beside it is not what was said of it.
+pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
+    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let named = |error: anyhow::Error| at(path, &*error);
+    let shown = shown(&recording, args).map_err(named)?;
+    let options = asked.options(shown.mode).map_err(named)?;
+    // The learner's own score comes before the program's.
+    let kept = Sidecar::read(path).map_err(|error| at(path, &error))?;
+    let kept = kept.and_then(|sidecar| sidecar.self_score);
+    let given = match (shown.mode, args.self_score.or(kept)) {
+        (Mode::SelfAssessment, None) => Some(ask(path).map_err(named)?),
+        (_, given) => given,
+    };
+    // Draws nothing when standard error is no terminal.
+    let bar =
+        ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
+        bar.set_style(style);
+    }
+    let graded = grade(&recording, &options, &mut |ticks| bar.set_position(ticks));
+    bar.finish_and_clear();
+    let graded = graded.map_err(|error| at(path, &error))?;
+    let used = graded.grade.rubric.as_ref();
+    if let Some(used) =
+        used.filter(|used| shown.mode == Mode::Exam && used.source != Source::Recording)
+    {
+        bail!(
+            "{}: rubric is {}, expected the recording's own in an exam",
+            path.display(),
+            used.source.words()
+        );
+    }
+    if let Some(used) =
+        used.filter(|used| used.source == Source::File && used.name != graded.grade.exercise)
+    {
+        eprintln!(
+            "warning: {}: rubric `{}` is for another exercise than `{}`",
+            path.display(),
+            used.name.escape_debug(),
+            graded.grade.exercise.escape_debug()
+        );
+    }
+    if args.revise.is_some() && args.passed.is_none() && graded.grade.pass_mark.is_none() {
+        bail!(
+            "{}: --passed is missing, expected where the recording has no rubric with a pass mark",
+            path.display()
+        );
+    }
+    let mut one = One {
+        graded,
+        sidecar: None,
+        self_score: given,
+        shown,
+        unkept: None,
+    };
+    // What cannot be kept does not hide the grade.
+    one.unkept = one.keep(path, args).err();
+    let sidecar = Sidecar::read(path).map_err(|error| at(path, &error))?;
+    if let Some(sidecar) = &sidecar {
+        let belongs = sidecar.belongs_to(&one.graded.grade);
+        belongs.map_err(|error| at(path, &error))?;
+    }
+    one.sidecar = sidecar;
+    Ok(one)
+}
+
+impl One {
+    /// Keeps what was said beside the recording.
+    fn keep(&self, path: &Path, args: &GradeArgs) -> anyhow::Result<()> {
+        let grade = &self.graded.grade;
+        let advice = "to keep it, grade a copy of the recording in a folder that can be written";
+        // Of a session without a grade there is nothing to have an opinion of.
+        if let Some(own) = self.self_score.filter(|_| grade.score.is_some()) {
+            Sidecar::assess(path, grade, own).with_context(|| advice)?;
+        }
+        let Some(score) = args.revise else {
+            return Ok(());
+        };
+        let given = |text: &Option<String>| text.clone().unwrap_or_default();
+        let revision = Revision {
+            score,
+            passed: args
+                .passed
+                .unwrap_or(score >= grade.pass_mark.unwrap_or_default()),
+            by: given(&args.by),
+            at: given(&args.at),
+            reason: given(&args.reason),
+        };
+        Sidecar::add(path, grade, revision).with_context(|| advice)?;
+        Ok(())
+    }
+}
+
+/// The learner's own score, from a terminal.
+fn ask(path: &Path) -> anyhow::Result<f64> {
+    let stdin = std::io::stdin();
+    if !stdin.is_terminal() {
+        bail!(
+            "--self-score is missing, expected 0 to 100 in self-assessment: the own score comes before the grade"
+        );
+    }
+    loop {
+        write!(
+            std::io::stderr(),
+            "Your own score for {}, 0 to 100: ",
+            file_name(path)
+        )?;
+        let mut line = String::new();
+        if stdin.read_line(&mut line)? == 0 {
+            bail!("--self-score is missing, expected 0 to 100 in self-assessment");
+        }
+        match points(line.trim()) {
+            Ok(score) => return Ok(score),
+            Err(why) => writeln!(std::io::stderr(), "{why}")?,
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Files that a command writes: nothing that is read, and no recording, is written over.
+
+use std::io::Read as _;
+use std::path::Path;
+
+/// First bytes of every MCAP file.
+const MCAP: &[u8] = b"\x89MCAP0\r\n";
+
+/// Checks that `out`, given as `option`, may be written.
+///
+/// # Errors
+/// When it is one of `read`, whatever it is called there, or holds a recording: what is in it would be lost.
+pub(super) fn may_write<'a>(
+    option: &str,
+    out: &Path,
+    read: impl IntoIterator<Item = &'a Path>,
+) -> anyhow::Result<()> {
+    let Ok(real) = out.canonicalize() else {
+        // Nothing is there yet, or nothing that this program may see: writing it says why.
+        return Ok(());
+    };
+    let same = |path: &&Path| path.canonicalize().is_ok_and(|path| path == real);
+    if let Some(same) = read.into_iter().find(same) {
+        anyhow::bail!(
+            "{option} is `{}`, which is read as `{}`, expected another file: what is in it would be lost",
+            out.display(),
+            same.display()
+        );
+    }
+    let mut first = [0; MCAP.len()];
+    let is_recording = real.is_file()
+        && std::fs::File::open(&real).is_ok_and(|mut file| file.read_exact(&mut first).is_ok())
+        && first == MCAP;
+    anyhow::ensure!(
+        !is_recording,
+        "{option} is `{}`, which is a recording, expected another file: it would be lost",
+        out.display()
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_read_and_recordings_are_not_written_over() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("table.csv"), "a,b\n").expect("written");
+        std::fs::write(path("session.mcap"), [MCAP, b"..."].concat()).expect("written");
+        let around = folder
+            .path()
+            .join("..")
+            .join(folder.path().file_name().expect("a name"))
+            .join("table.csv");
+        let check = |out: &Path, read: &[&Path]| may_write("--csv", out, read.iter().copied());
+        assert!(check(&path("new.csv"), &[&path("table.csv")]).is_ok());
+        assert!(
+            check(
+                &path("table.csv"),
+                &[&path("session.mcap"), &path("absent")]
+            )
+            .is_ok()
+        );
+        // By whatever name.
+        let told = check(&around, &[&path("table.csv")])
+            .expect_err("it is read")
+            .to_string();
+        assert!(
+            told.starts_with("--csv is `") && told.contains("which is read as"),
+            "{told}"
+        );
+        // A shell that put the first recording of a folder behind an option.
+        let told = check(&path("session.mcap"), &[])
+            .expect_err("a recording")
+            .to_string();
+        assert!(told.contains("which is a recording"), "{told}");
+        // What is no file at all is none of both.
+        assert!(check(Path::new("/dev/null"), &[&path("table.csv")]).is_ok());
+    }
+}
