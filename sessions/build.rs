@@ -2,7 +2,7 @@
 //! stands in a recording: the message with all that it imports, comments and so units included.
 //!
 //! And hashes the sources of the tick, so that a recording can say which tick it was recorded by: a version number stays the same
-//! between two builds of a day.
+//! between two builds of a day. Likewise those of the measures, so that a grade can say which it is by.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -22,15 +22,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let all = protox::compile(FILES.map(path), ["proto"])?;
     prost_build::Config::new().compile_fds(all)?;
-    println!("cargo::rustc-env=SULCUS_TICK_SOURCE={}", tick_source()?);
+    let tick = ["../server/core/src"];
+    println!("cargo::rustc-env=SULCUS_TICK_SOURCE={}", source(&tick)?);
+    let measures = [tick[0], "src/events", "src/grade", "src/exercise"];
+    println!(
+        "cargo::rustc-env=SULCUS_MEASURES_SOURCE={}",
+        source(&measures)?
+    );
     Ok(())
 }
 
-/// Hash over the tick's sources and the versions of all that the workspace is built on. Two builds of equal hash have the same
-/// tick; of two that differ it may be the same.
-fn tick_source() -> Result<String, Box<dyn Error>> {
+/// Hash over the sources in these folders, the core's manifest, and the versions of all that the workspace is built on. Two builds of
+/// equal hash have the same tick (the same measures); of two that differ they may be the same.
+fn source(folders: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut files = Vec::new();
-    list(Path::new("../server/core/src"), &mut files)?;
+    for folder in folders {
+        list(Path::new(folder), &mut files)?;
+    }
     files.extend(["../server/core/Cargo.toml", "../Cargo.lock"].map(PathBuf::from));
     files.sort();
     let mut hasher = blake3::Hasher::new();

@@ -38,6 +38,7 @@ fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {
         patient: String::new(),
         ticks: operator.ticks(),
         until_done: false,
+        mode: sulcus_sessions::Mode::default(),
         learner: String::new(),
         operator,
         case: None,

@@ -272,7 +272,7 @@ impl Thread {
                 .event(unix_ns(), Level::Warning, &lost.to_string());
             self.check(result);
         }
-        let text = format!("session ended: {:?}", summary.end);
+        let text = sulcus_sessions::ended::line(summary.end);
         let result = self.recorder.event(unix_ns(), Level::Info, &text);
         self.check(result);
         let finished = self.recorder.finish(SessionEnd {

@@ -24,6 +24,7 @@ mod chain;
 pub mod channels;
 mod cli;
 pub mod compare;
+pub mod ended;
 pub mod events;
 pub mod exercise;
 pub mod export;

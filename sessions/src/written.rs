@@ -52,13 +52,18 @@ pub(crate) trait Written: DeserializeOwned {
 
     /// From its text.
     fn parsed(text: &str) -> Result<Self, WrittenError> {
+        let written = Self::read(text)?;
+        written.check()?;
+        Ok(written)
+    }
+
+    /// From its text, values as they are.
+    fn read(text: &str) -> Result<Self, WrittenError> {
         if text.len() > MOST_BYTES {
             let found = format!("{} bytes long", text.len());
             return Self::wrong("text", found, "at most 64 KiB");
         }
-        let written: Self = toml::from_str(text).map_err(|error| Self::syntax(&error))?;
-        written.check()?;
-        Ok(written)
+        toml::from_str(text).map_err(|error| Self::syntax(&error))
     }
 
     /// From its file.

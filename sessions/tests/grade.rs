@@ -15,11 +15,22 @@ use sulcus_sessions::grade::report::Source;
 use sulcus_sessions::grade::revision::{Revision, Sidecar, beside};
 use sulcus_sessions::grade::{Grade, Options, grade};
 use sulcus_sessions::{
-    Exercise, Recorder, Recording, Row, Rubric, SessionEnd, SessionHeader, StationKey,
+    Exercise, Level, Mode, Recorder, Recording, Row, Rubric, SessionEnd, SessionHeader, StationKey,
 };
 
 /// A session of the crown exercise in which a rod sweeps over balls for `ticks` ticks.
 fn record(path: &Path, ticks: u64, key: StationKey, dropped_rows: u64) {
+    record_with(path, ticks, key, dropped_rows, |_, _| {});
+}
+
+/// The same with another header, and with whatever stands in its log.
+fn record_with(
+    path: &Path,
+    ticks: u64,
+    key: StationKey,
+    dropped_rows: u64,
+    change: impl Fn(&mut SessionHeader, &mut Vec<String>),
+) {
     let mut scene = common::scene();
     scene.tools[0].bands = vec![Band {
         from: 0.0,
@@ -28,15 +39,19 @@ fn record(path: &Path, ticks: u64, key: StationKey, dropped_rows: u64) {
     }];
     let mut exercise = Exercise::built_in().remove(0);
     exercise.duration_s = ticks as f64 * 1e-3;
-    let header = SessionHeader {
+    let mut log = Vec::new();
+    let mut header = SessionHeader {
         exercise_name: "crown".into(),
         exercise: exercise.definition(1).unwrap(),
         rubric: Rubric::of(&exercise).unwrap().definition().unwrap(),
         learner_id: "a7f3".into(),
         station: "<b>7</b>".into(),
         started_unix_ns: BEGAN,
+        // As before it was said.
+        mode: None,
         ..SessionHeader::new(scene.to_bytes().unwrap())
     };
+    change(&mut header, &mut log);
     let mut recorder = Recorder::create(path, &header, key).unwrap();
     let (mut state, mut shapes) = (State::new(&scene), Workspace::new(&scene));
     recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
@@ -45,6 +60,9 @@ fn record(path: &Path, ticks: u64, key: StationKey, dropped_rows: u64) {
         let output = tick(&scene, &mut state, &mut shapes, &input, &mut NoProbe);
         let now = BEGAN + (k + 1) * 1_000_000;
         recorder.push(&Row::new(now, &input, &output)).unwrap();
+    }
+    for line in log {
+        recorder.event(BEGAN, Level::Info, &line).unwrap();
     }
     let end = SessionEnd {
         ticks,
@@ -166,6 +184,8 @@ fn what_is_cut_off_incomplete_or_signed_by_another_gets_none_and_says_why() {
     let refused = of(bytes, &other);
     assert!(refused.score.is_none());
     assert!(refused.reason.unwrap().contains("not the trusted key"));
+    // It was asked for, and is not the one.
+    assert!(!refused.signer_trusted);
 }
 
 #[test]
@@ -261,7 +281,9 @@ fn the_program_writes_the_same_bytes_again_and_pages_that_need_no_network() {
     ];
     let (code, table, _) = place.run(&args);
     assert_eq!(code, 0);
-    assert!(table.contains("rubric     crown, version 3"), "{table}");
+    let version = Rubric::of(&Exercise::built_in()[0]).unwrap().version;
+    let says = format!("rubric     crown, version {version}");
+    assert!(table.contains(&says), "{table}");
     for page in ["session.html", "class.html"] {
         let page = std::fs::read_to_string(place.path("pages").join(page)).unwrap();
         for outside in ["http:", "https:", "<script", "url(h", "@import", "src="] {
@@ -364,4 +386,359 @@ fn modes_ask_for_what_they_need() {
     assert_eq!(code, 0);
     assert!(table.contains("REVISED    70.0, passed, by t04"), "{table}");
     assert!(place.path("session.mcap.grade.json").exists());
+}
+
+impl Place {
+    fn recorded_as(&self, name: &str, mode: Mode) -> PathBuf {
+        let path = self.path(name);
+        record_with(&path, 3000, key(), 0, |header, _| header.mode = Some(mode));
+        path
+    }
+
+    /// What it says where something is wrong with what was asked for.
+    fn told(&self, args: &[&str]) -> String {
+        let (code, out, said) = self.run(args);
+        assert_eq!(code, 2, "{out}{said}");
+        said
+    }
+
+    fn json(&self, args: &[&str]) -> Value {
+        let (code, out, said) = self.run(args);
+        assert_eq!(code, 0, "{said}");
+        serde_json::from_str(out.lines().last().unwrap()).unwrap()
+    }
+}
+
+#[test]
+fn what_was_recorded_as_an_exam_is_shown_as_one_unless_something_else_is_asked_for() {
+    let place = Place::new();
+    place.recorded_as("exam.mcap", Mode::Exam);
+    place.recorded_as("practice.mcap", Mode::Practice);
+    let signer = key().public().fingerprint();
+    let exam = ["grade", "exam.mcap", "--signer", &signer];
+    assert!(
+        place
+            .told(&["grade", "exam.mcap"])
+            .contains("--signer is missing")
+    );
+    let shown = place.json(&[&exam[..], &["--json"]].concat());
+    assert_eq!(
+        (&shown["mode"], &shown["recorded_mode"]),
+        (&"exam".into(), &"exam".into())
+    );
+    assert!(shown.get("advice").is_none());
+    assert!(
+        place
+            .told(&[&exam[..], &["--truth"]].concat())
+            .contains("--truth is given")
+    );
+    let after = ["--json", "--truth", "--mode", "practice"];
+    let after = place.json(&[&exam[..], &after].concat());
+    assert_eq!(
+        (&after["mode"], &after["recorded_mode"]),
+        (&"practice".into(), &"exam".into())
+    );
+    assert_eq!(after["score"], shown["score"]);
+    let (_, table, _) = place.run(&[&exam[..], &["--mode", "practice"]].concat());
+    assert!(
+        table.contains("mode       exam, shown as practice"),
+        "{table}"
+    );
+    // The other way it would let somebody practise until it is good.
+    let made = [
+        "grade",
+        "practice.mcap",
+        "--mode",
+        "exam",
+        "--signer",
+        &signer,
+    ];
+    let told = place.told(&made);
+    assert!(
+        told.contains("practice.mcap: mode is practice in the recording, expected exam"),
+        "{told}"
+    );
+    // A class of both: each as what it was.
+    let both = [
+        "grade",
+        "exam.mcap",
+        "practice.mcap",
+        "--signer",
+        &signer,
+        "--csv",
+        "class.csv",
+    ];
+    assert_eq!(place.run(&both).0, 0);
+    let table = std::fs::read_to_string(place.path("class.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let of = |row: usize, name: &str| {
+        let column = header.iter().position(|one| one == name).unwrap();
+        rows[row][column].to_owned()
+    };
+    // (Both have one learner, exercise and time: a session and its copy, of which the first counts.)
+    assert_eq!(rows.len(), 1);
+    assert_eq!(of(0, "mode"), "exam");
+    assert_eq!(of(0, "final_score"), shown["score"].to_string());
+    assert_eq!(
+        of(0, "pass_mark"),
+        shown["pass_mark"].as_f64().unwrap().to_string()
+    );
+}
+
+#[test]
+fn an_own_score_is_asked_for_first_where_the_session_was_recorded_so() {
+    let place = Place::new();
+    place.recorded_as("own.mcap", Mode::SelfAssessment);
+    place.session();
+    let own = ["grade", "own.mcap"];
+    assert!(
+        place
+            .told(&own)
+            .contains("own.mcap: --self-score is missing")
+    );
+    assert!(!place.path("own.mcap.grade.json").exists());
+    assert_eq!(
+        place.run(&[&own[..], &["--self-score", "55"]].concat()).0,
+        0
+    );
+    let json = place.json(&[&own[..], &["--json"]].concat());
+    assert_eq!(
+        (&json["self_score"], &json["mode"]),
+        (&55.0.into(), &"self-assessment".into())
+    );
+    let other = ["grade", "session.mcap", "--self-score", "55"];
+    assert!(
+        place
+            .told(&other)
+            .contains("expected in self-assessment only")
+    );
+    assert!(
+        place
+            .told(&[&own[..], &["--self-score", "-1"]].concat())
+            .contains("`-1` is not a score")
+    );
+    // There is nothing to have an opinion of where there is no grade.
+    let bytes = std::fs::read(place.path("own.mcap")).unwrap();
+    std::fs::write(place.path("torn.mcap"), &bytes[..bytes.len() / 2]).unwrap();
+    assert_eq!(
+        place.run(&["grade", "torn.mcap", "--self-score", "50"]).0,
+        1
+    );
+    assert!(!place.path("torn.mcap.grade.json").exists());
+}
+
+/// `--csv class/*.mcap` wrote the table over the first recording, and said nothing.
+#[test]
+fn no_recording_and_nothing_that_is_read_is_written_over() {
+    let place = Place::new();
+    let path = place.session();
+    let before = std::fs::read(&path).unwrap();
+    std::fs::copy(&path, place.path("other.mcap")).unwrap();
+    let names = "learner_id,name\na7f3,Doe\n";
+    std::fs::write(place.path("names.csv"), names).unwrap();
+    let around = format!(
+        "./../{}/session.mcap",
+        place.0.path().file_name().unwrap().display()
+    );
+    for (table, word) in [
+        ("session.mcap", "which is read as"),
+        (around.as_str(), "which is read as"),
+        ("names.csv", "which is read as"),
+        ("other.mcap", "which is a recording"),
+    ] {
+        let args = [
+            "grade",
+            "session.mcap",
+            "--names",
+            "names.csv",
+            "--csv",
+            table,
+        ];
+        let told = place.told(&args);
+        assert!(told.contains("--csv is") && told.contains(word), "{told}");
+    }
+    assert!(std::fs::read(&path).unwrap() == before);
+    assert!(std::fs::read(place.path("other.mcap")).unwrap() == before);
+    assert_eq!(
+        std::fs::read_to_string(place.path("names.csv")).unwrap(),
+        names
+    );
+}
+
+/// The first of two copies counted, torn or not, and whatever an instructor had said beside the other was not seen.
+#[test]
+fn of_copies_the_one_that_says_most_counts() {
+    let place = Place::new();
+    let bytes = std::fs::read(place.session()).unwrap();
+    std::fs::write(place.path("a-torn.mcap"), &bytes[..bytes.len() / 2]).unwrap();
+    std::fs::copy(place.path("session.mcap"), place.path("b-copy.mcap")).unwrap();
+    let revise = [
+        "--revise",
+        "81",
+        "--by",
+        "t04",
+        "--at",
+        "2026-11-24",
+        "--reason",
+        "seen",
+    ];
+    assert_eq!(
+        place
+            .run(&[&["grade", "session.mcap"][..], &revise].concat())
+            .0,
+        0
+    );
+    let all = ["a-torn.mcap", "b-copy.mcap", "session.mcap"];
+    for order in [[0, 1, 2], [2, 1, 0], [1, 0, 2]] {
+        let files = order.map(|k| all[k]);
+        let args = [&["grade"][..], &files, &["--csv", "class.csv"]].concat();
+        let (code, _, said) = place.run(&args);
+        assert_eq!(code, 1, "{said}");
+        assert_eq!(said.matches("counted once").count(), 2, "{said}");
+        let table = std::fs::read_to_string(place.path("class.csv")).unwrap();
+        let row = table.lines().nth(1).unwrap();
+        assert!(
+            row.starts_with("session.mcap,") && row.contains(",81,true,"),
+            "{row}"
+        );
+        assert_eq!(table.lines().count(), 2);
+    }
+    let told = place.told(&[
+        "grade",
+        "session.mcap",
+        "--revise",
+        "8",
+        "--by",
+        "Dr. Doe",
+        "--at",
+        "x",
+        "--reason",
+        "y",
+    ]);
+    assert!(told.contains("never a name"), "{told}");
+}
+
+#[test]
+fn what_cannot_be_kept_does_not_hide_the_grade() {
+    let place = Place::new();
+    place.session();
+    // Where the draft would be written is a folder.
+    std::fs::create_dir(place.path("session.mcap.grade.json.new")).unwrap();
+    let revise = [
+        "--revise",
+        "81",
+        "--by",
+        "t04",
+        "--at",
+        "2026-11-24",
+        "--reason",
+        "seen",
+    ];
+    let (code, table, said) = place.run(&[&["grade", "session.mcap"][..], &revise].concat());
+    assert_eq!(code, 2);
+    assert!(
+        table.contains("score      ") && !table.contains("REVISED"),
+        "{table}"
+    );
+    assert!(said.contains("to keep it, grade a copy"), "{said}");
+}
+
+#[test]
+fn a_revision_says_what_was_proposed_then_where_that_was_something_else() {
+    let place = Place::new();
+    place.session();
+    let revise = [
+        "--revise",
+        "81",
+        "--by",
+        "t04",
+        "--at",
+        "2026-11-24",
+        "--reason",
+        "seen",
+    ];
+    let (_, table, _) = place.run(&[&["grade", "session.mcap"][..], &revise].concat());
+    assert!(!table.contains("THEN"), "{table}");
+    let mut other = Rubric::of(&Exercise::built_in()[0]).unwrap();
+    let was = other.version;
+    other.version = 77;
+    std::fs::write(place.path("other.toml"), other.definition().unwrap()).unwrap();
+    let args = [
+        "grade",
+        "session.mcap",
+        "--rubric",
+        "other.toml",
+        "--html",
+        "pages",
+    ];
+    let (_, table, _) = place.run(&args);
+    let then = format!("by rubric crown, version {was} was proposed");
+    assert!(table.contains(&then), "{table}");
+    let page = std::fs::read_to_string(place.path("pages/session.html")).unwrap();
+    assert!(page.contains(&then), "{page}");
+}
+
+/// A client that was cut off got a grade that said nothing of it.
+#[test]
+fn a_session_that_ended_early_says_so_in_its_grade() {
+    let place = Place::new();
+    let path = place.path("lost.mcap");
+    record_with(&path, 3000, key(), 0, |_, log| {
+        log.push("session ended: ConnectionLost".into());
+    });
+    let grade = plain(std::fs::read(&path).unwrap());
+    assert_eq!(
+        grade.ended_early,
+        Some("the connection to the client was lost")
+    );
+    assert!(grade.score.is_some());
+    let (_, table, _) = place.run(&["grade", "lost.mcap", "--html", "pages"]);
+    assert!(
+        table.contains("WARNING    ended early: the connection"),
+        "{table}"
+    );
+    let page = std::fs::read_to_string(place.path("pages/lost.html")).unwrap();
+    assert!(page.contains("ended early: the connection"));
+}
+
+/// One metric that a later program calls otherwise took the whole grade of a recording.
+#[test]
+fn a_recorded_rubric_is_graded_by_as_far_as_its_metrics_are_known() {
+    let place = Place::new();
+    let path = place.path("old.mcap");
+    record_with(&path, 3000, key(), 0, |header, _| {
+        let text = header.rubric.replace("\"probe_peak\"", "\"probe_push\"");
+        let was = "Largest mean of the force on the probe";
+        assert!(text != header.rubric && text.contains(was));
+        // And another one that was defined otherwise.
+        header.rubric = text.replace("Share of twelve sectors", "Share of six sectors");
+    });
+    let grade = plain(std::fs::read(&path).unwrap());
+    assert!(grade.score.is_some(), "{:?}", grade.reason);
+    let used = grade.rubric.clone().unwrap();
+    assert_eq!(
+        (used.unknown, used.redefined),
+        (
+            vec!["probe_push".to_owned()],
+            vec!["crown_covered".to_owned()]
+        )
+    );
+    let covered = grade.metric("crown_covered").unwrap();
+    assert!(covered.definition.contains("twelve sectors"));
+    assert!(
+        covered
+            .recorded_definition
+            .as_ref()
+            .unwrap()
+            .contains("six sectors")
+    );
+    let text = grade.text(false, false);
+    for words in [
+        "not known to this program: probe_push",
+        "defined otherwise in the recording: crown_covered",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
 }

@@ -132,7 +132,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         let standard = Some(&standard);
         finish(&recording, &scene, &exercise, standard, watcher, &report)
     });
-    let called = run::calls(&recording, &scene)?;
+    let called = run::Log::read(&recording, &scene)?.calls;
     Ok(Checked {
         report,
         measures: observer.measures(),

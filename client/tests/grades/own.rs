@@ -10,7 +10,7 @@ pub const NAMED: f64 = 50.0;
 /// The metrics that name a habit: the first in whatever mouth, the others in that of the exercise.
 pub fn own(habit: Habit) -> &'static [&'static str] {
     match habit {
-        Habit::HeavyHand => &["touches_too_heavy", "trauma_events"],
+        Habit::HeavyHand => &["touches_too_heavy", "readings_too_heavy", "trauma_events"],
         Habit::WrongAngle => &["angle_mid"],
         Habit::SkipsSites => &["zones_charted"],
         Habit::Impatient => &["readings_held", "touches_too_light"],

@@ -153,7 +153,7 @@ mod tests {
             assert!((tilt.mesiodistal.to_degrees() - mesial).abs() < 1e-9);
             assert!((tilt.buccolingual.to_degrees() - buccal).abs() < 1e-9);
             let tangent = |degrees: f64| libm::tan(degrees.to_radians());
-            let whole = (tangent(mesial).powi(2) + tangent(buccal).powi(2)).sqrt();
+            let whole = libm::hypot(tangent(mesial), tangent(buccal));
             assert!((libm::tan(tilt.total) - whole).abs() < 1e-9);
         }
     }

@@ -74,7 +74,7 @@ fn of_calls(sites: &[SiteGrade]) -> Option<&'static str> {
     let causes = [
         (
             Finding::ReadTooHeavy,
-            "The depth was read while the probe was pressed too hard: let the force go back to 10 to 25 g, then read.",
+            "The depth was read while the probe was pressed too hard: let the force go back to what is taught, then read.",
         ),
         (
             Finding::ReadTilted,
@@ -129,7 +129,7 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
                 };
                 format!("{called}, {way}: {}", site.finding.words())
             }
-            "touches_too_heavy" | "trauma_events" => {
+            "touches_too_heavy" | "trauma_events" | "readings_too_heavy" => {
                 let heavy = set.force_n[1] + FORGIVEN;
                 let force = site.max_force_n.filter(|force| *force > heavy)?;
                 format!("up to {force:.2} N")
@@ -159,7 +159,10 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
         })
     };
     let mut asked: Vec<&SiteGrade> = sites.iter().filter(|site| site.asked).collect();
-    if matches!(metric, "touches_too_heavy" | "trauma_events") {
+    if matches!(
+        metric,
+        "touches_too_heavy" | "trauma_events" | "readings_too_heavy"
+    ) {
         // The heaviest first: they are what it is about.
         let force = |site: &SiteGrade| site.max_force_n.unwrap_or_default();
         asked.sort_by(|a, b| force(b).total_cmp(&force(a)));

@@ -1,6 +1,7 @@
 //! What is measured: one table with every metric's name, unit, definition, source, what it needs, and what to say to someone
 //! who is weak there. A rubric weighs these, and carries the definitions with it into the recording.
 
+use super::sites::SiteGrade;
 use crate::exercise::{Exercise, Kind};
 
 /// What an exercise must have for a metric to mean anything.
@@ -45,6 +46,19 @@ impl Needs {
             Self::Crown => exercise.kind == Kind::Crown,
             Self::Probe => zones || exercise.kind == Kind::Crown,
             Self::Nothing => true,
+        }
+    }
+
+    /// Whether the scene has what of it the exercise asks for: a tooth that is missing there has no middle of a side.
+    pub fn are_there(self, sites: &[SiteGrade]) -> bool {
+        let any = |proximal: bool| {
+            let mut asked = sites.iter().filter(|site| site.asked);
+            asked.any(|site| site.site.is_proximal() == proximal)
+        };
+        match self {
+            Self::ProximalZones => any(true),
+            Self::MidZones => any(false),
+            _ => true,
         }
     }
 
@@ -97,7 +111,7 @@ pub struct Definition {
 const CHOSEN: &str = "chosen for this simulator";
 
 /// All metrics, in the order of pages.
-pub const METRICS: [Definition; 30] = [
+pub const METRICS: [Definition; 31] = [
     Definition {
         name: "zones_charted",
         title: "zones probed and called",
@@ -122,7 +136,7 @@ pub const METRICS: [Definition; 30] = [
         name: "floor_reached",
         title: "floor reached",
         unit: "%",
-        definition: "Of the zones asked for that were probed (see zones_charted; a call from before that is hearsay): the share in which the tip's deepest place, at a force on the floor inside the target band and no more than 1 mm below the prescribed one, came within `reached_mm` of the prescribed depth.",
+        definition: "Of the zones asked for that were probed (see zones_charted), called or not: the share in which the tip's deepest place, at a force on the floor inside the target band and no more than 1 mm below the prescribed one, came within `reached_mm` of the prescribed depth.",
         source: "deepest reading of each zone: SDCEP, Boyd; interproximal under-reading: Feng 2013",
         needs: Needs::Zones,
         missing_is_zero: true,
@@ -132,7 +146,7 @@ pub const METRICS: [Definition; 30] = [
         name: "misread",
         title: "band misread",
         unit: "%",
-        definition: "Of the zones whose floor was reached and whose depth was called: the share whose called depth is more than `misread_mm` less than the depth that the tip reached at a correct force, or more than both that beyond the deepest that it was at any, and 0.6 mm beyond what the bands showed at the deepest place (see angle_mid) in the mean: a tilted probe shows more.",
+        definition: "Of the zones whose floor was reached and whose depth was called after the tip had been there: the share whose called depth is more than `misread_mm` less than the depth that the tip reached at a correct force, or more than both that beyond the deepest that it was at any, and 0.6 mm beyond what the bands showed at the deepest place (see angle_mid) in the mean: a tilted probe shows more.",
         source: "reading the bands at the margin, apart from where the tip was: Haptodont doi 10.1145/3421765; LMU epub 45788",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -146,7 +160,7 @@ pub const METRICS: [Definition; 30] = [
         source: "students 34.8 % on manikins with preset truth (LMU epub 45788), 63 % in clinic (Jansen 2025)",
         needs: Needs::Zones,
         missing_is_zero: true,
-        advice: "Read to the nearest millimetre, at the margin, with the tip on the floor under 10 to 25 g.",
+        advice: "Read to the nearest millimetre, at the margin, with the tip on the floor under the taught force.",
     },
     Definition {
         name: "called_within_1mm",
@@ -186,7 +200,7 @@ pub const METRICS: [Definition; 30] = [
         source: "\"a strong possibility of traumatising healthy tissue above 0.25 N\": Karayiannis 1992",
         needs: Needs::Zones,
         missing_is_zero: false,
-        advice: "Lighten the hand: 10 to 25 g is enough, more reads too deep and makes healthy tissue bleed.",
+        advice: "Lighten the hand: the taught force is enough, more reads too deep and makes healthy tissue bleed.",
     },
     Definition {
         name: "readings_held",
@@ -197,6 +211,16 @@ pub const METRICS: [Definition; 30] = [
         needs: Needs::Zones,
         missing_is_zero: true,
         advice: "Let the tip rest on the floor for half a second at the taught force, and read the band meanwhile.",
+    },
+    Definition {
+        name: "readings_too_heavy",
+        title: "read under too much force",
+        unit: "%",
+        definition: "Of the zones asked for that were probed and called: the share in which a force more than 0.05 N above the target band stood on the floor for 0.2 s or more, lighter ones for 50 ms or less forgiven: how light the strokes between were is no matter.",
+        source: "as touches_too_heavy; how long is chosen for this simulator",
+        needs: Needs::Zones,
+        missing_is_zero: false,
+        advice: "Let the hand rest while the band is read: more than the taught force presses the tip in, and reads too deep.",
     },
     Definition {
         name: "force_in_band",
@@ -212,7 +236,7 @@ pub const METRICS: [Definition; 30] = [
         name: "trauma_events",
         title: "trauma, times",
         unit: "",
-        definition: "Entries of the force on a floor into the scene's zone of trauma (0.5 N by default).",
+        definition: "Entries of the force on a floor into the scene's zone of trauma (0.5 N by default), but at least one for every second that it is there in all.",
         source: "bleeding of healthy gingiva grows with force: Lang 1991",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -252,7 +276,7 @@ pub const METRICS: [Definition; 30] = [
         name: "walking_step",
         title: "walking step",
         unit: "mm",
-        definition: "Median distance along the tooth between neighbouring places where the floor was touched, side by side of each tooth; places nearer than 0.4 mm are one; the way of a touch that goes 2 mm along the tooth or farther without being lifted is a step as well.",
+        definition: "Of the distances along the tooth between neighbouring places where the floor was touched, side by side of each tooth asked for: the one that makes half of the whole way, with all that are smaller; places nearer than 0.4 mm are one; the way of a touch that goes 2 mm along the tooth or farther without being lifted is a step as well.",
         source: "steps of 1 mm, 1 to 2 mm in other texts: Gehrig (LWW)",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -262,7 +286,7 @@ pub const METRICS: [Definition; 30] = [
         name: "withdrawals",
         title: "withdrawals between zones",
         unit: "",
-        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth in which it stayed for 0.2 s, on its way to a zone on whose floor it had not stayed so long: to look again at one is no withdrawal.",
+        definition: "Times that the tip came out of the pocket between two zones of one side of a tooth in which it stayed for 0.2 s, on its way to a zone on whose floor a force of the target band or more had not stood so long in one visit: to look again at one is no withdrawal.",
         source: "repeated withdrawal traumatises: Gehrig (LWW); spot probing as an error: dimensionsofdentalhygiene.com",
         needs: Needs::Zones,
         missing_is_zero: false,
@@ -392,7 +416,7 @@ pub const METRICS: [Definition; 30] = [
         name: "time",
         title: "time",
         unit: "s",
-        definition: "From the first to the last moment of the probe in a pocket; without zones, of a hand holding a tool.",
+        definition: "From the first to the last moment of the probe in a pocket; without zones, the time that a hand held a tool. (An instructor's pause takes no time, and what is done in it counts for nothing.)",
         source: "limit of the exercise",
         needs: Needs::Nothing,
         missing_is_zero: false,
@@ -456,6 +480,11 @@ mod tests {
         );
         says("readings_held", format!("for {} s", sites::HELD_S));
         says("readings_held", format!("for {} ms", zones::LAPSE * 1e3));
+        says("readings_too_heavy", format!("for {} s", sites::PRESSED_S));
+        says(
+            "readings_too_heavy",
+            format!("{} N above", values::FORGIVEN),
+        );
         says("touches_too_heavy", format!("{} N above", values::FORGIVEN));
         says("mirror_peak", format!("over {} ms", hands::PEAK_S * 1e3));
         says("probe_peak", format!("over {} ms", hands::PEAK_S * 1e3));

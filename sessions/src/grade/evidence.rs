@@ -14,7 +14,7 @@ use super::hands::{Hands, Moment, Pressed, Steady};
 use super::moves::Moves;
 use super::rubric::Settings;
 use super::series::Series;
-use super::touches::{BEGINS, Touches};
+use super::touches::Touches;
 use super::zones::{STAYED, Span, TIE, Zones};
 use crate::events::sight::is_tongue;
 use crate::events::{Events, Standing, pocket};
@@ -149,7 +149,7 @@ impl Evidence {
             let force = norm(&out.raw_wrench.force);
             let in_pocket = events.standing(t).is_some();
             let tip = here.then(|| (out.graphic.transform(&tool.tip), force < FREE && !in_pocket));
-            self.moves[t].observe(tip);
+            self.moves[t].observe(tip, ticks);
             if here {
                 let pressed = if self.mirror_slot == Some(t) {
                     &mut self.mirror
@@ -174,20 +174,14 @@ impl Evidence {
             self.zones.observe(at, now, set.force_n, task, floor);
             self.floor.observe(at, dt, set.force_n);
         }
-        self.stays(standing, dt);
+        self.stays(standing, dt, set.force_n[0]);
         self.touches.observe(standing, dt);
         let mirror = self.mirror_slot.filter(held);
         let mirror = mirror.map(|t| output.tools[t].graphic.transform(&scene.tools[t].tip));
-        // A mirror in the air, or on a tooth, holds no tongue, however still it is.
-        let bears = self.mirror_slot.filter(held).is_some_and(|t| {
-            let on_tongue = |contact: &Contact| {
-                usize::from(contact.tool) == t
-                    && self.tongues.get(usize::from(contact.object)) == Some(&true)
-            };
-            let loads = shapes.contacts();
-            let loads = loads.filter(|(contact, _)| on_tongue(contact));
-            loads.map(|(_, load)| load).sum::<f64>() >= FREE
-        });
+        let bears = self
+            .mirror_slot
+            .filter(held)
+            .is_some_and(|t| self.on_tongue(t, shapes) >= FREE);
         let visible = events.is_target_visible();
         let moment = Moment {
             in_pocket: self
@@ -203,12 +197,32 @@ impl Evidence {
         self.series.observe(at_s, standing, push, visible);
     }
 
-    /// Enters the zone on whose floor the tip has borne long enough in one visit.
-    pub(super) fn stays(&mut self, at: Option<&Standing>, dt: f64) {
+    /// What the tongue bears of the tool in a slot, newtons: in the air, or on a tooth, a mirror holds none, however still it is.
+    fn on_tongue(&self, slot: usize, shapes: &Workspace) -> f64 {
+        let is_tongue = |object: u16| self.tongues.get(usize::from(object)) == Some(&true);
+        let on_tongue =
+            |contact: &Contact| usize::from(contact.tool) == slot && is_tongue(contact.object);
+        let loads = shapes.contacts();
+        let loads = loads.filter(|(contact, _)| on_tongue(contact));
+        loads.map(|(_, load)| load).sum()
+    }
+
+    /// What is done in a tick of a pause is no student's doing: the hand feels nothing, and time stands still.
+    fn pauses(&mut self, tick: u64, tick_s: f64) {
+        self.last_tick = tick;
+        self.moves
+            .iter_mut()
+            .for_each(|moves| moves.observe(None, 1));
+        self.touches.observe(None, tick_s);
+        self.here = None;
+    }
+
+    /// Enters the zone on whose floor the tip has borne, with `least` newtons or more, long enough in one visit.
+    pub(super) fn stays(&mut self, at: Option<&Standing>, dt: f64, least: f64) {
         self.here = at.map(|at| {
             let zone = (at.tooth, at.site);
             let before = self.here.filter(|(there, _)| *there == zone);
-            let more = if at.force >= BEGINS { dt } else { 0.0 };
+            let more = if at.force >= least { dt } else { 0.0 };
             (zone, before.map_or(0.0, |(_, seconds)| seconds) + more)
         });
         let long = |(_, seconds): &((u8, Site), f64)| *seconds >= STAYED - TIE;
@@ -247,6 +261,8 @@ pub struct Watcher {
     /// What was gathered.
     pub evidence: Evidence,
     settings: Settings,
+    /// Paused by an instructor, and not at full strength again since.
+    paused: bool,
 }
 
 impl Watcher {
@@ -256,15 +272,104 @@ impl Watcher {
             events: Events::new(scene, exercise),
             evidence: Evidence::new(scene, exercise),
             settings,
+            paused: false,
         }
     }
 
     /// Takes in a tick; `shapes` is the workspace as that tick left it.
     pub fn observe(&mut self, scene: &Scene, output: &TickOutput, shapes: &Workspace) {
+        let says = |bit: u16| output.tools.iter().any(|tool| tool.status & bit != 0);
+        self.paused = says(status::PAUSED) || self.paused && says(status::RAMPING);
         for said in self.events.observe(scene, output, shapes) {
-            self.evidence.happened(&said);
+            if !self.paused {
+                self.evidence.happened(&said);
+            }
         }
-        self.evidence
-            .observe(scene, output, &self.events, shapes, &self.settings);
+        if self.paused {
+            self.evidence.pauses(output.tick, scene.tick_s());
+        } else {
+            self.evidence
+                .observe(scene, output, &self.events, shapes, &self.settings);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grade::test_help::{SET, empty_scene};
+    use crate::read::Recording;
+    use crate::replay::{ReplayOptions, replay_observed};
+    use sulcus_core::{Pose, ToolOutput, Vec3};
+
+    /// Share of the ticks in which the tool in slot 0 bears on something in which the tongue bears it; of a recording of the corpus.
+    fn share_on_tongue(name: &str) -> f64 {
+        let path = format!("{}/tests/corpus/{name}", env!("CARGO_MANIFEST_DIR"));
+        let recording = Recording::open(path.as_ref()).expect("a recording");
+        let scene = recording.scene().expect("a scene");
+        let exercise = Exercise::recorded(&recording.header().exercise);
+        let evidence = Evidence::new(&scene, &exercise);
+        let (mut bears, mut on_tongue) = (0, 0);
+        let options = ReplayOptions::default();
+        replay_observed(
+            &recording,
+            &options,
+            &mut |_| {},
+            &mut |_, _, output, shapes| {
+                if norm(&output.tools[0].raw_wrench.force) > 2.0 * FREE {
+                    bears += 1;
+                    on_tongue += u32::from(evidence.on_tongue(0, shapes) >= FREE);
+                }
+            },
+        )
+        .expect("a replay");
+        assert!(bears > 100, "{name}: {bears}");
+        f64::from(on_tongue) / f64::from(bears)
+    }
+
+    #[test]
+    fn a_mirror_on_the_tongue_holds_it_and_a_tool_on_a_tooth_does_not() {
+        let on_tongue = share_on_tongue("retraction.mcap");
+        assert!(on_tongue > 0.99, "{on_tongue}");
+        assert_eq!(share_on_tongue("crown.mcap"), 0.0);
+    }
+
+    /// A teacher's pause made trauma and a heavy hand of what nobody felt.
+    #[test]
+    fn what_is_done_in_a_pause_counts_for_nothing() {
+        let scene = empty_scene();
+        let exercise = Exercise::built_in();
+        let exercise = exercise.iter().find(|one| one.name == "retraction");
+        let exercise = exercise.expect("built in");
+        let mut watcher = Watcher::new(&scene, exercise, SET);
+        let shapes = Workspace::new(&scene);
+        let mut output = TickOutput {
+            tick: 0,
+            hash: 0,
+            tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
+        };
+        let mut hold = |status: u16, force: f64, ticks: u32| {
+            for _ in 0..ticks {
+                output.tick += 1;
+                output.tools[1].status = status;
+                output.tools[1].raw_wrench.force = Vec3::new(0.0, 0.0, force);
+                watcher.observe(&scene, &output, &shapes);
+            }
+            let evidence = &watcher.evidence;
+            (evidence.mirror.peak(), evidence.hands.span_s())
+        };
+        let near = |found: (Option<f64>, Option<f64>), peak: f64, seconds: f64| {
+            let (a, b) = (found.0.expect("pressed"), found.1.expect("held"));
+            assert!(
+                (a - peak).abs() < 1e-9 && (b - seconds).abs() < 1e-9,
+                "{found:?}"
+            );
+        };
+        near(hold(0, 1.0, 100), 1.0, 0.1);
+        near(hold(status::PAUSED, 9.0, 5000), 1.0, 0.1);
+        near(hold(status::RAMPING, 9.0, 100), 1.0, 0.1);
+        near(hold(0, 1.0, 100), 1.0, 0.2);
+        // A ramp after anything else is no pause.
+        near(hold(status::RAMPING, 2.0, 100), 2.0, 0.3);
     }
 }

@@ -19,6 +19,8 @@ pub const START: f64 = 10e-3;
 pub const STOP: f64 = 4e-3;
 /// See [`START`].
 pub const RESTS: f64 = 0.1;
+/// Longest hole in a session over which a tool is taken to have moved on, seconds.
+const GAP: f64 = 0.1;
 /// Shortest move that counts, metres and seconds.
 const LEAST_WAY: f64 = 5e-3;
 const LEAST_TIME: f64 = 0.2;
@@ -35,6 +37,8 @@ pub struct Moves {
     /// Ticks for each speed that is kept, and how many of the next one have passed.
     every: u32,
     since: u32,
+    /// Where the tip was, before and after the filter.
+    tip: Option<Vec3>,
     last: Option<Vec3>,
     /// Where the last kept speed was taken.
     kept: Option<Vec3>,
@@ -59,6 +63,7 @@ impl Moves {
             dt,
             every,
             since: 0,
+            tip: None,
             last: None,
             kept: None,
             speeds: Vec::new(),
@@ -72,8 +77,24 @@ impl Moves {
     }
 
     /// Takes in where the tip is after a tick, metres, and whether it is free: nothing bears on the tool. None where no
-    /// hand holds it.
-    pub fn observe(&mut self, tip: Option<(Vec3, bool)>) {
+    /// hand holds it. Where `ticks` went by since the last time, because some were skipped, it went straight; after a longer
+    /// [`GAP`] nobody knows how.
+    pub fn observe(&mut self, tip: Option<(Vec3, bool)>, ticks: u64) {
+        if let (Some((to, free)), Some(from), true) = (tip, self.tip, ticks > 1) {
+            if ticks as f64 * self.dt > GAP {
+                self.step(None);
+            } else {
+                for k in 1..ticks {
+                    let share = k as f64 / ticks as f64;
+                    self.step(Some((from + (to - from) * share, free)));
+                }
+            }
+        }
+        self.tip = tip.map(|(at, _)| at);
+        self.step(tip);
+    }
+
+    fn step(&mut self, tip: Option<(Vec3, bool)>) {
         let Some((tip, free)) = tip else {
             self.end();
             self.filter.reset();
@@ -164,8 +185,10 @@ mod tests {
             // Minimum jerk.
             x = from + 0.04 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
             let t = f64::from(k) * 1e-3;
+            // The rest at the end is one.
+            let shake = if s < 1.0 { shake } else { 0.0 };
             let tremor = shake * libm::sin(2.0 * std::f64::consts::PI * 10.0 * t);
-            moves.observe(Some((Vec3::new(x + tremor, 0.0, 0.0), true)));
+            moves.observe(Some((Vec3::new(x + tremor, 0.0, 0.0), true)), 1);
         }
         x
     }
@@ -190,6 +213,59 @@ mod tests {
     }
 
     #[test]
+    fn smoothness_is_the_median_of_unequal_moves() {
+        let alone = |seconds: f64, shake: f64| {
+            let mut moves = Moves::new(1e-3);
+            reach(&mut moves, 0.0, seconds, shake);
+            moves.smoothness().expect("a move").0
+        };
+        let all = [(1.0, 0.0), (1.0, 0.4e-3), (1.0, 0.2e-3)];
+        let mut each = all.map(|(seconds, shake)| alone(seconds, shake));
+        each.sort_by(f64::total_cmp);
+        assert!(
+            each[1] - each[0] > 0.05 && each[2] - each[1] > 0.05,
+            "{each:?}"
+        );
+        let (mut moves, mut x) = (Moves::new(1e-3), 0.0);
+        for (seconds, shake) in all {
+            x = reach(&mut moves, x, seconds, shake);
+        }
+        let (median, count) = moves.smoothness().expect("moves");
+        assert_eq!(count, 3);
+        assert!((median - each[1]).abs() < 0.02, "{median} {each:?}");
+    }
+
+    /// A server that skips 20 ticks in the middle of a reach made the hand look shaky: all of their way was one tick's.
+    #[test]
+    fn ticks_that_were_skipped_are_no_jerk_of_the_hand() {
+        let run = |skips: bool| {
+            let mut moves = Moves::new(1e-3);
+            let mut since = 0;
+            for k in 0..1400u32 {
+                since += 1;
+                if skips && (490..510).contains(&k) {
+                    continue;
+                }
+                let s = (f64::from(k) / 1e3).min(1.0);
+                let x = 0.04 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+                moves.observe(Some((Vec3::new(x, 0.0, 0.0), true)), since);
+                since = 0;
+            }
+            let (smooth, count) = moves.smoothness().expect("a move");
+            (smooth, count, moves.ways().0)
+        };
+        let (whole, holed) = (run(false), run(true));
+        assert_eq!(holed.1, 1);
+        assert!((holed.0 - whole.0).abs() < 0.01, "{holed:?} {whole:?}");
+        assert!((holed.2 - whole.2).abs() < 1e-5, "{holed:?} {whole:?}");
+        // A hole so long that nobody knows what was in it parts two moves.
+        let mut moves = Moves::new(1e-3);
+        moves.observe(Some((Vec3::zeros(), true)), 1);
+        moves.observe(Some((Vec3::new(1.0, 0.0, 0.0), true)), 500);
+        assert!(moves.ways().0 < 1e-12, "{:?}", moves.ways());
+    }
+
+    #[test]
     fn a_tremor_makes_a_reach_less_smooth() {
         let smooth = {
             let mut moves = Moves::new(1e-3);
@@ -206,11 +282,11 @@ mod tests {
     fn contact_is_no_move_and_neither_is_a_jump_between_two_presences() {
         let mut moves = Moves::new(1e-3);
         for k in 0..2000 {
-            moves.observe(Some((Vec3::new(f64::from(k) * 4e-5, 0.0, 0.0), false)));
+            moves.observe(Some((Vec3::new(f64::from(k) * 4e-5, 0.0, 0.0), false)), 1);
         }
-        moves.observe(None);
-        moves.observe(Some((Vec3::new(5.0, 0.0, 0.0), true)));
-        moves.observe(Some((Vec3::new(5.0, 0.0, 0.0), true)));
+        moves.observe(None, 1);
+        moves.observe(Some((Vec3::new(5.0, 0.0, 0.0), true)), 1);
+        moves.observe(Some((Vec3::new(5.0, 0.0, 0.0), true)), 1);
         assert_eq!(moves.smoothness(), None);
         let (free, whole) = moves.ways();
         assert!(free < 1e-12, "{free}");

@@ -47,6 +47,8 @@ pub struct Standard {
     pub source: Source,
     /// blake3 of its text.
     pub blake3: [u8; 32],
+    /// Metrics that a recorded one asks for and this program does not know.
+    pub unknown: Vec<String>,
 }
 
 impl Standard {
@@ -67,6 +69,7 @@ impl Standard {
                 rubric,
                 source,
                 blake3,
+                unknown: Vec::new(),
             }))
         };
         if let Some(rubric) = instead {
@@ -78,8 +81,10 @@ impl Standard {
                 None => Ok(None),
             };
         }
+        let (rubric, unknown) = Rubric::recorded(&header.rubric)?;
         Ok(Some(Self {
-            rubric: Rubric::parse(&header.rubric)?,
+            rubric,
+            unknown,
             source: Source::Recording,
             blake3: *blake3::hash(header.rubric.as_bytes()).as_bytes(),
         }))
@@ -91,6 +96,7 @@ impl Standard {
             version: self.rubric.version,
             blake3: hex(&self.blake3),
             source: self.source,
+            unknown: self.unknown.clone(),
             redefined: self
                 .rubric
                 .redefined()
@@ -114,6 +120,8 @@ pub struct RubricUsed {
     pub source: Source,
     /// Metrics whose definition in it is not this program's: their values are by this program's definition.
     pub redefined: Vec<String>,
+    /// Metrics that it asks for and this program does not know: they are not measured, and count for nothing.
+    pub unknown: Vec<String>,
 }
 
 /// A metric's value and what it is worth.
@@ -141,6 +149,9 @@ pub struct MetricGrade {
     pub deducted: f64,
     /// What exactly is measured.
     pub definition: &'static str,
+    /// And how the recording has it, where that is otherwise: what the rubric's bounds were made for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded_definition: Option<String>,
     /// Where it comes from.
     pub source: &'static str,
 }
@@ -313,9 +324,37 @@ pub struct Grade {
     pub advice: Vec<Advice>,
     /// What was asked for and the scene has not, in words.
     pub missing: Vec<String>,
+    /// Why the session ended before its time, in words: what was not done then is no fault of the learner's.
+    pub ended_early: Option<&'static str>,
 }
 
 impl Grade {
+    /// What takes from its worth, in words: what is said, and of what.
+    pub fn reservations(&self) -> Vec<(&'static str, String)> {
+        let used = self.rubric.as_ref();
+        let names = |of: fn(&RubricUsed) -> &Vec<String>| {
+            used.map_or(String::new(), |used| of(used).join(", "))
+        };
+        let all = [
+            (
+                "ended early",
+                self.ended_early.unwrap_or_default().to_owned(),
+            ),
+            ("the scene has not", self.missing.join(", ")),
+            (
+                "defined otherwise in the recording",
+                names(|used| &used.redefined),
+            ),
+            (
+                "asked for in the recording, not known to this program",
+                names(|used| &used.unknown),
+            ),
+        ];
+        all.into_iter()
+            .filter(|(_, what)| !what.is_empty())
+            .collect()
+    }
+
     /// The metric of that name, where it applies.
     pub fn metric(&self, name: &str) -> Option<&MetricGrade> {
         self.metrics.iter().find(|metric| metric.name == name)

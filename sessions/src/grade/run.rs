@@ -16,6 +16,7 @@ use super::sites::sites;
 use super::stats::rounded;
 use super::values::Measured;
 use super::{Rubric, floor::FloorTime};
+use crate::ended;
 use crate::events::call::{Call, READING_CALLED};
 use crate::exercise::Exercise;
 use crate::key::PublicKey;
@@ -24,6 +25,9 @@ use crate::occurrence::Occurrence;
 use crate::read::{ReadError, Recording};
 use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
 use crate::written::WrittenError;
+
+/// Which measures this program has: the beginning of a hash over the sources of tick, events and grade.
+pub const MEASURES_SOURCE: &str = env!("SULCUS_MEASURES_SOURCE");
 
 /// How to grade.
 #[derive(Clone, Debug, Default)]
@@ -168,6 +172,7 @@ pub fn finish(
             floor_time: FloorTime::default(),
             advice: Vec::new(),
             missing: watcher.events.missing().to_vec(),
+            ended_early: None,
         },
         series: Series::default(),
         teeth,
@@ -209,7 +214,9 @@ pub fn finish(
         graded.grade.reason = Some(reason);
         return Ok(graded);
     }
-    let heard = calls(recording, scene)?;
+    let log = Log::read(recording, scene)?;
+    graded.grade.ended_early = log.ended_early;
+    let heard = log.calls;
     let calls: Vec<Call> = heard.iter().map(|(_, call)| *call).collect();
     let leading = watcher.evidence.leading;
     let smoothness = watcher.evidence.moves[leading].smoothness();
@@ -264,7 +271,10 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     let mut failures = Vec::new();
     for weighed in &rubric.metrics {
         let known = METRICS.iter().find(|known| known.name == weighed.name);
-        let Some(known) = known.filter(|known| known.needs.are_met(exercise)) else {
+        let is_there = |known: &&Definition| {
+            known.needs.are_met(exercise) && known.needs.are_there(measured.sites)
+        };
+        let Some(known) = known.filter(is_there) else {
             continue;
         };
         let value = measured.value(known.name);
@@ -303,6 +313,10 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
             pass: weighed.pass,
             deducted,
             definition: known.definition,
+            recorded_definition: weighed
+                .definition
+                .clone()
+                .filter(|recorded| recorded != known.definition),
             source: known.source,
         });
     }
@@ -314,7 +328,7 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     let deducted: f64 = grade.metrics.iter().map(|metric| metric.deducted).sum();
     sum = if sum > deducted { sum - deducted } else { 0.0 };
     for critical in &rubric.critical {
-        let value = measured.value(&critical.metric);
+        let value = measured.critical(&critical.metric);
         let known = find(&critical.metric).filter(|known| known.needs.are_met(exercise));
         if !happened(
             critical,
@@ -354,23 +368,35 @@ fn digits(metric: &Definition) -> u32 {
     }
 }
 
-/// What was called in a recording, as far as it makes sense, each with the last tick before it.
-///
-/// # Errors
-/// When the file changes meanwhile.
-pub fn calls(recording: &Recording, scene: &Scene) -> Result<Vec<(u64, Call)>, ReadError> {
-    let (mut all, mut tick) = (Vec::new(), 0);
-    for message in recording.messages() {
-        match message? {
-            Message::Row(row) => tick = row.tick,
-            Message::Event(event) => {
-                let said = Occurrence::parse(&event.text);
-                let said = said.filter(|said| said.kind == READING_CALLED);
-                let call = said.and_then(|said| Call::read(&said.data, scene).ok());
-                all.extend(call.map(|call| (tick, call)));
+/// What a recording's log says that a grade rests on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// What was called, as far as it makes sense, each with the last tick before it.
+    pub calls: Vec<(u64, Call)>,
+    /// Why the session ended before its time, in words.
+    pub ended_early: Option<&'static str>,
+}
+
+impl Log {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// When the file changes meanwhile.
+    pub fn read(recording: &Recording, scene: &Scene) -> Result<Self, ReadError> {
+        let (mut log, mut tick) = (Self::default(), 0);
+        for message in recording.messages() {
+            match message? {
+                Message::Row(row) => tick = row.tick,
+                Message::Event(event) => {
+                    log.ended_early = ended::early(&event.text).or(log.ended_early);
+                    let said = Occurrence::parse(&event.text);
+                    let said = said.filter(|said| said.kind == READING_CALLED);
+                    let call = said.and_then(|said| Call::read(&said.data, scene).ok());
+                    log.calls.extend(call.map(|call| (tick, call)));
+                }
+                _ => {}
             }
-            _ => {}
         }
+        Ok(log)
     }
-    Ok(all)
 }

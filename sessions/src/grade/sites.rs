@@ -20,6 +20,8 @@ use crate::exercise::Exercise;
 pub const READ_MM: f64 = 0.6;
 /// Shortest that a tip rests on the floor while a band is read, seconds. Chosen: a look from the floor's feel to the margin.
 pub const HELD_S: f64 = 0.5;
+/// Time from which a force that is too heavy is no tremor's, seconds. Chosen: two periods of the fastest.
+pub const PRESSED_S: f64 = 0.2;
 /// What is left of a tie after conversion to millimetres.
 const TIE: f64 = 1e-9;
 
@@ -78,6 +80,8 @@ pub struct SiteGrade {
     pub site: Site,
     /// Whether the exercise asks for it.
     pub asked: bool,
+    /// Whether the tip was in it, and not only passing.
+    pub probed: bool,
     /// Prescribed depth; null where the scene prescribes none.
     pub truth_mm: Option<f64>,
     /// Deepest reach of the tip at a force inside the target band; null where there was none.
@@ -93,6 +97,8 @@ pub struct SiteGrade {
     pub max_force_n: Option<f64>,
     /// Longest that a force of the target band or more stood on the floor, seconds; null where the tip never was.
     pub held_s: Option<f64>,
+    /// Longest that one heavier than the band by more than 0.05 N did, seconds; null where the tip never was.
+    pub pressed_s: Option<f64>,
     /// Mean tilt of the working end against the tooth's axis within 0.3 mm of the deepest place; null where the tip never was.
     pub tilt_deg: Option<f64>,
     /// And how far of it points into the col; null in the middle of a side.
@@ -122,9 +128,10 @@ impl SiteGrade {
         !site.is_proximal() && tooth % 10 >= 6
     }
 
-    /// Whether the tip was in the zone, and not only passing.
-    pub fn is_probed(&self) -> bool {
-        !matches!(self.finding, Finding::Missed | Finding::NotProbed)
+    /// Whether it was called after the tip had been there: a call from before is hearsay.
+    pub fn is_charted(&self) -> bool {
+        use Finding::{Missed, NotCalled, NotProbed};
+        self.probed && !matches!(self.finding, Missed | NotProbed | NotCalled)
     }
 
     /// Called less prescribed, mm.
@@ -136,6 +143,12 @@ impl SiteGrade {
     pub fn is_reached(&self, set: &Settings) -> bool {
         let both = self.measured_mm.zip(self.truth_mm);
         both.is_some_and(|(measured, truth)| measured >= truth - set.reached_mm - TIE)
+    }
+
+    /// Whether the tip was pressed into the floor for longer than a tremor does.
+    pub fn is_pressed(&self) -> bool {
+        self.pressed_s
+            .is_some_and(|pressed| pressed >= PRESSED_S - TIE)
     }
 
     /// Whether the tip rested on the floor for as long as it takes to read a band.
@@ -280,6 +293,7 @@ fn one(
         tooth,
         site,
         asked,
+        probed: seen.is_some_and(|seen| seen.stayed_at.is_some()),
         truth_mm: truth.map(|truth| mm(truth.depth)),
         measured_mm: seen.and_then(|seen| seen.measured).map(mm),
         called_mm: call.map(|call| call.depth_mm),
@@ -287,6 +301,7 @@ fn one(
         shown_mm: stood.map(|stood| mm(stood.shown())),
         max_force_n: seen.map(|seen| rounded(seen.max_force, 3)),
         held_s: seen.map(|seen| rounded(seen.held, 2)),
+        pressed_s: seen.map(|seen| rounded(seen.pressed, 2)),
         tilt_deg: stood.map(|stood| rounded(stood.tilt().to_degrees(), 1)),
         into_col_deg: stood
             .filter(|_| site.is_proximal())
@@ -300,10 +315,8 @@ fn one(
         furcation_called: call.and_then(|call| call.furcation),
         finding: Finding::Missed,
     };
-    // What was only called before the tip had been there is hearsay.
-    let stayed = seen.is_some_and(|seen| seen.stayed_at.is_some());
-    let stayed = stayed && heard.is_none_or(|heard| heard.felt);
-    grade.finding = grade.find(stayed, set);
+    let heard_before = heard.is_some_and(|heard| !heard.felt);
+    grade.finding = grade.find(grade.probed && !heard_before, set);
     grade
 }
 

@@ -57,16 +57,8 @@ impl Grade {
         if let Some(migrated) = &self.migrated {
             lines.push(format!("  migrated   {migrated}"));
         }
-        if let Some(used) = self
-            .rubric
-            .as_ref()
-            .filter(|used| !used.redefined.is_empty())
-        {
-            let names = used.redefined.join(", ");
-            lines.push(format!(
-                "  WARNING    defined otherwise in the recording: {}",
-                safe(&names)
-            ));
+        for (says, what) in self.reservations() {
+            lines.push(format!("  WARNING    {says}: {}", safe(&what)));
         }
         let Some(score) = self.score else {
             let why = self.reason.as_deref().unwrap_or("for no reason known");
@@ -138,11 +130,6 @@ impl Grade {
                 lines.extend(advice.sites.iter().map(|site| format!("      {site}")));
             }
         }
-        lines.extend(
-            self.missing
-                .iter()
-                .map(|what| format!("  the scene has not {}", safe(what))),
-        );
         lines.join("\n")
     }
 }

@@ -1,11 +1,13 @@
 //! The value of every metric, from the evidence and the zones. None where there is nothing to measure.
 
+use sulcus_core::math::fmax;
+
 use super::crown::Crown;
 use super::evidence::Evidence;
 use super::hands::Pressed;
 use super::rubric::Settings;
 use super::sites::SiteGrade;
-use super::stats::{longest_rising, mean, median, percent};
+use super::stats::{longest_rising, mean, middle_of_way, percent};
 use super::touches::{Touch, steps};
 use crate::events::call::Call;
 use crate::exercise::Exercise;
@@ -45,14 +47,11 @@ impl Measured<'_> {
     pub fn value(&self, name: &str) -> Option<f64> {
         let evidence = self.evidence;
         match name {
-            "zones_charted" => self.share(
-                |_| true,
-                |site| site.is_probed() && site.called_mm.is_some(),
-            ),
+            "zones_charted" => self.share(|_| true, SiteGrade::is_charted),
             "tour_order" => self.tour_order(),
-            "floor_reached" => self.share(SiteGrade::is_probed, |site| site.is_reached(self.set)),
+            "floor_reached" => self.share(|site| site.probed, |site| site.is_reached(self.set)),
             "misread" => self.share(
-                |site| site.is_probed() && site.is_reached(self.set) && site.called_mm.is_some(),
+                |site| site.is_charted() && site.is_reached(self.set),
                 |site| site.is_misread(self.set),
             ),
             "called_exact" => self.called_within(EXACT),
@@ -65,16 +64,21 @@ impl Measured<'_> {
             "touches_too_heavy" => {
                 self.share_of_touches(|touch| touch.peak > self.set.force_n[1] + FORGIVEN)
             }
-            "readings_held" => self.share(
-                |site| site.is_probed() && site.called_mm.is_some(),
-                SiteGrade::is_held,
-            ),
+            "readings_held" => self.share(SiteGrade::is_charted, SiteGrade::is_held),
+            "readings_too_heavy" => self.share(SiteGrade::is_charted, SiteGrade::is_pressed),
             "force_in_band" => evidence.floor.in_band_percent(),
-            "trauma_events" => Some(evidence.trauma as f64),
+            // Who never lets go enters once.
+            "trauma_events" => Some(fmax(
+                evidence.trauma as f64,
+                evidence.floor.trauma_s.floor(),
+            )),
             "damage_events" => Some(evidence.damage as f64),
             "angle_mid" => self.angle(false),
             "angle_proximal" => self.angle(true),
-            "walking_step" => median(&steps(self.touches)).map(|step| step * 1e3),
+            "walking_step" => {
+                let ours: Vec<Touch> = self.ours().copied().collect();
+                middle_of_way(&steps(&ours)).map(|step| step * 1e3)
+            }
             "withdrawals" => Some(evidence.withdrawals as f64),
             "recession_within_1mm" => self.share_once_said(
                 self.set.ask_recession,
@@ -108,6 +112,15 @@ impl Measured<'_> {
             "path_length" => Some(evidence.moves[evidence.leading].ways().0 * 1e3),
             "time" => evidence.hands.span_s(),
             _ => None,
+        }
+    }
+
+    /// The value that a critical error is looked for in: what was done too briefly to be graded can be one all the same.
+    pub fn critical(&self, name: &str) -> Option<f64> {
+        match name {
+            "mirror_force" => self.evidence.mirror.p95(),
+            "contact_force" => self.evidence.probe.p95(),
+            _ => self.value(name),
         }
     }
 
@@ -152,7 +165,7 @@ impl Measured<'_> {
         said: impl Fn(&SiteGrade) -> bool,
         part: impl Fn(&SiteGrade) -> bool,
     ) -> Option<f64> {
-        let of = |site: &SiteGrade| site.is_probed() && of(site);
+        let of = |site: &SiteGrade| site.probed && of(site);
         let any = |site: &SiteGrade| site.asked && of(site) && said(site);
         let any = required || self.sites.iter().any(any);
         self.share(of, part).filter(|_| any)
@@ -167,19 +180,25 @@ impl Measured<'_> {
 
     fn angle(&self, proximal: bool) -> Option<f64> {
         self.share(
-            |site| site.site.is_proximal() == proximal && site.is_probed(),
+            |site| site.site.is_proximal() == proximal && site.probed,
             |site| site.tilt_right == Some(true),
         )
     }
 
-    fn share_of_touches(&self, part: impl Fn(&Touch) -> bool) -> Option<f64> {
-        let teeth: Vec<u8> = self.exercise.zones.iter().map(|zone| zone.tooth).collect();
-        let ours = || {
-            self.touches
+    /// Touches of the teeth that were asked for.
+    fn ours(&self) -> impl Iterator<Item = &Touch> {
+        let asked = |touch: &&Touch| {
+            self.exercise
+                .zones
                 .iter()
-                .filter(|touch| teeth.contains(&touch.tooth))
+                .any(|zone| zone.tooth == touch.tooth)
         };
-        percent(ours().filter(|touch| part(touch)).count(), ours().count())
+        self.touches.iter().filter(asked)
+    }
+
+    fn share_of_touches(&self, part: impl Fn(&Touch) -> bool) -> Option<f64> {
+        let part = self.ours().filter(|touch| part(touch)).count();
+        percent(part, self.ours().count())
     }
 
     /// Share of the zones called that lie in the longest run in the order asked for, by their first call.

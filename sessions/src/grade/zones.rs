@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sulcus_core::math::fmax;
 use sulcus_core::tissue::gingiva::Site;
 
+use super::values::FORGIVEN;
 use crate::events::Standing;
 use crate::exercise::ProbingTask;
 
@@ -39,6 +40,8 @@ pub struct ZoneSeen {
     pub max_force: f64,
     /// Longest that a force of the target band or more stood on the floor, lapses ([`LAPSE`]) included, seconds.
     pub held: f64,
+    /// Longest that one heavier than the band by more than [`FORGIVEN`] did, likewise.
+    pub pressed: f64,
 }
 
 /// A tick, and the time that it stands for: more than its own where ticks before it were skipped.
@@ -94,12 +97,26 @@ impl Stood {
     }
 }
 
+/// From when to when a force has stood on the floor, seconds; none where none has yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Stands(Option<[f64; 2]>);
+
+impl Stands {
+    /// It stands until `to`, after `dt` more; how long it has.
+    fn goes_on(&mut self, to: f64, dt: f64) -> f64 {
+        let still = |[_, until]: &[f64; 2]| to - dt - until <= LAPSE + TIE;
+        let from = self.0.filter(still).map_or(to - dt, |[from, _]| from);
+        self.0 = Some([from, to]);
+        to - from
+    }
+}
+
 /// A zone, and the time in it by depth: at a correct force, and at any.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Zone {
     seen: ZoneSeen,
-    /// From when to when a force has stood on the floor, seconds.
-    stands: Option<[f64; 2]>,
+    /// From when to when a force has stood on the floor, seconds: of the band or more, and heavier than that.
+    stands: [Stands; 2],
     stood: [BTreeMap<u32, Stood>; 2],
 }
 
@@ -135,14 +152,12 @@ impl Zones {
         if correct {
             seen.measured = Some(seen.measured.map_or(at.depth, |deep| fmax(deep, at.depth)));
         }
+        let [bears, presses] = &mut zone.stands;
         if at.force >= band[0] {
-            let goes_on = |[_, until]: &[f64; 2]| to - dt - until <= LAPSE + TIE;
-            let from = zone
-                .stands
-                .filter(goes_on)
-                .map_or(to - dt, |[from, _]| from);
-            zone.stands = Some([from, to]);
-            seen.held = fmax(seen.held, to - from);
+            seen.held = fmax(seen.held, bears.goes_on(to, dt));
+        }
+        if at.force > band[1] + FORGIVEN {
+            seen.pressed = fmax(seen.pressed, presses.goes_on(to, dt));
         }
         let right = at.tilt.is_right(at.site, task);
         let now = Stood {
@@ -256,6 +271,9 @@ mod tests {
             let found = hold(force, ms);
             assert!((found - held).abs() < 1e-9, "{found}, not {held}");
         }
+        // The one at 0.6 N was too heavy, for 200 ms.
+        let pressed = zones.of(36, Site::Buccal).map_or(0.0, |seen| seen.pressed);
+        assert!((pressed - 0.2).abs() < 1e-9, "{pressed}");
         // Ticks that were skipped belong to the one after them (half a second of it), here after a lapse.
         let at = standing(36, Site::Buccal, 90.0, 2.0, 0.2);
         let now = Span {

@@ -71,9 +71,9 @@ pub fn input(k: u64) -> TickInput {
     let t = k as f64 * 1e-3;
     let tremor = ((k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / 16_777_216.0 - 0.5) * 4e-5;
     let position = Vec3::new(
-        0.007 * (0.7 * t).sin() + tremor,
-        0.001 * (1.9 * t).cos() - tremor,
-        0.09025 - 0.0005 - 0.0015 * (0.3 * t).sin().abs() + tremor,
+        0.007 * libm::sin(0.7 * t) + tremor,
+        0.001 * libm::cos(1.9 * t) - tremor,
+        0.09025 - 0.0005 - 0.0015 * libm::sin(0.3 * t).abs() + tremor,
     );
     let mut input = TickInput::IDLE;
     input.tools[0] = ToolInput {

@@ -8,6 +8,7 @@ use super::session::One;
 use super::{GradeArgs, file_name};
 use crate::cli::print::object;
 use crate::grade::revision::Proposal;
+use crate::grade::run::MEASURES_SOURCE;
 use crate::mode::Mode;
 
 /// For a terminal.
@@ -70,6 +71,10 @@ pub(super) fn json(path: &Path, one: &One) -> Value {
             site.retain(|key, _| IN_EXAM.contains(&key.as_str()));
         }
     }
+    json.insert(
+        "graded_by".into(),
+        json!({ "version": env!("CARGO_PKG_VERSION"), "measures": MEASURES_SOURCE }),
+    );
     json.insert("file".into(), json!(file_name(path)));
     json.insert("mode".into(), json!(one.shown.mode));
     json.insert("recorded_mode".into(), json!(one.shown.recorded));
@@ -80,4 +85,40 @@ pub(super) fn json(path: &Path, one: &One) -> Value {
         json!(revisions.map_or(&[][..], Vec::as_slice)),
     );
     Value::Object(json)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grade::test_help::zone;
+    use sulcus_core::tissue::gingiva::Site;
+
+    /// What is known of a zone and kept back in an exam.
+    const KEPT_BACK: [&str; 10] = [
+        "bled",
+        "deepest_mm",
+        "finding",
+        "furcation_truth",
+        "measured_mm",
+        "pressed_s",
+        "probed",
+        "recession_truth_mm",
+        "shown_mm",
+        "truth_mm",
+    ];
+
+    /// The prescribed furcation stood in an exam's JSON, as nobody had thought of it when it was new.
+    #[test]
+    fn whatever_a_zone_says_is_shown_in_an_exam_or_kept_back() {
+        let zone = json!(zone(Site::Buccal, 3.0, Some(3.0), Some(3)));
+        let keys: Vec<&str> = zone
+            .as_object()
+            .expect("an object")
+            .keys()
+            .map(String::as_str)
+            .collect();
+        let mut known = [&IN_EXAM[..], &KEPT_BACK].concat();
+        known.sort_unstable();
+        assert_eq!(keys, known);
+    }
 }

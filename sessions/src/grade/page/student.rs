@@ -8,6 +8,7 @@ use crate::grade::class::Session;
 use crate::grade::patient::PatientChart;
 use crate::grade::report::{Grade, MetricGrade};
 use crate::grade::revision::Proposal;
+use crate::grade::run::MEASURES_SOURCE;
 use crate::grade::sites::{Finding, SiteGrade};
 use crate::grade::{Graded, table};
 
@@ -142,8 +143,9 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     );
     let _ = write!(
         html,
-        "<p class=\"small\">recording {}; graded from its replay; {}{}{}</p></div>",
+        "<p class=\"small\">recording {}; graded from its replay by version {} (measures {MEASURES_SOURCE}); {}{}{}</p></div>",
         escaped(&session.file),
+        env!("CARGO_PKG_VERSION"),
         if grade.signer_trusted {
             format!("signed by the station&#8217;s key {}", escaped(short_key))
         } else {
@@ -167,19 +169,12 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     }
 }
 
-/// What takes from the grade's worth: what the scene has not, and metrics that the recording defined otherwise.
+/// What takes from the grade's worth.
 fn reservations(grade: &Grade) -> String {
-    let missing = grade.missing.join(", ");
-    let redefined = grade.rubric.as_ref().map(|used| used.redefined.join(", "));
-    let redefined = redefined.unwrap_or_default();
-    [
-        ("the scene has not ", missing),
-        ("defined otherwise in the recording: ", redefined),
-    ]
-    .iter()
-    .filter(|(_, what)| !what.is_empty())
-    .map(|(says, what)| format!("; <b>{says}{}</b>", escaped(what)))
-    .collect()
+    let all = grade.reservations();
+    let all = all.iter();
+    all.map(|(says, what)| format!("; <b>{says}: {}</b>", escaped(what)))
+        .collect()
 }
 
 fn metrics(html: &mut String, grade: &Grade) {
@@ -344,13 +339,19 @@ fn definitions(html: &mut String, grade: &Grade) {
         };
         let _ = writeln!(
             html,
-            "<p><b>{}</b> ({}, {unit}): {} <i>{}.</i> Full score at {}, none at {}.</p>",
+            "<p><b>{}</b> ({}, {unit}): {} <i>{}.</i> Full score at {}, none at {}.{}</p>",
             escaped(metric.title),
             escaped(metric.name),
             escaped(metric.definition),
             escaped(metric.source),
             target(metric),
-            escaped(&metric.zero.to_string()).replace('-', "&#8722;")
+            escaped(&metric.zero.to_string()).replace('-', "&#8722;"),
+            metric
+                .recorded_definition
+                .as_ref()
+                .map_or(String::new(), |recorded| {
+                    format!(" <b>In the recording:</b> {}", escaped(recorded))
+                })
         );
     }
     if let Some(set) = &grade.thresholds {

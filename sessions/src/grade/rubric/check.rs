@@ -320,4 +320,25 @@ mod tests {
         }
         assert!(rubric("crown").fits(&Exercise::free("free", 1.0)).is_err());
     }
+
+    #[test]
+    fn a_metric_of_another_program_is_left_out_where_a_recording_defines_it() {
+        let rubric = Rubric::built_in().remove(0);
+        let text = rubric.definition().expect("text");
+        let whole = Rubric::parse(&text).expect("a rubric");
+        assert_eq!(Rubric::recorded(&text), Ok((whole, vec![])));
+        let renamed = text.replace("\"probe_peak\"", "\"probe_push\"");
+        assert_ne!(renamed, text);
+        let (left, unknown) = Rubric::recorded(&renamed).expect("the rest holds");
+        assert_eq!(unknown, ["probe_push"]);
+        assert_eq!(left.metrics.len(), rubric.metrics.len() - 1);
+        assert!(left.critical.iter().all(|one| one.metric != "probe_peak"));
+        // In a file that somebody writes it is a slip.
+        let told = Rubric::parse(&renamed).expect_err("unknown").to_string();
+        assert!(told.contains("`probe_push`"), "{told}");
+        // And so it is where nothing says what it means.
+        let bare = toml::to_string(&rubric).expect("text");
+        let bare = bare.replace("\"probe_peak\"", "\"probe_push\"");
+        assert!(Rubric::recorded(&bare).is_err());
+    }
 }

@@ -173,6 +173,31 @@ impl Rubric {
         Self::parsed(text)
     }
 
+    /// A rubric from a recording, and the names of those of its metrics that this program does not know: where it was made by a later or
+    /// an earlier one, the others still say what they said.
+    ///
+    /// # Errors
+    /// As [`Rubric::parse`], but for metrics whose definition stands in the text.
+    pub fn recorded(text: &str) -> Result<(Self, Vec<String>), WrittenError> {
+        let mut rubric: Self = Self::read(text)?;
+        let is_known = |name: &str| definitions::find(name).is_some();
+        let unknown = |weighed: &&Weighed| !is_known(&weighed.name) && weighed.definition.is_some();
+        let unknown: Vec<String> = rubric
+            .metrics
+            .iter()
+            .filter(unknown)
+            .map(|weighed| weighed.name.clone())
+            .collect();
+        rubric
+            .metrics
+            .retain(|weighed| !unknown.contains(&weighed.name));
+        rubric
+            .critical
+            .retain(|critical| !unknown.contains(&critical.metric));
+        rubric.validate()?;
+        Ok((rubric, unknown))
+    }
+
     /// A rubric from its file.
     ///
     /// # Errors
@@ -225,7 +250,7 @@ impl Rubric {
             other(&weighed.definition, known.definition) || other(&weighed.unit, known.unit)
         };
         let all = self.metrics.iter().filter(|weighed| {
-            definitions::find(&weighed.name).is_none_or(|known| differs(weighed, known))
+            definitions::find(&weighed.name).is_some_and(|known| differs(weighed, known))
         });
         all.map(|weighed| weighed.name.as_str()).collect()
     }

@@ -87,18 +87,22 @@ fn calls_against_the_truth() {
 
 #[test]
 fn a_zone_in_passing_or_from_hearsay_is_not_charted() {
-    let with = |finding, called| SiteGrade {
+    let with = |probed, finding, called, measured| SiteGrade {
+        probed,
         finding,
-        ..zone(Buccal, 3.0, None, called)
+        ..zone(Buccal, 3.0, measured, called)
     };
     let by = By::hand(vec![
-        with(Finding::Missed, None),
-        with(Finding::NotProbed, Some(3)),
-        with(Finding::NotCalled, None),
-        with(Finding::NeverReachedFloor, Some(1)),
+        with(false, Finding::Missed, None, None),
+        with(false, Finding::NotProbed, Some(3), None),
+        // Called before the tip was there: what the tip did then counts all the same.
+        with(true, Finding::NotProbed, Some(3), Some(3.0)),
+        with(true, Finding::NotCalled, None, None),
+        with(true, Finding::NeverReachedFloor, Some(1), None),
     ]);
-    assert_eq!(by.value("zones_charted"), Some(25.0));
-    assert_eq!(by.value("floor_reached"), Some(0.0));
+    assert_eq!(by.value("zones_charted"), Some(20.0));
+    assert_eq!(by.value("floor_reached"), Some(100.0 / 3.0));
+    assert_eq!(by.value("angle_mid"), Some(100.0));
     assert_eq!(by.value("misread"), None);
     assert_eq!(By::hand(vec![]).value("zones_charted"), None);
 }
@@ -121,6 +125,67 @@ fn a_reading_is_held_for_half_a_second() {
     ]);
     assert_eq!(by.value("readings_held"), Some(50.0));
     assert_eq!(By::hand(vec![]).value("readings_held"), None);
+}
+
+#[test]
+fn a_reading_under_too_much_force_counts_however_light_the_walk_was() {
+    let pressed = |pressed_s| SiteGrade {
+        pressed_s,
+        ..zone(Buccal, 3.0, Some(3.0), Some(3))
+    };
+    let mut by = By::hand(vec![
+        pressed(Some(0.2)),
+        pressed(Some(1.5)),
+        pressed(Some(0.19)),
+        pressed(Some(0.0)),
+        SiteGrade {
+            finding: Finding::NotCalled,
+            ..pressed(Some(1.0))
+        },
+    ]);
+    assert_eq!(by.value("readings_too_heavy"), Some(50.0));
+    by.sites.clear();
+    assert_eq!(by.value("readings_too_heavy"), None);
+}
+
+#[test]
+fn who_stays_in_trauma_made_one_for_every_second() {
+    let mut by = By::hand(vec![]);
+    let zone = serde_json::json!({"zone": "trauma"});
+    let entered = crate::Occurrence {
+        kind: "force_zone".into(),
+        tick: 1,
+        data: zone,
+    };
+    by.evidence.happened(&entered);
+    let mut at = standing(36, Buccal, 90.0, 2.0, 0.6);
+    at.zone = sulcus_core::output::ForceZone::Trauma;
+    by.evidence.floor.observe(&at, 0.9, SET.force_n);
+    assert_eq!(by.value("trauma_events"), Some(1.0));
+    by.evidence.floor.observe(&at, 2.6, SET.force_n);
+    assert_eq!(by.value("trauma_events"), Some(3.0));
+}
+
+#[test]
+fn what_was_too_brief_to_be_graded_can_be_critical() {
+    let mut by = By::hand(vec![]);
+    by.evidence.mirror.observe(7.905, 4.5, 0.05);
+    let measured = |by: &By, name: &str| {
+        let measured = Measured {
+            exercise: &by.exercise,
+            evidence: &by.evidence,
+            sites: &by.sites,
+            calls: &by.calls,
+            touches: &by.touches,
+            smoothness: None,
+            set: &by.set,
+        };
+        (measured.value(name), measured.critical(name))
+    };
+    let (value, critical) = measured(&by, "mirror_force");
+    assert_eq!(value, None);
+    assert!((critical.expect("pressed") - 7.91).abs() < 1e-9);
+    assert_eq!(measured(&by, "damage_events"), (Some(0.0), Some(0.0)));
 }
 
 #[test]
@@ -156,7 +221,7 @@ fn touches_by_their_peaks_and_steps() {
     ];
     assert_eq!(by.value("touches_too_light"), Some(25.0));
     assert_eq!(by.value("touches_too_heavy"), Some(25.0));
-    // 15, 15 and 30 degrees at 4 mm: the median is 4 pi / 12 mm.
+    // 15, 15 and 30 degrees at 4 mm: half of the way was walked by 4 pi / 12 mm.
     let step = by.value("walking_step").expect("steps");
     assert!((step - std::f64::consts::FRAC_PI_3).abs() < 1e-9, "{step}");
 }
@@ -254,7 +319,7 @@ fn what_is_counted_or_gathered_is_said_as_it_is() {
     let mut bears = |site, seconds: f64| {
         let at = standing(36, site, 90.0, 3.0, 0.2);
         for _ in 0..(seconds * 1e3) as u32 {
-            by.evidence.stays(Some(&at), 1e-3);
+            by.evidence.stays(Some(&at), 1e-3, SET.force_n[0]);
         }
     };
     bears(Buccal, 0.25);
@@ -373,7 +438,7 @@ fn a_crown_is_covered_by_twelfths() {
     assert_eq!(by.value("crown_covered"), None);
     let mut crown = Crown::about(Vec3::zeros(), Vec3::repeat(6e-3));
     let mut touch = |degrees: f64, away: f64, force: f64| {
-        let (x, y) = (degrees.to_radians().cos(), degrees.to_radians().sin());
+        let (y, x) = libm::sincos(degrees.to_radians());
         let tip = Vec3::new(x, y, 0.0) * away;
         (0..20).for_each(|_| crown.observe(&tip, force, 1e-3));
     };
