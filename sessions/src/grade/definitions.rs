@@ -276,7 +276,7 @@ pub const METRICS: [Definition; 31] = [
         name: "walking_step",
         title: "walking step",
         unit: "mm",
-        definition: "Of the distances along the tooth between neighbouring places where the floor was touched, side by side of each tooth asked for: the one that makes half of the whole way, with all that are smaller; places nearer than 0.4 mm are one; the way of a touch that goes 2 mm along the tooth or farther without being lifted is a step as well.",
+        definition: "Median distance along the tooth between neighbouring places where the floor was touched, side by side of each tooth asked for; places nearer than 0.4 mm are one; the way of a touch that goes 2 mm along the tooth or farther without being lifted is a step as well.",
         source: "steps of 1 mm, 1 to 2 mm in other texts: Gehrig (LWW)",
         needs: Needs::Zones,
         missing_is_zero: false,

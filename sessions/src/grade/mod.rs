@@ -34,7 +34,7 @@ mod sparc;
 mod stats;
 mod table;
 #[cfg(test)]
-mod test_help;
+pub(crate) mod test_help;
 mod touches;
 mod values;
 mod zones;

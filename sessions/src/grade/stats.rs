@@ -10,18 +10,6 @@ pub fn median(sorted: &[f64]) -> Option<f64> {
     }
 }
 
-/// The step that, with all smaller ones, makes half of a way in `sorted` steps: unlike the median no number of little steps hides a
-/// few that are most of the way. None of none.
-pub fn middle_of_way(sorted: &[f64]) -> Option<f64> {
-    let whole: f64 = sorted.iter().sum();
-    let mut way = 0.0;
-    sorted.iter().copied().find(|step| {
-        way += step;
-        // (A tie is one after rounding, too.)
-        2.0 * way >= whole * (1.0 - 1e-9)
-    })
-}
-
 /// Mean; none of none.
 pub fn mean(all: &[f64]) -> Option<f64> {
     (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
@@ -63,15 +51,6 @@ mod tests {
         assert_eq!(median(&[3.0]), Some(3.0));
         assert_eq!(median(&[1.0, 2.0, 10.0]), Some(2.0));
         assert_eq!(median(&[1.0, 2.0, 4.0, 10.0]), Some(3.0));
-        assert_eq!(middle_of_way(&[]), None);
-        // 1 + 1 + 2 of 8 are half.
-        assert_eq!(middle_of_way(&[1.0, 1.0, 2.0, 4.0]), Some(2.0));
-        // Sixteen little steps and four long ones: most of the way was long.
-        let mixed: Vec<f64> = [0.5; 16].into_iter().chain([4.0; 4]).collect();
-        assert_eq!(
-            (median(&mixed), middle_of_way(&mixed)),
-            (Some(0.5), Some(4.0))
-        );
         assert_eq!(mean(&[1.0, 2.0, 6.0]), Some(3.0));
         assert_eq!(percent(3, 8), Some(37.5));
         assert_eq!(percent(0, 0), None);

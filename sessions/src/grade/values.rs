@@ -7,7 +7,7 @@ use super::evidence::Evidence;
 use super::hands::Pressed;
 use super::rubric::Settings;
 use super::sites::SiteGrade;
-use super::stats::{longest_rising, mean, middle_of_way, percent};
+use super::stats::{longest_rising, mean, median, percent};
 use super::touches::{Touch, steps};
 use crate::events::call::Call;
 use crate::exercise::Exercise;
@@ -77,7 +77,7 @@ impl Measured<'_> {
             "angle_proximal" => self.angle(true),
             "walking_step" => {
                 let ours: Vec<Touch> = self.ours().copied().collect();
-                middle_of_way(&steps(&ours)).map(|step| step * 1e3)
+                median(&steps(&ours)).map(|step| step * 1e3)
             }
             "withdrawals" => Some(evidence.withdrawals as f64),
             "recession_within_1mm" => self.share_once_said(

@@ -221,7 +221,7 @@ fn touches_by_their_peaks_and_steps() {
     ];
     assert_eq!(by.value("touches_too_light"), Some(25.0));
     assert_eq!(by.value("touches_too_heavy"), Some(25.0));
-    // 15, 15 and 30 degrees at 4 mm: half of the way was walked by 4 pi / 12 mm.
+    // 15, 15 and 30 degrees at 4 mm: the median is 4 pi / 12 mm.
     let step = by.value("walking_step").expect("steps");
     assert!((step - std::f64::consts::FRAC_PI_3).abs() < 1e-9, "{step}");
 }
