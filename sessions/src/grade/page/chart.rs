@@ -10,7 +10,7 @@ use crate::grade::patient::PatientChart;
 use crate::grade::sites::SiteGrade;
 
 /// A millimetre, and what a row shows of them towards the root and towards the crown.
-const MM: f64 = 4.7;
+const MM: f64 = 4.4;
 const ROOT_MM: f64 = 13.5;
 const CROWN_MM: f64 = 9.0;
 /// Height of a line of numbers, and width of what is written beside.

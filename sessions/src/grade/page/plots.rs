@@ -9,7 +9,7 @@ use crate::grade::series::{Point, STEP_S};
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 60.0;
 const RIGHT: f64 = 6.0;
-const HIGH: f64 = 52.0;
+const HIGH: f64 = 46.0;
 /// Most columns that a plot is made of.
 const COLUMNS: usize = 1400;
 

@@ -143,9 +143,8 @@ fn head(html: &mut String, session: &Session, look: &Look<'_>) {
     );
     let _ = write!(
         html,
-        "<p class=\"small\">recording {}; graded from its replay by version {} (measures {MEASURES_SOURCE}); {}{}{}</p></div>",
+        "<p class=\"small\">recording {}; graded from its replay; {}{}{}</p></div>",
         escaped(&session.file),
-        env!("CARGO_PKG_VERSION"),
         if grade.signer_trusted {
             format!("signed by the station&#8217;s key {}", escaped(short_key))
         } else {
@@ -357,7 +356,12 @@ fn definitions(html: &mut String, grade: &Grade) {
     if let Some(set) = &grade.thresholds {
         let _ = writeln!(html, "<p><b>Thresholds</b>: {}.</p>", escaped(&set.words()));
     }
-    html.push_str("<p>Scores lie straight between both; the total is their mean by weight, less what is taken off for essentials, and is rounded to 0.1. Percentages and seconds are rounded to 0.1, millimetres to 0.01, newtons to 0.01.</p></details>\n");
+    html.push_str("<p>Scores lie straight between both; the total is their mean by weight, less what is taken off for essentials, and is rounded to 0.1. Percentages and seconds are rounded to 0.1, millimetres to 0.01, newtons to 0.01.</p>\n");
+    let _ = writeln!(
+        html,
+        "<p>Graded by program version {}, measures {MEASURES_SOURCE} (a hash over the sources of tick, events and grade).</p></details>",
+        env!("CARGO_PKG_VERSION")
+    );
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ ol{margin:2px 0;padding-left:18px;font-size:11.5px}li{margin-bottom:2px}
 .sites{font-size:10.5px;color:#333}
 details{margin-top:8px;font-size:11.5px}
 details p{margin:3px 0}
-@media print{main{max-width:none;padding:0;zoom:.9}h2{margin-top:4px}ol{font-size:10.5px}li{margin-bottom:1px}table{line-height:1.15}
+@media print{main{max-width:none;padding:0;zoom:.88}h2{margin-top:4px}ol{font-size:10.5px}li{margin-bottom:1px}table{line-height:1.08}
 .two{grid-template-columns:minmax(0,1.2fr) minmax(0,1fr)}details{display:none}section,tr,svg{break-inside:avoid}}
 @media(max-width:620px){.two{grid-template-columns:1fr}}
 ";
