@@ -67,6 +67,41 @@ fn the_virtual_demo_is_recorded_and_replays_bit_for_bit() {
 }
 
 #[test]
+fn depths_and_grade_are_not_shown_before_an_own_score_is_given() {
+    let place = Place::new();
+    let demo = [
+        "demo",
+        "--virtual",
+        "--exercise",
+        "probing",
+        "--duration",
+        "4",
+        "--json",
+    ];
+    let own = [&demo[..], &["--mode", "self-assessment"]].concat();
+    let shown = place
+        .run_path(Program::Client.release_path(), &own)
+        .ok()
+        .json();
+    assert_eq!(shown["mode"], "self-assessment", "{shown}");
+    assert!(
+        shown["pocket"].is_null() && shown["grade"].is_null(),
+        "{shown}"
+    );
+    assert_eq!(shown["events"]["calls"], serde_json::json!([]), "{shown}");
+    let file = place.recording();
+    let file = file.to_str().expect("plain");
+    let sessions = Program::Sessions.release_path();
+    place
+        .run_path(sessions, &["grade", file])
+        .refused(&["--self-score is missing", "expected 0 to 100"]);
+    let grade = ["grade", file, "--self-score", "40", "--json"];
+    let grade = place.run_path(sessions, &grade).ok().json();
+    assert_eq!(grade["self_score"], 40.0, "{grade}");
+    assert!(grade["score"].is_f64(), "{grade}");
+}
+
+#[test]
 fn the_same_seed_gives_the_same_session_and_another_seed_another() {
     let hashes = |seed: &str| {
         let place = Place::new();

@@ -21,6 +21,38 @@ fn what_two_commands_record_is_graded() {
     join(&place, &server, &["--exercise", "probing"]).refused(&["`probing`", "`crown`"]);
 }
 
+/// Which mode a session was in was a word of whoever graded it.
+#[test]
+fn an_exam_is_one_because_the_station_says_so() {
+    let place = Place::new();
+    let server = place.serve(&["--mode", "exam"]);
+    join(&place, &server, &[]).ok();
+    let file = place.recording();
+    let file = file.to_str().expect("plain");
+    // Graded on the station itself, whose key is the trusted one then.
+    let grade = place
+        .run(Program::Sessions, &["grade", file, "--json"])
+        .ok()
+        .json();
+    assert_eq!(
+        (&grade["mode"], &grade["recorded_mode"]),
+        (&"exam".into(), &"exam".into())
+    );
+    assert_eq!(grade["signer_trusted"], true, "{grade}");
+    assert!(
+        grade["advice"].is_null() && grade["score"].is_f64(),
+        "{grade}"
+    );
+    place
+        .run(Program::Sessions, &["grade", file, "--truth"])
+        .refused(&["--truth is given", "expected not in an exam"]);
+    let info = place
+        .run(Program::Sessions, &["info", file, "--json"])
+        .ok()
+        .json();
+    assert_eq!(info["mode"], "exam", "{info}");
+}
+
 /// An exercise brings its scene; a station that asks for nothing takes whatever is performed.
 #[test]
 fn an_exercise_brings_its_scene_and_a_free_station_takes_any() {
