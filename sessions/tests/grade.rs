@@ -72,6 +72,18 @@ fn record_with(
     recorder.finish(end).unwrap();
 }
 
+/// An instructor's word.
+const REVISE: [&str; 8] = [
+    "--revise",
+    "81",
+    "--by",
+    "t04",
+    "--at",
+    "2026-11-24",
+    "--reason",
+    "seen",
+];
+
 struct Place(tempfile::TempDir);
 
 impl Place {
@@ -574,19 +586,9 @@ fn of_copies_the_one_that_says_most_counts() {
     let bytes = std::fs::read(place.session()).unwrap();
     std::fs::write(place.path("a-torn.mcap"), &bytes[..bytes.len() / 2]).unwrap();
     std::fs::copy(place.path("session.mcap"), place.path("b-copy.mcap")).unwrap();
-    let revise = [
-        "--revise",
-        "81",
-        "--by",
-        "t04",
-        "--at",
-        "2026-11-24",
-        "--reason",
-        "seen",
-    ];
     assert_eq!(
         place
-            .run(&[&["grade", "session.mcap"][..], &revise].concat())
+            .run(&[&["grade", "session.mcap"][..], &REVISE].concat())
             .0,
         0
     );
@@ -626,17 +628,7 @@ fn what_cannot_be_kept_does_not_hide_the_grade() {
     place.session();
     // Where the draft would be written is a folder.
     std::fs::create_dir(place.path("session.mcap.grade.json.new")).unwrap();
-    let revise = [
-        "--revise",
-        "81",
-        "--by",
-        "t04",
-        "--at",
-        "2026-11-24",
-        "--reason",
-        "seen",
-    ];
-    let (code, table, said) = place.run(&[&["grade", "session.mcap"][..], &revise].concat());
+    let (code, table, said) = place.run(&[&["grade", "session.mcap"][..], &REVISE].concat());
     assert_eq!(code, 2);
     assert!(
         table.contains("score      ") && !table.contains("REVISED"),
@@ -649,17 +641,7 @@ fn what_cannot_be_kept_does_not_hide_the_grade() {
 fn a_revision_says_what_was_proposed_then_where_that_was_something_else() {
     let place = Place::new();
     place.session();
-    let revise = [
-        "--revise",
-        "81",
-        "--by",
-        "t04",
-        "--at",
-        "2026-11-24",
-        "--reason",
-        "seen",
-    ];
-    let (_, table, _) = place.run(&[&["grade", "session.mcap"][..], &revise].concat());
+    let (_, table, _) = place.run(&[&["grade", "session.mcap"][..], &REVISE].concat());
     assert!(!table.contains("THEN"), "{table}");
     let mut other = Rubric::of(&Exercise::built_in()[0]).unwrap();
     let was = other.version;

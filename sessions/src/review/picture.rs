@@ -9,7 +9,7 @@ use sulcus_view::{
 };
 
 use super::frame::millimetres;
-use crate::exercise::Exercise;
+use crate::exercise::{Exercise, Kind};
 use crate::read::Recording;
 
 /// Length of an arrow for a newton, mm.
@@ -30,7 +30,9 @@ const RETRACTION_UP: f64 = 1.0;
 pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> ReviewPicture {
     let probe = probe_of(scene);
     let gingiva = scene.objects.iter().find_map(gingiva_of);
-    let pocketed = gingiva.is_some();
+    // Where the tongue alone is held aside, a pocket and what is felt in it would be an empty frame.
+    let probes = exercise.kind != Kind::Retraction;
+    let gingiva = gingiva.filter(|_| probes);
     ReviewPicture {
         name: recording.header().exercise_name.clone(),
         about: about(recording, scene, exercise),
@@ -47,11 +49,11 @@ pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> R
         parts: scene.objects.iter().map(part).collect(),
         teeth: teeth(scene),
         span_ns: [0, 0],
-        reading_band_n: pocketed.then_some(exercise.probing.force_n),
+        reading_band_n: gingiva.map(|_| exercise.probing.force_n),
         trauma_n: gingiva.map(|gingiva| gingiva.params.trauma),
         overview: overview(scene),
         retraction: retraction(scene, exercise),
-        close_up: CLOSE_UP,
+        close_up: probes.then_some(CLOSE_UP),
         arrow_mm_per_n: ARROW_MM_PER_N,
         work: vec![
             "collide-and-solve passes".to_owned(),

@@ -28,6 +28,20 @@ pub(crate) enum Part {
     View(Box<View>),
 }
 
+#[cfg(test)]
+impl Part {
+    /// Names of the views in it.
+    pub(crate) fn names(&self) -> Vec<&str> {
+        match self {
+            Self::Row(parts) | Self::Column(parts) => {
+                parts.iter().flat_map(|(_, part)| part.names()).collect()
+            }
+            Self::Tabs(parts) => parts.iter().flat_map(Self::names).collect(),
+            Self::View(view) => vec![&view.name],
+        }
+    }
+}
+
 /// One view.
 pub(crate) struct View {
     class: &'static str,

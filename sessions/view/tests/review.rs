@@ -57,7 +57,7 @@ fn picture() -> ReviewPicture {
         trauma_n: Some(0.5),
         overview: eye,
         retraction: Some(eye),
-        close_up: eye,
+        close_up: Some(eye),
         arrow_mm_per_n: 10.0,
         work: vec!["passes".into()],
         slider: Slider::Start,

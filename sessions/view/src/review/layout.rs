@@ -28,7 +28,8 @@ const SEE_THROUGH: u8 = 105;
 /// The layout of a review.
 pub(super) fn of(picture: &ReviewPicture) -> Part {
     let scale = picture.arrow_mm_per_n;
-    let mut below = vec![(1.0, close_up(picture))];
+    let close_up = picture.close_up.map(|eye| close_up(picture, eye));
+    let mut below: Vec<(f32, Part)> = close_up.map(|part| (1.0, part)).into_iter().collect();
     if let Some(eye) = picture.retraction {
         let tongue = space(
             "tongue",
@@ -56,7 +57,11 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
         ],
         picture.overview,
     );
-    let space = Part::Column(vec![(1.1, overview.into_part()), (1.0, Part::Row(below))]);
+    let mut space = vec![(1.1, overview.into_part())];
+    if !below.is_empty() {
+        space.push((1.0, Part::Row(below)));
+    }
+    let space = Part::Column(space);
     let log = View::new("TextLog", "what happened", &[EVENTS]).with("TextLogColumns", columns());
     let about = View::new("TextDocument", "this session, and how to read it", &[ABOUT]);
     let named = |names: &[&str], colours: &[&str]| -> String {
@@ -72,22 +77,26 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
     let hands = named(&tools, &["yellow", "blue"]);
     let work: Vec<&str> = picture.work.iter().map(String::as_str).collect();
     let work = named(&work, &["grey", "green", "yellow"]);
-    let numbers = Part::Column(vec![
-        (1.3, lanes(picture)),
-        (
-            1.15,
-            plot(
-                "force on the floor of the pocket, N (green: reading band; red: trauma)",
-                "/plots/floor_force/**",
+    let mut numbers = vec![(1.3, lanes(picture))];
+    if picture.reading_band_n.is_some() {
+        numbers.extend([
+            (
+                1.15,
+                plot(
+                    "force on the floor of the pocket, N (green: reading band; red: trauma)",
+                    "/plots/floor_force/**",
+                ),
             ),
-        ),
-        (
-            1.15,
-            plot(
-                "depth of the tip below the margin, mm (grey: prescribed; diamonds: called)",
-                "/plots/depth/**",
+            (
+                1.15,
+                plot(
+                    "depth of the tip below the margin, mm (grey: prescribed; diamonds: called)",
+                    "/plots/depth/**",
+                ),
             ),
-        ),
+        ]);
+    }
+    numbers.extend([
         (
             0.9,
             plot(&format!("force on the hand, N{hands}"), "/plots/force/**"),
@@ -105,6 +114,7 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
         ),
         (1.4, Part::Tabs(vec![log.into_part(), about.into_part()])),
     ]);
+    let numbers = Part::Column(numbers);
     Part::Row(vec![(1.55, space), (1.0, numbers)])
 }
 
@@ -128,7 +138,7 @@ fn space(name: &str, contents: &[&str], eye: Eye) -> View {
 
 /// The pocket from outside the tooth, in a frame that follows the tip; the gingiva is seen through, what would stand
 /// between is left out.
-fn close_up(picture: &ReviewPicture) -> Part {
+fn close_up(picture: &ReviewPicture, eye: Eye) -> Part {
     let tool = picture
         .tools
         .get(picture.probe)
@@ -159,7 +169,7 @@ fn close_up(picture: &ReviewPicture) -> Part {
             SEE_THROUGH,
         ))
         .with_face_rendering(rerun::components::MeshFaceRendering::Front);
-    space("pocket (gingiva seen through)", &contents, picture.close_up)
+    space("pocket (gingiva seen through)", &contents, eye)
         .origin(CLOSE_UP)
         .with("defaults", through)
         .into_part()
@@ -170,7 +180,10 @@ fn lanes(picture: &ReviewPicture) -> Part {
         .tools
         .get(picture.probe)
         .map_or("probe", |tool| &tool.name);
-    let name = format!("where the {tool} is, how heavy, and whether the target is seen");
+    let name = match picture.reading_band_n {
+        Some(_) => format!("where the {tool} is, how heavy, and whether the target is seen"),
+        None => "whether the target is seen".to_owned(),
+    };
     View::new("StateTimeline", name, &["/lanes/**"])
         .with("TimeAxis", all_of(picture))
         .into_part()
@@ -289,4 +302,59 @@ pub(super) fn styles(stream: &RecordingStream, picture: &ReviewPicture) -> Resul
         stream.log_static(lane.path(), &style)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::review::picture::{MeshPicture, Slider, ToolPicture};
+
+    /// A review of the tongue alone had half of its frames empty.
+    #[test]
+    fn nothing_is_laid_out_that_would_be_empty() {
+        let eye = Eye {
+            at: [1.0, 0.0, 1.0],
+            on: [0.0; 3],
+        };
+        let mut picture = ReviewPicture {
+            name: String::new(),
+            about: String::new(),
+            tools: vec![ToolPicture {
+                name: "mirror".into(),
+                mesh: MeshPicture::default(),
+                tip: [0.0; 3],
+            }],
+            probe: 0,
+            parts: Vec::new(),
+            teeth: Vec::new(),
+            span_ns: [0, 1],
+            reading_band_n: Some([0.2, 0.25]),
+            trauma_n: None,
+            overview: eye,
+            retraction: Some(eye),
+            close_up: Some(eye),
+            arrow_mm_per_n: 20.0,
+            work: Vec::new(),
+            slider: Slider::Start,
+        };
+        let has = |picture: &ReviewPicture| {
+            let layout = of(picture);
+            let names = layout.names();
+            let any = |word: &str| names.iter().any(|name| name.starts_with(word));
+            [
+                "mouth",
+                "pocket",
+                "tongue",
+                "force on the floor",
+                "depth",
+                "what happened",
+            ]
+            .map(any)
+        };
+        assert_eq!(has(&picture), [true; 6]);
+        (picture.reading_band_n, picture.close_up) = (None, None);
+        assert_eq!(has(&picture), [true, false, true, false, false, true]);
+        picture.retraction = None;
+        assert_eq!(has(&picture), [true, false, false, false, false, true]);
+    }
 }

@@ -106,7 +106,8 @@ pub struct ReviewPicture {
     pub teeth: Vec<Label>,
     /// First and last moment of what is shown, nanoseconds since the session began.
     pub span_ns: [i64; 2],
-    /// Force on the floor at which a depth is to be read, N.
+    /// Force on the floor at which a depth is to be read, N; none where no pocket is probed: neither force on a floor nor depth is
+    /// plotted then.
     pub reading_band_n: Option<[f64; 2]>,
     /// Force on the floor from which healthy tissue bleeds, N.
     pub trauma_n: Option<f64>,
@@ -114,8 +115,8 @@ pub struct ReviewPicture {
     pub overview: Eye,
     /// Where the tongue's retraction is seen from, where there is a tongue.
     pub retraction: Option<Eye>,
-    /// Where the close-up's eye stands and what it looks at, in the frame that follows the tip.
-    pub close_up: Eye,
+    /// Where the close-up's eye stands and what it looks at, in the frame that follows the tip; none where no tip is at work.
+    pub close_up: Option<Eye>,
     /// How long an arrow is for a newton, mm.
     pub arrow_mm_per_n: f32,
     /// Numbers of work of a tick, for the legend.
