@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Hash over the sources in these folders, the core's manifest, and the versions of all that the workspace is built on. Two builds of
-/// equal hash have the same tick (the same measures); of two that differ they may be the same.
+/// equal hash have the same of what is there; of two that differ it may be the same.
 fn source(folders: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut files = Vec::new();
     for folder in folders {

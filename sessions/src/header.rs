@@ -12,7 +12,7 @@ pub const FORMAT_VERSION: &str = "4";
 pub(crate) const METADATA: &str = "sulcus";
 /// Key in it that recordings of before 24 November 2026 do not have.
 const TICK_SOURCE: &str = "tick_source";
-/// Another of that day.
+/// Another that those do not have.
 const MODE: &str = "mode";
 /// Name of the compiled scene's attachment.
 pub(crate) const SCENE: &str = "scene.bin";

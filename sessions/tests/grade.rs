@@ -403,7 +403,10 @@ fn modes_ask_for_what_they_need() {
 impl Place {
     fn recorded_as(&self, name: &str, mode: Mode) -> PathBuf {
         let path = self.path(name);
-        record_with(&path, 3000, key(), 0, |header, _| header.mode = Some(mode));
+        record_with(&path, 3000, key(), 0, |header, _| {
+            header.mode = Some(mode);
+            header.learner_id = format!("{mode}-1");
+        });
         path
     }
 
@@ -489,14 +492,13 @@ fn what_was_recorded_as_an_exam_is_shown_as_one_unless_something_else_is_asked_f
         let column = header.iter().position(|one| one == name).unwrap();
         rows[row][column].to_owned()
     };
-    // (Both have one learner, exercise and time: a session and its copy, of which the first counts.)
-    assert_eq!(rows.len(), 1);
-    assert_eq!(of(0, "mode"), "exam");
+    assert_eq!(rows.len(), 2);
+    let modes = [0, 1].map(|row| (of(row, "mode"), of(row, "recorded_mode")));
+    let both = |mode: &str| (mode.to_owned(), mode.to_owned());
+    assert_eq!(modes, [both("exam"), both("practice")]);
     assert_eq!(of(0, "final_score"), shown["score"].to_string());
-    assert_eq!(
-        of(0, "pass_mark"),
-        shown["pass_mark"].as_f64().unwrap().to_string()
-    );
+    let mark = shown["pass_mark"].as_f64().unwrap();
+    assert_eq!(of(0, "pass_mark"), mark.to_string());
 }
 
 #[test]
@@ -516,6 +518,13 @@ fn an_own_score_is_asked_for_first_where_the_session_was_recorded_so() {
         0
     );
     let json = place.json(&[&own[..], &["--json"]].concat());
+    // The first one counts.
+    let second = [&own[..], &["--self-score", "90"]].concat();
+    assert!(
+        place
+            .told(&second)
+            .contains("own.mcap: revision: self_score is 90, expected 55")
+    );
     assert_eq!(
         (&json["self_score"], &json["mode"]),
         (&55.0.into(), &"self-assessment".into())
@@ -549,6 +558,7 @@ fn no_recording_and_nothing_that_is_read_is_written_over() {
     let before = std::fs::read(&path).unwrap();
     std::fs::copy(&path, place.path("other.mcap")).unwrap();
     let names = "learner_id,name\na7f3,Doe\n";
+    std::fs::write(place.path("session.mcap.grade.json"), "kept").unwrap();
     std::fs::write(place.path("names.csv"), names).unwrap();
     let around = format!(
         "./../{}/session.mcap",
@@ -559,6 +569,7 @@ fn no_recording_and_nothing_that_is_read_is_written_over() {
         (around.as_str(), "which is read as"),
         ("names.csv", "which is read as"),
         ("other.mcap", "which is a recording"),
+        ("session.mcap.grade.json", "which is read as"),
     ] {
         let args = [
             "grade",
@@ -635,6 +646,23 @@ fn what_cannot_be_kept_does_not_hide_the_grade() {
         "{table}"
     );
     assert!(said.contains("to keep it, grade a copy"), "{said}");
+    // What is wrong with the word itself is said before anything is done.
+    let blank = [
+        "--revise",
+        "81",
+        "--by",
+        "t04",
+        "--at",
+        "2026-11-24",
+        "--reason",
+        " ",
+    ];
+    let told = place.told(&[&["grade", "session.mcap"][..], &blank].concat());
+    assert!(
+        told.contains("session.mcap: revision: reason is 1 bytes long"),
+        "{told}"
+    );
+    assert!(!told.contains("grade a copy"), "{told}");
 }
 
 #[test]
@@ -673,7 +701,7 @@ fn a_session_that_ended_early_says_so_in_its_grade() {
     let grade = plain(std::fs::read(&path).unwrap());
     assert_eq!(
         grade.ended_early,
-        Some("the connection to the client was lost")
+        Some("the connection to the client was lost, or it closed it")
     );
     assert!(grade.score.is_some());
     let (_, table, _) = place.run(&["grade", "lost.mcap", "--html", "pages"]);
@@ -718,7 +746,7 @@ fn a_recorded_rubric_is_graded_by_as_far_as_its_metrics_are_known() {
     );
     let text = grade.text(false, false);
     for words in [
-        "not known to this program: probe_push",
+        "(nor what would fail by it): probe_push",
         "defined otherwise in the recording: crown_covered",
     ] {
         assert!(text.contains(words), "{text}");

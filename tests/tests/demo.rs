@@ -75,7 +75,7 @@ fn depths_and_grade_are_not_shown_before_an_own_score_is_given() {
         "--exercise",
         "probing",
         "--duration",
-        "4",
+        "12",
         "--json",
     ];
     let own = [&demo[..], &["--mode", "self-assessment"]].concat();
@@ -98,6 +98,12 @@ fn depths_and_grade_are_not_shown_before_an_own_score_is_given() {
     let grade = ["grade", file, "--self-score", "40", "--json"];
     let grade = place.run_path(sessions, &grade).ok().json();
     assert_eq!(grade["self_score"], 40.0, "{grade}");
+    // There was something to be withheld.
+    let sites = grade["sites"].as_array().expect("sites");
+    assert!(
+        sites.iter().any(|site| site["called_mm"].is_u64()),
+        "{grade}"
+    );
     assert!(grade["score"].is_f64(), "{grade}");
 }
 

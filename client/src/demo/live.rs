@@ -6,7 +6,6 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use sulcus_proto::control::EndReason;
 use sulcus_server::{Exercise, Server, ServerConfig};
-use sulcus_sessions::Mode;
 
 use crate::cli::DemoArgs;
 use crate::demo::check;
@@ -81,10 +80,8 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     }
     let checked = check::check(&recording, steps)?;
     // (The wire carries no readings: what happened is known from the replay.)
-    if args.mode == Mode::Practice {
-        for line in &checked.zones {
-            eprintln!("{line}");
-        }
+    for line in &checked.zones {
+        eprintln!("{line}");
     }
     Ok(DemoSummary {
         recording,

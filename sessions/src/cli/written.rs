@@ -19,7 +19,7 @@ pub(super) fn may_write<'a>(
         // Nothing is there yet, or nothing that this program may see: writing it says why.
         return Ok(());
     };
-    let same = |path: &&Path| path.canonicalize().is_ok_and(|path| path == real);
+    let same = |path: &&Path| path.canonicalize().is_ok_and(|path| is_same(&path, &real));
     if let Some(same) = read.into_iter().find(same) {
         anyhow::bail!(
             "{option} is `{}`, which is read as `{}`, expected another file: what is in it would be lost",
@@ -37,6 +37,19 @@ pub(super) fn may_write<'a>(
         out.display()
     );
     Ok(())
+}
+
+/// Whether two paths are one file: by their names without links, or as two names of it.
+fn is_same(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        let id = |path: &Path| std::fs::metadata(path).map(|file| (file.dev(), file.ino()));
+        if let (Ok(a), Ok(b)) = (id(a), id(b)) {
+            return a == b;
+        }
+    }
+    a == b
 }
 
 #[cfg(test)]
@@ -71,6 +84,11 @@ mod tests {
             told.starts_with("--csv is `") && told.contains("which is read as"),
             "{told}"
         );
+        #[cfg(unix)]
+        {
+            std::fs::hard_link(path("table.csv"), path("same.csv")).expect("linked");
+            assert!(check(&path("same.csv"), &[&path("table.csv")]).is_err());
+        }
         // A shell that put the first recording of a folder behind an option.
         let told = check(&path("session.mcap"), &[])
             .expect_err("a recording")

@@ -26,13 +26,21 @@ pub fn advice(
         metric.name == "zones_charted" && metric.score.is_some_and(|score| score < GOOD)
     };
     let not_charted = metrics.iter().any(not_charted);
-    let measured = |metric: &&MetricGrade| metric.value.is_some() || !not_charted;
+    let of_zones = |name: &str| {
+        use definitions::Needs::{MidZones, ProximalZones, Zones};
+        definitions::find(name)
+            .is_some_and(|known| matches!(known.needs, Zones | MidZones | ProximalZones))
+    };
+    let follows =
+        |metric: &MetricGrade| not_charted && metric.value.is_none() && of_zones(metric.name);
     let mut lost: Vec<(f64, &MetricGrade)> = metrics
         .iter()
-        .filter(measured)
         .filter_map(|metric| {
             if critical.iter().any(|one| one.metric == metric.name) {
                 return Some((f64::INFINITY, metric));
+            }
+            if follows(metric) {
+                return None;
             }
             let score = metric.score.filter(|score| *score < GOOD)?;
             let points = metric.weight * (100.0 - score);

@@ -50,10 +50,13 @@ impl Session {
         self.shown.mode == Mode::Exam
     }
 
-    /// Whether both are of one learner at one exercise. Who has no id is nobody's other attempt.
+    /// Whether both are of one learner at one exercise, and both exams or neither. Who has no id is nobody's other attempt.
     pub fn is_of_the_same(&self, other: &Self) -> bool {
         let (a, b) = (&self.grade, &other.grade);
-        !a.learner_id.is_empty() && a.learner_id == b.learner_id && a.exercise == b.exercise
+        !a.learner_id.is_empty()
+            && a.learner_id == b.learner_id
+            && a.exercise == b.exercise
+            && self.is_exam() == other.is_exam()
     }
 
     /// How much it says, to compare copies: whether there is a grade, how much an instructor said, whether the learner did.
@@ -85,7 +88,7 @@ impl Session {
     }
 }
 
-/// Numbers the attempts: sessions of one learner at one exercise, by when they began.
+/// Numbers the attempts: sessions of one learner at one exercise, exams apart, by when they began.
 pub fn number_attempts(sessions: &mut [Session]) {
     sessions.sort_by(|a, b| {
         let key = |s: &Session| {
@@ -93,6 +96,7 @@ pub fn number_attempts(sessions: &mut [Session]) {
             (
                 grade.exercise.clone(),
                 grade.learner_id.clone(),
+                s.is_exam(),
                 grade.started_unix_ns,
                 s.file.clone(),
             )
@@ -132,6 +136,7 @@ pub fn csv(
         "exercise",
         "attempt",
         "mode",
+        "recorded_mode",
         "started_utc",
         "started_unix_ns",
         "rubric",
@@ -167,6 +172,7 @@ pub fn csv(
         row.extend([
             plain(&grade.exercise),
             session.attempt.to_string(),
+            session.shown.mode.to_string(),
             session
                 .shown
                 .recorded

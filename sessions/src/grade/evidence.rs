@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use sulcus_core::contact::Contact;
 use sulcus_core::math::norm;
-use sulcus_core::output::status;
+use sulcus_core::output::{ForceZone, status};
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
 
@@ -207,7 +207,7 @@ impl Evidence {
         loads.map(|(_, load)| load).sum()
     }
 
-    /// What is done in a tick of a pause is no student's doing: the hand feels nothing, and time stands still.
+    /// What is done in a tick of a pause is no student's doing: the hand feels nothing, and no time is counted.
     fn pauses(&mut self, tick: u64, tick_s: f64) {
         self.last_tick = tick;
         self.moves
@@ -230,6 +230,15 @@ impl Evidence {
             .extend(self.here.filter(long).map(|(zone, _)| zone));
     }
 
+    /// The force on a floor has come into a zone.
+    fn enters(&mut self, zone: ForceZone) {
+        match zone {
+            ForceZone::Trauma => self.trauma += 1,
+            ForceZone::Damage => self.damage += 1,
+            ForceZone::Light | ForceZone::TooHeavy => {}
+        }
+    }
+
     /// Takes in what happened in the tick.
     pub fn happened(&mut self, said: &Occurrence) {
         let is = |key: &str, what: &str| said.data[key] == what;
@@ -239,16 +248,20 @@ impl Evidence {
             Some((tooth, Site::from_name(said.data[site].as_str()?)?))
         };
         match said.kind.as_str() {
-            FORCE_ZONE if is("zone", "trauma") => self.trauma += 1,
-            FORCE_ZONE if is("zone", "damage") => self.damage += 1,
-            "withdrawn" if zone("to").is_none_or(|to| !self.entered.contains(&to)) => {
+            FORCE_ZONE if is("zone", "trauma") => self.enters(ForceZone::Trauma),
+            FORCE_ZONE if is("zone", "damage") => self.enters(ForceZone::Damage),
+            WITHDRAWN if zone("to").is_none_or(|to| !self.entered.contains(&to)) => {
                 self.withdrawals += 1;
             }
-            "bleeding" => self.bled.extend(zone("site")),
+            BLEEDING => self.bled.extend(zone("site")),
             _ => {}
         }
     }
 }
+
+/// Kinds of events ([`crate::events::KINDS`]).
+const WITHDRAWN: &str = crate::events::KINDS[4];
+const BLEEDING: &str = crate::events::KINDS[5];
 
 /// A tool is free under so much force, newtons.
 const FREE: f64 = 0.02;
@@ -261,8 +274,10 @@ pub struct Watcher {
     /// What was gathered.
     pub evidence: Evidence,
     settings: Settings,
-    /// Paused by an instructor, and not at full strength again since.
-    paused: bool,
+    /// The tick, while it is paused, or not at full strength again since.
+    paused: Option<u64>,
+    /// The last tick of which that was so.
+    last_pause: Option<u64>,
 }
 
 impl Watcher {
@@ -272,26 +287,51 @@ impl Watcher {
             events: Events::new(scene, exercise),
             evidence: Evidence::new(scene, exercise),
             settings,
-            paused: false,
+            paused: None,
+            last_pause: None,
         }
     }
 
     /// Takes in a tick; `shapes` is the workspace as that tick left it.
     pub fn observe(&mut self, scene: &Scene, output: &TickOutput, shapes: &Workspace) {
-        let says = |bit: u16| output.tools.iter().any(|tool| tool.status & bit != 0);
-        self.paused = says(status::PAUSED) || self.paused && says(status::RAMPING);
+        let was = self.paused;
+        let held = output
+            .tools
+            .iter()
+            .filter(|tool| tool.status & status::ABSENT == 0);
+        let bits = held.fold(0, |bits, tool| bits | tool.status);
+        let still = was.is_some() && bits & status::RAMPING != 0;
+        self.paused = (bits & status::PAUSED != 0 || still).then_some(output.tick);
+        self.last_pause = self.paused.or(self.last_pause);
         for said in self.events.observe(scene, output, shapes) {
-            if !self.paused {
+            // Blood that shows in a pause, or after it, comes from before.
+            let counts = said.kind == BLEEDING || self.paused.is_none();
+            if counts
+                && !self
+                    .last_pause
+                    .is_some_and(|tick| began_by(&said, tick, scene))
+            {
                 self.evidence.happened(&said);
             }
         }
-        if self.paused {
+        if self.paused.is_some() {
             self.evidence.pauses(output.tick, scene.tick_s());
-        } else {
-            self.evidence
-                .observe(scene, output, &self.events, shapes, &self.settings);
+            return;
         }
+        if was.is_some() {
+            // A force that was not let go of is felt from now on.
+            let zones = output.tools.iter().filter_map(|tool| tool.pocket);
+            zones.for_each(|reading| self.evidence.enters(reading.zone));
+        }
+        self.evidence
+            .observe(scene, output, &self.events, shapes, &self.settings);
     }
+}
+
+/// Whether a withdrawal began in a pause that lasted until `tick`, or before it: the hand was told to let go then.
+fn began_by(said: &Occurrence, tick: u64, scene: &Scene) -> bool {
+    let ago = said.data["seconds"].as_f64().unwrap_or_default() / scene.tick_s();
+    said.kind == WITHDRAWN && said.tick as f64 - ago <= tick as f64
 }
 
 #[cfg(test)]
@@ -300,6 +340,7 @@ mod tests {
     use crate::grade::test_help::{SET, empty_scene};
     use crate::read::Recording;
     use crate::replay::{ReplayOptions, replay_observed};
+    use sulcus_core::output::PocketReading;
     use sulcus_core::{Pose, ToolOutput, Vec3};
 
     /// Share of the ticks in which the tool in slot 0 bears on something in which the tongue bears it; of a recording of the corpus.
@@ -348,6 +389,8 @@ mod tests {
             hash: 0,
             tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
         };
+        // (A tool that nobody holds is never at full strength.)
+        output.tools[0].status = status::ABSENT | status::RAMPING;
         let mut hold = |status: u16, force: f64, ticks: u32| {
             for _ in 0..ticks {
                 output.tick += 1;
@@ -371,5 +414,47 @@ mod tests {
         near(hold(0, 1.0, 100), 1.0, 0.2);
         // A ramp after anything else is no pause.
         near(hold(status::RAMPING, 2.0, 100), 2.0, 0.3);
+    }
+
+    #[test]
+    fn what_goes_on_over_the_end_of_a_pause_is_judged_by_when_it_began() {
+        let scene = empty_scene();
+        let exercise = Exercise::free("free", 1.0);
+        let mut watcher = Watcher::new(&scene, &exercise, SET);
+        let shapes = Workspace::new(&scene);
+        let mut output = TickOutput {
+            tick: 0,
+            hash: 0,
+            tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
+        };
+        let mut press = |status: u16, zone: ForceZone| {
+            output.tick += 1;
+            output.tools[0].status = status;
+            output.tools[0].pocket = Some(PocketReading {
+                object: 0,
+                around: 0.0,
+                depth: 2e-3,
+                floor_force: 2.5,
+                zone,
+                entered_zone: false,
+            });
+            watcher.observe(&scene, &output, &shapes);
+            (watcher.evidence.trauma, watcher.evidence.damage)
+        };
+        assert_eq!(press(0, ForceZone::Light), (0, 0));
+        assert_eq!(press(status::PAUSED, ForceZone::Damage), (0, 0));
+        assert_eq!(press(status::RAMPING, ForceZone::Damage), (0, 0));
+        // Still pressed when it is felt again.
+        assert_eq!(press(0, ForceZone::Damage), (0, 1));
+        assert_eq!(press(0, ForceZone::Damage), (0, 1));
+        // Tick 3 was the last of the pause: out since tick 2, and out since tick 5.
+        let said = |tick: u64, seconds: f64| Occurrence {
+            kind: WITHDRAWN.into(),
+            tick,
+            data: serde_json::json!({ "seconds": seconds }),
+        };
+        assert!(began_by(&said(8, 6e-3), 3, &scene));
+        assert!(!began_by(&said(8, 3e-3), 3, &scene));
+        assert_eq!((WITHDRAWN, BLEEDING), ("withdrawn", "bleeding"));
     }
 }

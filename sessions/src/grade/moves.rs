@@ -37,8 +37,9 @@ pub struct Moves {
     /// Ticks for each speed that is kept, and how many of the next one have passed.
     every: u32,
     since: u32,
-    /// Where the tip was, before and after the filter.
+    /// Where the tip was.
     tip: Option<Vec3>,
+    /// And where it was after the filter.
     last: Option<Vec3>,
     /// Where the last kept speed was taken.
     kept: Option<Vec3>,

@@ -324,7 +324,7 @@ pub struct Grade {
     pub advice: Vec<Advice>,
     /// What was asked for and the scene has not, in words.
     pub missing: Vec<String>,
-    /// Why the session ended before its time, in words: what was not done then is no fault of the learner's.
+    /// Why the session ended before its time, in words: what was not done need not be the learner's fault.
     pub ended_early: Option<&'static str>,
 }
 
@@ -346,7 +346,7 @@ impl Grade {
                 names(|used| &used.redefined),
             ),
             (
-                "asked for in the recording, not known to this program",
+                "asked for in the recording, not known to this program (nor what would fail by it)",
                 names(|used| &used.unknown),
             ),
         ];

@@ -80,6 +80,17 @@ pub enum RevisionError {
     },
 }
 
+impl RevisionError {
+    /// Another own score than the first, which counts: whoever gives another has seen the grade.
+    pub fn another(own: f64, first: f64) -> Self {
+        Self::Field {
+            field: "self_score",
+            found: own.to_string(),
+            expected: format!("{first}, which was given first"),
+        }
+    }
+}
+
 /// Longest text of a revision, and largest file of them, bytes.
 const MOST_TEXT: usize = 4096;
 const MOST_FILE: u64 = 16 << 20;
@@ -98,10 +109,8 @@ impl Proposal {
             started_unix_ns: grade.started_unix_ns,
         }
     }
-}
 
-impl Proposal {
-    /// This one in words, where another came to something else.
+    /// What was proposed, in words, where `now` something else is: another score, or by another rubric.
     pub fn differs(&self, now: &Self) -> Option<String> {
         let same = (self.score, &self.rubric_blake3) == (now.score, &now.rubric_blake3);
         let score = self
@@ -122,7 +131,11 @@ pub fn beside(recording: &Path) -> PathBuf {
 }
 
 impl Revision {
-    fn check(&self) -> Result<(), RevisionError> {
+    /// Whether every value is as it must be.
+    ///
+    /// # Errors
+    /// Names the first that is not.
+    pub fn check(&self) -> Result<(), RevisionError> {
         let wrong = |field, found: String, expected: &str| {
             Err(RevisionError::Field {
                 field,
@@ -235,13 +248,7 @@ impl Sidecar {
         let mut sidecar = Self::begun(recording, grade)?;
         match sidecar.self_score {
             Some(first) if first == own => return Ok(()),
-            Some(first) => {
-                return Err(RevisionError::Field {
-                    field: "self_score",
-                    found: own.to_string(),
-                    expected: format!("{first}, which was given before the grade was shown"),
-                });
-            }
+            Some(first) => return Err(RevisionError::another(own, first)),
             None => sidecar.self_score = Some(own),
         }
         sidecar.write(recording)

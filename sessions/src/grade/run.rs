@@ -26,7 +26,7 @@ use crate::read::{ReadError, Recording};
 use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
 use crate::written::WrittenError;
 
-/// Which measures this program has: the beginning of a hash over the sources of tick, events and grade.
+/// Which measures this program has: the beginning of a hash over the sources of tick, events, exercise and grade.
 pub const MEASURES_SOURCE: &str = env!("SULCUS_MEASURES_SOURCE");
 
 /// How to grade.
@@ -269,11 +269,11 @@ fn nothing_there(exercise: &Exercise, graded: &Graded) -> Option<String> {
 fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Measured<'_>) {
     let mut scores = Vec::new();
     let mut failures = Vec::new();
+    let is_there = |known: &&Definition| {
+        known.needs.are_met(exercise) && known.needs.are_there(measured.sites)
+    };
     for weighed in &rubric.metrics {
         let known = METRICS.iter().find(|known| known.name == weighed.name);
-        let is_there = |known: &&Definition| {
-            known.needs.are_met(exercise) && known.needs.are_there(measured.sites)
-        };
         let Some(known) = known.filter(is_there) else {
             continue;
         };
@@ -329,12 +329,10 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     sum = if sum > deducted { sum - deducted } else { 0.0 };
     for critical in &rubric.critical {
         let value = measured.critical(&critical.metric);
-        let known = find(&critical.metric).filter(|known| known.needs.are_met(exercise));
-        if !happened(
-            critical,
-            value,
-            known.is_some_and(|known| known.missing_is_zero),
-        ) {
+        let Some(known) = find(&critical.metric).filter(is_there) else {
+            continue;
+        };
+        if !happened(critical, value, known.missing_is_zero) {
             continue;
         }
         if let Some(cap) = critical.cap.filter(|cap| *cap < sum) {

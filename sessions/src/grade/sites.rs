@@ -70,7 +70,7 @@ fn site_name<S: Serializer>(site: &Site, to: S) -> Result<S::Ok, S::Error> {
     to.serialize_str(site.name())
 }
 
-/// One zone. Lengths in millimetres to a hundredth, forces in newtons to a thousandth, angles in degrees to a tenth.
+/// One zone. Lengths in millimetres to a hundredth, forces in newtons and times in seconds to a thousandth, angles in degrees to a tenth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SiteGrade {
     /// FDI number of the tooth.
@@ -126,6 +126,11 @@ impl SiteGrade {
     /// Whether the middle of a molar's side: what has a furcation in a lower jaw.
     fn is_furcation(tooth: u8, site: Site) -> bool {
         !site.is_proximal() && tooth % 10 >= 6
+    }
+
+    /// Whether the tip was in it, and nothing was called of it before: a guess is no reading.
+    pub fn is_probed_first(&self) -> bool {
+        self.probed && self.finding != Finding::NotProbed
     }
 
     /// Whether it was called after the tip had been there: a call from before is hearsay.
@@ -300,8 +305,8 @@ fn one(
         deepest_mm: seen.map(|seen| mm(seen.deepest)),
         shown_mm: stood.map(|stood| mm(stood.shown())),
         max_force_n: seen.map(|seen| rounded(seen.max_force, 3)),
-        held_s: seen.map(|seen| rounded(seen.held, 2)),
-        pressed_s: seen.map(|seen| rounded(seen.pressed, 2)),
+        held_s: seen.map(|seen| rounded(seen.held, 3)),
+        pressed_s: seen.map(|seen| rounded(seen.pressed, 3)),
         tilt_deg: stood.map(|stood| rounded(stood.tilt().to_degrees(), 1)),
         into_col_deg: stood
             .filter(|_| site.is_proximal())

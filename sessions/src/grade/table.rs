@@ -33,7 +33,7 @@ pub fn rubric(grade: &Grade) -> String {
 pub fn signer(grade: &Grade) -> String {
     let short = &grade.signer[..grade.signer.len().min(16)];
     let whose = if grade.signer_trusted {
-        "the key that was asked for"
+        "a trusted key"
     } else {
         "the recording's own word: name the right key with --signer"
     };

@@ -22,6 +22,8 @@ pub const EXACT: f64 = 0.5 + 1e-9;
 /// grazes a crown once, or looks once, is graded by that. Chosen.
 const LEAST_SHARE: f64 = 0.25;
 pub const LEAST_S: f64 = 5.0;
+/// But a critical error is looked for in what was done for so long, seconds: a knock is none. Chosen.
+pub const CRITICAL_S: f64 = 1.0;
 
 /// What values are made of.
 #[derive(Clone, Copy, Debug)]
@@ -117,9 +119,10 @@ impl Measured<'_> {
 
     /// The value that a critical error is looked for in: what was done too briefly to be graded can be one all the same.
     pub fn critical(&self, name: &str) -> Option<f64> {
+        let pressed = |tool: &Pressed| tool.p95().filter(|_| tool.seconds() >= CRITICAL_S);
         match name {
-            "mirror_force" => self.evidence.mirror.p95(),
-            "contact_force" => self.evidence.probe.p95(),
+            "mirror_force" => pressed(&self.evidence.mirror),
+            "contact_force" => pressed(&self.evidence.probe),
             _ => self.value(name),
         }
     }
@@ -165,7 +168,7 @@ impl Measured<'_> {
         said: impl Fn(&SiteGrade) -> bool,
         part: impl Fn(&SiteGrade) -> bool,
     ) -> Option<f64> {
-        let of = |site: &SiteGrade| site.probed && of(site);
+        let of = |site: &SiteGrade| site.is_probed_first() && of(site);
         let any = |site: &SiteGrade| site.asked && of(site) && said(site);
         let any = required || self.sites.iter().any(any);
         self.share(of, part).filter(|_| any)

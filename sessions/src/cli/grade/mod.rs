@@ -15,6 +15,7 @@ use super::print::{complain, say};
 use super::written::may_write;
 use crate::grade::class::csv;
 use crate::grade::names::Names;
+use crate::grade::revision::beside;
 use crate::mode::Mode;
 
 use session::{Asked, one};
@@ -101,7 +102,9 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     if let Some(table) = &args.csv {
         let signer = args.signer.as_ref().map(PathBuf::from);
         let others = [&args.names, &args.rubric, &signer].into_iter().flatten();
-        let read = args.files.iter().chain(others).map(PathBuf::as_path);
+        let beside: Vec<PathBuf> = args.files.iter().map(|file| beside(file)).collect();
+        let mut read: Vec<&Path> = others.map(PathBuf::as_path).collect();
+        read.extend(args.files.iter().chain(&beside).map(PathBuf::as_path));
         may_write("--csv", table, read)?;
     }
     let (mut code, mut objects, mut all) = (0u8, Vec::new(), Vec::new());

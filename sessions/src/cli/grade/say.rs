@@ -79,6 +79,9 @@ pub(super) fn json(path: &Path, one: &One) -> Value {
     json.insert("mode".into(), json!(one.shown.mode));
     json.insert("recorded_mode".into(), json!(one.shown.recorded));
     json.insert("self_score".into(), json!(one.self_score));
+    if let Some(error) = &one.unkept {
+        json.insert("unkept".into(), json!(crate::sentence(error)));
+    }
     let revisions = one.sidecar.as_ref().map(|sidecar| &sidecar.revisions);
     json.insert(
         "revisions".into(),

@@ -3,14 +3,14 @@
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::{GradeArgs, file_name, points};
 use crate::cli::print::at;
 use crate::grade::class::Shown;
 use crate::grade::report::Source;
-use crate::grade::revision::{Revision, Sidecar};
+use crate::grade::revision::{Revision, RevisionError, Sidecar};
 use crate::grade::{Graded, Options, Rubric, grade};
 use crate::key::PublicKey;
 use crate::mode::Mode;
@@ -105,10 +105,25 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
     // The learner's own score comes before the program's.
     let kept = Sidecar::read(path).map_err(|error| at(path, &error))?;
     let kept = kept.and_then(|sidecar| sidecar.self_score);
-    let given = match (shown.mode, args.self_score.or(kept)) {
+    if let (Some(kept), Some(given)) = (kept, args.self_score)
+        && (kept - given).abs() > 0.0
+    {
+        let first = RevisionError::another(given, kept);
+        return Err(at(path, &first));
+    }
+    let given = match (shown.mode, kept.or(args.self_score)) {
         (Mode::SelfAssessment, None) => Some(ask(path).map_err(named)?),
         (_, given) => given,
     };
+    let revision = args.revise.map(|score| Revision {
+        score,
+        passed: args.passed.unwrap_or_default(),
+        by: args.by.clone().unwrap_or_default(),
+        at: args.at.clone().unwrap_or_default(),
+        reason: args.reason.clone().unwrap_or_default(),
+    });
+    let checked = revision.as_ref().map_or(Ok(()), Revision::check);
+    checked.map_err(|error| at(path, &error))?;
     // Draws nothing when standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
@@ -152,7 +167,16 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
         unkept: None,
     };
     // What cannot be kept does not hide the grade.
-    one.unkept = one.keep(path, args).err();
+    let kept = one.keep(path, revision.map(|said| one.judged(said, args.passed)));
+    one.unkept = kept.err().map(|error| {
+        let advice = match error {
+            RevisionError::File { .. } => {
+                ": to keep it, grade a copy of the recording in a folder that can be written"
+            }
+            RevisionError::Field { .. } => "",
+        };
+        anyhow::anyhow!("{}: {error}{advice}", path.display())
+    });
     let sidecar = Sidecar::read(path).map_err(|error| at(path, &error))?;
     if let Some(sidecar) = &sidecar {
         let belongs = sidecar.belongs_to(&one.graded.grade);
@@ -163,28 +187,25 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
 }
 
 impl One {
+    /// A revision, passed by the rubric's pass mark where nobody says so.
+    fn judged(&self, said: Revision, passed: Option<bool>) -> Revision {
+        let pass_mark = self.graded.grade.pass_mark.unwrap_or_default();
+        Revision {
+            passed: passed.unwrap_or(said.score >= pass_mark),
+            ..said
+        }
+    }
+
     /// Keeps what was said beside the recording.
-    fn keep(&self, path: &Path, args: &GradeArgs) -> anyhow::Result<()> {
+    fn keep(&self, path: &Path, revision: Option<Revision>) -> Result<(), RevisionError> {
         let grade = &self.graded.grade;
-        let advice = "to keep it, grade a copy of the recording in a folder that can be written";
         // Of a session without a grade there is nothing to have an opinion of.
         if let Some(own) = self.self_score.filter(|_| grade.score.is_some()) {
-            Sidecar::assess(path, grade, own).with_context(|| advice)?;
+            Sidecar::assess(path, grade, own)?;
         }
-        let Some(score) = args.revise else {
-            return Ok(());
-        };
-        let given = |text: &Option<String>| text.clone().unwrap_or_default();
-        let revision = Revision {
-            score,
-            passed: args
-                .passed
-                .unwrap_or(score >= grade.pass_mark.unwrap_or_default()),
-            by: given(&args.by),
-            at: given(&args.at),
-            reason: given(&args.reason),
-        };
-        Sidecar::add(path, grade, revision).with_context(|| advice)?;
+        if let Some(revision) = revision {
+            Sidecar::add(path, grade, revision)?;
+        }
         Ok(())
     }
 }

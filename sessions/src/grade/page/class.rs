@@ -63,11 +63,8 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
         html.push_str("<p class=\"fail\">Graded by more than one rubric: scores cannot be compared as they stand.</p>\n");
     }
     // (In an exam neither what is prescribed nor what to practise is shown, and of one session the map tells both.)
-    let heat = if all.iter().any(Session::is_exam) {
-        String::new()
-    } else {
-        heat_map(all, look)
-    };
+    let open: Vec<Session> = all.iter().filter(|one| !one.is_exam()).cloned().collect();
+    let heat = heat_map(&open, look);
     let learners: Vec<&[Session]> = all.chunk_by(|a, b| a.is_of_the_same(b)).collect();
     html.push_str("<div class=\"two\"><section>\n<h2>Learners, last attempt</h2>\n");
     table(html, &learners, look);
@@ -88,8 +85,9 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
         let all: Vec<&Session> = attempts.iter().collect();
         let _ = writeln!(
             html,
-            "<div style=\"break-inside:avoid\"><div class=\"small\"><b>{}</b></div>{}</div>",
+            "<div style=\"break-inside:avoid\"><div class=\"small\"><b>{}</b>{}</div>{}</div>",
             look.learner(&attempts[0].grade.learner_id),
+            if attempts[0].is_exam() { ", exam" } else { "" },
             trend::svg(&all, pass)
         );
     }
@@ -97,7 +95,7 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
 }
 
 fn table(html: &mut String, learners: &[&[Session]], look: &Look<'_>) {
-    html.push_str("<table><thead><tr><th>learner</th><th>attempts</th><th>score</th><th>own</th><th>revised</th><th class=\"text\">passed</th><th class=\"text\">weakest</th></tr></thead><tbody>\n");
+    html.push_str("<table><thead><tr><th>learner</th><th class=\"text\">mode</th><th>attempts</th><th>score</th><th>own</th><th>revised</th><th class=\"text\">passed</th><th class=\"text\">weakest</th></tr></thead><tbody>\n");
     for attempts in learners {
         let Some(last) = attempts.last() else {
             continue;
@@ -111,8 +109,9 @@ fn table(html: &mut String, learners: &[&[Session]], look: &Look<'_>) {
         };
         let _ = writeln!(
             html,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{passed}</td><td class=\"text\">{}</td></tr>",
+            "<tr><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{passed}</td><td class=\"text\">{}</td></tr>",
             look.learner(&last.grade.learner_id),
+            last.shown.mode,
             last.attempt,
             number(last.grade.score),
             number(last.self_score),

@@ -359,7 +359,7 @@ fn definitions(html: &mut String, grade: &Grade) {
     html.push_str("<p>Scores lie straight between both; the total is their mean by weight, less what is taken off for essentials, and is rounded to 0.1. Percentages and seconds are rounded to 0.1, millimetres to 0.01, newtons to 0.01.</p>\n");
     let _ = writeln!(
         html,
-        "<p>Graded by program version {}, measures {MEASURES_SOURCE} (a hash over the sources of tick, events and grade).</p></details>",
+        "<p>Graded by program version {}, measures {MEASURES_SOURCE} (a hash over the sources of tick, events, exercise and grade).</p></details>",
         env!("CARGO_PKG_VERSION")
     );
 }

@@ -182,6 +182,9 @@ fn what_was_too_brief_to_be_graded_can_be_critical() {
         };
         (measured.value(name), measured.critical(name))
     };
+    // A knock is none.
+    by.evidence.probe.observe(7.905, 0.9, 0.05);
+    assert_eq!(measured(&by, "contact_force"), (None, None));
     let (value, critical) = measured(&by, "mirror_force");
     assert_eq!(value, None);
     assert!((critical.expect("pressed") - 7.91).abs() < 1e-9);
