@@ -220,7 +220,7 @@ pub const METRICS: [Definition; 31] = [
         source: "as touches_too_heavy; how long is chosen for this simulator",
         needs: Needs::Zones,
         missing_is_zero: false,
-        advice: "Let the hand rest while the band is read: more than the taught force presses the tip in, and reads too deep.",
+        advice: "Let the hand rest while the depth is read: more than the taught force presses the tip in, and shows too much.",
     },
     Definition {
         name: "force_in_band",
