@@ -74,7 +74,7 @@ fn exercise(html: &mut String, all: &[Session], look: &Look<'_>) {
     if !heat.is_empty() {
         let _ = writeln!(
             html,
-            "<section><h2>Sites: share of calls within 1 mm, and mean error</h2>\n{heat}<p class=\"small\">Upper number: percent of all sessions in which the site was called within 1 mm of what is prescribed (a site that was missed counts as not); the darker, the fewer. Lower number: mean of called less prescribed, mm; positive reads too deep. {}; the patient&#8217;s right is on the left.</p></section>",
+            "<section><h2>Sites: share of calls within 1 mm, and mean error</h2>\n{heat}<p class=\"small\">Upper number: percent of all sessions but exams in which the site was called within 1 mm of what is prescribed (a site that was missed counts as not); the darker, the fewer. Lower number: mean of called less prescribed, mm; positive reads too deep. {}; the patient&#8217;s right is on the left.</p></section>",
             look.numbering.name()
         );
     }
