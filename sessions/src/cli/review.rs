@@ -58,7 +58,7 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     use serde_json::json;
 
     use super::print::{at, object, say};
-    use super::written::may_write;
+    use super::written::{is_same, may_write};
     use crate::read::Recording;
     use crate::review::{ReviewError, Slider, Window, review};
 
@@ -79,7 +79,10 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         Some(out) => out.clone(),
         None => args.file.with_extension("rrd"),
     };
-    may_write("--out", &out, [args.file.as_path()])?;
+    if is_same(&out, &args.file) {
+        anyhow::bail!("{file}: --out is the recording itself, expected another file");
+    }
+    may_write("--out", &out, [])?;
     // It is renamed to what it will be when all is there: a device would be lost by that.
     anyhow::ensure!(
         !out.exists() || out.is_file(),

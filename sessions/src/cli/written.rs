@@ -19,7 +19,7 @@ pub(super) fn may_write<'a>(
         // Nothing is there yet, or nothing that this program may see: writing it says why.
         return Ok(());
     };
-    let same = |path: &&Path| path.canonicalize().is_ok_and(|path| is_same(&path, &real));
+    let same = |path: &&Path| is_same(path, &real);
     if let Some(same) = read.into_iter().find(same) {
         anyhow::bail!(
             "{option} is `{}`, which is read as `{}`, expected another file: what is in it would be lost",
@@ -39,8 +39,8 @@ pub(super) fn may_write<'a>(
     Ok(())
 }
 
-/// Whether two paths are one file: by their names without links, or as two names of it.
-fn is_same(a: &Path, b: &Path) -> bool {
+/// Whether two paths are one file that is there: by their names without links, or as two names of it.
+pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt as _;
@@ -49,7 +49,8 @@ fn is_same(a: &Path, b: &Path) -> bool {
             return a == b;
         }
     }
-    a == b
+    a.canonicalize()
+        .is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 #[cfg(test)]
