@@ -11,7 +11,7 @@ use crate::grade::class::{Session, number_attempts};
 use crate::grade::names::Names;
 use crate::grade::page::{Look, Numbering, class_page, student_page};
 
-/// Each session once, with the number of its recording in `all`: of copies the one that says most.
+/// Each session once: of copies the one that says most.
 pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
     let session = |(file, one): &(String, One)| Session {
         file: file.clone(),
