@@ -1,0 +1,373 @@
+//! Link and server over a real socket. Nothing here asserts how long something takes: the machine
+//! may be busy. Counts and eventual conditions only.
+#![allow(clippy::unwrap_used)]
+
+
+use std::time::Duration;
+
+use crate::common::{Station, force_up, pose, press};
+use sulcus_client::link::{Link, LinkError, Pin, now_ns};
+use sulcus_proto::control::{ButtonEdge, Command, EndReason, Event};
+use sulcus_proto::status;
+use sulcus_server::ServerError;
+use sulcus_sessions::{Ending, Message, Recording, ReplayOptions, replay};
+
+#[test]
+fn a_session_is_felt_recorded_and_replayed() {
+    let station = Station::new();
+    let mut link = station.connect().unwrap();
+    assert_eq!(link.hello().scene, "plate");
+    assert_eq!(link.hello().tools.len(), 1);
+    assert!(link.start());
+    assert!(link.event(Event {
+        tick: 0,
+        kind: "depth_called".into(),
+        json: r#"{"mm":3}"#.into()
+    }));
+    let mut strongest = 0f32;
+    press(&mut link, |link, k| {
+        let gate = link.force_gate(now_ns());
+        assert!((0.0..=1.0).contains(&gate));
+        strongest = strongest.max(force_up(link));
+        k > 1500 && gate == 1.0 && strongest > 0.4
+    });
+    let newest = link.latest_wrench().unwrap();
+    assert!(newest.age_ms().unwrap() > 0.0);
+    assert!(
+        newest.datagram.tools[0].graphic.position[2] > 0.0015,
+        "the ball stays on the plate"
+    );
+    let stats = link.stats();
+    println!("link: {stats:#?}");
+    let summary = link.finish().unwrap();
+    println!("server: {summary:#?}");
+
+    assert_eq!(summary.end, EndReason::Stopped);
+    assert!(summary.complete);
+    assert_eq!(
+        summary.rows_dropped + summary.edges_dropped + summary.malformed + summary.foreign,
+        0
+    );
+    assert!(stats.answered > 100 && stats.rtt_us.p50 > 0.0);
+    assert!(stats.wrenches.accepted > 100 && summary.poses.accepted > 100);
+    assert!(summary.poses.accepted <= stats.poses_offered);
+    assert!(summary.ticks >= stats.wrenches.accepted);
+    assert!(summary.max_force_n > 0.4 && summary.max_force_n < 3.4);
+    assert!(
+        summary.max_residual_um < 1.0,
+        "{} um",
+        summary.max_residual_um
+    );
+    assert!(summary.deadline_misses >= summary.skipped);
+
+    let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
+    let report = replay(&recording, &ReplayOptions::default(), &mut |_| ()).unwrap();
+    assert_eq!(report.ticks, summary.ticks);
+    assert!(
+        report.identical && report.chain_ok && !report.is_finding(),
+        "{report:?}"
+    );
+    assert!(
+        report.gradable && matches!(report.ending, Ending::Finished),
+        "{report:?}"
+    );
+    let end = recording.facts().end.unwrap();
+    assert_eq!((end.ticks, end.skipped), (summary.ticks, summary.skipped));
+    let texts = recording
+        .messages()
+        .filter_map(|message| match message.unwrap() {
+            Message::Event(event) => Some(event.text),
+            _ => None,
+        });
+    assert!(
+        texts
+            .into_iter()
+            .any(|text| text.contains("depth_called") && text.contains(r#"{"mm":3}"#))
+    );
+}
+
+#[test]
+fn one_server_serves_one_client_after_the_other() {
+    let mut station = Station::new();
+    for _ in 0..2 {
+        let mut link = station.connect().unwrap();
+        link.start();
+        press(&mut link, |link, _| {
+            link.latest_wrench().is_some_and(|w| w.datagram.echo.valid)
+        });
+        let second = station.connect();
+        assert!(
+            matches!(&second, Err(LinkError::Busy(text)) if text.contains("in use")),
+            "{:?}",
+            second.err()
+        );
+        link.finish().unwrap();
+    }
+    let server = station.server.take().unwrap();
+    server.shutdown();
+    let summaries = server.join().unwrap();
+    assert_eq!(summaries.len(), 2);
+    assert_ne!(summaries[0].recording, summaries[1].recording);
+}
+
+#[test]
+fn pause_resume_and_limit_reach_the_hand() {
+    let station = Station::new();
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| force_up(link) > 0.4);
+    assert!(station.server().command(Command::Pause));
+    press_on(&mut link, |link| {
+        force_up(link) == 0.0 && status_of(link) & status::PAUSED != 0
+    });
+    let before = link.latest_wrench().unwrap().datagram.epoch;
+    assert!(link.command(Command::Resume));
+    press_on(&mut link, |link| force_up(link) > 0.4);
+    assert_ne!(
+        link.latest_wrench().unwrap().datagram.epoch,
+        before,
+        "a resume begins an epoch"
+    );
+    // A limit that is no force is not taken for "no limit".
+    assert!(station.server().command(Command::ForceLimit(0.2)));
+    assert!(station.server().command(Command::ForceLimit(f32::NAN)));
+    press_on(&mut link, |link| (0.1..=0.201).contains(&force_up(link)));
+    assert!(link.button(ButtonEdge {
+        tool: 0,
+        button: 2,
+        pressed: true,
+        device_time_ns: now_ns()
+    }));
+    let summary = link.finish().unwrap();
+    let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
+    let rows = recording
+        .messages()
+        .filter_map(|message| match message.unwrap() {
+            Message::Row(row) => Some(row.input),
+            _ => None,
+        });
+    let rows: Vec<_> = rows.collect();
+    assert!(
+        rows.iter().any(|input| input.paused)
+            && rows.iter().any(|input| input.force_limit_n == 0.2)
+    );
+    assert_eq!(
+        rows.iter()
+            .filter(|input| input.tools[0].buttons == 4)
+            .count(),
+        1
+    );
+    assert!(
+        replay(&recording, &ReplayOptions::default(), &mut |_| ())
+            .unwrap()
+            .identical
+    );
+}
+
+#[test]
+fn a_hand_that_goes_silent_is_let_go() {
+    let station = Station::new();
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| force_up(link) > 0.4);
+    // No poses, but the connection lives: wrenches go on and come to zero.
+    for _ in 0..10_000 {
+        std::thread::sleep(Duration::from_millis(1));
+        if force_up(&mut link) == 0.0 && status_of(&mut link) & status::STALE != 0 {
+            break;
+        }
+    }
+    assert_eq!(force_up(&mut link), 0.0);
+    press_on(&mut link, |link| force_up(link) > 0.4);
+    assert!(link.finish().unwrap().stale > 0);
+}
+
+#[test]
+fn a_server_that_vanishes_closes_the_gate() {
+    let mut station = Station::new();
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| {
+        link.force_gate(now_ns()) == 1.0 && force_up(link) > 0.4
+    });
+    drop(station.server.take());
+    let mut last = 1.0;
+    press_on(&mut link, |link| {
+        let gate = link.force_gate(now_ns());
+        assert!(
+            (gate - last).abs() <= 0.151,
+            "the gate jumped from {last} to {gate}"
+        );
+        last = gate;
+        gate == 0.0
+    });
+    assert!(matches!(link.finish(), Err(LinkError::Lost(_))));
+    // Its recording was finished all the same.
+    let files: Vec<_> = std::fs::read_dir(station.recording("")).unwrap().collect();
+    assert_eq!(files.len(), 1);
+    let recording = Recording::open(&files[0].as_ref().unwrap().path()).unwrap();
+    assert!(
+        matches!(recording.ending(), Ending::Finished),
+        "{:?}",
+        recording.ending()
+    );
+}
+
+#[test]
+fn a_client_that_vanishes_ends_the_session() {
+    let mut station = Station::new();
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    drop(link);
+    // The station is free again, sooner or later.
+    let mut again = (0..100).find_map(|_| {
+        std::thread::sleep(Duration::from_millis(100));
+        station.connect().ok()
+    });
+    assert!(again.take().is_some());
+    let server = station.server.take().unwrap();
+    server.shutdown();
+    let summaries = server.join().unwrap();
+    assert_eq!(summaries[0].end, EndReason::ConnectionLost);
+    assert!(summaries[0].complete);
+}
+
+/// The link keeps itself alive, whatever becomes of the device: such a session would have held the station, and recorded, for ever.
+#[test]
+fn a_client_that_sends_no_poses_does_not_hold_the_station() {
+    let station = Station::with(|config| config.max_silence = Duration::from_millis(400));
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    // (What it has sent keeps it up for a while; then nothing comes any more.)
+    let until = std::time::Instant::now() + Duration::from_secs(20);
+    while link.is_open() && std::time::Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(link.finish().unwrap().end, EndReason::ConnectionLost);
+}
+
+#[test]
+fn a_time_limit_and_a_shutdown_say_goodbye() {
+    let station = Station::with(|config| config.max_session = Some(Duration::from_millis(300)));
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| !link.is_open());
+    assert_eq!(link.finish().unwrap().end, EndReason::TimeUp);
+
+    let station = Station::new();
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    station.server().shutdown();
+    press(&mut link, |link, _| !link.is_open());
+    let goodbye = link.finish_with_text().unwrap();
+    assert_eq!(goodbye.summary.end, EndReason::Shutdown);
+    assert!(goodbye.text.contains("shutting down"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_ends_with_a_sentence() {
+    let station = Station::new();
+    let link = station.connect().unwrap();
+    std::fs::remove_dir_all(station.recording("")).unwrap();
+    link.start();
+    let goodbye = link.finish_with_text().unwrap();
+    assert_eq!(goodbye.summary.end, EndReason::Recording);
+    assert!(
+        !goodbye.summary.complete && goodbye.text.contains("cannot make recording"),
+        "{}",
+        goodbye.text
+    );
+}
+
+#[test]
+fn strangers_are_told_why() {
+    let station = Station::with(|config| config.exercise.name = "crown".into());
+    let mut token = station.config();
+    token.token = "guess".into();
+    let error = Link::connect(token).err().unwrap();
+    assert!(
+        matches!(&error, LinkError::WrongToken(text) if text.contains("token is wrong")),
+        "{error}"
+    );
+
+    let mut exercise = station.config();
+    exercise.exercise = "juggling".into();
+    let error = Link::connect(exercise).err().unwrap();
+    assert!(
+        matches!(&error, LinkError::Refused(text) if text.contains("`juggling`")),
+        "{error}"
+    );
+
+    let mut device = station.config();
+    device.device = "x".repeat(1000);
+    assert!(matches!(
+        Link::connect(device).err(),
+        Some(LinkError::Refused(_))
+    ));
+
+    let mut certificate = station.config();
+    certificate.pin = Pin::Fingerprint([7; 32]);
+    assert!(matches!(
+        Link::connect(certificate).err(),
+        Some(LinkError::WrongCertificate { .. })
+    ));
+
+    let mut whole = station.config();
+    whole.pin = Pin::Certificate(station.server().certificate_der().to_vec());
+    assert!(Link::connect(whole).is_ok());
+}
+
+#[test]
+fn an_absent_server_is_named() {
+    // Bound, so that no other server can be there, but nobody answers.
+    let nobody = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let station = Station::new();
+    let mut config = station.config();
+    config.server = nobody.local_addr().unwrap();
+    config.timeout = Duration::from_millis(300);
+    let error = Link::connect(config).err().unwrap();
+    assert!(matches!(error, LinkError::Absent { .. }), "{error}");
+}
+
+#[test]
+fn a_busy_port_is_named() {
+    let station = Station::new();
+    let busy = station.server().local_addr();
+    let scene = crate::common::scene();
+    let bytes = scene.to_bytes().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut config =
+        sulcus_server::ServerConfig::new(scene.into(), bytes.into(), folder.path().to_owned())
+            .unwrap();
+    config.listen = busy;
+    config.station_key = Some(folder.path().join("station.key"));
+    let error = sulcus_server::Server::start(config).err().unwrap();
+    assert!(
+        matches!(error, ServerError::PortBusy { listen } if listen == busy),
+        "{error}"
+    );
+}
+
+/// Poses of a hand that stays pressed, until `done`.
+fn press_on(link: &mut Link, mut done: impl FnMut(&mut Link) -> bool) {
+    for _ in 0..20_000 {
+        link.send_pose(&pose(0.001));
+        if done(link) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!(
+        "waited in vain: {:?}, {:?}",
+        link.latest_wrench(),
+        link.stats()
+    );
+}
+
+fn status_of(link: &mut Link) -> u16 {
+    link.latest_wrench()
+        .map_or(0, |packet| packet.datagram.tools[0].status)
+}

@@ -1,0 +1,9 @@
+//! The client as a library: the link, exercises, grades.
+
+mod common;
+mod events;
+mod grades;
+mod heavy_hand;
+mod link;
+mod patient;
+mod protocol;

@@ -1,0 +1,4 @@
+//! The wire: control messages and datagrams.
+
+mod control;
+mod datagrams;

@@ -1,0 +1,18 @@
+//! The hard cases, and the measures that judge them.
+
+mod crown;
+mod hard_cases;
+mod one_dof;
+mod passivity;
+mod pocket;
+mod printed;
+mod random_poses;
+mod rates;
+mod real_arch;
+mod real_tongue;
+mod ripple;
+mod shapes;
+mod slips;
+mod tissue;
+mod tongue;
+mod tour;

@@ -1,0 +1,16 @@
+//! Meshes, trees, scene files and the parametric mouth.
+
+mod broken_meshes;
+mod gingiva;
+mod mesh_files;
+mod meshes;
+mod mouth;
+mod printed;
+mod repairs;
+mod scene_files;
+mod scenes;
+mod soups;
+mod sulcus;
+mod tetrahedra;
+mod tongue;
+mod trees;

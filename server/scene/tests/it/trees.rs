@@ -1,0 +1,275 @@
+//! Sphere trees against the meshes they stand for, measured by code that the builder does not use.
+
+
+use std::sync::Mutex;
+
+use sulcus_core::{SphereTree, Vec3};
+use sulcus_scene::build::{TreeBuildError, TreeOptions, build_tree, build_weighted};
+use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::error::{Sampling, level_error, measure};
+use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::parametric::Molar;
+use sulcus_scene::shapes::{ellipsoid, icosphere};
+
+fn tree(mesh: &TriMesh, options: &TreeOptions) -> SphereTree {
+    build_tree(mesh, options, &|_, _| ()).expect("a tree")
+}
+
+fn to_level(levels: u8) -> TreeOptions {
+    TreeOptions {
+        levels,
+        ..TreeOptions::default()
+    }
+}
+
+/// Bounds of one level, millimetres: mesh to spheres mean and max, spheres to mesh max.
+fn assert_within(mesh: &TriMesh, tree: &SphereTree, level: u8, mean: f64, max: f64, bulge: f64) {
+    let found = level_error(tree, level, &MeshDistance::new(mesh.clone()));
+    println!("{found:?}");
+    assert!(found.spheres <= 8_usize.pow(u32::from(level)), "{found:?}");
+    assert!(found.mesh_to_spheres_mm.mean <= mean, "{found:?}");
+    assert!(found.mesh_to_spheres_mm.max <= max, "{found:?}");
+    assert!(found.spheres_to_mesh_mm.max <= bulge, "{found:?}");
+}
+
+#[test]
+fn an_ellipsoid_is_followed_at_every_level() {
+    let mesh = ellipsoid(Vec3::new(6e-3, 4e-3, 2.5e-3), 4);
+    let options = TreeOptions {
+        samples: 20_000,
+        ..to_level(3)
+    };
+    let tree = tree(&mesh, &options);
+    assert_within(&mesh, &tree, 1, 0.2, 0.8, 0.8);
+    assert_within(&mesh, &tree, 2, 0.04, 0.25, 0.25);
+    assert_within(&mesh, &tree, 3, 0.006, 0.05, 0.05);
+}
+
+#[test]
+fn a_ball_is_one_sphere() {
+    let mesh = icosphere(5e-3, 4);
+    let tree = tree(
+        &mesh,
+        &TreeOptions {
+            good_enough: 0.05e-3,
+            samples: 5_000,
+            ..to_level(3)
+        },
+    );
+    assert_eq!(tree.nodes().len(), 1, "a node that fits is not split");
+    assert!((tree.nodes()[0].contact_radius - 5e-3).abs() < 0.03e-3);
+}
+
+/// Builds a part and holds its finest level, and the ones above that are named, to bounds in millimetres:
+/// level; mesh to spheres mean and max; spheres to mesh max. Maxima are proven, not sampled.
+fn assert_part(name: &str, levels: u8, bounds: &[(u8, f64, f64, f64)]) {
+    let part = crate::meshes::part(name);
+    let Some(mesh) = part.mesh() else { return };
+    let tree = part.tree(&mesh, levels);
+    for &(level, mean, max, bulge) in bounds {
+        assert_within(&mesh, &tree, level, mean, max, bulge);
+    }
+}
+
+#[test]
+fn a_real_tooth_meets_its_bounds() {
+    assert_part(
+        "tooth 36",
+        4,
+        &[(3, 0.015, 0.10, 0.20), (4, 0.003, 0.03, 0.08)],
+    );
+}
+
+#[test]
+fn a_real_probe_meets_its_bounds() {
+    assert_part("probe", 3, &[(3, 0.01, 0.05, 0.15)]);
+}
+
+#[test]
+fn a_mirror_meets_its_bounds() {
+    // A disc two millimetres thick: the spheres of its faces leave a cavity, which nothing can touch.
+    assert_part("mirror", 3, &[(3, 0.05, 0.25, 1.0)]);
+}
+
+#[test]
+fn a_tongue_with_a_skeleton_meets_its_bounds() {
+    assert_part("tongue", 3, &[(3, 0.10, 0.60, 0.80)]);
+}
+
+#[test]
+fn the_parametric_molar_meets_its_bounds() {
+    assert_part("parametric molar", 3, &[(3, 0.015, 0.10, 0.15)]);
+}
+
+#[test]
+fn the_parametric_probe_meets_its_bounds() {
+    assert_part("parametric probe", 3, &[(3, 0.003, 0.02, 0.02)]);
+}
+
+#[test]
+fn the_parametric_mirror_meets_its_bounds() {
+    assert_part("parametric mirror", 3, &[(3, 0.05, 0.25, 1.0)]);
+}
+
+#[test]
+fn pocket_walls_fit_and_leave_the_pocket_open() {
+    let part = crate::meshes::part("pocket patch");
+    let (Some(mesh), Some(tooth_mesh)) = (part.mesh(), crate::meshes::data("tooth_36_first_molar.stl"))
+    else {
+        return;
+    };
+    let tree = part.tree(&mesh, 3);
+    let distance = MeshDistance::new(mesh);
+    let report = measure(
+        &tree,
+        &distance,
+        part.zones(),
+        &Sampling::default(),
+        &|_| (),
+    );
+    let walls = &report.zones[0].levels[3];
+    println!("{walls:?}");
+    assert!(walls.mesh_to_spheres_mm.mean <= 0.05, "{walls:?}");
+    assert!(walls.mesh_to_spheres_mm.max <= WALLS_MAX_MM, "{walls:?}");
+    // Gingiva spheres that reach above z = 1.5 mm belong to the open pocket or the margin.
+    let tooth = crate::meshes::part("tooth 36").tree(&tooth_mesh, 3);
+    let mut closest = f64::INFINITY;
+    for (_, wall) in tree.shape_at(3).filter(|(_, n)| n.centre.z > 1.5e-3) {
+        for (_, node) in tooth.shape_at(3) {
+            let gap =
+                (wall.centre - node.centre).norm() - wall.contact_radius - node.contact_radius;
+            closest = closest.min(gap);
+        }
+    }
+    println!(
+        "free width of the pocket, where it is narrowest: {:.3} mm",
+        closest * 1e3
+    );
+    assert!(closest > 0.0, "{closest}");
+}
+
+/// Largest error on the pocket's walls at level 3.
+const WALLS_MAX_MM: f64 = 0.15;
+
+#[test]
+fn a_skeleton_has_nodes_through_the_depth_and_children_at_the_surface_only() {
+    let mesh = ellipsoid(Vec3::new(30e-3, 20e-3, 12e-3), 4);
+    let options = TreeOptions {
+        volumetric: true,
+        samples: 20_000,
+        ..to_level(3)
+    };
+    let tree = tree(&mesh, &options);
+    let second: Vec<_> = tree.nodes().iter().filter(|n| n.level == 2).collect();
+    assert_eq!(second.len(), 64);
+    // A fit to the surface alone would put all centres near the middle plane.
+    let low = second.iter().filter(|n| n.centre.z < -4e-3).count();
+    let high = second.iter().filter(|n| n.centre.z > 4e-3).count();
+    assert!(low >= 10 && high >= 10, "{low} low, {high} high");
+    let distance = MeshDistance::new(mesh.clone());
+    for node in second.iter().filter(|n| n.children == 0) {
+        // What stays as it is at finer levels must not stick out.
+        assert!(distance.signed(&node.centre) + node.contact_radius < 0.1e-3);
+    }
+    assert_within(&mesh, &tree, 3, 0.05, 0.4, 0.4);
+}
+
+#[test]
+fn importance_brings_spheres_to_where_it_is_high() {
+    let mesh = ellipsoid(Vec3::new(6e-3, 4e-3, 2.5e-3), 4);
+    let options = TreeOptions {
+        samples: 20_000,
+        ..to_level(3)
+    };
+    let weighted = build_weighted(
+        &mesh,
+        &options,
+        &|p| if p.x > 4e-3 { 1e4 } else { 1.0 },
+        &|_, _| (),
+    )
+    .expect("a tree");
+    let at_the_end = |tree: &SphereTree| {
+        let spheres: Vec<_> = tree.shape_at(3).map(|(_, n)| n.sphere()).collect();
+        let points = mesh.vertices.iter().filter(|v| v.x > 4.2e-3);
+        let gaps: Vec<f64> = points
+            .map(|p| {
+                spheres.iter().fold(f64::INFINITY, |least, s| {
+                    least.min((p - s.centre).norm() - s.radius)
+                })
+            })
+            .collect();
+        gaps.iter().map(|gap| gap.abs()).sum::<f64>() / gaps.len() as f64
+    };
+    let (even, uneven) = (at_the_end(&tree(&mesh, &options)), at_the_end(&weighted));
+    assert!(uneven < 0.8 * even, "{uneven} against {even}");
+}
+
+#[test]
+fn the_same_input_gives_the_same_bits() {
+    let mesh = Molar {
+        grid_mm: 0.5,
+        ..Molar::default()
+    }
+    .mesh();
+    assert_eq!(
+        mesh,
+        Molar {
+            grid_mm: 0.5,
+            ..Molar::default()
+        }
+        .mesh()
+    );
+    let options = TreeOptions {
+        samples: 5_000,
+        ..to_level(3)
+    };
+    let (one, other) = (tree(&mesh, &options), tree(&mesh, &options));
+    assert_eq!(one.nodes().len(), other.nodes().len());
+    for (a, b) in one.nodes().iter().zip(other.nodes()) {
+        assert_eq!(a.centre.map(f64::to_bits), b.centre.map(f64::to_bits));
+        assert_eq!(a.contact_radius.to_bits(), b.contact_radius.to_bits());
+    }
+}
+
+#[test]
+fn progress_rises_from_zero_to_one() {
+    let seen = Mutex::new(Vec::new());
+    let options = TreeOptions {
+        samples: 2_000,
+        ..to_level(2)
+    };
+    build_tree(&icosphere(5e-3, 3), &options, &|_, share| {
+        seen.lock().expect("lock").push(share)
+    })
+    .expect("a tree");
+    let seen = seen.into_inner().expect("lock");
+    assert!(
+        seen.windows(2).all(|pair| pair[0] <= pair[1]) && seen.last() == Some(&1.0),
+        "{seen:?}"
+    );
+}
+
+#[test]
+fn options_out_of_range_are_named() {
+    let mesh = icosphere(5e-3, 2);
+    let refused =
+        |options: TreeOptions| build_tree(&mesh, &options, &|_, _| ()).expect_err("refused");
+    assert_eq!(
+        refused(to_level(0)).to_string(),
+        "levels is 0, expected 1 to 6"
+    );
+    let nan = refused(TreeOptions {
+        good_enough: f64::NAN,
+        ..to_level(2)
+    });
+    assert!(
+        matches!(
+            nan,
+            TreeBuildError::Option {
+                field: "good_enough",
+                ..
+            }
+        ),
+        "{nan}"
+    );
+}

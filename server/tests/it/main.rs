@@ -1,0 +1,5 @@
+//! The server's own commands on trees and tissues.
+
+mod common;
+mod tissue;
+mod tree;

@@ -1,9 +1,0 @@
-//! Grades from outside: what gets one and what gets none, how each mode shows it, and what the program writes.
-#![allow(clippy::unwrap_used)]
-
-#[path = "../common/mod.rs"]
-mod common;
-mod modes;
-mod place;
-mod program;
-mod recordings;

@@ -1,0 +1,4 @@
+//! Files for the Rerun viewer, read back.
+
+mod review;
+mod tree;
