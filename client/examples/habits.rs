@@ -7,7 +7,7 @@
 //! pass, or a habit that its own metrics do not name or that costs too little.
 #![allow(clippy::unwrap_used)]
 
-#[path = "../tests/grades/own.rs"]
+#[path = "../tests/it/grades/own.rs"]
 mod own;
 
 use own::{COSTS, NAMED, own};

@@ -3,7 +3,7 @@
 //!
 //! `cargo bench -p sulcus-cases --bench ripple [-- WORD...]`: only lines that contain every word.
 
-#[path = "../tests/shapes/mod.rs"]
+#[path = "../tests/it/shapes/mod.rs"]
 mod shapes;
 
 use sulcus_cases::record;

@@ -6,7 +6,7 @@
 // A bench has a clock and prints.
 #![allow(clippy::disallowed_methods)]
 
-#[path = "../tests/meshes/mod.rs"]
+#[path = "../tests/it/meshes/mod.rs"]
 mod meshes;
 
 use std::time::Instant;
