@@ -1,4 +1,4 @@
-//! What ticks took while the session ran: a replay does not know, but the channels for viewers say it.
+//! Durations of ticks while the session ran, from the channels for viewers: a replay does not know them.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,10 @@ use crate::walk::{self, Walk};
 
 /// Longest tick since the message before, CPU time of the thread, microseconds, by the number of the message's tick. Empty
 /// where the recording has no such channel. Nothing rests on it: a message that cannot be read is left out.
-pub(super) fn of(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError> {
+///
+/// # Errors
+/// When the file is no MCAP, or a chunk changed since the file was opened.
+pub fn longest_tick_us(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError> {
     let mut walk = Walk::new(&recording.bytes).ok_or(ReadError::NotMcap)?;
     let first = recording.chunks.first().map_or(0, |chunk| chunk.start);
     let last = recording.chunks.last().map_or(0, |chunk| chunk.start);

@@ -38,6 +38,11 @@ impl Sum {
     }
 }
 
+/// Whether a line of the log is the sum over the messages for viewers, which no person needs to read.
+pub fn is_sum(line: &str) -> bool {
+    Sum::parse(line).is_some()
+}
+
 /// Sums up messages for viewers as they are written or read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Summing {

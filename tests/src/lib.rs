@@ -1,68 +1,12 @@
 //! The programs from outside, over real sockets and real files: how the tests start them.
 
+mod program;
+
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::OnceLock;
 
-/// A program of the workspace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Program {
-    /// `sulcus-client`.
-    Client,
-    /// `sulcus-server`.
-    Server,
-    /// `sulcus-sessions`.
-    Sessions,
-}
-
-impl Program {
-    fn name(self) -> &'static str {
-        match self {
-            Program::Client => "sulcus-client",
-            Program::Server => "sulcus-server",
-            Program::Sessions => "sulcus-sessions",
-        }
-    }
-
-    /// Path of the debug binary, built when first asked for.
-    pub fn path(self) -> &'static Path {
-        static BUILT: [OnceLock<PathBuf>; 3] = [const { OnceLock::new() }; 3];
-        BUILT[self as usize].get_or_init(|| build(self, false))
-    }
-
-    /// Path of the release binary, built when first asked for.
-    pub fn release_path(self) -> &'static Path {
-        static BUILT: [OnceLock<PathBuf>; 3] = [const { OnceLock::new() }; 3];
-        BUILT[self as usize].get_or_init(|| build(self, true))
-    }
-}
-
-fn build(program: Program, release: bool) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let build = escargot::CargoBuild::new()
-        .manifest_path(root.join("Cargo.toml"))
-        .package(program.name())
-        .bin(program.name());
-    let build = if release { build.release() } else { build };
-    // Rerun takes minutes to compile, in release ten; what needs it is tested where it is.
-    let build = match program {
-        Program::Server | Program::Sessions => build.no_default_features(),
-        _ => build,
-    };
-    // What cargo tells this test of itself must not reach the build: ring's build script watches it, and
-    // would be compiled anew, with all above it, on every change of hands.
-    let own = std::env::vars_os().map(|(name, _)| name);
-    let own = own.filter(|name| {
-        name.to_string_lossy().starts_with("CARGO_PKG_")
-            || name.to_string_lossy().starts_with("CARGO_MANIFEST_")
-    });
-    let build = own.fold(build, |build, name| build.env_remove(name));
-    let run = build
-        .run()
-        .unwrap_or_else(|error| panic!("{} does not build: {error}", program.name()));
-    run.path().to_path_buf()
-}
+pub use program::Program;
 
 /// A folder of its own for one test: recordings, keys and caches go there, nothing else is touched.
 pub struct Place {

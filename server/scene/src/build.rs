@@ -23,7 +23,8 @@ use crate::samples::{Samples, weighted_samples};
 use crate::tighten::tighten;
 use crate::{parallel, volume};
 
-/// Changes whenever the same input gives another tree; part of the cache key.
+/// Changes whenever the same input gives another tree: part of the key of the trees that the program brings along. The
+/// files of the cache are named by the sources of the builder besides.
 pub const BUILDER_VERSION: u32 = 7;
 
 /// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are

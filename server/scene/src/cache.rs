@@ -66,8 +66,20 @@ pub fn kept_or_built(
     Ok(tree)
 }
 
+/// Hash of the sources of all builders: a program of other sources finds none of the files of this one.
+const SOURCES: &str = env!("SULCUS_BUILDER_SOURCE");
+
 fn path(dir: &Path, what: &str, key: &blake3::Hash) -> PathBuf {
-    dir.join(format!("{what}-{}.bin", &key.to_hex()[..32]))
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(key.as_bytes());
+    hasher.update(SOURCES.as_bytes());
+    let name = hasher.finalize().to_hex();
+    dir.join(format!("{what}-{}.bin", &name[..32]))
+}
+
+/// The key that a file of the cache holds; none where the file is none of the cache's.
+pub(crate) fn key_of(file: &[u8]) -> Option<&[u8]> {
+    file.strip_prefix(MAGIC)?.get(..32)
 }
 
 /// What was kept under a key, if it is there and undamaged.

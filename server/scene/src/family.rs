@@ -26,7 +26,7 @@ pub(crate) fn find(key: &blake3::Hash) -> Option<SphereTree> {
     None
 }
 
-/// The bytes of a family: all trees in a cache's folder, in the order of their names.
+/// The bytes of a family: all trees in a cache's folder, in the order of their keys.
 ///
 /// # Errors
 /// When the folder or a file in it cannot be read.
@@ -38,10 +38,10 @@ pub fn pack(dir: &Path) -> std::io::Result<Vec<u8>> {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         name.starts_with("tree-") && name.ends_with(".bin")
     });
-    files.sort();
+    let mut trees: Vec<Vec<u8>> = files.iter().map(std::fs::read).collect::<Result<_, _>>()?;
+    trees.sort_by(|a, b| cache::key_of(a).cmp(&cache::key_of(b)));
     let mut packed = Vec::new();
-    for file in files {
-        let bytes = std::fs::read(file)?;
+    for bytes in trees {
         packed.extend((bytes.len() as u64).to_le_bytes());
         packed.extend(bytes);
     }

@@ -9,14 +9,9 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_scene::springs::FittedSprings;
 use sulcus_scene::{BuildOptions, compile_file};
 
-/// The folder of reference cases; none where it is not there, said loudly.
+/// The folder of reference cases; none where the data is absent.
 fn reference() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/fem");
-    if folder.join("nodes.csv").exists() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: {} is absent", folder.display());
-    None
+    sulcus_support::data("fem")
 }
 
 fn tissue(arguments: &[&str]) -> Output {

@@ -5,10 +5,11 @@ mod export;
 mod grade;
 mod info;
 mod parallel;
-mod print;
+pub mod print;
 mod replay;
 mod review;
-mod written;
+pub mod sibling;
+pub mod written;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -43,11 +44,7 @@ enum Command {
         after_long_help = replay::EXAMPLES
     )]
     Replay(replay::ReplayArgs),
-    /// Replays a session and writes what happened for the Rerun viewer: mouth, tools, forces, plots, log
-    #[command(
-        long_about = "Replays a session and writes what happened as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer where `rerun` of the right version is on PATH. A recording whose replay differs is not shown, unless it is of a former version of the format and stays close.",
-        after_long_help = "Examples:\n  sulcus-sessions review session.mcap\n  sulcus-sessions review session.mcap --from 20 --to 30 --out part.rrd --no-open\n  sulcus-sessions review session.mcap --no-open --json | tail -n 1 | jq .rows"
-    )]
+    /// Writes a session for the Rerun viewer: starts the program `sulcus-review`
     Review(review::ReviewArgs),
     /// Writes recorded sessions as tables and meshes for other programs
     #[command(
@@ -77,7 +74,8 @@ where
     let json = match &cli.command {
         Command::Info(args) => args.json,
         Command::Replay(args) => args.json,
-        Command::Review(args) => args.json,
+        // The child process prints its own objects and errors.
+        Command::Review(_) => false,
         Command::Export(args) => args.json,
         Command::Grade(args) => args.json,
     };

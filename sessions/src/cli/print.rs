@@ -14,7 +14,8 @@ pub(super) struct Outcome {
     pub(super) finding: bool,
 }
 
-pub(super) fn object(value: Value) -> Map<String, Value> {
+/// The members of a JSON object; any other value becomes the member `value`.
+pub fn object(value: Value) -> Map<String, Value> {
     match value {
         Value::Object(map) => map,
         other => Map::from_iter([("value".to_owned(), other)]),
@@ -22,7 +23,7 @@ pub(super) fn object(value: Value) -> Map<String, Value> {
 }
 
 /// The error's own sentence, with the file's name unless it says so itself.
-pub(super) fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
+pub fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
     let (path, text) = (path.display().to_string(), error.to_string());
     if text.contains(&path) {
         anyhow::anyhow!(text)
@@ -124,8 +125,11 @@ pub(super) fn summary(objects: Vec<Value>, total: &str) -> Value {
     Value::Object(all)
 }
 
-/// A line on standard output; a reader that went away is no error.
-pub(super) fn say(line: &str) -> anyhow::Result<()> {
+/// Writes a line on standard output; a reader that went away is no error.
+///
+/// # Errors
+/// When standard output cannot be written.
+pub fn say(line: &str) -> anyhow::Result<()> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
@@ -134,6 +138,7 @@ pub(super) fn say(line: &str) -> anyhow::Result<()> {
     }
 }
 
-pub(super) fn complain(error: &anyhow::Error) {
+/// Writes an error as one sentence on standard error.
+pub fn complain(error: &anyhow::Error) {
     let _ = writeln!(std::io::stderr(), "error: {}", crate::sentence(error));
 }

@@ -10,7 +10,7 @@ const MCAP: &[u8] = b"\x89MCAP0\r\n";
 ///
 /// # Errors
 /// When it is one of `read`, whatever it is called there, or holds a recording: what is in it would be lost.
-pub(super) fn may_write<'a>(
+pub fn may_write<'a>(
     option: &str,
     out: &Path,
     read: impl IntoIterator<Item = &'a Path>,
@@ -40,7 +40,7 @@ pub(super) fn may_write<'a>(
 }
 
 /// Whether two paths are one file that is there: by their names without links, or as two names of it.
-pub(super) fn is_same(a: &Path, b: &Path) -> bool {
+pub fn is_same(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt as _;

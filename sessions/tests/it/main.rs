@@ -13,7 +13,6 @@ mod migrated;
 mod mutated;
 mod recover;
 mod replay;
-mod review;
 mod span;
 mod tamper;
 mod torn;

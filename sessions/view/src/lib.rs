@@ -1,33 +1,51 @@
-//! Everything that names rerun; nothing else does.
+//! Recorded sessions and sphere trees as files for the Rerun viewer, and the program `sulcus-review`, which writes them.
 //!
-//! [`write_tree`] writes a sphere tree and its errors as a file for the Rerun viewer, [`ReviewFile`] a recorded session.
-//! Both take plain data: this crate knows nothing of scenes, ticks and recordings. Rerun takes minutes to compile, so
-//! whoever uses this crate does so behind a feature.
+//! The program is the only one that links Rerun, behind the feature `rerun`. Without the feature this crate holds plain
+//! data alone: [`TreePicture`] is the input of `sulcus-review tree`, which other programs start as a child process.
 //!
 //! # Looking at a file
-//! `pip install rerun-sdk==0.36.3` brings the viewer of the right version ([`viewer_version`]), and `rerun FILE` opens a file.
-//! `rerun rrd stats FILE` and `rerun rrd verify FILE` say what is in it; [`count_rows`] decodes all of it.
+//! `pip install rerun-sdk==0.36.3` brings the viewer of the matching version, and `rerun FILE` opens a file.
+//! `rerun rrd stats FILE` and `rerun rrd verify FILE` list the contents.
 //!
-//! A picture without a window (on a machine without a graphics card: Mesa's software Vulkan, Debian's
-//! `mesa-vulkan-drivers`) is made by `picture.py` beside this crate's manifest:
+//! `picture.py` beside this crate's manifest renders a file without a window. Software rendering needs Mesa's Vulkan
+//! driver, Debian's `mesa-vulkan-drivers`:
 //!
 //! ```text
-//! sulcus-sessions review SESSION.mcap --to 24 --slider end --out part.rrd --no-open
+//! sulcus-review SESSION.mcap --to 24 --slider end --out part.rrd --no-open
 //! python sessions/view/picture.py part.rrd part.png
 //! ```
 
+mod tree_picture;
+
+pub use tree_picture::{LevelPicture, TreePicture};
+
+#[cfg(feature = "rerun")]
+mod cli;
+#[cfg(feature = "rerun")]
 mod layout;
+#[cfg(feature = "rerun")]
 mod read;
+#[cfg(feature = "rerun")]
 mod review;
+#[cfg(feature = "rerun")]
+pub mod session;
+#[cfg(feature = "rerun")]
 mod tree;
+#[cfg(feature = "rerun")]
 mod viewer;
 
+#[cfg(feature = "rerun")]
+pub use cli::run;
+#[cfg(feature = "rerun")]
 pub use read::{Rows, count_rows};
+#[cfg(feature = "rerun")]
 pub use review::{
     Arrow, Eye, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, PartPicture,
     ReviewFile, ReviewPicture, Slider, Standing, ToolPicture, ToolStanding, Weight,
 };
-pub use tree::{LevelPicture, TreePicture, write_tree};
+#[cfg(feature = "rerun")]
+pub use tree::write_tree;
+#[cfg(feature = "rerun")]
 pub use viewer::{NoViewer, open_viewer, version as viewer_version};
 
 use std::path::PathBuf;

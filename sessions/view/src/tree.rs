@@ -8,43 +8,10 @@ use rerun::blueprint::{
 };
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 
-use crate::{Refusal, ViewError};
+use crate::{LevelPicture, Refusal, TreePicture, ViewError};
 
 /// Name of the timeline that the slider moves on.
 const TIMELINE: &str = "level";
-
-/// A sphere tree and the mesh it stands for. Lengths in millimetres, x anterior, y to the patient's
-/// left, z up.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TreePicture {
-    /// What it is.
-    pub name: String,
-    /// Vertices of the mesh, fine enough to be coloured one by one.
-    pub vertices: Vec<[f32; 3]>,
-    /// A unit normal for each vertex.
-    pub normals: Vec<[f32; 3]>,
-    /// Triangles as vertex indices.
-    pub triangles: Vec<[u32; 3]>,
-    /// The levels, coarse to fine.
-    pub levels: Vec<LevelPicture>,
-}
-
-/// One level of the tree.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LevelPicture {
-    /// The level.
-    pub level: u8,
-    /// A colour (sRGB) for each vertex of the mesh, by its error.
-    pub vertex_colours: Vec<[u8; 3]>,
-    /// Centres of the spheres.
-    pub centres: Vec<[f32; 3]>,
-    /// Radii of the spheres.
-    pub radii: Vec<f32>,
-    /// A colour (sRGB) for each sphere.
-    pub sphere_colours: Vec<[u8; 3]>,
-    /// What is said about the level, Markdown.
-    pub caption: String,
-}
 
 /// Writes a file (`.rrd`) that the Rerun viewer of the same version opens: the mesh coloured by error
 /// beside the spheres, one pair of entities for each level, on a timeline `level`.
@@ -135,35 +102,4 @@ fn blueprint() -> Blueprint {
     Blueprint::new(Vertical::new(rows).with_row_shares(vec![4.0, 1.0]))
         .with_auto_views(false)
         .with_time_panel(TimePanel::new().with_timeline(TIMELINE))
-}
-
-impl TreePicture {
-    fn fits(&self) -> Result<(), ViewError> {
-        for level in &self.levels {
-            for (field, found, expected) in [
-                ("normals", self.normals.len(), self.vertices.len()),
-                (
-                    "vertex_colours",
-                    level.vertex_colours.len(),
-                    self.vertices.len(),
-                ),
-                ("radii", level.radii.len(), level.centres.len()),
-                (
-                    "sphere_colours",
-                    level.sphere_colours.len(),
-                    level.centres.len(),
-                ),
-            ] {
-                if found != expected {
-                    return Err(ViewError::Shape {
-                        level: level.level,
-                        field,
-                        found,
-                        expected,
-                    });
-                }
-            }
-        }
-        Ok(())
-    }
 }

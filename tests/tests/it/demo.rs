@@ -80,7 +80,7 @@ fn depths_and_grade_are_not_shown_before_an_own_score_is_given() {
     ];
     let own = [&demo[..], &["--mode", "self-assessment"]].concat();
     let shown = place
-        .run_path(Program::Client.release_path(), &own)
+        .run(Program::Client, &own)
         .ok()
         .json();
     assert_eq!(shown["mode"], "self-assessment", "{shown}");
@@ -91,12 +91,12 @@ fn depths_and_grade_are_not_shown_before_an_own_score_is_given() {
     assert_eq!(shown["events"]["calls"], serde_json::json!([]), "{shown}");
     let file = place.recording();
     let file = file.to_str().expect("plain");
-    let sessions = Program::Sessions.release_path();
+    let sessions = Program::Sessions;
     place
-        .run_path(sessions, &["grade", file])
+        .run(sessions, &["grade", file])
         .refused(&["--self-score is missing", "expected 0 to 100"]);
     let grade = ["grade", file, "--self-score", "40", "--json"];
-    let grade = place.run_path(sessions, &grade).ok().json();
+    let grade = place.run(sessions, &grade).ok().json();
     assert_eq!(grade["self_score"], 40.0, "{grade}");
     // There was something to be withheld.
     let sites = grade["sites"].as_array().expect("sites");
@@ -204,7 +204,7 @@ fn a_debug_build_replays_what_a_release_build_recorded_with_either_solver() {
             "--json",
         ];
         let demo = place
-            .run_path(Program::Client.release_path(), &demo)
+            .run(Program::Client, &demo)
             .ok()
             .json();
         assert_eq!(demo["identical"], true, "{demo}");
@@ -282,10 +282,7 @@ fn the_live_demo_loses_nothing_silently_and_replays() {
 
 #[test]
 fn a_real_tooth_runs_through_the_demo() {
-    let mesh = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../shared/data/meshes/tooth_36_first_molar.stl");
-    let Ok(mesh) = mesh.canonicalize() else {
-        eprintln!("SKIPPED: no real tooth at {}", mesh.display());
+    let Some(mesh) = sulcus_support::data("meshes/tooth_36_first_molar.stl") else {
         return;
     };
     let place = Place::new();

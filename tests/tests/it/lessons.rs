@@ -18,13 +18,12 @@ fn perform(exercise: &str, seconds: &str, seed: &str) -> (Place, Value) {
         "--json",
     ];
     let demo = place
-        .run_path(Program::Client.release_path(), &arguments)
+        .run(Program::Client, &arguments)
         .ok()
         .json();
     let file = place.recording();
     let replay = place
-        .run_path(
-            Program::Sessions.release_path(),
+        .run(Program::Sessions,
             &["replay", "--json", file.to_str().expect("plain")],
         )
         .ok()
@@ -55,14 +54,12 @@ fn probing_reads_a_pocket_and_replays() {
     assert!((measured - truth).abs() <= 0.5, "{demo}");
     assert_eq!(read["tooth"], 36);
     let file = place.recording();
-    let info = place.run_path(
-        Program::Sessions.release_path(),
+    let info = place.run(Program::Sessions,
         &["info", file.to_str().expect("plain")],
     );
     assert!(info.ok().stdout.contains("probing"));
     // The grade of the recording alone is the demo's own.
-    let grade = place.run_path(
-        Program::Sessions.release_path(),
+    let grade = place.run(Program::Sessions,
         &["grade", "--json", file.to_str().expect("plain")],
     );
     let grade = grade.ok().json();

@@ -19,8 +19,7 @@ fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value
         "--json",
     ];
     let demo = place
-        .run_path(
-            Program::Client.release_path(),
+        .run(Program::Client,
             &[&arguments[..], more].concat(),
         )
         .ok()
@@ -36,7 +35,7 @@ fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value
 fn replay(place: &Place, files: &[&str], more: &[&str]) -> Value {
     let arguments = [&["replay", "--json"], more, files].concat();
     place
-        .run_path(Program::Sessions.release_path(), &arguments)
+        .run(Program::Sessions, &arguments)
         .ok()
         .json()
 }

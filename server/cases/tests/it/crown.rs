@@ -215,10 +215,7 @@ fn with_the_judge_in_the_tick() {
 
 #[test]
 fn on_a_real_tooth() {
-    let mesh = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data/meshes/tooth_36_first_molar.stl");
-    let Ok(mesh) = mesh.canonicalize() else {
-        eprintln!("SKIPPED: no real tooth at {}", mesh.display());
+    let Some(mesh) = sulcus_support::data("meshes/tooth_36_first_molar.stl") else {
         return;
     };
     let folder = std::env::temp_dir().join(format!("sulcus-real-tooth-{}", std::process::id()));

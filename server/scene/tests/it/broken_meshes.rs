@@ -240,20 +240,11 @@ fn inside_out_crowded_pinched_and_flat_are_refused_with_the_place() {
 
 #[test]
 fn every_mesh_of_the_data_needs_no_repair() {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
-    let Ok(files) = std::fs::read_dir(&dir) else {
-        println!(
-            "SKIPPED: {} is not there, so no real mesh was read",
-            dir.display()
-        );
-        eprintln!(
-            "SKIPPED: {} is not there, so no real mesh was read",
-            dir.display()
-        );
+    let Some(dir) = sulcus_support::data("meshes") else {
         return;
     };
     let mut read = 0;
-    for file in files {
+    for file in std::fs::read_dir(&dir).expect("a folder") {
         let file = file.expect("entry").path();
         if file.extension().is_some_and(|extension| extension == "stl") {
             let loaded = sulcus_scene::load::load_mesh(&file, Unit::Millimetre).expect("readable");

@@ -1,6 +1,5 @@
 //! `sulcus-server tree`: builds a sphere tree for one mesh, measures it and shows it.
 
-#[cfg(feature = "view")]
 mod viewer;
 mod zone;
 
@@ -17,6 +16,7 @@ use sulcus_scene::error::{LevelError, Sampling, Spread, TreeReport, ZoneError, m
 use sulcus_scene::load::Unit;
 use sulcus_scene::solid::read_solid;
 use sulcus_scene::zone::{Zone, importance};
+use sulcus_sessions::cli::sibling::find;
 
 use super::scene::Narrator;
 use crate::page::{self, Subject};
@@ -25,7 +25,7 @@ pub use zone::ZoneArg;
 /// Build a sphere tree for a mesh and measure its error, both ways and level by level.
 #[derive(Clone, Debug, Args)]
 #[command(
-    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer.",
+    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer, written where the program sulcus-review is installed.",
     after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
 )]
 pub struct TreeArgs {
@@ -204,22 +204,22 @@ pub(crate) fn writable(folder: &Path) -> anyhow::Result<()> {
         })
 }
 
-/// The path of the written file.
-#[cfg(feature = "view")]
+/// The path of the written file; none where the program that writes files for Rerun is not installed.
 fn for_rerun(
     folder: &Path,
     subject: &Subject,
     levels: &[page::LevelErrors],
 ) -> anyhow::Result<Option<PathBuf>> {
+    let program = match find("sulcus-review") {
+        Ok(program) => program,
+        Err(missing) => {
+            eprintln!("note: no tree.rrd: {missing}");
+            return Ok(None);
+        }
+    };
     let path = folder.join("tree.rrd");
-    viewer::write(&path, subject, levels)?;
+    viewer::write(&program, &path, subject, levels)?;
     Ok(Some(path))
-}
-
-#[cfg(not(feature = "view"))]
-fn for_rerun(_: &Path, _: &Subject, _: &[page::LevelErrors]) -> anyhow::Result<Option<PathBuf>> {
-    eprintln!("note: no tree.rrd, this program was built without its feature `view`");
-    Ok(None)
 }
 
 fn print(levels: &[LevelError]) {

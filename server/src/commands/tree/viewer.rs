@@ -1,13 +1,16 @@
 //! The tree as a file for the Rerun viewer.
 
+use std::io::{BufWriter, Write as _};
 use std::path::Path;
+use std::process::{Command, Stdio};
 
+use anyhow::Context as _;
 use sulcus_core::Vec3;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::surface_error;
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::repair::repair;
-use sulcus_view::{LevelPicture, TreePicture, write_tree};
+use sulcus_view::{LevelPicture, TreePicture};
 
 use crate::page::{LevelErrors, Subject};
 use crate::picture::{diverging, ivory};
@@ -15,11 +18,37 @@ use crate::picture::{diverging, ivory};
 /// Colours are per vertex, so triangles are cut in four until there are at least so many.
 const TRIANGLES: usize = 40_000;
 
-/// Writes `tree.rrd`.
+/// Writes `tree.rrd` through the child process `program`, which reads the picture as JSON from its standard input.
 ///
 /// # Errors
-/// If the file cannot be written.
-pub(super) fn write(path: &Path, subject: &Subject, levels: &[LevelErrors]) -> anyhow::Result<()> {
+/// When the child process cannot be started or fails; its own message stands on standard error.
+pub(super) fn write(
+    program: &Path,
+    path: &Path,
+    subject: &Subject,
+    levels: &[LevelErrors],
+) -> anyhow::Result<()> {
+    let picture = picture(subject, levels);
+    let named = || format!("{}: cannot write {}", program.display(), path.display());
+    let mut child = Command::new(program)
+        .args(["tree", "--out"])
+        .arg(path)
+        .stdin(Stdio::piped())
+        .spawn()
+        .with_context(named)?;
+    let to = child.stdin.take().with_context(named)?;
+    let mut to = BufWriter::new(to);
+    // A child that failed closes the pipe; its exit code says more than the broken pipe.
+    let written = serde_json::to_writer(&mut to, &picture).map_err(anyhow::Error::from);
+    let flushed = to.flush();
+    drop(to);
+    let ended = child.wait().with_context(named)?;
+    anyhow::ensure!(ended.success(), "{}: ended by {ended}", named());
+    written.with_context(named)?;
+    flushed.with_context(named)
+}
+
+fn picture(subject: &Subject, levels: &[LevelErrors]) -> TreePicture {
     let mut mesh = subject.distance.mesh().clone();
     while mesh.triangles.len() < TRIANGLES {
         mesh = cut_in_four(&mesh);
@@ -27,7 +56,7 @@ pub(super) fn write(path: &Path, subject: &Subject, levels: &[LevelErrors]) -> a
     let fine = MeshDistance::new(mesh);
     let mesh = fine.mesh();
     let millimetres = |v: &Vec3| [v.x, v.y, v.z].map(|x| (1e3 * x) as f32);
-    let picture = TreePicture {
+    TreePicture {
         name: subject.name.clone(),
         vertices: mesh.vertices.iter().map(millimetres).collect(),
         normals: (0..mesh.vertices.len() as u32)
@@ -63,8 +92,7 @@ pub(super) fn write(path: &Path, subject: &Subject, levels: &[LevelErrors]) -> a
                 ),
             })
             .collect(),
-    };
-    Ok(write_tree(path, &picture)?)
+    }
 }
 
 /// Every triangle as four, on the same surface.

@@ -1,5 +1,3 @@
-use std::path::Path;
-
 use sulcus_core::math::Mat3;
 use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, Spring, StretchLaw};
 use sulcus_scene::skeleton::SkeletonOptions;
@@ -11,11 +9,7 @@ use crate::tissue::fit::{Example, Fit, Freedom};
 use crate::tissue::organ::Organ;
 
 fn organ() -> Option<Organ> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/fem");
-    if !folder.join("nodes.csv").exists() {
-        eprintln!("SKIPPED: {} is absent", folder.display());
-        return None;
-    }
+    let folder = sulcus_support::data("fem")?;
     Some(Organ::read(&folder, &|_, _| ()).expect("an organ"))
 }
 

@@ -1,14 +1,10 @@
-use std::path::Path;
-
 use super::*;
 
 #[test]
 fn tractions_are_those_of_the_reference_loads_and_training_is_apart_from_them() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/fem");
-    if !folder.join("nodes.csv").exists() {
-        eprintln!("SKIPPED: {} is absent", folder.display());
+    let Some(folder) = sulcus_support::data("fem") else {
         return;
-    }
+    };
     let organ = Organ::read(&folder, &|_, _| ()).expect("an organ");
     // As the README of the cases defines them, in millimetres.
     let reference = [

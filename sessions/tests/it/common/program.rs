@@ -5,9 +5,22 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// `sulcus-sessions` with these arguments. No viewer, whatever is installed here.
+/// The program of the crate under test: `sulcus-sessions`, or `sulcus-review` of the crate below.
+const PROGRAM: &str = match option_env!("CARGO_BIN_EXE_sulcus-sessions") {
+    Some(program) => program,
+    None => env_or_empty(option_env!("CARGO_BIN_EXE_sulcus-review")),
+};
+
+const fn env_or_empty(program: Option<&'static str>) -> &'static str {
+    match program {
+        Some(program) => program,
+        None => "",
+    }
+}
+
+/// The program with these arguments. PATH is empty, so that no installed viewer opens.
 pub fn run(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sulcus-sessions"))
+    Command::new(PROGRAM)
         .args(args)
         .env("PATH", "/nowhere")
         .output()

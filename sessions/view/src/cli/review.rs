@@ -1,9 +1,16 @@
-//! `review`: a recorded session for the Rerun viewer.
+//! `sulcus-review FILE`: a recorded session for the Rerun viewer.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
+use sulcus_sessions::cli::print::{at, complain, object, say};
+use sulcus_sessions::cli::written::{is_same, may_write};
+use sulcus_sessions::read::Recording;
+
+use crate::session::{ReviewError, Slider, Window, review};
 
 #[derive(Args)]
 pub(super) struct ReviewArgs {
@@ -43,25 +50,7 @@ enum SliderAt {
     End,
 }
 
-/// Built without Rerun.
-#[cfg(not(feature = "review"))]
 pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
-    anyhow::bail!(
-        "{}: this program was built without `review`, which needs Rerun; build it with: cargo build --release -p sulcus-sessions --features review",
-        args.file.display()
-    )
-}
-
-#[cfg(feature = "review")]
-pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
-    use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-    use serde_json::json;
-
-    use super::print::{at, object, say};
-    use super::written::{is_same, may_write};
-    use crate::read::Recording;
-    use crate::review::{ReviewError, Slider, Window, review};
-
     let window = Window {
         from_s: args.from,
         to_s: args.to.unwrap_or(f64::INFINITY),
@@ -110,7 +99,7 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         Err(error @ ReviewError::Differs { tick, .. }) => {
             // As with `replay`, no mistake of the user's: a finding.
             let why = at(&args.file, &error);
-            super::print::complain(&why);
+            complain(&why);
             if args.json {
                 say(&json!({
                     "file": file,
@@ -126,15 +115,15 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     };
     let seconds = began.elapsed().as_secs_f64();
     if let Some(unsound) = &report.unsound {
-        super::print::complain(&anyhow::anyhow!("{file}: {unsound}"));
+        complain(&anyhow::anyhow!("{file}: {unsound}"));
     }
-    let opened = (!args.no_open).then(|| sulcus_view::open_viewer(&report.out));
+    let opened = (!args.no_open).then(|| crate::open_viewer(&report.out));
     let note = match &opened {
         None => format!(
             "to look at it: rerun {} (viewer {}: pip install rerun-sdk=={})",
             report.out.display(),
-            sulcus_view::viewer_version(),
-            sulcus_view::viewer_version()
+            crate::viewer_version(),
+            crate::viewer_version()
         ),
         Some(Ok(())) => "opened in the Rerun viewer".to_owned(),
         Some(Err(why)) => why.to_string(),

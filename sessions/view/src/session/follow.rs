@@ -3,7 +3,7 @@
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Scene, TickOutput, Vec3};
-use sulcus_view::Standing;
+use crate::Standing;
 
 /// How soon it is where the tip is, seconds.
 const SOON_S: f64 = 0.35;

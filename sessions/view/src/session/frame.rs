@@ -6,11 +6,11 @@ use sulcus_core::math::norm;
 use sulcus_core::output::{ForceZone, status};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Pose, Scene, TickInput, TickOutput, ToolOutput, Vec3, Workspace};
-use sulcus_view::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
+use crate::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
 
 use super::follow::Follow;
 use super::picture::{kind_of, outward, probe_of};
-use crate::channels::FRAMES_HZ;
+use sulcus_sessions::channels::FRAMES_HZ;
 
 /// A contact that bears less is not drawn, N.
 const LEAST_N: f64 = 0.005;

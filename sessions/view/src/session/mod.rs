@@ -6,7 +6,6 @@
 mod follow;
 mod frame;
 mod picture;
-mod times;
 mod tissue;
 mod words;
 
@@ -16,14 +15,15 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sulcus_core::output::ForceZone;
 use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
-use sulcus_view::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
+use crate::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
 
-pub use sulcus_view::Slider;
+pub use crate::Slider;
 
-use crate::exercise::Exercise;
-use crate::occurrence::zone_name;
-use crate::read::{ReadError, Recording};
-use crate::replay::{Difference, ReplayError, ReplayOptions, replay_observed};
+use sulcus_sessions::exercise::Exercise;
+use sulcus_sessions::occurrence::zone_name;
+use sulcus_sessions::read::{ReadError, Recording};
+use sulcus_sessions::times::longest_tick_us;
+use sulcus_sessions::replay::{Difference, ReplayError, ReplayOptions, replay_observed};
 
 use frame::Eyes;
 use tissue::Tissues;
@@ -70,7 +70,7 @@ pub struct ReviewReport {
     pub events: u64,
     /// Whether the replay that it shows is the recorded session bit for bit; it need not be where the recording is of a former version.
     pub identical: bool,
-    /// What is wrong with the recording itself ([`crate::ReplayReport::unsound`]).
+    /// What is wrong with the recording itself ([`sulcus_sessions::ReplayReport::unsound`]).
     pub unsound: Option<String>,
     /// Longest tick of the session, CPU time, microseconds; none in a recording without channels for viewers.
     pub longest_tick_us: Option<f64>,
@@ -154,7 +154,7 @@ pub fn review(
             .map(|seconds| (seconds * 1e9).round() as i64),
         ..picture::of(recording, &scene, &exercise)
     };
-    let times = times::of(recording)?;
+    let times = longest_tick_us(recording)?;
     let longest_tick_us = times.values().copied().reduce(f64::max);
     let file = ReviewFile::create(&begun.0, picture)?;
     let mut take = Take {

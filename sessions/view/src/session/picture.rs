@@ -4,13 +4,13 @@ use sulcus_core::math::norm;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{DisplayMesh, Object, Scene, Vec3};
-use sulcus_view::{
+use crate::{
     Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, Slider, ToolPicture,
 };
 
 use super::frame::millimetres;
-use crate::exercise::{Exercise, Kind};
-use crate::read::Recording;
+use sulcus_sessions::exercise::{Exercise, Kind};
+use sulcus_sessions::read::Recording;
 
 /// Length of an arrow for a newton, mm.
 const ARROW_MM_PER_N: f32 = 20.0;

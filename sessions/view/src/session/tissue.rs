@@ -1,7 +1,7 @@
 //! Shapes of what yields, while it is not at rest.
 
 use sulcus_core::{DisplaySkin, Scene, Vec3, Workspace};
-use sulcus_view::{Moment, ReviewFile, ViewError};
+use crate::{Moment, ReviewFile, ViewError};
 
 use super::frame::millimetres;
 

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use sulcus_core::Scene;
 use sulcus_core::output::ForceZone;
-use sulcus_view::{Lane, ReviewFile, Weight};
+use crate::{Lane, ReviewFile, Weight};
 
 use super::{Window, moment};
-use crate::events::call::READING_CALLED;
-use crate::message::{Level, Message};
-use crate::occurrence::{FORCE_ZONE, Occurrence, zone_name};
-use crate::read::{ReadError, Recording};
-use crate::viewers::Sum;
+use sulcus_sessions::events::call::READING_CALLED;
+use sulcus_sessions::message::{Level, Message};
+use sulcus_sessions::occurrence::{FORCE_ZONE, Occurrence, zone_name};
+use sulcus_sessions::read::{ReadError, Recording};
+use sulcus_sessions::viewers::is_sum;
 
 /// A session's log.
 pub(super) struct Story(Vec<Line>);
@@ -37,7 +37,7 @@ impl Story {
                 Message::Row(row) => tick = row.tick,
                 Message::Snapshot { tick: of, .. } => tick = of,
                 // A hash is for programs.
-                Message::Event(event) if Sum::parse(&event.text).is_some() => {}
+                Message::Event(event) if is_sum(&event.text) => {}
                 Message::Event(event) => {
                     let what = Occurrence::parse(&event.text);
                     lines.push(Line {

@@ -1,4 +1,7 @@
 //! Files for the Rerun viewer, read back.
 
+#[path = "../../../tests/it/common/mod.rs"]
+mod common;
 mod review;
+mod session;
 mod tree;

@@ -1,5 +1,4 @@
 //! A session as a file for the viewer: counted after reading back, against what the replay has.
-#![cfg(feature = "review")]
 #![allow(clippy::unwrap_used)]
 
 
@@ -12,7 +11,7 @@ use serde_json::Value;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
 use sulcus_core::{DisplayMesh, NoProbe, Scene, State, Vec3, Workspace, tick};
-use sulcus_sessions::review::{ReviewError, Slider, Window, review};
+use sulcus_view::session::{ReviewError, Slider, Window, review};
 use sulcus_sessions::{
     Level, Occurrence, Recorder, Recording, ReplayOptions, Row, SessionEnd, replay_observed,
 };
@@ -242,7 +241,7 @@ fn what_did_not_happen_is_not_shown() {
         true
     });
     std::fs::write(&bad, bytes).unwrap();
-    let output = run(&["review", bad.to_str().unwrap(), "--json"]);
+    let output = run(&[bad.to_str().unwrap(), "--json"]);
     assert_eq!(output.status.code(), Some(1));
     let told = String::from_utf8(output.stderr.clone()).unwrap();
     assert!(
@@ -263,7 +262,7 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("good.mcap");
     record(&path, 300);
-    let output = run(&["review", path.to_str().unwrap(), "--json"]);
+    let output = run(&[path.to_str().unwrap(), "--json"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let json = json_of(&output);
     assert_eq!(
@@ -284,7 +283,7 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
         (&["--out", path.to_str().unwrap()], "the recording itself"),
         (&["--out", "no/such/folder/a.rrd"], "cannot write"),
     ] {
-        let all = [&["review", path.to_str().unwrap()], args].concat();
+        let all = [&[path.to_str().unwrap()], args].concat();
         let output = run(&all);
         let told = String::from_utf8(output.stderr.clone()).unwrap();
         assert_eq!(output.status.code(), Some(2), "{told}");

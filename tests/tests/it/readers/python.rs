@@ -3,25 +3,24 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Folder of an environment's programs, with these packages installed from PyPI; `None`, and loudly, where there is no Python
-/// or no network.
+use sulcus_support::Resource;
+
+/// Folder of an environment's programs, with these packages installed from PyPI; `None` where Python or the network is missing.
 pub fn environment(name: &str, packages: &[&str]) -> Option<PathBuf> {
+    Resource::Python.or_skip(made(name, packages))
+}
+
+fn made(name: &str, packages: &[&str]) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("venv-{name}"));
     let (programs, ready) = (folder.join("bin"), folder.join("ready"));
     let wanted = packages.join(" ");
     if std::fs::read_to_string(&ready).is_ok_and(|there| there == wanted) {
-        return Some(programs);
+        return Ok(programs);
     }
     let _ = std::fs::remove_dir_all(&folder);
-    let skip = |what: &str, why: String| {
-        eprintln!("\nSKIPPED, NOT TESTED: {what}: {why}\n(wanted from PyPI: {wanted})\n");
-        None
-    };
     let mut make = Command::new("python3");
     make.args(["-m", "venv"]).arg(&folder);
-    if let Err(why) = done(make.output()) {
-        return skip("no Python environment can be made", why);
-    }
+    done(make.output()).map_err(|why| format!("no Python environment can be made: {why}"))?;
     let mut install = Command::new(programs.join("python"));
     install
         .args([
@@ -33,11 +32,9 @@ pub fn environment(name: &str, packages: &[&str]) -> Option<PathBuf> {
         ])
         .args(["--retries", "2", "--timeout", "20"])
         .args(packages);
-    if let Err(why) = done(install.output()) {
-        return skip("packages cannot be installed", why);
-    }
+    done(install.output()).map_err(|why| format!("`{wanted}` cannot be installed: {why}"))?;
     std::fs::write(&ready, &wanted).expect("the environment is writable");
-    Some(programs)
+    Ok(programs)
 }
 
 fn done(output: std::io::Result<Output>) -> Result<(), String> {

@@ -65,11 +65,7 @@ fn folder() -> PathBuf {
 
 /// The mesh in a file of the data folder, metres; none where there is no data.
 pub fn mesh(name: &str) -> Option<MeshDistance> {
-    let file = folder().join(name).with_extension("stl");
-    if !file.is_file() {
-        eprintln!("SKIPPED: no real mesh at {}", file.display());
-        return None;
-    }
+    let file = sulcus_support::data(&format!("meshes/{name}.stl"))?;
     let solid = read_solid(&file, Unit::Millimetre).expect("a solid");
     Some(MeshDistance::new(solid.mesh))
 }

@@ -10,14 +10,9 @@ use sulcus_fem::files::{ForceColumns, read_displacements, read_forces};
 use sulcus_fem::msh::{Unit, read_msh};
 use sulcus_fem::{Elastic, TetMesh};
 
-/// The folder of reference solutions, or nothing where it is absent: said, not hidden.
+/// The folder of reference solutions; none where the data is absent.
 pub fn reference() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fem");
-    if folder.join("nodes.csv").is_file() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no reference at {}", folder.display());
-    None
+    sulcus_support::data("fem")
 }
 
 /// Forces of a case of the reference on all nodes, newtons.

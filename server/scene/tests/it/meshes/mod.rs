@@ -4,7 +4,6 @@
 // Each user needs a part of this.
 #![allow(dead_code)]
 
-use std::path::Path;
 use std::sync::Arc;
 
 use sulcus_core::{SphereTree, Vec3};
@@ -58,14 +57,7 @@ impl Part {
 
 /// A mesh of the data folder, millimetres.
 pub fn data(file: &str) -> Option<TriMesh> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data/meshes")
-        .join(file);
-    if !path.exists() {
-        println!("SKIPPED: {} is not there", path.display());
-        eprintln!("SKIPPED: {} is not there", path.display());
-        return None;
-    }
+    let path = sulcus_support::data(&format!("meshes/{file}"))?;
     Some(read_solid(&path, Unit::Millimetre).expect("a solid").mesh)
 }
 

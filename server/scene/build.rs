@@ -1,0 +1,53 @@
+//! Hashes the sources that build trees and tissues: the hash is part of the names of files in the cache.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Sources of sphere trees, blending, tissue models, finite elements, and their compilation from scene files.
+const BUILDERS: [&str; 5] = [
+    "src",
+    "../fem/src",
+    "../core/src/blend",
+    "../core/src/tissue",
+    "../core/src/tree",
+];
+/// Files beside those folders.
+const FILES: [&str; 3] = [
+    "../core/src/blend.rs",
+    "../core/src/tree.rs",
+    "../core/src/skin.rs",
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut files: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
+    for folder in BUILDERS {
+        list(Path::new(folder), &mut files)?;
+    }
+    files.sort();
+    let mut hasher = blake3::Hasher::new();
+    for file in files {
+        println!("cargo::rerun-if-changed={}", file.display());
+        let text = std::fs::read(&file)?;
+        for part in [file.to_string_lossy().as_bytes(), &text] {
+            hasher.update(&(part.len() as u64).to_le_bytes());
+            hasher.update(part);
+        }
+    }
+    let hash = hasher.finalize().to_hex();
+    println!("cargo::rustc-env=SULCUS_BUILDER_SOURCE={}", &hash[..32]);
+    Ok(())
+}
+
+/// All Rust files under a folder.
+fn list(folder: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    println!("cargo::rerun-if-changed={}", folder.display());
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            list(&path, files)?;
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    Ok(())
+}

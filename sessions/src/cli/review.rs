@@ -1,0 +1,28 @@
+//! `review`: hands the command over to `sulcus-review`, the only program that links Rerun.
+
+use std::ffi::OsString;
+use std::process::{Command, ExitCode};
+
+use anyhow::Context as _;
+use clap::Args;
+
+use super::sibling::find;
+
+#[derive(Args)]
+#[command(disable_help_flag = true)]
+pub(super) struct ReviewArgs {
+    /// Arguments of `sulcus-review`; `--help` lists them
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
+    args: Vec<OsString>,
+}
+
+pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
+    let program = find("sulcus-review")?;
+    let ended = Command::new(&program)
+        .args(&args.args)
+        .status()
+        .with_context(|| format!("{}: cannot be started", program.display()))?;
+    let code = ended.code().and_then(|code| u8::try_from(code).ok());
+    let code = code.with_context(|| format!("{}: ended by {ended}", program.display()))?;
+    Ok(ExitCode::from(code))
+}

@@ -1,0 +1,37 @@
+//! Other programs of this project, started as child processes.
+
+use std::env::consts::EXE_SUFFIX;
+use std::path::PathBuf;
+
+/// Finds the program `name` beside the running program, else on PATH.
+///
+/// # Errors
+/// When neither has the program; the message says how to build it.
+pub fn find(name: &str) -> anyhow::Result<PathBuf> {
+    let file = format!("{name}{EXE_SUFFIX}");
+    let beside = std::env::current_exe()
+        .ok()
+        .and_then(|own| own.parent().map(|folder| folder.join(&file)));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let on_path = std::env::split_paths(&path).map(|folder| folder.join(&file));
+    let mut places = beside.into_iter().chain(on_path);
+    places.find(|place| place.is_file()).ok_or_else(|| {
+        anyhow::anyhow!(
+            "the program `{name}` is neither beside this program nor on PATH; to build it: cargo build --release -p sulcus-view --features rerun"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_program_is_named_with_the_command_that_builds_it() {
+        let told = find("sulcus-none").expect_err("no such program").to_string();
+        assert!(
+            told.contains("`sulcus-none`") && told.contains("--features rerun"),
+            "{told}"
+        );
+    }
+}

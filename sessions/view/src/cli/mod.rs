@@ -1,0 +1,64 @@
+//! The command line of `sulcus-review`.
+
+mod review;
+mod tree;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use serde_json::json;
+use sulcus_sessions::cli::print::{complain, say};
+use sulcus_sessions::sentence;
+
+/// Replays a recorded session and writes it for the Rerun viewer: mouth, tools, forces, plots, log.
+#[derive(Parser)]
+#[command(
+    name = "sulcus-review",
+    version,
+    long_about = "Replays a recorded session and writes it as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer where `rerun` of the right version is on PATH. A recording whose replay differs is not shown, unless it is of a former version of the format and stays close.",
+    after_long_help = "Examples:\n  sulcus-review session.mcap\n  sulcus-review session.mcap --from 20 --to 30 --out part.rrd --no-open\n  sulcus-review session.mcap --no-open --json | tail -n 1 | jq .rows",
+    after_help = "Exit code: 0 success, 1 a finding (the replay differs, or the recording is unsound), 2 usage or bad input.",
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true
+)]
+struct Cli {
+    #[command(flatten)]
+    review: Option<review::ReviewArgs>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Writes a sphere tree for the viewer; `sulcus-server tree --out` calls this
+    Tree(tree::TreeArgs),
+}
+
+/// Runs the program with these arguments, the first of which is its name.
+pub fn run<I, T>(args: I) -> ExitCode
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(message) => {
+            // Help and version go to standard output with code 0, mistakes to standard error.
+            let _ = message.print();
+            return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let (json, outcome) = match (&cli.command, &cli.review) {
+        (Some(Command::Tree(args)), _) => (false, tree::run(args)),
+        (None, Some(args)) => (args.json, review::run(args)),
+        (None, None) => (false, Err(anyhow::anyhow!("no recording given"))),
+    };
+    outcome.unwrap_or_else(|error| {
+        if json {
+            let _ = say(&json!({ "error": sentence(&error) }).to_string());
+        }
+        complain(&error);
+        ExitCode::from(2)
+    })
+}
