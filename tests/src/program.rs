@@ -42,7 +42,10 @@ impl Program {
         static PATHS: OnceLock<[PathBuf; 3]> = OnceLock::new();
         let paths = PATHS.get_or_init(|| {
             let folder = FOLDER.get_or_init(folder);
-            if Self::ALL.iter().any(|program| is_stale(&program.at(folder))) {
+            if Self::ALL
+                .iter()
+                .any(|program| is_stale(&program.at(folder)))
+            {
                 build(folder);
             }
             Self::ALL.map(|program| program.at(folder))

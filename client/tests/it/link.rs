@@ -2,7 +2,6 @@
 //! may be busy. Counts and eventual conditions only.
 #![allow(clippy::unwrap_used)]
 
-
 use std::time::Duration;
 
 use crate::common::{Station, force_up, pose, press};

@@ -1,7 +1,6 @@
 //! A server against clients that do not play by the rules: raw frames over a real connection.
 #![allow(clippy::unwrap_used)]
 
-
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

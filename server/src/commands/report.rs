@@ -28,7 +28,7 @@ pub struct ReportArgs {
     /// Folder for the page and the numbers, made when missing
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
-    /// Numbers of `cargo bench -p sulcus-tests --bench peers`: other engines beside this one
+    /// Numbers of `cargo bench -p sulcus-peers --features rapier`: other engines beside this one
     #[arg(long, value_name = "FILE")]
     peers: Option<PathBuf>,
     /// Print one JSON object on the last line of standard output
@@ -99,7 +99,7 @@ fn read_peers(path: &Path) -> anyhow::Result<serde_json::Value> {
     for field in ["rows", "ratios"] {
         if !value.get(field).is_some_and(serde_json::Value::is_array) {
             bail!(
-                "{}: has no list `{field}`: expected what `cargo bench -p sulcus-tests --bench peers` writes",
+                "{}: has no list `{field}`: expected what `cargo bench -p sulcus-peers --features rapier` writes",
                 path.display()
             );
         }

@@ -1,6 +1,5 @@
 //! `sulcus-server tissue` from outside: fitted springs judged on cases that they have not seen.
 
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -1,6 +1,5 @@
 //! `sulcus-server tree` from outside: what it prints, what it writes, what it refuses.
 
-
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -8,6 +7,9 @@ use crate::common::{json, number, text};
 use sulcus_core::Vec3;
 use sulcus_scene::load::to_stl;
 use sulcus_scene::shapes::{cuboid, ellipsoid};
+
+/// The program under test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_sulcus-server");
 
 /// A folder with two meshes: an ellipsoid and a plate that lies under it.
 fn place() -> tempfile::TempDir {

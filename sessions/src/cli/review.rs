@@ -12,7 +12,11 @@ use super::sibling::find;
 #[command(disable_help_flag = true)]
 pub(super) struct ReviewArgs {
     /// Arguments of `sulcus-review`; `--help` lists them
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
+    #[arg(
+        trailing_var_arg = true,
+        allow_hyphen_values = true,
+        value_name = "ARGUMENTS"
+    )]
     args: Vec<OsString>,
 }
 

@@ -28,7 +28,9 @@ mod tests {
 
     #[test]
     fn a_missing_program_is_named_with_the_command_that_builds_it() {
-        let told = find("sulcus-none").expect_err("no such program").to_string();
+        let told = find("sulcus-none")
+            .expect_err("no such program")
+            .to_string();
         assert!(
             told.contains("`sulcus-none`") && told.contains("--features rerun"),
             "{told}"

@@ -1,7 +1,6 @@
 //! Channels for viewers beside the exact record: what they add, and what they leave alone.
 #![allow(clippy::unwrap_used)]
 
-
 use std::collections::BTreeMap;
 
 use crate::common::*;

@@ -1,7 +1,6 @@
 //! The program from outside: exit codes, words and JSON.
 #![allow(clippy::unwrap_used)]
 
-
 use crate::common::program::*;
 use crate::common::*;
 use serde_json::{Value, json};

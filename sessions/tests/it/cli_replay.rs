@@ -1,7 +1,6 @@
 //! `replay` and `info --recover` from outside: parts, comparisons, many files, recovery.
 #![allow(clippy::unwrap_used)]
 
-
 use std::path::PathBuf;
 
 use crate::common::program::*;

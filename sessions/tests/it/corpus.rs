@@ -24,7 +24,6 @@
 //! a few of the files to `tests/corpus/format-N`, where they are graded for good, and make the corpus anew.
 #![allow(clippy::unwrap_used)]
 
-
 use std::path::{Path, PathBuf};
 
 use crate::common::{Edit, rewritten};

@@ -2,7 +2,6 @@
 //! was recorded is close to that. Whoever holds a station's key can sign whatever he likes under an older number.
 #![allow(clippy::unwrap_used)]
 
-
 use std::cell::Cell;
 
 use crate::common::*;

@@ -1,7 +1,6 @@
 //! Real recordings, torn and mutated: a clear error or an answer, never a panic. (`sessions/fuzz` does the same for longer.)
 #![allow(clippy::unwrap_used)]
 
-
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 

@@ -1,7 +1,6 @@
 //! A torn recording is made whole as far as it goes, and says so.
 #![allow(clippy::unwrap_used)]
 
-
 use std::path::Path;
 
 use crate::common::*;

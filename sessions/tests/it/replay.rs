@@ -1,7 +1,6 @@
 //! A recorded session runs again bit for bit, and what does not is named.
 #![allow(clippy::unwrap_used)]
 
-
 use crate::common::*;
 use sulcus_core::output::status;
 use sulcus_sessions::*;

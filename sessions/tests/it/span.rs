@@ -1,7 +1,6 @@
 //! A part of a session, replayed from the snapshot before it, is what it was in the whole.
 #![allow(clippy::unwrap_used)]
 
-
 use crate::common::*;
 use sulcus_sessions::*;
 

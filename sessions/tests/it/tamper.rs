@@ -1,7 +1,6 @@
 //! Who edits a recording is found out, however carefully.
 #![allow(clippy::unwrap_used)]
 
-
 use crate::common::*;
 use mcap::records::op;
 use sulcus_core::{NoProbe, State, TickInput, Workspace, tick};

@@ -1,7 +1,6 @@
 //! Whatever happened to a file: no panic, and what is whole is read.
 #![allow(clippy::unwrap_used)]
 
-
 use crate::common::*;
 use proptest::prelude::*;
 use sulcus_sessions::*;

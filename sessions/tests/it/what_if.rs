@@ -1,7 +1,6 @@
 //! What if: a comparison, which says that it is one.
 #![allow(clippy::unwrap_used)]
 
-
 use crate::common::*;
 use sulcus_core::Scene;
 use sulcus_core::optimise::SolverKind;

@@ -61,9 +61,10 @@ fn chosen(selection: &str) -> Result<Vec<&'static str>, String> {
         return Ok(LONG.iter().map(|long| long.name).collect());
     }
     if let Some(number) = selection.strip_prefix("slice:") {
-        let number: usize = number.trim().parse().map_err(|_| {
-            format!("{SELECT} is `{selection}`, expected a number behind `slice:`")
-        })?;
+        let number: usize = number
+            .trim()
+            .parse()
+            .map_err(|_| format!("{SELECT} is `{selection}`, expected a number behind `slice:`"))?;
         let mut slices = slices();
         let index = number % slices.len();
         return Ok(slices.swap_remove(index));

@@ -79,10 +79,7 @@ fn depths_and_grade_are_not_shown_before_an_own_score_is_given() {
         "--json",
     ];
     let own = [&demo[..], &["--mode", "self-assessment"]].concat();
-    let shown = place
-        .run(Program::Client, &own)
-        .ok()
-        .json();
+    let shown = place.run(Program::Client, &own).ok().json();
     assert_eq!(shown["mode"], "self-assessment", "{shown}");
     assert!(
         shown["pocket"].is_null() && shown["grade"].is_null(),
@@ -203,10 +200,7 @@ fn a_debug_build_replays_what_a_release_build_recorded_with_either_solver() {
             &folder,
             "--json",
         ];
-        let demo = place
-            .run(Program::Client, &demo)
-            .ok()
-            .json();
+        let demo = place.run(Program::Client, &demo).ok().json();
         assert_eq!(demo["identical"], true, "{demo}");
         let file = place.path(demo["recording"].as_str().expect("a path"));
         let replay = place

@@ -17,13 +17,11 @@ fn perform(exercise: &str, seconds: &str, seed: &str) -> (Place, Value) {
         seed,
         "--json",
     ];
-    let demo = place
-        .run(Program::Client, &arguments)
-        .ok()
-        .json();
+    let demo = place.run(Program::Client, &arguments).ok().json();
     let file = place.recording();
     let replay = place
-        .run(Program::Sessions,
+        .run(
+            Program::Sessions,
             &["replay", "--json", file.to_str().expect("plain")],
         )
         .ok()
@@ -54,12 +52,11 @@ fn probing_reads_a_pocket_and_replays() {
     assert!((measured - truth).abs() <= 0.5, "{demo}");
     assert_eq!(read["tooth"], 36);
     let file = place.recording();
-    let info = place.run(Program::Sessions,
-        &["info", file.to_str().expect("plain")],
-    );
+    let info = place.run(Program::Sessions, &["info", file.to_str().expect("plain")]);
     assert!(info.ok().stdout.contains("probing"));
     // The grade of the recording alone is the demo's own.
-    let grade = place.run(Program::Sessions,
+    let grade = place.run(
+        Program::Sessions,
         &["grade", "--json", file.to_str().expect("plain")],
     );
     let grade = grade.ok().json();

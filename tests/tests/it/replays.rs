@@ -19,9 +19,7 @@ fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value
         "--json",
     ];
     let demo = place
-        .run(Program::Client,
-            &[&arguments[..], more].concat(),
-        )
+        .run(Program::Client, &[&arguments[..], more].concat())
         .ok()
         .json();
     assert_eq!(
@@ -34,10 +32,7 @@ fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value
 
 fn replay(place: &Place, files: &[&str], more: &[&str]) -> Value {
     let arguments = [&["replay", "--json"], more, files].concat();
-    place
-        .run(Program::Sessions, &arguments)
-        .ok()
-        .json()
+    place.run(Program::Sessions, &arguments).ok().json()
 }
 
 #[test]

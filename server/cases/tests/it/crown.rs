@@ -1,7 +1,7 @@
 //! The crown exercise in closed loop: what must hold of every tick, each checked from a computation
 //! that shares nothing with the tick's own.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use sulcus_cases::{Measures, Observer};
 use sulcus_core::math::norm;

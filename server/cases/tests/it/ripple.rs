@@ -1,6 +1,5 @@
 //! What a hand feels of the spheres, on the ellipsoid whose answer is known.
 
-
 use sulcus_cases::ripple::{Shape, slide};
 use sulcus_cases::scenes;
 use sulcus_core::NoProbe;
@@ -24,7 +23,8 @@ fn the_tip_slides_smoothly_over_the_blended_ellipsoid() {
     let tree = calibrate(&hard, &distance, &options).expect("a tree stays a tree");
     for (level, rms, direction, error) in BOUNDS {
         let of = |tree, depth| {
-            let mut scene = scenes::scene("ripple", vec![crate::shapes::object("shape", tree, level)]);
+            let mut scene =
+                scenes::scene("ripple", vec![crate::shapes::object("shape", tree, level)]);
             scene.tools[0] = crate::shapes::tip();
             slide(&scene, &shape, depth, &mut NoProbe)
         };

@@ -1,6 +1,5 @@
 //! A condensed organ in the tick against the finite elements that it comes from.
 
-
 use crate::common::reference;
 use sulcus_core::tissue::surface::SurfaceParams;
 use sulcus_core::tissue::{Hands, Site, SiteLoad, Tissue, TissueModel};

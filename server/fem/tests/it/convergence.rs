@@ -1,6 +1,5 @@
 //! How the error falls as the mesh is refined, at a Poisson's ratio of 0.49.
 
-
 use crate::common::{SOFT, block, pull};
 use sulcus_core::Vec3;
 use sulcus_fem::{Factored, TetMesh};

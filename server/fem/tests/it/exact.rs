@@ -1,6 +1,5 @@
 //! Against answers that are known without finite elements.
 
-
 use crate::common::{SOFT, block, nodes, pull};
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;

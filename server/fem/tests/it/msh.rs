@@ -1,7 +1,6 @@
 //! Meshes of Gmsh. The files in `data` were written by Gmsh 4.15: a box of 10 x 8 x 6 mm ("soft tissue") against one of 5 x 8 x
 //! 6 mm ("rest"), with the face at x = 0 named "fixed"; `plain_lin_22` without groups, `twice_22` one box in two groups.
 
-
 use crate::common::{ONE, SOFT, data, try_text};
 use sulcus_core::Vec3;
 use sulcus_fem::msh::{Unit, read_msh};

@@ -1,6 +1,5 @@
 //! Files that are no good meshes of Gmsh.
 
-
 use crate::common::{ONE, data, try_text};
 use proptest::prelude::*;
 

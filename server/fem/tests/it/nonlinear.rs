@@ -1,6 +1,5 @@
 //! Large displacements against answers that are known without finite elements.
 
-
 use crate::common::{SOFT, block, pull};
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;

@@ -1,6 +1,5 @@
 //! Large displacements against the reference solutions of a tongue (checked there against CalculiX).
 
-
 use crate::common::{TONGUE, load, off, reference};
 use sulcus_fem::files::read_mesh;
 use sulcus_fem::{NewtonOptions, solve_neo_hookean};

@@ -1,6 +1,5 @@
 //! Against the reference solutions of a tongue in the data folder beside the project (checked there against CalculiX).
 
-
 use std::path::PathBuf;
 
 use crate::common::{TONGUE, load, off, reference};

@@ -1,6 +1,5 @@
 //! The boundary of blocks and of the reference tongue.
 
-
 use std::collections::BTreeMap;
 
 use crate::common::{block, reference};

@@ -1,7 +1,5 @@
 //! Meshes that are not solids are refused, with numbers and places.
 
-use std::path::Path;
-
 use sulcus_core::Vec3;
 use sulcus_scene::check::check;
 use sulcus_scene::load::{Unit, to_stl};

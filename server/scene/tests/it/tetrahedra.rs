@@ -11,7 +11,6 @@ use sulcus_scene::parametric::Tongue;
 use sulcus_scene::shapes::{cuboid, icosphere};
 use sulcus_scene::tetrahedra::{TetraError, boundary, dihedral_angles, hold, tetrahedra};
 
-
 /// Over all ways to be cut; see the lattice's own test.
 const ANGLES: [f64; 2] = [10.5, 163.8];
 

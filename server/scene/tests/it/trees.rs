@@ -1,6 +1,5 @@
 //! Sphere trees against the meshes they stand for, measured by code that the builder does not use.
 
-
 use std::sync::Mutex;
 
 use sulcus_core::{SphereTree, Vec3};
@@ -114,7 +113,8 @@ fn the_parametric_mirror_meets_its_bounds() {
 #[test]
 fn pocket_walls_fit_and_leave_the_pocket_open() {
     let part = crate::meshes::part("pocket patch");
-    let (Some(mesh), Some(tooth_mesh)) = (part.mesh(), crate::meshes::data("tooth_36_first_molar.stl"))
+    let (Some(mesh), Some(tooth_mesh)) =
+        (part.mesh(), crate::meshes::data("tooth_36_first_molar.stl"))
     else {
         return;
     };

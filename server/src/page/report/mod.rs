@@ -125,7 +125,7 @@ fn elements(html: &mut String, report: &Report) {
 fn peers(html: &mut String, report: &Report) {
     html.push_str("<section id=\"peers\"><h2>Other engines on the same path</h2>\n");
     let Some(peers) = &report.peers else {
-        html.push_str("<p class=\"note\">Not in this report. <code>cargo bench -p sulcus-tests --bench peers</code> writes a file that <code>--peers</code> takes in.</p></section>\n");
+        html.push_str("<p class=\"note\">Not in this report. <code>cargo bench -p sulcus-peers --features rapier</code> writes a file that <code>--peers</code> takes in.</p></section>\n");
         return;
     };
     let list = |name: &str| peers[name].as_array().cloned().unwrap_or_default();

@@ -145,7 +145,9 @@ fn ticks_come_to_rest_where_the_statics_are_and_a_fit_finds_its_own_springs() {
 #[test]
 fn the_skin_has_no_turned_triangle_when_the_tongue_is_pushed_15_mm() {
     let Some(organ) = organ() else { return };
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/fem");
+    let Some(folder) = sulcus_support::data("fem") else {
+        return;
+    };
     let mut skeleton = coupled(&organ);
     for spring in &mut skeleton.coarse.springs {
         spring.coupling = [0.0; 3];

@@ -2,8 +2,8 @@
 
 use sulcus_sessions::Mode;
 
-use crate::common::key;
 use super::place::Place;
+use crate::common::key;
 
 #[test]
 fn modes_ask_for_what_they_need() {

@@ -11,7 +11,7 @@ use sulcus_sessions::{
     Exercise, Level, Mode, Recorder, Recording, Row, Rubric, SessionEnd, SessionHeader, StationKey,
 };
 
-use crate::common::{self, BEGAN, input, key};
+use crate::common::{BEGAN, input, key};
 
 /// A session of the crown exercise in which a rod sweeps over balls for `ticks` ticks.
 pub fn record(path: &Path, ticks: u64, key: StationKey, dropped_rows: u64) {

@@ -5,8 +5,8 @@ use sulcus_sessions::grade::revision::{Revision, Sidecar, beside};
 use sulcus_sessions::grade::{Grade, Options};
 use sulcus_sessions::{Exercise, Row, Rubric, StationKey};
 
-use crate::common::{key, with_messages};
 use super::place::{Place, of, plain, record, record_with};
+use crate::common::{key, with_messages};
 
 #[test]
 fn a_sound_session_is_graded_by_what_the_replay_felt() {

@@ -1,9 +1,9 @@
 //! The frame in which the pocket is seen close up: it follows the probe's tip, from the side of the tooth that the tip is
 //! on, smoothly, so that the strokes of the probe are seen and not those of the eye.
 
+use crate::Standing;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Scene, TickOutput, Vec3};
-use crate::Standing;
 
 /// How soon it is where the tip is, seconds.
 const SOON_S: f64 = 0.35;

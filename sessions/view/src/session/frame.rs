@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
 use sulcus_core::math::norm;
 use sulcus_core::output::{ForceZone, status};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Pose, Scene, TickInput, TickOutput, ToolOutput, Vec3, Workspace};
-use crate::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
 
 use super::follow::Follow;
 use super::picture::{kind_of, outward, probe_of};

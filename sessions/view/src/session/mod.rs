@@ -12,18 +12,18 @@ mod words;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
 use serde::Serialize;
 use sulcus_core::output::ForceZone;
 use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
-use crate::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
 
 pub use crate::Slider;
 
 use sulcus_sessions::exercise::Exercise;
 use sulcus_sessions::occurrence::zone_name;
 use sulcus_sessions::read::{ReadError, Recording};
-use sulcus_sessions::times::longest_tick_us;
 use sulcus_sessions::replay::{Difference, ReplayError, ReplayOptions, replay_observed};
+use sulcus_sessions::times::longest_tick_us;
 
 use frame::Eyes;
 use tissue::Tissues;

@@ -1,12 +1,10 @@
 //! What of a session does not change: the mouth, the tools, words at their places, and where to look from.
 
+use crate::{Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, Slider, ToolPicture};
 use sulcus_core::math::norm;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{DisplayMesh, Object, Scene, Vec3};
-use crate::{
-    Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, Slider, ToolPicture,
-};
 
 use super::frame::millimetres;
 use sulcus_sessions::exercise::{Exercise, Kind};

@@ -1,7 +1,7 @@
 //! Shapes of what yields, while it is not at rest.
 
-use sulcus_core::{DisplaySkin, Scene, Vec3, Workspace};
 use crate::{Moment, ReviewFile, ViewError};
+use sulcus_core::{DisplaySkin, Scene, Vec3, Workspace};
 
 use super::frame::millimetres;
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::{Lane, ReviewFile, Weight};
 use sulcus_core::Scene;
 use sulcus_core::output::ForceZone;
-use crate::{Lane, ReviewFile, Weight};
 
 use super::{Window, moment};
 use sulcus_sessions::events::call::READING_CALLED;

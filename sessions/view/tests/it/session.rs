@@ -1,7 +1,6 @@
 //! A session as a file for the viewer: counted after reading back, against what the replay has.
 #![allow(clippy::unwrap_used)]
 
-
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -11,11 +10,11 @@ use serde_json::Value;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
 use sulcus_core::{DisplayMesh, NoProbe, Scene, State, Vec3, Workspace, tick};
-use sulcus_view::session::{ReviewError, Slider, Window, review};
 use sulcus_sessions::{
     Level, Occurrence, Recorder, Recording, ReplayOptions, Row, SessionEnd, replay_observed,
 };
 use sulcus_view::count_rows;
+use sulcus_view::session::{ReviewError, Slider, Window, review};
 
 /// Ticks of the sessions here.
 const TICKS: u64 = 2500;

@@ -23,10 +23,7 @@ fn a_selection_is_all_a_slice_modulo_their_number_or_names() {
     let number = slices().len();
     assert_eq!(chosen(""), Ok(vec![]));
     assert_eq!(chosen("all").expect("all").len(), LONG.len());
-    assert_eq!(
-        chosen(&format!("slice:{}", 5 * number)),
-        chosen("slice:0")
-    );
+    assert_eq!(chosen(&format!("slice:{}", 5 * number)), chosen("slice:0"));
     assert_eq!(chosen("slice:0").expect("a slice"), slices()[0]);
     let two = format!("{}, {}", LONG[0].name, LONG[1].name);
     assert_eq!(chosen(&two), Ok(vec![LONG[0].name, LONG[1].name]));

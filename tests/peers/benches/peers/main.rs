@@ -1,7 +1,7 @@
 //! Ours beside engines that a user could pick instead: the same scenes, the same path of the hand, one run. Two scenes, a soft
 //! block and a rigid tooth; beside the times of a tick stand what they are worth: penetration, force steps, forces.
 //!
-//! `cargo bench -p sulcus-tests --bench peers`, with `-- --quick` for fewer ticks, `-- --out FILE` for another place of the
+//! `cargo bench -p sulcus-peers --features rapier`, with `-- --quick` for fewer ticks, `-- --out FILE` for another place of the
 //! JSON, which is `peers.json` in the target folder otherwise.
 //!
 //! Every tick counts with its fastest of a few runs of the same inputs, which leaves out what other processes do to a shared
