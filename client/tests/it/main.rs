@@ -5,5 +5,6 @@ mod events;
 mod grades;
 mod heavy_hand;
 mod link;
+mod long;
 mod patient;
 mod protocol;

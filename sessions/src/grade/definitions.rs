@@ -534,4 +534,33 @@ mod tests {
         assert!(!names("probing").contains(&"coordination"));
         assert_eq!(names("bimanual").len(), METRICS.len() - 2);
     }
+
+    /// Titles, definitions, sources and advice by their version. Whoever mends a sentence appends a row with the next version.
+    const WORDS: &[(u32, &str)] = &[(1, "?")];
+
+    #[test]
+    fn the_words_of_all_metrics_are_those_of_the_last_version() {
+        let mut hasher = blake3::Hasher::new();
+        for metric in METRICS {
+            for words in [
+                metric.title,
+                metric.definition,
+                metric.source,
+                metric.advice,
+            ] {
+                hasher.update(&(words.len() as u64).to_le_bytes());
+                hasher.update(words.as_bytes());
+            }
+        }
+        let (version, known) = WORDS[WORDS.len() - 1];
+        let found = &hasher.finalize().to_hex()[..16];
+        assert_eq!(
+            found,
+            known,
+            "the words changed: append the row ({}, \"{found}\") to `WORDS`",
+            version + 1
+        );
+        let versions = WORDS.iter().map(|(version, _)| *version);
+        assert!(versions.eq(1..=WORDS.len() as u32));
+    }
 }

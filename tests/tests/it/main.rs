@@ -7,6 +7,7 @@ mod interrupt;
 mod kill;
 mod kills;
 mod lessons;
+mod long;
 mod readers;
 mod refusals;
 mod replays;

@@ -7,8 +7,8 @@ use sulcus_operator::Habit;
 use sulcus_sessions::{Message, Recording};
 use sulcus_tests::{Place, Program};
 
-/// Performs in virtual time, in release; the demo's own replay at its end must be identical.
-fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value {
+/// Performs in virtual time; the demo's own replay at its end must be identical.
+pub fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value {
     let arguments = [
         "demo",
         "--virtual",
@@ -30,7 +30,7 @@ fn perform(place: &Place, exercise: &str, seconds: &str, more: &[&str]) -> Value
     demo
 }
 
-fn replay(place: &Place, files: &[&str], more: &[&str]) -> Value {
+pub fn replay(place: &Place, files: &[&str], more: &[&str]) -> Value {
     let arguments = [&["replay", "--json"], more, files].concat();
     place.run(Program::Sessions, &arguments).ok().json()
 }
@@ -61,18 +61,6 @@ fn every_exercise_replays_whole_and_from_a_snapshot() {
     for part in parts["files"].as_array().expect("files") {
         assert_eq!(part["part"]["snapshot_tick"], 10_000, "{part}");
     }
-    // The mouth with both hands, in the other build.
-    let bimanual = files[3];
-    let debug = place
-        .run(
-            Program::Sessions,
-            &["replay", "--json", "--from", "10.2", "--to", "11", bimanual],
-        )
-        .ok()
-        .json();
-    assert_eq!(debug["identical"], true, "{debug}");
-    assert_eq!(debug["replayed_by"]["build"], "debug");
-    assert_eq!(debug["recorded_by"]["build"], "release");
 }
 
 /// Where a habit shows: exercise and seconds. What it does differently it does by then.
@@ -126,23 +114,5 @@ fn every_habit_acts_and_replays() {
         } else {
             assert_ne!(bad.0, good.0, "{habit:?}");
         }
-    }
-}
-
-#[test]
-fn a_replay_is_many_times_as_fast_as_the_session() {
-    let place = Place::new();
-    // What is promised is 10 and 4 times on a core of its own; found are 25 and 21 beside other work. Half is asked here, where nobody
-    // knows what else the machine does: enough to see a replay that became some times slower.
-    for (exercise, seconds, least) in [("probing", "12", 5.0), ("bimanual", "20", 2.0)] {
-        let demo = perform(&place, exercise, seconds, &[]);
-        let file = demo["recording"].as_str().expect("a path");
-        // The best of three: others may have the processor meanwhile.
-        let factors = [(); 3].map(|()| {
-            let report = replay(&place, &[file], &["--jobs", "1"]);
-            report["realtime_factor"].as_f64().expect("a number")
-        });
-        let best = factors.into_iter().fold(0.0, f64::max);
-        assert!(best >= least, "{exercise}: {factors:?}, expected {least}");
     }
 }

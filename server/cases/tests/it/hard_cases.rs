@@ -1,23 +1,14 @@
 //! Every hard case of the table holds, with the tick's solver and with the judge in the tick.
 
 use sulcus_cases::comparison::as_printed;
-use sulcus_cases::{TABLE, find, run, run_on};
+use sulcus_cases::{Case, TABLE, find, run, run_on};
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::{Scene, Sphere, SphereTree, Vec3};
 
-#[test]
-fn every_case_of_the_table_holds() {
-    // SULCUS_CASES=pocket looks at the cases with that in their names only.
-    let only = std::env::var("SULCUS_CASES").unwrap_or_default();
-    // SULCUS_SOLVER=clarabel has the judge in the tick: eight minutes in release for all of them.
-    let judged = std::env::var("SULCUS_SOLVER").is_ok_and(|solver| solver == "clarabel");
-    let solver = if judged {
-        SolverKind::Clarabel
-    } else {
-        SolverKind::ActiveSet
-    };
+/// Runs cases of the table with a solver, and asserts that all of their bounds hold.
+pub fn hold<'a>(cases: impl IntoIterator<Item = &'a Case>, solver: SolverKind) {
     let mut broken = Vec::new();
-    for case in TABLE.iter().filter(|case| case.name.contains(&only)) {
+    for case in cases {
         let report = run(case, |params| params.solver = solver);
         let m = &report.measures;
         println!(
@@ -56,6 +47,21 @@ fn every_case_of_the_table_holds() {
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
+/// Half of the table, for two threads to share the work.
+fn half(odd: usize) -> impl Iterator<Item = &'static Case> {
+    TABLE.iter().skip(odd).step_by(2)
+}
+
+#[test]
+fn every_even_case_of_the_table_holds() {
+    hold(half(0), SolverKind::ActiveSet);
+}
+
+#[test]
+fn every_odd_case_of_the_table_holds() {
+    hold(half(1), SolverKind::ActiveSet);
+}
+
 /// One short case of each kind of scene and tissue.
 const JUDGED: [&str; 8] = [
     "thin-plate-2",
@@ -70,20 +76,8 @@ const JUDGED: [&str; 8] = [
 
 #[test]
 fn one_case_of_each_kind_holds_with_the_judge_in_the_tick() {
-    let mut broken = Vec::new();
-    for name in JUDGED {
-        let case = find(name).expect("in the table");
-        let begun = std::time::Instant::now();
-        let report = run(case, |params| params.solver = SolverKind::Clarabel);
-        println!("{name}: {:.1} s", begun.elapsed().as_secs_f64());
-        broken.extend(
-            report
-                .broken
-                .into_iter()
-                .map(|what| format!("{name}: {what}")),
-        );
-    }
-    assert!(broken.is_empty(), "{broken:#?}");
+    let cases = JUDGED.map(|name| find(name).expect("in the table"));
+    hold(cases, SolverKind::Clarabel);
 }
 
 /// What does not hold of a case whose scene `change` broke.

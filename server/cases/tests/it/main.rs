@@ -2,6 +2,7 @@
 
 mod crown;
 mod hard_cases;
+mod long;
 mod one_dof;
 mod passivity;
 mod pocket;

@@ -2,5 +2,94 @@
 
 use super::Long;
 
+const fn long(name: &'static str, proves: &'static str, minutes: f64) -> Long {
+    Long {
+        name,
+        proves,
+        minutes,
+    }
+}
+
 /// Every long proof, in the order of their slices.
-pub const LONG: &[Long] = &[];
+pub const LONG: &[Long] = &[
+    long(
+        "hours-at-rest",
+        "A tool at rest on a plate, in a pocket and on either tongue stays within a micrometre for an hour.",
+        6.0,
+    ),
+    long(
+        "random-poses",
+        "A million random poses on every tissue model give finite forces and no penetration of converged ticks.",
+        5.0,
+    ),
+    long(
+        "judged-random-poses",
+        "A hundred thousand random poses hold with Clarabel in the tick.",
+        5.0,
+    ),
+    long(
+        "every-case-over-the-longest-link",
+        "Every hard case is passive over a link of 5 ms with 2 % loss.",
+        3.0,
+    ),
+    long(
+        "rates",
+        "Every bound of eleven hard cases holds at 2 and 4 kHz.",
+        3.0,
+    ),
+    long(
+        "a-press-at-any-rate",
+        "A slow press gives the same force at 1, 2 and 4 kHz to 2 %.",
+        1.0,
+    ),
+    long(
+        "judge-in-every-case-1",
+        "The first quarter of the hard cases holds with Clarabel in the tick.",
+        4.0,
+    ),
+    long(
+        "judge-in-every-case-2",
+        "The second quarter of the hard cases holds with Clarabel in the tick.",
+        4.0,
+    ),
+    long(
+        "judge-in-every-case-3",
+        "The third quarter of the hard cases holds with Clarabel in the tick.",
+        4.0,
+    ),
+    long(
+        "judge-in-every-case-4",
+        "The fourth quarter of the hard cases holds with Clarabel in the tick.",
+        4.0,
+    ),
+    long(
+        "habits-of-hands-1-to-10",
+        "Every probing habit of ten hands costs 15 points and is named by its own metric.",
+        5.0,
+    ),
+    long(
+        "whole-mouths",
+        "The good operator reads every floor of two whole mouths and stays outside of every tooth.",
+        3.0,
+    ),
+    long(
+        "habits-of-hands-11-to-20",
+        "Every probing habit of ten more hands costs 15 points and is named by its own metric.",
+        5.0,
+    ),
+    long(
+        "a-tongue-let-go-by-five-hands",
+        "A tongue let go by five hands costs 15 points and is named by its own metric.",
+        1.5,
+    ),
+    long(
+        "replay-is-faster-than-the-session",
+        "A replay is several times as fast as the session.",
+        1.0,
+    ),
+    long(
+        "twenty-kills",
+        "Recordings of twenty killed servers recover and lose at most 200 ms.",
+        3.0,
+    ),
+];

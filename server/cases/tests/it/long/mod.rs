@@ -1,0 +1,7 @@
+//! Proofs of minutes: see the table of long proofs in `sulcus-support`.
+
+mod hard_cases;
+mod passivity;
+mod random_poses;
+mod rates;
+mod tour;

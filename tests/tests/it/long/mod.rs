@@ -1,0 +1,4 @@
+//! Proofs of minutes: see the table of long proofs in `sulcus-support`.
+
+mod kills;
+mod replays;
