@@ -26,16 +26,13 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// A command that runs in it. The sphere trees' cache is shared between tests.
+    /// A command that runs in it. All tests share the cache of sphere trees below `target`.
     pub fn command(&self, path: &Path) -> Command {
         let mut command = Command::new(path);
         command
             .current_dir(self.folder.path())
             .env("SULCUS_STATE_DIR", self.path("state"))
-            .env(
-                "SULCUS_CACHE",
-                std::env::temp_dir().join("sulcus-test-cache"),
-            )
+            .env("SULCUS_CACHE", cache())
             .stdin(Stdio::null());
         command
     }
@@ -88,6 +85,12 @@ impl Default for Place {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// The cache of sphere trees: cargo's setting, else a folder beside the folder of the profile.
+fn cache() -> PathBuf {
+    let set = std::env::var_os("SULCUS_CACHE").map(PathBuf::from);
+    set.unwrap_or_else(|| program::folder().with_file_name("sulcus-cache"))
 }
 
 /// Files under `folder` (any depth) with an extension.

@@ -59,7 +59,7 @@ impl Program {
 }
 
 /// Folder of the profile, which holds the programs: the running test lies in its subfolder `deps`.
-fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     let own = std::env::current_exe().expect("the path of the running test");
     let deps = own.parent().expect("the folder of the running test");
     deps.parent().expect("the folder of the profile").to_owned()

@@ -7,13 +7,11 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Scene, Sphere, SphereTree, Vec3};
 use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
 
-/// A built-in scene with some of its keys set to other values (every line that sets the key).
+/// The text of a built-in scene with some of its keys set to other values (every line that sets the key).
 ///
 /// # Panics
-/// When the scene has no such key, or does not compile: a fault of this table.
-pub fn changed(which: BuiltIn, values: &[(&str, &str)]) -> Scene {
-    // Many cases share a scene, and building one takes seconds.
-    static BUILT: Mutex<BTreeMap<String, Scene>> = Mutex::new(BTreeMap::new());
+/// When the scene has no such key: a fault of the table of cases.
+fn changed_text(which: BuiltIn, values: &[(&str, &str)]) -> String {
     let mut found = vec![false; values.len()];
     let lines = which.text().lines().map(|line| {
         let of = |k: &(&str, &str)| line.split('=').next().is_some_and(|key| key.trim() == k.0);
@@ -30,6 +28,16 @@ pub fn changed(which: BuiltIn, values: &[(&str, &str)]) -> Scene {
         found.iter().all(|found| *found),
         "{values:?} are not all in {which:?}"
     );
+    text
+}
+
+/// A built-in scene with some of its keys set to other values. Cases share compiled scenes.
+///
+/// # Panics
+/// When the scene has no such key, or does not compile: a fault of the table of cases.
+pub fn changed(which: BuiltIn, values: &[(&str, &str)]) -> Scene {
+    static BUILT: Mutex<BTreeMap<String, Scene>> = Mutex::new(BTreeMap::new());
+    let text = changed_text(which, values);
     let mut built = BUILT.lock().expect("no build panicked");
     if let Some(scene) = built.get(&text) {
         return scene.clone();
@@ -59,15 +67,25 @@ pub fn organ(coupling: f64) -> Scene {
     scene
 }
 
+/// Widths of the pockets of the hard cases, millimetres. The program brings their trees along.
+pub const POCKET_WIDTHS: [&str; 4] = ["0.4", "0.5", "0.65", "0.8"];
+
+/// The keys of the molar with a pocket of `width` mm, 4 mm deep all round.
+fn pocket_keys(width: &str) -> [(&str, &str); 2] {
+    [
+        ("width_mm", width),
+        ("depths_mm", "[4.0, 4.0, 4.0, 4.0, 4.0, 4.0]"),
+    ]
+}
+
 /// The molar with a pocket of `width` mm, 4 mm deep all round.
 pub fn pocket(width: &str) -> Scene {
-    changed(
-        BuiltIn::Pocket,
-        &[
-            ("width_mm", width),
-            ("depths_mm", "[4.0, 4.0, 4.0, 4.0, 4.0, 4.0]"),
-        ],
-    )
+    changed(BuiltIn::Pocket, &pocket_keys(width))
+}
+
+/// The text of the scene of [`pocket`].
+pub fn pocket_text(width: &str) -> String {
+    changed_text(BuiltIn::Pocket, &pocket_keys(width))
 }
 
 /// The same scene with its first tool twice.

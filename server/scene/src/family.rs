@@ -1,5 +1,5 @@
-//! Trees that the program brings along: those of the built-in scenes, teeth above all, which take minutes to build and are the
-//! same for every patient.
+//! Trees that the program brings along: of the built-in scenes, teeth above all, which take minutes to build and are the
+//! same for every patient, and of the pockets of the hard cases.
 //!
 //! The file is made by `sulcus-server scene family` and holds what the cache would: each tree under the hash of everything that
 //! makes it. A shape that was changed since has another hash, is not found, and is built; a test says so.

@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde::Serialize;
+use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket_text};
 use sulcus_core::Scene;
-use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, family};
+use sulcus_scene::{
+    BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text, family,
+};
 
 use crate::picture::{MOUTH, Still};
 
@@ -156,7 +159,7 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     Ok(0)
 }
 
-/// Builds all built-in scenes into a folder beside `out`, and packs their trees.
+/// Builds all built-in scenes and the pockets of the hard cases into a folder beside `out`, and packs their trees.
 fn build_family(out: &Path, say: &dyn Fn(&str, f64)) -> anyhow::Result<()> {
     let folder = out.with_extension("building");
     let options = BuildOptions {
@@ -166,6 +169,10 @@ fn build_family(out: &Path, say: &dyn Fn(&str, f64)) -> anyhow::Result<()> {
     };
     for scene in BuiltIn::ALL {
         compile_built_in(scene, &options, say)?;
+    }
+    for width in POCKET_WIDTHS {
+        let file = BuiltIn::Pocket.file_name();
+        compile_text(&pocket_text(width), file, &options, say)?;
     }
     let bytes = family::pack(&folder).context("the built trees cannot be read back")?;
     std::fs::write(out, &bytes).with_context(|| format!("{}: cannot write", out.display()))?;

@@ -250,8 +250,11 @@ fn numbers_of(value: &Value) -> Value {
 #[test]
 fn a_mended_sentence_changes_no_numbers_and_a_changed_number_does() {
     let of = |text: &str| numbers_of(&serde_json::from_str(text).unwrap());
-    let grade = r#"{"name": "a", "text": "hold it", "failures": ["41.9 points, 70 needed"], "value": 1.5}"#;
-    let mended = grade.replace("needed", "are needed").replace("hold it", "hold");
+    let grade =
+        r#"{"name": "a", "text": "hold it", "failures": ["41.9 points, 70 needed"], "value": 1.5}"#;
+    let mended = grade
+        .replace("needed", "are needed")
+        .replace("hold it", "hold");
     assert_eq!(of(grade), of(&mended));
     for (from, to) in [("41.9", "41.8"), ("1.5", "1.50001"), ("\"a\"", "\"b\"")] {
         assert_ne!(of(grade), of(&grade.replace(from, to)), "{from}");
@@ -277,8 +280,7 @@ fn every_grade_is_what_it_was() {
         let used = found.grade.rubric.as_ref().unwrap();
         assert_eq!(used.source, grade::report::Source::Recording, "{name}");
         let path = folder().join(format!("{name}.grade.json"));
-        let golden: Value =
-            serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        let golden: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
         // Both from text, so that a number is what a reader of the file finds.
         let text = found.grade.to_json().to_string();
         let grade: Value = serde_json::from_str(&text).unwrap();

@@ -27,6 +27,8 @@ fn an_hour_at_rest_neither_drifts_nor_swings() {
     }
     std::thread::scope(|scope| {
         let hours = RESTING.map(|name| scope.spawn(move || stays(name, HOUR)));
-        hours.map(|hour| hour.join().expect("neither drifts nor swings"));
+        for hour in hours {
+            hour.join().expect("neither drifts nor swings");
+        }
     });
 }

@@ -1,5 +1,6 @@
 //! A probe at a site of the shipped pocket scene, tick by tick, with its measures.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -12,7 +13,7 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Gingiva;
 use sulcus_core::{NoProbe, Pose, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_operator::present;
-use sulcus_scene::{BuildOptions, compile_file};
+use sulcus_scene::{BuildOptions, compile_text};
 
 fn shipped() -> &'static str {
     sulcus_scene::BuiltIn::Pocket.text()
@@ -28,23 +29,25 @@ pub const SITES: [(f64, f64); 6] = [
     (325.0, 3e-3),
 ];
 
-/// The shipped scene with some of its text changed; trees come from the cache where they can.
+/// The shipped scene with some of its text changed. Tests share compiled scenes.
 pub fn scene_with(changes: &[(&str, &str)]) -> Scene {
-    // One at a time: two tests must not build the same tree side by side.
-    static BUILDING: Mutex<()> = Mutex::new(());
-    let _building = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
+    static BUILT: Mutex<BTreeMap<String, Scene>> = Mutex::new(BTreeMap::new());
+    let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
     let text = changes
         .iter()
         .fold(shipped().to_owned(), |text, (from, to)| {
             assert!(text.contains(from), "{from}");
             text.replace(from, to)
         });
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let file = folder.join(format!("pocket-{:?}.toml", std::thread::current().id()));
-    std::fs::write(&file, text).expect("a scene file");
-    compile_file(&file, &BuildOptions::cached(), &|_, _| ())
-        .expect("a scene")
-        .scene
+    let compile = |text: &String| {
+        let file = Path::new("pocket.toml");
+        let compiled = compile_text(text, file, &BuildOptions::cached(), &|_, _| ());
+        compiled.expect("a scene").scene
+    };
+    built
+        .entry(text)
+        .or_insert_with_key(|text| compile(text))
+        .clone()
 }
 
 pub fn model(scene: &mut Scene) -> &mut Gingiva {
