@@ -94,7 +94,7 @@ pub struct DemoArgs {
 /// Arguments of `run`.
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
-    /// Address of the server
+    /// Address of the server; of a name with several addresses, each is tried
     #[arg(long, value_name = "HOST:PORT")]
     pub server: String,
     /// The server's ticket, one line as it prints it: token and certificate together; also from the

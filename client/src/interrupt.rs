@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use sulcus_program::tell;
+
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a program ended by SIGINT, as shells give it.
@@ -13,7 +15,7 @@ pub fn listen() {
         if ASKED.swap(true, Ordering::Relaxed) {
             std::process::exit(ENDED_BY_SIGNAL);
         }
-        eprintln!("ending the session; once more to stop at once");
+        tell!("ending the session; once more to stop at once");
     });
     if let Err(error) = heard {
         tracing::warn!("Ctrl-C will end the program at once: {error}");

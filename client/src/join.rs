@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use serde_json::json;
+use sulcus_program::{PathText, say, tell};
 use sulcus_proto::control::EndReason;
 
 use crate::cli::RunArgs;
@@ -40,10 +41,10 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     };
     let prepared = exercise::prepare(&asked, &steps)?;
     for warning in &prepared.warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     config.exercise.clone_from(&prepared.exercise.name);
-    let link = Link::connect(config)?;
+    let link = Link::connect(config).with_context(|| format!("server `{}`", args.server))?;
     let hello = link.hello();
     if hello.scene_hash != prepared.scene_hash() {
         bail!(
@@ -70,43 +71,49 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
             .as_ref()
             .map_or_else(ToString::to_string, |goodbye| goodbye.text.clone());
         let lost = ran.goodbye.is_err();
-        println!(
+        say!(
             "{}",
             json!({ "device": ran.report, "link": ran.stats, "session": summary, "goodbye": text, "server_lost": lost })
         );
     } else {
         let (r, rtt, network) = (&ran.report, &ran.stats.rtt_us, &ran.stats.network_us);
-        println!(
+        say!(
             "device        {} periods, {} overslept",
-            r.periods, r.overslept
+            r.periods,
+            r.overslept
         );
-        println!(
+        say!(
             "force         {:.2} N at most, {:.3} N per ms at most, {:.3} N at the end",
-            r.max_displayed_n, r.max_displayed_step_n, r.last_displayed_n
+            r.max_displayed_n,
+            r.max_displayed_step_n,
+            r.last_displayed_n
         );
-        println!(
+        say!(
             "pose to wrench  p50 {:.0}  p99 {:.0} us, waiting for the server's tick included",
-            rtt.p50, rtt.p99
+            rtt.p50,
+            rtt.p99
         );
-        println!(
+        say!(
             "network       p50 {:.0}  p99 {:.0} us, both ways",
-            network.p50, network.p99
+            network.p50,
+            network.p99
         );
         if let Some(summary) = summary {
-            println!(
+            say!(
                 "session       {} ticks, recorded by the server as {}",
-                summary.ticks, summary.recording
+                summary.ticks,
+                summary.recording
             );
         }
     }
     match &ran.goodbye {
         Err(error) => {
-            eprintln!("error: {error}; the force was taken to zero");
+            tell!("error: {error}; the force was taken to zero");
             Ok(1)
         }
         Ok(goodbye) => {
             if goodbye.summary.end != EndReason::Stopped {
-                eprintln!("the server ended the session: {}", goodbye.text);
+                tell!("the server ended the session: {}", goodbye.text);
             }
             Ok(u8::from(!goodbye.summary.complete))
         }
@@ -114,7 +121,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
 }
 
 fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
-    let server = resolve(&args.server)?;
+    let (server, others) = resolve(&args.server)?;
     // The environment, unlike arguments, is not shown to other users of the machine.
     let from_environment = || {
         std::env::var("SULCUS_TICKET")
@@ -143,19 +150,21 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
         ),
     };
     config.learner.clone_from(&args.learner);
+    config.others = others;
     Ok(config)
 }
 
-/// The first address of `HOST:PORT`.
-fn resolve(server: &str) -> anyhow::Result<SocketAddr> {
+/// The first address of `HOST:PORT`, and the others that the name has.
+fn resolve(server: &str) -> anyhow::Result<(SocketAddr, Vec<SocketAddr>)> {
     let mut found = server
         .to_socket_addrs()
         .with_context(|| format!("cannot find the server `{server}`, expected HOST:PORT"))?;
-    found
+    let first = found
         .next()
-        .with_context(|| format!("the name in `{server}` has no address"))
+        .with_context(|| format!("the name in `{server}` has no address"))?;
+    Ok((first, found.collect()))
 }
 
 fn read(file: &Path) -> anyhow::Result<Vec<u8>> {
-    std::fs::read(file).with_context(|| format!("cannot read the certificate `{}`", file.display()))
+    std::fs::read(file).with_context(|| format!("cannot read the certificate `{}`", file.shown()))
 }

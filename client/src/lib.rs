@@ -4,6 +4,8 @@
 //! poses, and the [`link`] carries both over QUIC. The [`demo`] is a whole session with a simulated
 //! operator against an embedded server; [`join`] joins a server elsewhere.
 
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+
 pub mod calls;
 pub mod cli;
 pub mod demo;
@@ -20,18 +22,24 @@ pub mod typed;
 mod device_loop;
 
 use std::io::IsTerminal;
+use std::process::ExitCode;
 
 use clap::Parser;
+use sulcus_program::{output, say, tell};
 
-/// Runs the program with the process's arguments; returns its exit code.
-pub fn run() -> u8 {
-    let cli = cli::Cli::parse();
+/// Runs the program with the process's arguments.
+pub fn run() -> ExitCode {
+    sulcus_program::begin();
+    let cli = match cli::Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(message) => return output::usage(message.print(), message.use_stderr()),
+    };
     tracing_subscriber::fmt()
         .with_env_filter(
             tracing_subscriber::EnvFilter::try_from_env("SULCUS_LOG")
                 .unwrap_or_else(|_| "warn".into()),
         )
-        .with_writer(std::io::stderr)
+        .with_writer(|| output::Log)
         .with_ansi(std::io::stderr().is_terminal())
         .without_time()
         .init();
@@ -41,12 +49,13 @@ pub fn run() -> u8 {
         Some(cli::Command::Demo(args)) => (demo::run(&args), args.json),
         Some(cli::Command::Run(args)) => (join::run(&args), args.json),
     };
-    done.unwrap_or_else(|error| {
+    let code = done.unwrap_or_else(|error| {
         let text = sulcus_sessions::sentence(&error);
         if json {
-            println!("{}", serde_json::json!({ "error": text }));
+            say!("{}", serde_json::json!({ "error": text }));
         }
-        eprintln!("error: {text}");
+        tell!("error: {text}");
         2
-    })
+    });
+    output::settle(code.into())
 }

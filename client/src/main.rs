@@ -1,5 +1,5 @@
 //! `sulcus-client`: a thin main over the library.
 
 fn main() -> std::process::ExitCode {
-    sulcus_client::run().into()
+    sulcus_client::run()
 }

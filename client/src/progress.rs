@@ -1,6 +1,7 @@
 //! Progress on standard error; silent where that is not a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sulcus_program::tell;
 
 /// Makes the progress bars of one run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,7 +38,7 @@ impl Bar {
 
     /// Says something that happened, above the bar, also where there is no bar.
     pub fn say(&self, text: &str) {
-        self.0.suspend(|| eprintln!("{text}"));
+        self.0.suspend(|| tell!("{text}"));
     }
 
     /// Ends the step and takes its bar away.

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, ToolInput};
 use sulcus_operator::Shown;
+use sulcus_program::tell;
 use sulcus_sessions::events::call::{Call, CallError};
 
 use crate::device::Device;
@@ -118,7 +119,7 @@ pub fn listen(
                     Ok(None) => break,
                     Ok(Some(line)) => line,
                     Err(error) => {
-                        eprintln!("warning: no more readings are taken: {error}");
+                        tell!("warning: no more readings are taken: {error}");
                         break;
                     }
                 };
@@ -132,7 +133,7 @@ pub fn listen(
                             break;
                         }
                     }
-                    Err(error) => eprintln!("not taken: {error}"),
+                    Err(error) => tell!("not taken: {error}"),
                 }
             }
         })?;

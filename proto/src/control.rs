@@ -16,7 +16,7 @@ pub enum ClientMessage {
     Hello(ClientHello),
     /// Begin to tick and record.
     Start,
-    /// What an instructor may do.
+    /// A request of the student's own: a pause, its end, a lower force limit. What the station's side has set stands.
     Command(Command),
     /// A button went down or up. Its state also rides in every pose; the edge is never lost.
     Button(ButtonEdge),
@@ -122,14 +122,15 @@ pub struct Refused {
     pub text: String,
 }
 
-/// What an instructor may do to a session.
+/// A change of pause or force limit. The station's side and the student's connection each have a pause and a limit of
+/// their own; in force is the pause of either and the smaller limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
     /// Forces ramp to zero and stay there.
     Pause,
-    /// Forces ramp up again; a new session epoch begins.
+    /// The side's own pause ends; when no other holds, forces ramp up again. A new session epoch begins.
     Resume,
-    /// No force above this, newtons (and never above the scene's limit); 0: the scene's limit.
+    /// Largest force, newtons, never above the scene's limit; 0: no limit of this side's own.
     ForceLimit(f32),
 }
 

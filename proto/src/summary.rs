@@ -53,7 +53,7 @@ pub struct SessionSummary {
     pub foreign: u64,
     /// Datagrams that did not decode.
     pub malformed: u64,
-    /// Commands, button edges and events that found no room.
+    /// Events of the client that found no room.
     pub edges_dropped: u64,
     /// Rows that found the recorder's queue full.
     pub rows_dropped: u64,

@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use sulcus_program::{output, tell};
 use tracing_subscriber::EnvFilter;
 
 use crate::commands::{patient, report, scene, serve, tissue, tree};
@@ -37,21 +38,16 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
+    sulcus_program::begin();
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
-        Err(message) => {
-            // Help and version go to standard output with code 0, mistakes to standard error.
-            let _ = message.print();
-            return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
-        }
+        Err(message) => return output::usage(message.print(), message.use_stderr()),
     };
     let filter = EnvFilter::try_from_env("SULCUS_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
     // A program that embeds this one may have set its own.
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        // A terminal that has hung up takes no complaint either: the thread that logs would panic.
-        .log_internal_errors(false)
+        .with_writer(|| output::Log)
         // No colour codes in a file or a journal.
         .with_ansi(std::io::stderr().is_terminal())
         .try_init();
@@ -63,13 +59,11 @@ where
         Command::Tissue(args) => tissue::run(&args),
         Command::Report(args) => report::run(&args),
     };
-    match outcome {
-        Ok(code) => ExitCode::from(code),
-        Err(error) => {
-            eprintln!("error: {}", sulcus_sessions::sentence(&error));
-            ExitCode::from(2)
-        }
-    }
+    let code = outcome.unwrap_or_else(|error| {
+        tell!("error: {}", sulcus_sessions::sentence(&error));
+        2
+    });
+    output::settle(code.into())
 }
 
 #[cfg(test)]

@@ -67,6 +67,9 @@ pub struct ServerConfig {
     pub station_key: Option<PathBuf>,
     /// Level of detail of tissue: fixed, as sessions with a rubric need it, or by the time that ticks leave.
     pub detail: Detail,
+    /// Force limit of the station's side at the start, newtons; 0: the scene's limit. [`crate::ServerHandle::command`]
+    /// changes it.
+    pub force_limit_n: f32,
     /// Longest session; `None`: no limit.
     pub max_session: Option<Duration>,
     /// A session ends when no pose came for so long: a client whose device hangs must not hold the station all night.
@@ -100,6 +103,7 @@ impl ServerConfig {
             rubric: String::new(),
             station_key: None,
             detail: Detail::default(),
+            force_limit_n: 0.0,
             max_session: None,
             max_silence: Duration::from_secs(60),
             real_time: true,
@@ -142,6 +146,13 @@ impl ServerConfig {
                 "station name",
                 format!("{} bytes long", self.station.len()),
                 "at most 256 bytes",
+            );
+        }
+        if !crate::levels::is_limit(self.force_limit_n) {
+            return bad(
+                "force limit",
+                self.force_limit_n.to_string(),
+                "0 (the scene's) or a positive force in newtons",
             );
         }
         if self.max_session.is_some_and(|limit| limit.is_zero()) {

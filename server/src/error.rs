@@ -3,6 +3,8 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use sulcus_program::PathText;
+
 /// Why a server does not start, or has ended badly.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
@@ -23,7 +25,7 @@ pub enum ServerError {
         source: std::io::Error,
     },
     /// The folder of recordings cannot be used.
-    #[error("cannot write recordings to {}: {source}", .path.display())]
+    #[error("cannot write recordings to {}: {source}", .path.shown())]
     Recordings {
         /// Folder asked for.
         path: PathBuf,

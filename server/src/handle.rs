@@ -6,14 +6,12 @@ use std::thread::JoinHandle;
 
 use sulcus_proto::control::Command;
 use sulcus_proto::{SessionSummary, Ticket};
-use tokio::sync::{Mutex, mpsc, watch};
+use tokio::sync::{Mutex, watch};
 
 use crate::identity::{Identity, fingerprint};
+use crate::levels::{Levels, Taken};
 use crate::network::{self, Phase, Shared, Station};
 use crate::{ServerConfig, ServerError, transport};
-
-/// Commands that wait for the network thread.
-const COMMANDS: usize = 64;
 
 /// A station's server.
 pub struct Server;
@@ -24,7 +22,8 @@ pub struct ServerHandle {
     local_addr: SocketAddr,
     certificate_der: Vec<u8>,
     ticket: Ticket,
-    commands: mpsc::Sender<Command>,
+    levels: Levels,
+    lifted: watch::Sender<u64>,
     phase: watch::Sender<Phase>,
     thread: Option<JoinHandle<Result<Vec<SessionSummary>, ServerError>>>,
 }
@@ -52,10 +51,11 @@ impl Server {
             fingerprint: fingerprint(&certificate_der)?,
         };
 
-        let (commands, commands_out) = mpsc::channel(COMMANDS);
+        let levels = Levels::default();
+        levels.station(Command::ForceLimit(config.force_limit_n));
+        let (lifted, lifted_out) = watch::channel(0);
         let (phase, phase_out) = watch::channel(Phase::Serve);
         let station = Station {
-            commands: commands_out,
             epoch: 0,
             summaries: Vec::new(),
         };
@@ -63,6 +63,8 @@ impl Server {
             scene_hash: *blake3::hash(&config.scene_bytes).as_bytes(),
             config,
             phase: phase_out,
+            levels: levels.clone(),
+            lifted: lifted_out,
             station: Arc::new(Mutex::new(station)),
         });
         // All sockets of a station on one thread: more would only add wake-ups.
@@ -81,7 +83,8 @@ impl Server {
             local_addr,
             certificate_der,
             ticket,
-            commands,
+            levels,
+            lifted,
             phase,
             thread: Some(thread),
         })
@@ -104,10 +107,18 @@ impl ServerHandle {
         &self.ticket
     }
 
-    /// Gives a command to the running session; `false` when too many wait or the server has ended.
-    /// A session that begins later does not see it.
+    /// Sets the pause or the force limit of the station's side, at once and for every session, the running one and those
+    /// that begin later, until it is set again. A student's connection cannot lift either. `false`: the server has
+    /// ended. A limit that is no force (negative, infinite, not a number) changes nothing.
     pub fn command(&self, command: Command) -> bool {
-        self.commands.try_send(command).is_ok()
+        match self.levels.station(command) {
+            Taken::Set => {}
+            Taken::Lifted => self.lifted.send_modify(|times| *times += 1),
+            Taken::NoForce(newtons) => tracing::warn!(
+                "force limit {newtons} ignored: expected 0 (the scene's) or a positive force"
+            ),
+        }
+        !self.is_finished()
     }
 
     /// Ends the running session with a goodbye and stops serving; returns at once.

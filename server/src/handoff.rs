@@ -1,18 +1,17 @@
-//! What crosses from thread to thread. Every hand-over is wait-free for the simulation: triple
-//! buffers where the newest wins, rings where nothing may be lost, one eventfd as the only wake-up.
+//! Hand-overs from thread to thread. Every one is wait-free for the simulation: triple buffers where the newest wins,
+//! rings where nothing may be lost, atomic words for buttons (and for pause and force limit, in
+//! [`crate::levels`]), one eventfd as the only wake-up.
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 
 use rustix::event::{EventfdFlags, eventfd};
-use sulcus_core::Params;
+use sulcus_core::{MAX_TOOLS, Params};
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
 use tokio::io::Interest;
 use tokio::io::unix::AsyncFd;
 
-/// Slots in the ring of edges.
-pub(crate) const EDGES: usize = 64;
 /// Slots in the recorder's queue at least.
 const LEAST_ROWS: usize = 4096;
 /// What the recorder's queue holds, seconds of ticks.
@@ -39,17 +38,24 @@ pub(crate) struct PoseIn {
     pub arrived_ns: u64,
 }
 
-/// Network to simulation: must not be lost.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Edge {
-    Paused(bool),
-    /// Newtons; 0: the scene's limit.
-    ForceLimit(f32),
-    /// A button went down; held buttons come with the poses.
-    Pressed {
-        tool: u8,
-        button: u8,
-    },
+/// Network to simulation: buttons that went down, a bit each; held buttons come with the poses. However many edges a
+/// client sends, none takes the place of another.
+#[derive(Debug, Default)]
+pub(crate) struct Pressed([AtomicU16; MAX_TOOLS]);
+
+impl Pressed {
+    /// A button went down; tools and buttons that do not exist are ignored.
+    pub fn press(&self, tool: u8, button: u8) {
+        let bit = 1u16.checked_shl(u32::from(button)).unwrap_or(0);
+        if let Some(buttons) = self.0.get(usize::from(tool)) {
+            buttons.fetch_or(bit, Ordering::AcqRel);
+        }
+    }
+
+    /// Buttons that went down since the last call, for each tool.
+    pub fn take(&self) -> [u16; MAX_TOOLS] {
+        std::array::from_fn(|tool| self.0[tool].swap(0, Ordering::AcqRel))
+    }
 }
 
 /// Simulation to network: a wrench whose epoch, sequence and hold time the network fills in.
@@ -117,6 +123,16 @@ impl Flags {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn presses_are_taken_once_and_unknown_buttons_are_ignored() {
+        let pressed = Pressed::default();
+        for (tool, button) in [(0, 3), (1, 15), (0, 0), (0, 3), (0, 16), (2, 1), (255, 255)] {
+            pressed.press(tool, button);
+        }
+        assert_eq!(pressed.take(), [0b1001, 0x8000]);
+        assert_eq!(pressed.take(), [0, 0]);
+    }
 
     #[test]
     fn the_recorders_queue_holds_four_seconds_at_any_rate() {

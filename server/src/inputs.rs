@@ -1,11 +1,12 @@
-//! From what has arrived to one tick's input: age, staleness, pause, force limit, buttons.
+//! Input of a tick, made of all that has arrived: age, staleness, pause, force limit, buttons.
 
 use std::time::Duration;
 
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput};
 use sulcus_proto::limits;
 
-use crate::handoff::{Edge, PoseIn};
+use crate::handoff::PoseIn;
+use crate::levels::InForce;
 
 /// State between ticks of what comes from outside.
 #[derive(Debug)]
@@ -15,8 +16,8 @@ pub(crate) struct Inputs {
     /// Between two ticks.
     tick_ns: u64,
     pose: Option<PoseIn>,
-    paused: bool,
-    force_limit_n: f32,
+    /// Pause and force limit for the next tick.
+    pub in_force: InForce,
     /// Level of detail for the next tick.
     pub detail: u8,
     /// Buttons that went down since the tool's last tick with a hand: seen for one tick at least, even
@@ -30,8 +31,7 @@ impl Inputs {
             tools,
             tick_ns,
             pose: None,
-            paused: false,
-            force_limit_n: 0.0,
+            in_force: InForce::default(),
             detail: 0,
             pressed: [0; MAX_TOOLS],
         }
@@ -47,24 +47,18 @@ impl Inputs {
         self.pose.as_ref()
     }
 
-    /// An edge arrived.
-    pub fn edge(&mut self, edge: Edge) {
-        match edge {
-            Edge::Paused(paused) => self.paused = paused,
-            Edge::ForceLimit(newtons) => self.force_limit_n = newtons,
-            Edge::Pressed { tool, button } => {
-                if let Some(pressed) = self.pressed.get_mut(usize::from(tool)) {
-                    *pressed |= 1u16.checked_shl(u32::from(button)).unwrap_or(0);
-                }
-            }
+    /// Buttons went down, for each tool.
+    pub fn pressed(&mut self, buttons: [u16; MAX_TOOLS]) {
+        for (pressed, buttons) in self.pressed.iter_mut().zip(buttons) {
+            *pressed |= buttons;
         }
     }
 
     /// Input of the tick that begins at `now_ns` after `skipped` grid ticks were missed.
     pub fn take(&mut self, now_ns: u64, skipped: u16) -> TickInput {
         let mut input = TickInput {
-            paused: self.paused,
-            force_limit_n: self.force_limit_n,
+            paused: self.in_force.paused(),
+            force_limit_n: self.in_force.force_limit_n(),
             skipped,
             detail: self.detail,
             ..TickInput::IDLE
@@ -156,11 +150,7 @@ mod tests {
     fn a_press_is_seen_for_one_tick_even_when_no_pose_holds_it() {
         let mut inputs = Inputs::new(1, TICK_NS);
         inputs.pose(pose(0, [true, false]));
-        inputs.edge(Edge::Pressed { tool: 0, button: 3 });
-        inputs.edge(Edge::Pressed {
-            tool: 9,
-            button: 99,
-        });
+        inputs.pressed([8, 1]);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
     }
@@ -168,7 +158,7 @@ mod tests {
     #[test]
     fn a_press_waits_for_a_pose_and_a_hand() {
         let mut inputs = Inputs::new(1, TICK_NS);
-        inputs.edge(Edge::Pressed { tool: 0, button: 3 });
+        inputs.pressed([8, 0]);
         assert_eq!(inputs.take(0, 0), TickInput::IDLE);
         inputs.pose(pose(0, [false, false]));
         assert_eq!(inputs.take(0, 0), TickInput::IDLE);
@@ -178,16 +168,16 @@ mod tests {
     }
 
     #[test]
-    fn commands_hold_until_changed() {
+    fn levels_are_input_of_every_tick_from_the_first_on() {
         let mut inputs = Inputs::new(1, TICK_NS);
-        inputs.edge(Edge::Paused(true));
-        inputs.edge(Edge::ForceLimit(1.5));
+        inputs.in_force.station.paused = true;
+        inputs.in_force.station.force_limit_n = 1.5;
         for _ in 0..2 {
             let input = inputs.take(0, 0);
             assert!(input.paused);
             assert_eq!(input.force_limit_n, 1.5);
         }
-        inputs.edge(Edge::Paused(false));
+        inputs.in_force.station.paused = false;
         assert!(!inputs.take(0, 0).paused);
     }
 }

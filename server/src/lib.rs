@@ -6,11 +6,13 @@
 //!   absolute deadlines. It never allocates, locks, or touches a tokio type.
 //! - *recorder*, one per session: writes and signs the recording behind a bounded queue.
 //!
-//! They meet in wait-free hand-overs only: triple buffers (newest wins) for poses and wrenches, rings
-//! for edges and rows, one eventfd to wake the network.
+//! They meet in wait-free hand-overs only: triple buffers (newest wins) for poses and wrenches, a ring
+//! for rows, atomic words for buttons, pause and force limit, one eventfd to wake the network.
 //!
 //! What depends on a wall clock (age, staleness, skipped ticks) is decided here and handed to the
 //! tick as input, so a recording of inputs is enough to run the session again.
+
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod cli;
 pub mod commands;
@@ -20,9 +22,12 @@ pub mod handle;
 
 pub mod detail;
 
+mod addresses;
+mod changes;
 mod handoff;
 mod identity;
 mod inputs;
+mod levels;
 mod metrics;
 mod network;
 mod page;

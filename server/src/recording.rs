@@ -17,7 +17,9 @@ use sulcus_sessions::{
 };
 
 use crate::ServerConfig;
+use crate::changes::Changes;
 use crate::handoff::{Bell, Flags};
+use crate::levels::InForce;
 use crate::realtime::unix_ns;
 
 /// How often the queue is emptied. It holds four seconds at any rate; the recorder itself flushes every 100 ms
@@ -33,9 +35,9 @@ pub(crate) const EVENTS: usize = 256;
     reason = "nearly all are ticks, and a box would be allocated in the tick's thread"
 )]
 pub(crate) enum Entry {
-    /// A tick, what it put out and its thread CPU time, nanoseconds: the events of the exercise are found in it here, and
-    /// what viewers read is made of it, not in the tick's thread.
-    Tick(Row, TickOutput, u32),
+    /// A tick, its output, its thread CPU time in nanoseconds, and what both sides asked for: the events of the exercise
+    /// are found in it here, and the viewers' messages are made of it, not in the tick's thread.
+    Tick(Row, TickOutput, u32, InForce),
     /// What a tick, which follows, left of the shapes that are looked at ([`sulcus_sessions::events::Look`]).
     Look(u64, Vec<Vec3>),
     /// What a tick, which follows, left for viewers.
@@ -190,6 +192,7 @@ pub(crate) fn spawn(
         views,
         look: None,
         shapes: None,
+        changes: Changes::default(),
         entries,
         returned,
         network,
@@ -225,6 +228,8 @@ struct Thread {
     look: Option<(u64, Vec<Vec3>)>,
     /// The newest.
     shapes: Option<Box<Shapes>>,
+    /// Of pause and force limit.
+    changes: Changes,
     entries: Consumer<Entry>,
     returned: Returned,
     network: Receiver<FromNetwork>,
@@ -261,11 +266,12 @@ impl Thread {
                 error: Some("the session came apart; the file is cut off".into()),
             };
         };
-        if summary.edges_dropped > 0 {
+        let unsaid = summary.edges_dropped + self.changes.unsaid();
+        if unsaid > 0 {
             let lost = Occurrence {
                 kind: LOST.into(),
                 tick: summary.ticks,
-                data: serde_json::json!({ "count": summary.edges_dropped }),
+                data: serde_json::json!({ "count": unsaid }),
             };
             let result = self
                 .recorder
@@ -293,7 +299,9 @@ impl Thread {
     fn drain(&mut self) {
         while let Ok(entry) = self.entries.pop() {
             let result = match entry {
-                Entry::Tick(row, output, cpu_ns) => self.tick(&row, &output, cpu_ns),
+                Entry::Tick(row, output, cpu_ns, in_force) => {
+                    self.tick(&row, &output, cpu_ns, in_force)
+                }
                 Entry::Look(tick, centres) => {
                     self.look = Some((tick, centres));
                     Ok(())
@@ -318,8 +326,18 @@ impl Thread {
     }
 
     /// Writes a tick's row, what happened in it, and what viewers read of it.
-    fn tick(&mut self, row: &Row, output: &TickOutput, cpu_ns: u32) -> Result<(), RecordError> {
+    fn tick(
+        &mut self,
+        row: &Row,
+        output: &TickOutput,
+        cpu_ns: u32,
+        in_force: InForce,
+    ) -> Result<(), RecordError> {
         self.recorder.push(row)?;
+        for changed in self.changes.take(row.tick, in_force) {
+            self.recorder
+                .event(row.time_unix_ns, changed.level(), &changed.to_string())?;
+        }
         let look = self.look.take();
         let ours = look.as_ref().filter(|(tick, _)| *tick == output.tick);
         let Narrator { scene, events } = &mut self.narrator;
@@ -401,7 +419,7 @@ mod tests {
         };
         for tick in [1, 2, 2] {
             entries
-                .push(Entry::Tick(row(tick), output(tick), 0))
+                .push(Entry::Tick(row(tick), output(tick), 0, InForce::default()))
                 .expect("room");
         }
         let scene = Arc::new(Scene {

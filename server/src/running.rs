@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use rtrb::{Producer, RingBuffer};
+use rtrb::RingBuffer;
 use sulcus_core::{State, Vec3};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Event};
@@ -14,8 +14,9 @@ use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
 use crate::handoff::{
-    Bell, EDGES, Edge, Flags, PoseIn, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
+    Bell, Flags, PoseIn, Pressed, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
 };
+use crate::levels::Levels;
 use crate::metrics::Metrics;
 use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
 use crate::simulation::Simulation;
@@ -69,8 +70,7 @@ pub(crate) struct Running {
     flags: Arc<Flags>,
     _abandoned: Abandoned,
     bell: Bell,
-    edges: Producer<Edge>,
-    edges_dropped: u64,
+    pressed: Arc<Pressed>,
     events: Events,
     simulation: JoinHandle<Metrics>,
     recorder: JoinHandle<Report>,
@@ -84,8 +84,13 @@ pub(crate) struct Started {
 }
 
 impl Running {
-    /// Opens the recording, then starts the threads. Blocks while the scene is written.
-    pub fn start(config: &ServerConfig, plan: Plan) -> Result<Started, (EndReason, String)> {
+    /// Opens the recording, then starts the threads, whose first tick keeps to `levels` already. Blocks while the scene
+    /// is written.
+    pub fn start(
+        config: &ServerConfig,
+        plan: Plan,
+        levels: Levels,
+    ) -> Result<Started, (EndReason, String)> {
         let recorder =
             recording::open(config, plan).map_err(|text| (EndReason::Recording, text))?;
         let start = || -> std::io::Result<Started> {
@@ -93,7 +98,7 @@ impl Running {
             let flags = Arc::new(Flags::default());
             let (poses, poses_out) = triple_buffer(&None);
             let (wrenches_in, wrenches) = triple_buffer(&WrenchOut::default());
-            let (edges, edges_out) = RingBuffer::new(EDGES);
+            let pressed = Arc::<Pressed>::default();
             let rows = rows(&config.scene.params);
             let (entries, entries_out) = RingBuffer::new(rows);
             let (mut snapshots, buffers_out) = RingBuffer::new(SNAPSHOTS);
@@ -122,7 +127,8 @@ impl Running {
             let simulation = Simulation {
                 scene: config.scene.clone(),
                 poses: poses_out,
-                edges: edges_out,
+                levels,
+                pressed: pressed.clone(),
                 wrenches: wrenches_in,
                 bell: bell.clone(),
                 flags: flags.clone(),
@@ -141,8 +147,7 @@ impl Running {
                 _abandoned: Abandoned(flags.clone()),
                 flags,
                 bell,
-                edges,
-                edges_dropped: 0,
+                pressed,
                 events: Events::new(to_recorder),
                 simulation,
                 recorder,
@@ -171,12 +176,9 @@ impl Running {
         &self.flags
     }
 
-    /// Hands an edge to the simulation; a full ring is counted.
-    pub fn edge(&mut self, edge: Edge) {
-        if self.edges.push(edge).is_err() {
-            self.edges_dropped += 1;
-            tracing::error!("the simulation does not take commands: {edge:?} was dropped");
-        }
+    /// Tells the simulation that a button went down.
+    pub fn press(&self, tool: u8, button: u8) {
+        self.pressed.press(tool, button);
     }
 
     /// Hands an event to the recorder; one too many is counted.
@@ -189,8 +191,7 @@ impl Running {
     pub fn finish(self, reason: EndReason, poses: ArrivalCounts) -> (SessionSummary, String) {
         Flags::raise(&self.flags.stop);
         let mut summary = SessionSummary::empty(reason);
-        // One counter for all that a client said and that went nowhere.
-        summary.edges_dropped = self.edges_dropped + self.events.dropped;
+        summary.edges_dropped = self.events.dropped;
         summary.poses = poses;
         match self.simulation.join() {
             Ok(metrics) => metrics.fill(&mut summary),

@@ -14,8 +14,9 @@ use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 
 use crate::detail::{Chooser, Detail};
-use crate::handoff::{Bell, Edge, Flags, PoseIn, WrenchOut};
+use crate::handoff::{Bell, Flags, PoseIn, Pressed, WrenchOut};
 use crate::inputs::Inputs;
+use crate::levels::Levels;
 use crate::metrics::{Metrics, TickTimes};
 use crate::realtime::{self, monotonic_ns, thread_cpu_ns};
 use crate::recording::Entry;
@@ -24,7 +25,10 @@ use crate::recording::Entry;
 pub(crate) struct Simulation {
     pub scene: Arc<Scene>,
     pub poses: Output<Option<PoseIn>>,
-    pub edges: Consumer<Edge>,
+    /// Pause and force limit of both sides.
+    pub levels: Levels,
+    /// Buttons that went down.
+    pub pressed: Arc<Pressed>,
     pub wrenches: Input<WrenchOut>,
     pub bell: Bell,
     pub flags: Arc<Flags>,
@@ -193,9 +197,8 @@ impl Ticker {
     }
 
     fn collect(&mut self) {
-        while let Ok(edge) = self.link.edges.pop() {
-            self.inputs.edge(edge);
-        }
+        self.inputs.in_force = self.link.levels.in_force();
+        self.inputs.pressed(self.link.pressed.take());
         if self.link.poses.update()
             && let Some(pose) = self.link.poses.output_buffer()
         {
@@ -228,7 +231,7 @@ impl Ticker {
         }
         let row = Row::new(unix_ns, input, output);
         let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
-        let entry = Entry::Tick(row, *output, cpu_ns);
+        let entry = Entry::Tick(row, *output, cpu_ns, self.inputs.in_force);
         if self.link.entries.push(entry).is_err() {
             self.metrics.rows_dropped += 1;
         }

@@ -86,7 +86,7 @@ fn scene() -> Scene {
 struct Bench {
     ticker: Ticker,
     poses: triple_buffer::Input<Option<PoseIn>>,
-    edges: Producer<Edge>,
+    pressed: Arc<Pressed>,
     entries: Consumer<Entry>,
     buffers: Producer<Vec<u8>>,
 }
@@ -95,7 +95,7 @@ fn bench(rows: usize) -> Bench {
     let scene = Arc::new(scene());
     let (poses, poses_out) = triple_buffer(&None);
     let (wrenches, _) = triple_buffer(&WrenchOut::default());
-    let (edges, edges_out) = RingBuffer::new(8);
+    let pressed = Arc::<Pressed>::default();
     let (entries_in, entries) = RingBuffer::new(rows);
     let (mut buffers, buffers_out) = RingBuffer::new(1);
     buffers
@@ -110,7 +110,8 @@ fn bench(rows: usize) -> Bench {
     let simulation = Simulation {
         scene,
         poses: poses_out,
-        edges: edges_out,
+        levels: Levels::default(),
+        pressed: pressed.clone(),
         wrenches,
         bell: Bell::new().expect("eventfd"),
         flags: Arc::default(),
@@ -128,7 +129,7 @@ fn bench(rows: usize) -> Bench {
     Bench {
         ticker,
         poses,
-        edges,
+        pressed,
         entries,
         buffers,
     }
@@ -151,7 +152,7 @@ fn a_step_allocates_nothing() {
     let before = calls();
     for k in 0..300 {
         bench.poses.write(pose(0.006 - 2e-5 * k as f32));
-        let _ = bench.edges.push(Edge::Pressed { tool: 0, button: 1 });
+        bench.pressed.press(0, 1);
         bench.ticker.step();
     }
     assert_eq!(calls(), before);
@@ -176,7 +177,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
     let (mut tick, mut snapshots) = (0, 0);
     while let Ok(entry) = bench.entries.pop() {
         match entry {
-            Entry::Tick(row, output, _) => {
+            Entry::Tick(row, output, ..) => {
                 tick += 1 + u64::from(row.input.skipped);
                 assert_eq!((row.tick, row.hash), (tick, output.hash));
                 assert_eq!(output.tick, tick);

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use serde::Serialize;
+use sulcus_program::PathText;
 
 use crate::bytes::hex;
 use crate::format::Migration;
@@ -98,7 +99,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         .first()
         .map_or(0, |first| recording.len() - first.start as u64);
     Ok(Info {
-        file: path.display().to_string(),
+        file: path.shown().to_string(),
         bytes: recording.len(),
         sizes: sizes(recording, duration_s)?,
         bytes_per_minute: (duration_s > 0.0).then(|| body as f64 / duration_s * 60.0),

@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use ed25519_dalek::{Signature, Signer as _, SigningKey, VerifyingKey};
+use sulcus_program::PathText;
 
 use crate::bytes::{from_hex32, hex};
 
@@ -15,7 +16,7 @@ const KEY_TITLE: &str = "sulcus station key 1";
 #[derive(Debug, thiserror::Error)]
 pub enum KeyError {
     /// The file could not be read or written.
-    #[error("cannot {action} `{}`: {source}", path.display())]
+    #[error("cannot {action} `{}`: {source}", path.shown())]
     Io {
         /// What was tried.
         action: &'static str,
@@ -25,7 +26,7 @@ pub enum KeyError {
         source: std::io::Error,
     },
     /// The file holds something else.
-    #[error("`{}` is not a {expected}: move it away, or name another file", path.display())]
+    #[error("`{}` is not a {expected}: move it away, or name another file", path.shown())]
     NotAKey {
         /// Which file.
         path: PathBuf,
@@ -33,7 +34,7 @@ pub enum KeyError {
         expected: &'static str,
     },
     /// Others can read the secret.
-    #[error("`{}` can be read by others (mode {mode:03o}): anyone could sign as this station; run chmod 600 on it, or delete it to make a new key", path.display())]
+    #[error("`{}` can be read by others (mode {mode:03o}): anyone could sign as this station; run chmod 600 on it, or delete it to make a new key", path.shown())]
     Exposed {
         /// Which file.
         path: PathBuf,
@@ -56,7 +57,7 @@ impl PublicKey {
     /// The key of the station that this program runs on; `None` when it has none yet.
     pub fn of_this_station() -> Option<Self> {
         let file = StationKey::default_path().ok()?.with_extension("pub");
-        Self::from_file_or_hex(file.to_str()?).ok()
+        Self::from_file_or_hex(file).ok()
     }
 
     /// From 64 hexadecimal digits; `None` for anything else.
@@ -69,11 +70,11 @@ impl PublicKey {
     ///
     /// # Errors
     /// When it is neither.
-    pub fn from_file_or_hex(text: &str) -> Result<Self, KeyError> {
-        if let Some(key) = Self::from_hex(text) {
+    pub fn from_file_or_hex(given: impl AsRef<Path>) -> Result<Self, KeyError> {
+        let path = given.as_ref().to_owned();
+        if let Some(key) = path.to_str().and_then(Self::from_hex) {
             return Ok(key);
         }
-        let path = PathBuf::from(text);
         let content = std::fs::read(&path).map_err(|source| KeyError::Io {
             action: "read public key",
             path: path.clone(),

@@ -18,6 +18,8 @@
 //! - No bytes, whatever they are, make reading panic or take memory beyond a bound.
 //! - Recording never touches the tick's thread; whoever owns the queue counts what it drops.
 
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+
 pub mod audit;
 mod bytes;
 mod chain;

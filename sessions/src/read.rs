@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sulcus_core::scene::SCENE_VERSION;
 use sulcus_core::{Scene, SceneError};
+use sulcus_program::PathText;
 
 use crate::format::Migration;
 use crate::header::SessionHeader;
@@ -22,7 +23,7 @@ use crate::viewers::Viewers;
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The system refused.
-    #[error("cannot read `{}`: {source}", path.display())]
+    #[error("cannot read `{}`: {source}", path.shown())]
     Io {
         /// Which file.
         path: PathBuf,

@@ -17,6 +17,7 @@ use mcap::records::{Metadata, Record, op};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 use serde::Serialize;
+use sulcus_program::PathText;
 
 use crate::read::{Ending, Facts, ReadError, Recording};
 use crate::verify::{Signature, verify};
@@ -41,7 +42,7 @@ pub enum RecoverError {
     #[error("nothing to recover: the recording is {0}")]
     Whole(Ending),
     /// The new file cannot be written.
-    #[error("cannot write `{}`: {what}", path.display())]
+    #[error("cannot write `{}`: {what}", path.shown())]
     Write {
         /// Which file.
         path: PathBuf,
@@ -129,7 +130,7 @@ pub fn recover(
             return Err(RecoverError::Copy("the copy has other messages".to_owned()));
         }
         Ok(Recovered {
-            file: out.display().to_string(),
+            file: out.shown().to_string(),
             bytes: again.len(),
             ticks: again.facts().rows,
             last_tick: again.facts().ticks.unwrap_or_default().1,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
+use sulcus_program::PathText;
 
 /// Why a text is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -70,7 +71,7 @@ pub(crate) trait Written: DeserializeOwned {
     fn opened(path: &Path) -> Result<Self, WrittenError> {
         let unread = |why: String| WrittenError::Read {
             what: Self::WHAT,
-            path: path.display().to_string(),
+            path: path.shown().to_string(),
             why,
         };
         let length = std::fs::metadata(path)

@@ -1,14 +1,15 @@
-//! The check at the end of a demo: the recording replayed, every tick observed.
+//! The check at the end of a demo: the recording replayed, every tick observed, the session graded.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sulcus_cases::{Chart, Measures, Observer};
 use sulcus_sessions::events::Tally;
-use sulcus_sessions::grade::{Grade, Standard, finish, run};
+use sulcus_sessions::grade::{Grade, Graded, Standard, finish, run};
 use sulcus_sessions::{
-    Exercise, Recording, ReplayOptions, ReplayReport, Signature, replay_observed,
+    Exercise, Mode, Recording, ReplayOptions, ReplayReport, Signature, replay_observed,
 };
 
+use super::page;
 use super::summary::{EventsSummary, PocketSummary, SiteSummary, TissueSummary};
 use super::zones::{entered, zone_line};
 use crate::calls::Called;
@@ -36,6 +37,8 @@ pub struct Checked {
     pub calls: Vec<Called>,
     /// The grade; none where nothing is asked that is graded.
     pub grade: Option<Grade>,
+    /// The student's page, or why it could not be written; none where there is no grade to show.
+    pub page: Option<Result<PathBuf, String>>,
     /// Whether anything in the scene yields.
     yields: bool,
     /// Size of the file.
@@ -89,7 +92,7 @@ impl Checked {
     }
 }
 
-/// Replays the recording at `path`.
+/// Replays the recording at `path`, and writes the student's page beside it where the mode shows a grade.
 ///
 /// # Errors
 /// When it cannot be read.
@@ -132,6 +135,11 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         let standard = Some(&standard);
         finish(&recording, &scene, &exercise, standard, watcher, &report)
     });
+    let graded: Option<Graded> = grade.transpose()?;
+    let mode = recording.header().mode;
+    let shown = mode.unwrap_or_default() == Mode::Practice;
+    let page = graded.as_ref().filter(|_| shown);
+    let page = page.map(|graded| page::write(path, mode, graded));
     let called = run::Log::read(&recording, &scene)?.calls;
     Ok(Checked {
         report,
@@ -144,7 +152,8 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
             .iter()
             .filter_map(|(_, call)| Called::of(call, &scene))
             .collect(),
-        grade: grade.transpose()?.map(|graded| graded.grade),
+        grade: graded.map(|graded| graded.grade),
+        page,
         yields: scene.yields(),
         bytes,
     })

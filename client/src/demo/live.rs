@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use sulcus_program::{PathText, tell};
 use sulcus_proto::control::EndReason;
 use sulcus_server::{Exercise, Server, ServerConfig};
 
@@ -69,11 +70,11 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         bail!(
             "{}; what was recorded until then is {}",
             goodbye.text,
-            recording.display()
+            recording.shown()
         );
     }
     if !summary.complete {
-        eprintln!(
+        tell!(
             "warning: the recording is not complete ({} rows dropped): it cannot be graded",
             summary.rows_dropped
         );
@@ -81,8 +82,9 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     let checked = check::check(&recording, steps)?;
     // (The wire carries no readings: what happened is known from the replay.)
     for line in &checked.zones {
-        eprintln!("{line}");
+        tell!("{line}");
     }
+    let (page, page_error) = super::either(checked.page.clone());
     Ok(DemoSummary {
         recording,
         exercise: name,
@@ -119,5 +121,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
         tissue: checked.tissue(),
         events: Some(checked.events()),
         grade: checked.grade,
+        page,
+        page_error,
     })
 }

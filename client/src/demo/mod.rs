@@ -4,10 +4,14 @@ pub mod check;
 #[cfg(feature = "embedded")]
 pub mod live;
 pub mod lockstep;
+pub mod page;
 pub mod summary;
 mod zones;
 
+use std::path::PathBuf;
+
 use anyhow::Context;
+use sulcus_program::{PathText, say, tell};
 use sulcus_sessions::{Mode, StationKey};
 
 use crate::cli::DemoArgs;
@@ -23,7 +27,7 @@ use summary::DemoSummary;
 pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     if args.list_exercises {
         for (name, about) in exercise::list() {
-            println!("{name:22} {about}");
+            say!("{name:22} {about}");
         }
         return Ok(0);
     }
@@ -42,18 +46,18 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     prepared.learner.clone_from(&args.learner);
     prepared.mode = args.mode;
     if prepared.case.is_some() && args.duration.is_some() {
-        eprintln!(
+        tell!(
             "warning: `{}` has its own length; --duration has no effect",
             prepared.exercise.name
         );
     }
     for warning in &prepared.warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     std::fs::create_dir_all(&args.recordings).with_context(|| {
         format!(
             "cannot make the folder `{}` for recordings",
-            args.recordings.display()
+            args.recordings.shown()
         )
     })?;
     let mut summary = if args.virtual_time {
@@ -65,13 +69,26 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
         summary.withhold();
     }
     if args.json {
-        println!("{}", serde_json::to_string(&summary)?);
+        say!("{}", serde_json::to_string(&summary)?);
     } else {
-        println!("{}", summary.text());
+        say!("{}", summary.text());
+    }
+    if let Some(why) = &summary.page_error {
+        tell!("error: {why}");
+        return Ok(2);
     }
     Ok(u8::from(
         !(summary.identical && summary.signature_valid && summary.gradable),
     ))
+}
+
+/// A page that was written, or why it was not.
+fn either(page: Option<Result<PathBuf, String>>) -> (Option<PathBuf>, Option<String>) {
+    match page {
+        Some(Ok(page)) => (Some(page), None),
+        Some(Err(why)) => (None, Some(why)),
+        None => (None, None),
+    }
 }
 
 #[cfg(feature = "embedded")]
@@ -92,6 +109,7 @@ fn run_virtual(
     let key = StationKey::load_or_create(&StationKey::default_path()?)?;
     let ran = lockstep::run(prepared, args.hand_seed(), &args.recordings, key, steps)?;
     let checked = check::check(&ran.recording, steps)?;
+    let (page, page_error) = either(checked.page.clone());
     Ok(DemoSummary {
         recording: ran.recording,
         exercise: prepared.exercise.name.clone(),
@@ -124,5 +142,7 @@ fn run_virtual(
         tissue: checked.tissue(),
         events: Some(checked.events()),
         grade: checked.grade,
+        page,
+        page_error,
     })
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use sulcus_program::PathText;
 use sulcus_proto::Percentiles;
 use sulcus_sessions::events::Tally;
 use sulcus_sessions::{Grade, Mode};
@@ -15,6 +16,7 @@ use crate::calls::Called;
 #[derive(Clone, Debug, Serialize)]
 pub struct DemoSummary {
     /// Where the recording is.
+    #[serde(serialize_with = "sulcus_program::path::text")]
     pub recording: PathBuf,
     /// Exercise performed.
     pub exercise: String,
@@ -78,6 +80,11 @@ pub struct DemoSummary {
     pub events: Option<EventsSummary>,
     /// What the program proposes as a grade; null where nothing is asked that is graded, and after anything but practice.
     pub grade: Option<Grade>,
+    /// The student's page (HTML) beside the recording; null where there is no grade to show.
+    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
+    pub page: Option<PathBuf>,
+    /// Why the page could not be written; null where it was, and where there is none.
+    pub page_error: Option<String>,
 }
 
 /// Energy of the force displayed.
@@ -350,22 +357,35 @@ impl DemoSummary {
         let megabytes = self.recording_bytes as f64 * 1e-6;
         lines.push(format!(
             "recording     {} ({megabytes:.2} MB)",
-            self.recording.display()
+            self.recording.shown()
         ));
+        if let Some(page) = &self.page {
+            lines.push(format!("page          {}", page.shown()));
+        }
         lines.push(String::new());
         lines.push("next:".into());
-        lines.push(format!(
-            "  cargo run --release -p sulcus-sessions -- info {}",
-            self.recording.display()
-        ));
-        lines.push(format!(
-            "  cargo run --release -p sulcus-sessions -- replay --audit {}",
-            self.recording.display()
-        ));
-        if self.grade.is_some() || self.mode != Mode::Practice {
+        let recording = self.recording.shown();
+        let cargo = "cargo run --release -p";
+        if let Some(page) = &self.page {
             lines.push(format!(
-                "  cargo run --release -p sulcus-sessions -- grade --html pages {}",
-                self.recording.display()
+                "  open {} in a browser: grade, chart, advice",
+                page.shown()
+            ));
+        }
+        lines.push("  look at the session in Rerun, moment by moment:".into());
+        lines.push(format!(
+            "    {cargo} sulcus-view --features rerun --bin sulcus-review -- {recording}"
+        ));
+        lines.push("  list its contents, replay it with an independent solver as judge:".into());
+        for command in ["info", "replay --audit"] {
+            lines.push(format!(
+                "    {cargo} sulcus-sessions -- {command} {recording}"
+            ));
+        }
+        if self.page.is_none() && (self.grade.is_some() || self.mode != Mode::Practice) {
+            lines.push("  grade it:".into());
+            lines.push(format!(
+                "    {cargo} sulcus-sessions -- grade --html pages {recording}"
             ));
         }
         lines.join("\n")

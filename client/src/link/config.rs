@@ -19,6 +19,8 @@ pub enum Pin {
 pub struct LinkConfig {
     /// Where the server listens.
     pub server: SocketAddr,
+    /// Further addresses of the same server, as a name may have; tried when the first does not answer at once.
+    pub others: Vec<SocketAddr>,
     /// Name sent in the TLS handshake; the pin decides, not the name.
     pub server_name: String,
     /// How the server is recognised.
@@ -31,15 +33,27 @@ pub struct LinkConfig {
     pub learner: String,
     /// Exercise asked for; empty: the server's choice.
     pub exercise: String,
-    /// How long to wait for the server's answer.
+    /// How long to wait for an answer at each address.
     pub timeout: Duration,
 }
 
 impl LinkConfig {
+    /// All addresses to try, each once.
+    pub(super) fn servers(&self) -> Vec<SocketAddr> {
+        let mut servers = vec![self.server];
+        for other in &self.others {
+            if !servers.contains(other) {
+                servers.push(*other);
+            }
+        }
+        servers
+    }
+
     /// Joins with a server's ticket; five seconds to answer.
     pub fn new(server: SocketAddr, ticket: &Ticket, device: &str) -> Self {
         Self {
             server,
+            others: Vec::new(),
             server_name: "localhost".into(),
             pin: Pin::Fingerprint(ticket.fingerprint),
             token: ticket.token.clone(),

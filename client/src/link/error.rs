@@ -15,6 +15,9 @@ pub enum LinkError {
         /// Address tried.
         server: SocketAddr,
     },
+    /// A name has several addresses, and no connection to any of them came about.
+    #[error("no connection to the server at any of its addresses: {}; check address, port and firewall, and that the server runs", each(.0))]
+    Nowhere(Vec<(SocketAddr, LinkError)>),
     /// Someone answers, but not the server that was pinned.
     #[error(
         "the server at {server} has another certificate than the pinned one; use the ticket that it prints now"
@@ -59,6 +62,21 @@ pub enum LinkError {
     System(String),
 }
 
+/// Each address with its reason.
+fn each(tried: &[(SocketAddr, LinkError)]) -> String {
+    let reasons: Vec<String> = tried
+        .iter()
+        .map(|(server, error)| match error {
+            LinkError::Absent { .. } => format!("{server}: no answer"),
+            LinkError::WrongCertificate { .. } => {
+                format!("{server}: another certificate than the pinned one")
+            }
+            error => format!("{server}: {error}"),
+        })
+        .collect();
+    reasons.join("; ")
+}
+
 impl LinkError {
     /// The connection was lost, in words that may be the other side's: they stay on one line.
     pub(super) fn lost(error: &impl std::fmt::Display) -> Self {
@@ -83,6 +101,21 @@ impl From<std::io::Error> for LinkError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_address_has_its_reason() {
+        let [first, second] =
+            ["[::1]:4433", "127.0.0.1:4433"].map(|text| text.parse().expect("an address"));
+        let error = LinkError::Nowhere(vec![
+            (first, LinkError::Absent { server: first }),
+            (second, LinkError::WrongCertificate { server: second }),
+        ]);
+        let told = error.to_string();
+        assert!(
+            told.contains("[::1]:4433: no answer; 127.0.0.1:4433: another certificate"),
+            "{told}"
+        );
+    }
 
     #[test]
     fn a_peers_reason_with_newlines_stays_on_one_line() {

@@ -1,17 +1,10 @@
-//! From an address to a server's hello, or to the sentence that says why not.
+//! From a connection to a server's hello, or to the sentence that says why not.
 
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream, TransportErrorCode};
+use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello};
 use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
 
-use super::{LinkConfig, LinkError, control, transport};
-
-/// TLS alert `no_application_protocol`: the server offers another ALPN.
-const NO_APPLICATION_PROTOCOL: u8 = 120;
+use super::{LinkConfig, LinkError, control, reach};
 
 /// Periods that a device can be asked to keep, nanoseconds.
 const TICKS_NS: std::ops::RangeInclusive<u64> = 100_000..=10_000_000;
@@ -27,33 +20,21 @@ pub(super) struct Welcome {
 
 /// Connects and says hello.
 pub(super) async fn shake(config: &LinkConfig) -> Result<Welcome, LinkError> {
+    let (endpoint, connection) = reach::reach(config).await?;
     let absent = LinkError::Absent {
-        server: config.server,
+        server: connection.remote_address(),
     };
-    tokio::time::timeout(config.timeout, shake_in_time(config))
+    tokio::time::timeout(config.timeout, greet(config, endpoint, connection))
         .await
         .unwrap_or(Err(absent))
 }
 
-async fn shake_in_time(config: &LinkConfig) -> Result<Welcome, LinkError> {
-    let mismatch = Arc::new(AtomicBool::new(false));
-    let from: SocketAddr = match config.server {
-        SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
-        SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
-    };
-    let endpoint = Endpoint::client(from)?;
-    let client = transport::client_config(config.pin.clone(), mismatch.clone())?;
-    let connecting = endpoint
-        .connect_with(client, config.server, &config.server_name)
-        .map_err(|error| LinkError::System(error.to_string()))?;
-    let connection = connecting.await.map_err(|error| {
-        if mismatch.load(Ordering::Acquire) {
-            return LinkError::WrongCertificate {
-                server: config.server,
-            };
-        }
-        explain(error, config.server)
-    })?;
+/// Says hello over a connection, and reads the answer.
+async fn greet(
+    config: &LinkConfig,
+    endpoint: Endpoint,
+    connection: Connection,
+) -> Result<Welcome, LinkError> {
     let lost = |error: ConnectionError| LinkError::lost(&error);
     let (mut send, mut recv) = connection.open_bi().await.map_err(lost)?;
     let hello = ClientMessage::Hello(ClientHello {
@@ -116,23 +97,6 @@ fn turned_away(Refused { reason, text }: Refused) -> LinkError {
         RefusedReason::Exercise | RefusedReason::BadHello | RefusedReason::Server => {
             LinkError::Refused(text)
         }
-    }
-}
-
-fn explain(error: ConnectionError, server: SocketAddr) -> LinkError {
-    match error {
-        ConnectionError::TimedOut => LinkError::Absent { server },
-        ConnectionError::VersionMismatch => {
-            LinkError::Version("the server speaks another version of QUIC".into())
-        }
-        ConnectionError::ConnectionClosed(close)
-            if close.error_code == TransportErrorCode::crypto(NO_APPLICATION_PROTOCOL) =>
-        {
-            LinkError::Version(
-                "the server speaks another one; install the same release on both".into(),
-            )
-        }
-        other => LinkError::lost(&other),
     }
 }
 

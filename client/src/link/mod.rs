@@ -13,6 +13,7 @@ mod config;
 mod control;
 mod error;
 mod handshake;
+mod reach;
 mod stats;
 mod transport;
 mod trust;
@@ -133,7 +134,8 @@ impl Link {
         self.watchdog.gate(now_ns)
     }
 
-    /// Asks the server to pause, resume or limit the force. `false`: it was not taken.
+    /// Asks for a pause of the student's own, its end, or a lower force limit. What the station's side has set stands.
+    /// `false`: it was not taken.
     pub fn command(&self, command: Command) -> bool {
         self.say(ClientMessage::Command(command))
     }

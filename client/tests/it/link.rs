@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use crate::common::{Station, force_up, pose, press};
+use crate::common::{Station, force_up, press, press_on, status_of};
 use sulcus_client::link::{Link, LinkError, Pin, now_ns};
 use sulcus_proto::control::{ButtonEdge, Command, EndReason, Event};
 use sulcus_proto::status;
@@ -120,7 +120,7 @@ fn pause_resume_and_limit_reach_the_hand() {
         force_up(link) == 0.0 && status_of(link) & status::PAUSED != 0
     });
     let before = link.latest_wrench().unwrap().datagram.epoch;
-    assert!(link.command(Command::Resume));
+    assert!(station.server().command(Command::Resume));
     press_on(&mut link, |link| force_up(link) > 0.4);
     assert_ne!(
         link.latest_wrench().unwrap().datagram.epoch,
@@ -331,6 +331,45 @@ fn an_absent_server_is_named() {
     assert!(matches!(error, LinkError::Absent { .. }), "{error}");
 }
 
+/// The client tried the first address of a name alone, and a server listens on one of two.
+#[test]
+fn all_addresses_of_a_name_are_tried_and_told() {
+    let station = Station::new();
+    let listening = station.server().local_addr();
+    // On loopback, too: one where somebody else's socket stays silent, and one without any.
+    let silent = std::net::UdpSocket::bind("127.0.0.2:0").unwrap();
+    let silent = silent.local_addr().unwrap();
+    let mut config = station.config();
+    config.timeout = Duration::from_secs(20);
+    config.server = silent;
+    config.others = vec![silent, "[::1]:9".parse().unwrap(), listening];
+    let begin = std::time::Instant::now();
+    let mut link = Link::connect(config.clone()).unwrap();
+    assert!(
+        begin.elapsed() < Duration::from_secs(15),
+        "in turn, not beside"
+    );
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    link.finish().unwrap();
+
+    // Another server, which has another certificate, and one that is silent.
+    let other = Station::new();
+    config.timeout = Duration::from_millis(1500);
+    config.others = vec![other.server().local_addr()];
+    let error = Link::connect(config).err().unwrap();
+    let LinkError::Nowhere(tried) = &error else {
+        panic!("{error}")
+    };
+    let tried: Vec<_> = tried.iter().map(|(server, _)| *server).collect();
+    assert_eq!(tried, [silent, other.server().local_addr()]);
+    let told = error.to_string();
+    assert!(
+        told.contains(&format!("{silent}: no answer")) && told.contains("another certificate"),
+        "{told}"
+    );
+}
+
 #[test]
 fn a_busy_port_is_named() {
     let station = Station::new();
@@ -348,25 +387,4 @@ fn a_busy_port_is_named() {
         matches!(error, ServerError::PortBusy { listen } if listen == busy),
         "{error}"
     );
-}
-
-/// Poses of a hand that stays pressed, until `done`.
-fn press_on(link: &mut Link, mut done: impl FnMut(&mut Link) -> bool) {
-    for _ in 0..20_000 {
-        link.send_pose(&pose(0.001));
-        if done(link) {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    panic!(
-        "waited in vain: {:?}, {:?}",
-        link.latest_wrench(),
-        link.stats()
-    );
-}
-
-fn status_of(link: &mut Link) -> u16 {
-    link.latest_wrench()
-        .map_or(0, |packet| packet.datagram.tools[0].status)
 }

@@ -4,6 +4,7 @@ mod common;
 mod events;
 mod grades;
 mod heavy_hand;
+mod levels;
 mod link;
 mod long;
 mod patient;

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use sulcus_core::{Scene, SceneError};
+use sulcus_program::PathText;
 
 use crate::build::TreeBuildError;
 use crate::built_in::{BuiltIn, compile_built_in};
@@ -113,7 +114,7 @@ pub enum BuildError {
         source: OrganError,
     },
     /// The parts do not make a scene.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {source}", file.shown())]
     Scene {
         /// The scene file.
         file: PathBuf,
@@ -121,7 +122,7 @@ pub enum BuildError {
         source: SceneError,
     },
     /// A tool waits inside something.
-    #[error("{}: `park_mm` of tool `{tool}` is {depth_mm:.2} mm inside object `{object}`, expected a place outside everything", file.display())]
+    #[error("{}: `park_mm` of tool `{tool}` is {depth_mm:.2} mm inside object `{object}`, expected a place outside everything", file.shown())]
     ParkedInside {
         /// The scene file.
         file: PathBuf,
@@ -226,7 +227,7 @@ fn compile(
     if objects.is_empty() {
         warnings.push(format!(
             "{}: there is no [[object]], so there is nothing to touch",
-            path.display()
+            path.shown()
         ));
     }
     let scene = Scene {

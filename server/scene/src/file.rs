@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::Params;
+use sulcus_program::PathText;
 
 use crate::load::Unit;
 use crate::mouth::MouthEntry;
@@ -222,7 +223,7 @@ fn default_kr() -> f64 {
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
     /// It cannot be read.
-    #[error("{}: cannot read the file: {source}", file.display())]
+    #[error("{}: cannot read the file: {source}", file.shown())]
     Read {
         /// The file.
         file: PathBuf,
@@ -230,7 +231,7 @@ pub enum FileError {
         source: std::io::Error,
     },
     /// It is not TOML, or a key is unknown, missing or of the wrong type.
-    #[error("{}, line {line} (`{text}`): {message}", file.display())]
+    #[error("{}, line {line} (`{text}`): {message}", file.shown())]
     Syntax {
         /// The file.
         file: PathBuf,
@@ -242,7 +243,7 @@ pub enum FileError {
         message: String,
     },
     /// A value is out of range or does not fit another.
-    #[error("{}: {field} is {found}, expected {expected}", file.display())]
+    #[error("{}: {field} is {found}, expected {expected}", file.shown())]
     Field {
         /// The file.
         file: PathBuf,

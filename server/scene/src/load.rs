@@ -15,6 +15,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sulcus_program::PathText;
 
 use crate::mesh::TriMesh;
 
@@ -71,7 +72,7 @@ impl std::str::FromStr for Unit {
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file cannot be opened or read.
-    #[error("{}: cannot read the file: {source}", file.display())]
+    #[error("{}: cannot read the file: {source}", file.shown())]
     Read {
         /// The file.
         file: PathBuf,
@@ -79,13 +80,13 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// The file is larger than [`LARGEST_FILE`].
-    #[error("{}: found more than {LARGEST_FILE} bytes, expected a mesh of at most that size", file.display())]
+    #[error("{}: found more than {LARGEST_FILE} bytes, expected a mesh of at most that size", file.shown())]
     TooLarge {
         /// The file.
         file: PathBuf,
     },
     /// The file is not a mesh in a format that is known.
-    #[error("{}: found {found}, expected {expected}", file.display())]
+    #[error("{}: found {found}, expected {expected}", file.shown())]
     Format {
         /// The file.
         file: PathBuf,

@@ -6,6 +6,7 @@ use sulcus_core::math::exp_rotation;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
 use sulcus_core::{Object, Pose, SphereTree, Tool, Vec3};
+use sulcus_program::PathText;
 
 use crate::build::{TreeBuildError, TreeOptions, build_tree, build_weighted};
 use crate::cache;
@@ -303,7 +304,7 @@ impl Compiler<'_> {
         let solid = read_solid(&file, unit.unwrap_or(Unit::Millimetre))?;
         for sentence in solid.repairs.sentences() {
             self.warnings
-                .push(format!("{part}: {}: {sentence}", file.display()));
+                .push(format!("{part}: {}: {sentence}", file.shown()));
         }
         Ok(solid.mesh)
     }
@@ -364,7 +365,7 @@ impl Compiler<'_> {
                 {
                     self.warnings.push(format!(
                             "{}: cannot keep the built tree there ({error}), so it is built again next time",
-                            dir.display()
+                            dir.shown()
                         ));
                 }
                 tree

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use sulcus_program::PathText;
+
 use crate::check::{MeshError, MeshReport, check};
 use crate::load::{LoadError, Unit, load_mesh};
 use crate::mesh::TriMesh;
@@ -37,7 +39,7 @@ pub enum SolidError {
 /// file's frame), what was expected.
 pub fn read_solid(file: &Path, unit: Unit) -> Result<Solid, SolidError> {
     let (mesh, repairs) = repair(load_mesh(file, unit)?);
-    let report = check(&mesh, &file.display().to_string()).map_err(|error| error.read_in(unit))?;
+    let report = check(&mesh, &file.shown().to_string()).map_err(|error| error.read_in(unit))?;
     Ok(Solid {
         mesh,
         report,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, Spring, StretchLaw};
 use sulcus_core::{SphereTree, Vec3};
+use sulcus_program::PathText;
 
 /// Farthest that a node may lie from the file's, mm.
 const SAME_MM: f64 = 1e-3;
@@ -45,7 +46,7 @@ pub struct FittedSpring {
 #[derive(Debug, thiserror::Error)]
 pub enum SpringsError {
     /// It cannot be read or written.
-    #[error("{}: {source}", file.display())]
+    #[error("{}: {source}", file.shown())]
     File {
         /// The file.
         file: PathBuf,
@@ -53,7 +54,7 @@ pub enum SpringsError {
         source: std::io::Error,
     },
     /// It is not what such a file is.
-    #[error("{}: {message}", file.display())]
+    #[error("{}: {message}", file.shown())]
     Syntax {
         /// The file.
         file: PathBuf,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{Args, Subcommand};
+use sulcus_program::{PathText, say};
 use sulcus_scene::mouth;
 use sulcus_scene::patient::{Condition, LOWER, Patient, Sides, ToothChart, generate};
 
@@ -60,13 +61,13 @@ pub fn run(args: &PatientArgs) -> anyhow::Result<u8> {
                 .create_new(true)
                 .open(out)
                 .and_then(|mut file| file.write_all(patient.to_toml().as_bytes()));
-            written.with_context(|| format!("{}: cannot write the patient", out.display()))?;
-            print!("{}", chart(&patient));
+            written.with_context(|| format!("{}: cannot write the patient", out.shown()))?;
+            say!("{}", chart(&patient).trim_end());
         }
         PatientAction::Check { file } => {
             let (patient, _) = Patient::read(file)?;
-            mouth::check(&patient).with_context(|| file.display().to_string())?;
-            print!("{}", chart(&patient));
+            mouth::check(&patient).with_context(|| file.shown().to_string())?;
+            say!("{}", chart(&patient).trim_end());
         }
     }
     Ok(0)

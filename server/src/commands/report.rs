@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use sulcus_program::{PathText, say, tell};
 
 use crate::commands::scene::Narrator;
 use crate::commands::tree::writable;
@@ -52,17 +53,17 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
     let write = |name: &str, text: &str| -> anyhow::Result<PathBuf> {
         let path = args.out.join(name);
         std::fs::write(&path, text)
-            .with_context(|| format!("{}: cannot write it", path.display()))?;
+            .with_context(|| format!("{}: cannot write it", path.shown()))?;
         Ok(path)
     };
     write("report.json", &json)?;
     let page = write("report.html", &report::page(&found))?;
-    eprintln!("wrote {} in {:.0} s", page.display(), found.took_s);
+    tell!("wrote {} in {:.0} s", page.shown(), found.took_s);
     for answer in report::answers(&found) {
-        println!("{} {}", answer.question, answer.short);
+        say!("{} {}", answer.question, answer.short);
     }
     if args.json {
-        println!("{json}");
+        say!("{json}");
     }
     Ok(u8::from(!report::failures(&found).is_empty()))
 }
@@ -77,15 +78,15 @@ fn one_part(part: Part, args: &ReportArgs, narrator: &Narrator) -> anyhow::Resul
     for row in &found.rows {
         let printed = row.printed.as_deref().unwrap_or("unknown");
         let measured = row.measured.as_deref().unwrap_or("not measured");
-        println!("{}, {}", row.place, row.what);
-        println!(
+        say!("{}, {}", row.place, row.what);
+        say!(
             "    printed:  {printed}\n    measured: {measured}\n    how:      {}",
             row.how
         );
     }
     if args.json {
         let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
-        println!("{json}");
+        say!("{json}");
     }
     Ok(0)
 }
@@ -93,14 +94,14 @@ fn one_part(part: Part, args: &ReportArgs, narrator: &Narrator) -> anyhow::Resul
 /// Reads what the bench against other engines wrote.
 fn read_peers(path: &Path) -> anyhow::Result<serde_json::Value> {
     let text = std::fs::read_to_string(path)
-        .with_context(|| format!("{}: cannot read the file of --peers", path.display()))?;
+        .with_context(|| format!("{}: cannot read the file of --peers", path.shown()))?;
     let value: serde_json::Value =
-        serde_json::from_str(&text).with_context(|| format!("{}: is not JSON", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{}: is not JSON", path.shown()))?;
     for field in ["rows", "ratios"] {
         if !value.get(field).is_some_and(serde_json::Value::is_array) {
             bail!(
                 "{}: has no list `{field}`: expected what `cargo bench -p sulcus-peers --features rapier` writes",
-                path.display()
+                path.shown()
             );
         }
     }

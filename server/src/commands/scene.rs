@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket_text};
 use sulcus_core::Scene;
+use sulcus_program::{PathText, say, tell};
 use sulcus_scene::{
     BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text, family,
 };
@@ -92,10 +93,12 @@ struct Part<'a> {
 #[derive(Serialize)]
 struct Report<'a> {
     scene: &'a str,
+    #[serde(serialize_with = "sulcus_program::path::text")]
     file: &'a Path,
     source_hash: &'a str,
     scene_hash: String,
     bytes: usize,
+    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     out: Option<&'a Path>,
     tools: Vec<Part<'a>>,
     objects: Vec<Part<'a>>,
@@ -146,15 +149,15 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     let bytes = compiled.scene.to_bytes()?;
     if let Some(out) = &out {
         std::fs::write(out, &bytes)
-            .with_context(|| format!("{}: cannot write the compiled scene", out.display()))?;
+            .with_context(|| format!("{}: cannot write the compiled scene", out.shown()))?;
     }
     for warning in &compiled.warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     let report = report(&compiled, file, out.as_deref(), &bytes);
     print(&report);
     if json {
-        println!("{}", serde_json::to_string(&report)?);
+        say!("{}", serde_json::to_string(&report)?);
     }
     Ok(0)
 }
@@ -175,10 +178,10 @@ fn build_family(out: &Path, say: &dyn Fn(&str, f64)) -> anyhow::Result<()> {
         compile_text(&pocket_text(width), file, &options, say)?;
     }
     let bytes = family::pack(&folder).context("the built trees cannot be read back")?;
-    std::fs::write(out, &bytes).with_context(|| format!("{}: cannot write", out.display()))?;
+    std::fs::write(out, &bytes).with_context(|| format!("{}: cannot write", out.shown()))?;
     std::fs::remove_dir_all(&folder)
-        .with_context(|| format!("{}: cannot remove", folder.display()))?;
-    println!("{}: {} bytes", out.display(), bytes.len());
+        .with_context(|| format!("{}: cannot remove", folder.shown()))?;
+    say!("{}: {} bytes", out.shown(), bytes.len());
     Ok(())
 }
 
@@ -191,12 +194,12 @@ fn pictures(scene: &Scene, out: &Path, only: &[String], pixels: usize) -> anyhow
             names.join(", ")
         )
     })?;
-    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be made", out.display()))?;
+    std::fs::create_dir_all(out).with_context(|| format!("{}: cannot be made", out.shown()))?;
     for side in &MOUTH {
         let file = out.join(format!("{}.png", side.name));
         let png = still.picture(side, pixels).to_png()?;
-        std::fs::write(&file, png).with_context(|| format!("{}: cannot write", file.display()))?;
-        println!("{}: {}", file.display(), side.caption);
+        std::fs::write(&file, png).with_context(|| format!("{}: cannot write", file.shown()))?;
+        say!("{}: {}", file.shown(), side.caption);
     }
     Ok(())
 }
@@ -239,7 +242,7 @@ fn report<'a>(
 }
 
 fn print(report: &Report) {
-    println!("scene `{}` from {}", report.scene, report.file.display());
+    say!("scene `{}` from {}", report.scene, report.file.shown());
     for (what, parts) in [("tool", &report.tools), ("object", &report.objects)] {
         for part in parts {
             let tooth = if part.fdi > 0 {
@@ -247,7 +250,7 @@ fn print(report: &Report) {
             } else {
                 String::new()
             };
-            println!(
+            say!(
                 "  {what} `{}`{tooth}: level {} with {} spheres, built to level {} with {}, {} triangles",
                 part.name,
                 part.level,
@@ -258,10 +261,10 @@ fn print(report: &Report) {
             );
         }
     }
-    println!("  source {}", report.source_hash);
-    println!("  scene  {} ({} bytes)", report.scene_hash, report.bytes);
+    say!("  source {}", report.source_hash);
+    say!("  scene  {} ({} bytes)", report.scene_hash, report.bytes);
     if let Some(out) = report.out {
-        println!("  written to {}", out.display());
+        say!("  written to {}", out.shown());
     }
 }
 
@@ -276,7 +279,7 @@ impl Narrator {
     pub(crate) fn say(&self, stage: &str, share: f64) {
         let line = format!("{:3.0} %  {stage}", 100.0 * share);
         if *self.last.borrow() != line {
-            eprintln!("{line}");
+            tell!("{line}");
             self.last.replace(line);
         }
     }

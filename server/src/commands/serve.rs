@@ -1,7 +1,5 @@
 //! `sulcus-server serve`: one station until Ctrl-C.
 
-use std::io::Write;
-use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,6 +8,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use sulcus_core::Scene;
+use sulcus_program::{PathText, say, tell};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::ticket::hex;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
@@ -17,7 +16,8 @@ use sulcus_sessions::{Events, Mode, Rubric};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use super::scene::Narrator;
-use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerHandle};
+use crate::addresses::{for_clients, resolve};
+use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerHandle};
 
 /// Serve one station until Ctrl-C.
 #[derive(Clone, Debug, Args)]
@@ -26,9 +26,9 @@ use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerHandle};
     after_long_help = "Examples:\n  sulcus-server serve\n  sulcus-server serve --listen 0.0.0.0:4433 --scene crown.toml --recordings /srv/recordings\n  sulcus-server serve --certificate-out server.der --json | jq -r .ticket    (the first line is the address, the last the summaries)\n\nLate ticks: grant real-time scheduling with `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or raise `ulimit -r` and `ulimit -l`."
 )]
 pub struct ServeArgs {
-    /// UDP address to listen on; port 0: any free one
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:4433")]
-    pub listen: SocketAddr,
+    /// UDP address to listen on, or a name; 0.0.0.0 or [::]: any address of this machine; port 0: any free one
+    #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:4433")]
+    pub listen: String,
     /// Scene file (TOML) or compiled scene (.scene); default: the exercise's own
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
@@ -67,6 +67,9 @@ pub struct ServeArgs {
     /// the coarse level, as graded sessions need it
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(10..=900))]
     pub detail_budget: Option<u32>,
+    /// Largest force in every session, newtons, below the scene's own limit; a client can ask for less, never for more
+    #[arg(long, value_name = "N", value_parser = newtons)]
+    pub force_limit: Option<f32>,
     /// Longest session, seconds
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_session: Option<u64>,
@@ -97,11 +100,10 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     if let Some(exercise) = &asked {
         for what in Events::new(&scene, exercise).missing() {
             let (name, scene) = (&exercise.name, &scene.name);
-            eprintln!("warning: exercise `{name}` wants {what}, which scene `{scene}` has not");
+            tell!("warning: exercise `{name}` wants {what}, which scene `{scene}` has not");
         }
     }
     let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
-    config.listen = args.listen;
     config.patient = patient;
     config.station.clone_from(&args.station);
     config.learner.clone_from(&args.learner);
@@ -114,6 +116,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
             ..Budget::default()
         });
     }
+    config.force_limit_n = args.force_limit.unwrap_or_default();
     config.max_session = args.max_session.map(Duration::from_secs);
     config.real_time = !args.no_realtime;
     let from_environment = || {
@@ -126,17 +129,38 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     }
     let scene_name = config.scene.name.clone();
     let exercise_name = config.exercise.name.clone();
-    let server = Server::start(config)?;
+    let server = start(config, &args.listen)?;
     if let Some(path) = &args.certificate_out {
         std::fs::write(path, server.certificate_der())
-            .with_context(|| format!("{}: cannot write the certificate", path.display()))?;
+            .with_context(|| format!("{}: cannot write the certificate", path.shown()))?;
     }
     announce(&server, &scene_name, &exercise_name, args.json);
     wait_for_signal(&server)?;
-    say("ending the session, if one runs ...");
+    tell!("ending the session, if one runs ...");
     server.shutdown();
     let sessions = server.join()?;
     Ok(report(&sessions, args))
+}
+
+/// Starts the server on the first address of `listen` that this machine has.
+fn start(mut config: ServerConfig, listen: &str) -> anyhow::Result<ServerHandle> {
+    let mut refused = Vec::new();
+    for address in resolve(listen)? {
+        config.listen = address;
+        match Server::start(config.clone()) {
+            // Of `localhost`, one of the two addresses may not exist.
+            Err(error @ ServerError::Listen { .. }) => refused.push(error.to_string()),
+            other => return Ok(other?),
+        }
+    }
+    bail!("{}", refused.join("; "))
+}
+
+fn newtons(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(force) if force.is_finite() && force > 0.0 => Ok(force),
+        _ => Err(format!("`{text}` is not a force in newtons above 0")),
+    }
 }
 
 /// What students are asked to do; none where they are free.
@@ -148,7 +172,7 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Option<sulcus_sessions::Exercise>> 
         if let Some(rubric) = &args.rubric {
             bail!(
                 "--rubric {} has nothing to grade: exercise `{free}` asks for nothing",
-                rubric.display()
+                rubric.shown()
             );
         }
         return Ok(None);
@@ -184,7 +208,7 @@ fn recorded(
         None => Rubric::of(one),
     };
     if let Some(Err(error)) = rubric.as_ref().map(|rubric| rubric.fits(one)) {
-        eprintln!("warning: what is recorded cannot be graded: {error}");
+        tell!("warning: what is recorded cannot be graded: {error}");
     }
     let rubric = rubric.map(|rubric| rubric.definition()).transpose()?;
     let exercise = Exercise {
@@ -214,13 +238,12 @@ fn load(
             if seed.is_some() {
                 bail!(
                     "--seed has no effect on {}: a compiled scene has its patient",
-                    path.display()
+                    path.shown()
                 );
             }
             let bytes = std::fs::read(path)
-                .with_context(|| format!("{}: cannot read the scene", path.display()))?;
-            let mut scene =
-                Scene::from_bytes(&bytes).with_context(|| path.display().to_string())?;
+                .with_context(|| format!("{}: cannot read the scene", path.shown()))?;
+            let mut scene = Scene::from_bytes(&bytes).with_context(|| path.shown().to_string())?;
             let Some(rate_hz) = rate_hz else {
                 return Ok((scene, bytes, String::new()));
             };
@@ -233,7 +256,7 @@ fn load(
         None => compile_built_in(otherwise, &options, &say)?,
     };
     for warning in &compiled.warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     if seed.is_some() && compiled.seed.is_none() {
         let has = match compiled.patient {
@@ -254,28 +277,30 @@ fn load(
 }
 
 fn announce(server: &ServerHandle, scene: &str, exercise: &str, json: bool) {
-    let (address, ticket) = (server.local_addr(), server.ticket());
+    let (listen, ticket) = (server.local_addr(), server.ticket());
+    let addresses = for_clients(listen);
+    let address = addresses.first().copied().unwrap_or(listen);
     let fingerprint = hex(&ticket.fingerprint);
     if json {
         let object = json!({
-            "address": address.to_string(), "token": ticket.token,
+            "address": address.to_string(), "addresses": addresses, "listen": listen.to_string(),
+            "token": ticket.token,
             "certificate_sha256": fingerprint, "ticket": ticket.to_string(),
             "scene": scene, "exercise": exercise,
         });
-        println!("{object}");
+        say!("{object}");
     } else {
-        println!("serving exercise `{exercise}` in scene `{scene}` on {address}");
-        println!("  token        {}", ticket.token);
-        println!("  certificate  {fingerprint} (SHA-256)");
-        println!("  ticket       {ticket}");
-        println!("Ctrl-C ends the session and the server.");
+        let any = if listen.ip().is_unspecified() {
+            " (on any address of this machine)"
+        } else {
+            ""
+        };
+        say!("serving exercise `{exercise}` in scene `{scene}` on {address}{any}");
+        say!("  token        {}", ticket.token);
+        say!("  certificate  {fingerprint} (SHA-256)");
+        say!("  ticket       {ticket}");
+        say!("Ctrl-C ends the session and the server.");
     }
-}
-
-/// A line on standard error, where that can still be written: a terminal that has hung up must not end the program before
-/// its recording is finished.
-fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Whether the program was started to outlive its terminal (`nohup`).
@@ -329,9 +354,9 @@ fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
 
 fn report(sessions: &[SessionSummary], args: &ServeArgs) -> u8 {
     for session in sessions {
-        say(&format!(
+        tell!(
             "{}: {} ticks, {} missed, tick p50 {:.0} us, p99.9 {:.0} us, largest force {:.2} N{}",
-            args.recordings.join(&session.recording).display(),
+            args.recordings.join(&session.recording).shown(),
             session.ticks,
             session.deadline_misses,
             session.tick_us.p50,
@@ -342,11 +367,10 @@ fn report(sessions: &[SessionSummary], args: &ServeArgs) -> u8 {
             } else {
                 ", NOT COMPLETE"
             },
-        ));
+        );
     }
     if args.json {
-        // As on standard error: whoever listened may be gone.
-        let _ = writeln!(std::io::stdout(), "{}", json!({ "sessions": sessions }));
+        say!("{}", json!({ "sessions": sessions }));
     }
     u8::from(sessions.iter().any(|session| !session.complete))
 }

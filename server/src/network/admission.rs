@@ -62,8 +62,6 @@ async fn welcome(
     shared: &Arc<Shared>,
     station: &mut super::Station,
 ) {
-    // A command from before is not meant for this client.
-    while station.commands.try_recv().is_ok() {}
     let epoch = station.next_epoch();
     if control::write(
         &mut send,

@@ -10,11 +10,12 @@ use std::time::Duration;
 
 use quinn::{Connection, Endpoint, EndpointConfig, TokioRuntime, VarInt};
 use sulcus_proto::SessionSummary;
-use sulcus_proto::control::{Command, EndReason};
+use sulcus_proto::control::EndReason;
 use sulcus_proto::limits::HELLO;
-use tokio::sync::{Mutex, mpsc, watch};
+use tokio::sync::{Mutex, watch};
 use tokio::task::JoinSet;
 
+use crate::levels::Levels;
 use crate::{ServerConfig, ServerError};
 
 /// What the whole server is about to do.
@@ -33,14 +34,16 @@ pub(crate) struct Shared {
     pub config: ServerConfig,
     pub scene_hash: [u8; 32],
     pub phase: watch::Receiver<Phase>,
+    /// Pause and force limit of the station's side.
+    pub levels: Levels,
+    /// How often the station's side has lifted its pause: each time a new epoch begins.
+    pub lifted: watch::Receiver<u64>,
     /// Held by the session that runs: whoever finds it locked is told that the station is busy.
     pub station: Arc<Mutex<Station>>,
 }
 
 /// What the one running session owns.
 pub(crate) struct Station {
-    /// Commands of the instructor.
-    pub commands: mpsc::Receiver<Command>,
     /// Epoch of the last session; every session and every resume takes the next one.
     pub epoch: u32,
     /// Sessions so far.

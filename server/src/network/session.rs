@@ -13,7 +13,8 @@ use tokio::sync::watch;
 use super::control::{self, ReadError};
 use super::datagrams::Datagrams;
 use super::{CLOSE_OK, Phase, Shared, Station, close_after_last_word};
-use crate::handoff::{Edge, Flags};
+use crate::handoff::Flags;
+use crate::levels::{Levels, Taken};
 use crate::recording::Plan;
 use crate::running::{Running, Started};
 
@@ -32,7 +33,8 @@ pub(super) async fn run(
     station: &mut Station,
 ) -> Option<SessionSummary> {
     let mut phase = shared.phase.clone();
-    if let Err((reason, text)) = started(&mut messages, &mut phase, START).await {
+    let levels = shared.levels.of_new_connection();
+    if let Err((reason, text)) = started(&mut messages, &mut phase, &levels, START).await {
         tracing::info!("session over before its start ({reason:?})");
         say_goodbye(&connection, &mut send, SessionSummary::empty(reason), &text).await;
         return None;
@@ -40,7 +42,11 @@ pub(super) async fn run(
     // Opening a recording writes the whole scene: not on the thread that carries the packets.
     let plan = Plan::new(&shared.config, &hello);
     let config = shared.config.clone();
-    let opened = tokio::task::spawn_blocking(move || Running::start(&config, plan)).await;
+    // A pause that was lifted before this session has no poses to forget.
+    let mut lifted = shared.lifted.clone();
+    lifted.mark_unchanged();
+    let in_force = levels.clone();
+    let opened = tokio::task::spawn_blocking(move || Running::start(&config, plan, in_force)).await;
     let started = match opened {
         Ok(Ok(started)) => started,
         Ok(Err((reason, text))) => {
@@ -67,7 +73,8 @@ pub(super) async fn run(
         &mut running,
         &mut datagrams,
         station,
-        phase,
+        &levels,
+        (phase, lifted),
         limits,
     )
     .await;
@@ -96,9 +103,10 @@ pub(super) async fn run(
 async fn started(
     messages: &mut Messages,
     phase: &mut watch::Receiver<Phase>,
+    levels: &Levels,
     limit: Duration,
 ) -> Result<(), (EndReason, String)> {
-    match tokio::time::timeout(limit, start_said(messages, phase)).await {
+    match tokio::time::timeout(limit, start_said(messages, phase, levels)).await {
         Ok(said) => said.map_err(|reason| (reason, "Nothing was started.".to_owned())),
         Err(_) => {
             let text = format!(
@@ -113,6 +121,7 @@ async fn started(
 async fn start_said(
     messages: &mut Messages,
     phase: &mut watch::Receiver<Phase>,
+    levels: &Levels,
 ) -> Result<(), EndReason> {
     loop {
         tokio::select! {
@@ -120,8 +129,12 @@ async fn start_said(
             message = messages.recv() => match message {
                 Some(Ok(ClientMessage::Start)) => return Ok(()),
                 Some(Ok(ClientMessage::Stop)) => return Err(EndReason::Stopped),
+                // In force from the first tick on.
+                Some(Ok(ClientMessage::Command(command))) => {
+                    request(levels, command);
+                }
                 // There is nothing yet that these could act on.
-                Some(Ok(ClientMessage::Button(_) | ClientMessage::Event(_) | ClientMessage::Command(_))) => {}
+                Some(Ok(ClientMessage::Button(_) | ClientMessage::Event(_))) => {}
                 Some(Ok(ClientMessage::Hello(_)) | Err(ReadError::Codec(_))) => return Err(EndReason::Protocol),
                 Some(Err(ReadError::Closed)) | None => return Err(EndReason::ConnectionLost),
             },
@@ -129,7 +142,7 @@ async fn start_said(
     }
 }
 
-/// Carries poses, wrenches and commands until something ends it.
+/// Carries poses, wrenches and control messages until the session ends.
 #[expect(
     clippy::too_many_arguments,
     reason = "the select loop borrows each part on its own"
@@ -141,7 +154,8 @@ async fn live(
     running: &mut Running,
     datagrams: &mut Datagrams,
     station: &mut Station,
-    mut phase: watch::Receiver<Phase>,
+    levels: &Levels,
+    (mut phase, mut lifted): (watch::Receiver<Phase>, watch::Receiver<u64>),
     (limit, silence): (Option<Duration>, Duration),
 ) -> EndReason {
     let bell = match running.bell().listen() {
@@ -189,31 +203,31 @@ async fn live(
                 datagrams.send(connection);
             },
             message = messages.recv() => {
-                let edge = match message {
+                match message {
                     Some(Ok(ClientMessage::Stop)) => return EndReason::Stopped,
-                    Some(Ok(ClientMessage::Command(command))) => edge_of(command),
-                    Some(Ok(ClientMessage::Button(edge))) => edge.pressed.then_some(Edge::Pressed {
-                        tool: edge.tool,
-                        button: edge.button,
-                    }),
+                    Some(Ok(ClientMessage::Command(command))) => {
+                        let again = request(levels, command) == Taken::Lifted;
+                        if again && !begin_epoch(send, datagrams, station).await {
+                            return EndReason::ConnectionLost;
+                        }
+                    }
+                    Some(Ok(ClientMessage::Button(edge))) => {
+                        if edge.pressed {
+                            running.press(edge.tool, edge.button);
+                        }
+                    }
                     Some(Ok(ClientMessage::Event(event))) if !may_a_client_say(&event.kind) => {
                         return EndReason::Protocol;
                     }
-                    Some(Ok(ClientMessage::Event(event))) => {
-                        running.event(event);
-                        None
-                    }
+                    Some(Ok(ClientMessage::Event(event))) => running.event(event),
                     Some(Ok(ClientMessage::Hello(_) | ClientMessage::Start) | Err(ReadError::Codec(_))) => {
                         return EndReason::Protocol;
                     }
                     Some(Err(ReadError::Closed)) | None => return EndReason::ConnectionLost,
-                };
-                if !apply(edge, send, running, datagrams, station).await {
-                    return EndReason::ConnectionLost;
                 }
             },
-            Some(command) = station.commands.recv() => {
-                if !apply(edge_of(command), send, running, datagrams, station).await {
+            Ok(()) = lifted.changed() => {
+                if !begin_epoch(send, datagrams, station).await {
                     return EndReason::ConnectionLost;
                 }
             },
@@ -223,37 +237,24 @@ async fn live(
     }
 }
 
-/// `None`: a limit that is no force.
-fn edge_of(command: Command) -> Option<Edge> {
-    match command {
-        Command::Pause => Some(Edge::Paused(true)),
-        Command::Resume => Some(Edge::Paused(false)),
-        Command::ForceLimit(newtons) if newtons.is_finite() && newtons >= 0.0 => {
-            Some(Edge::ForceLimit(newtons))
-        }
-        Command::ForceLimit(newtons) => {
-            tracing::warn!(
-                "force limit {newtons} ignored: expected 0 (the scene's) or a positive force"
-            );
-            None
-        }
+/// Takes what a student's connection asks for: a pause of its own, its end, a lower limit.
+fn request(levels: &Levels, command: Command) -> Taken {
+    let taken = levels.student(command);
+    if let Taken::NoForce(newtons) = taken {
+        tracing::warn!(
+            "the client asks for a force limit of {newtons}, expected 0 (none of its own) or a positive force: ignored"
+        );
     }
+    taken
 }
 
-/// Hands an edge on; `false` when the client does not take what it must know of it.
-async fn apply(
-    edge: Option<Edge>,
+/// Begins a new epoch when a pause was lifted: poses from before or during the pause must not move anything now. `false`
+/// when the client does not take the message.
+async fn begin_epoch(
     send: &mut SendStream,
-    running: &mut Running,
     datagrams: &mut Datagrams,
     station: &mut Station,
 ) -> bool {
-    let Some(edge) = edge else { return true };
-    running.edge(edge);
-    if edge != Edge::Paused(false) {
-        return true;
-    }
-    // Poses from before or during the pause must not move anything now.
     let epoch = station.next_epoch();
     datagrams.begin_epoch(epoch);
     control::write(send, &ServerMessage::Epoch(epoch)).await
@@ -294,13 +295,19 @@ mod tests {
             let (_phase, mut phase) = watch::channel(Phase::Serve);
             let (sender, mut messages) = channel(4);
             let limit = Duration::from_millis(30);
-            let (reason, text) = started(&mut messages, &mut phase, limit)
+            let levels = Levels::default();
+            let (reason, text) = started(&mut messages, &mut phase, &levels, limit)
                 .await
                 .expect_err("nothing was said");
             assert_eq!(reason, EndReason::TimeUp);
             assert!(text.contains("connect again"), "{text}");
+            // A request from before the start holds from the first tick on.
+            let pause = ClientMessage::Command(Command::Pause);
+            sender.send(Ok(pause)).await.expect("room");
             sender.send(Ok(ClientMessage::Start)).await.expect("room");
-            assert_eq!(started(&mut messages, &mut phase, limit).await, Ok(()));
+            let begun = started(&mut messages, &mut phase, &levels, limit).await;
+            assert_eq!(begun, Ok(()));
+            assert!(levels.in_force().student.paused);
         });
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use sulcus_core::math::{fmax, fmin};
 use sulcus_core::{Sphere, Vec3};
+use sulcus_program::PathText;
 use sulcus_scene::error::{surface_error, zone_patch};
 use sulcus_scene::zone::Zone;
 
@@ -122,7 +123,7 @@ fn draw_levels(
                 let path = folder.join(&file);
                 let bytes = image.to_png()?;
                 std::fs::write(&path, &bytes)
-                    .with_context(|| format!("{}: cannot write the picture", path.display()))?;
+                    .with_context(|| format!("{}: cannot write the picture", path.shown()))?;
                 Ok(Picture {
                     caption: side.caption.to_owned(),
                     file,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use sulcus_program::PathText;
 use sulcus_scene::error::{LevelError, Spread};
 
 use super::gallery::{Galleries, Gallery, Picture};
@@ -70,7 +71,7 @@ fn facts(html: &mut String, subject: &Subject) {
     let (low, high) = mesh.bounds();
     let size = (high - low) * 1e3;
     let facts = [
-        ("file", escaped(&subject.file.display().to_string())),
+        ("file", escaped(&subject.file.shown().to_string())),
         ("triangles", mesh.triangles.len().to_string()),
         (
             "size",

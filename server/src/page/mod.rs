@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use sulcus_core::{Sphere, SphereTree};
+use sulcus_program::PathText;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{TreeReport, surface_error, surface_points};
 use sulcus_scene::zone::Zone;
@@ -93,6 +94,6 @@ pub(crate) fn write(
     let galleries = gallery::draw(folder, subject, levels, progress)?;
     let page = folder.join("tree.html");
     std::fs::write(&page, html::page(subject, levels, &galleries))
-        .with_context(|| format!("{}: cannot write the page", page.display()))?;
+        .with_context(|| format!("{}: cannot write the page", page.shown()))?;
     Ok(page)
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use sulcus_core::Vec3;
+use sulcus_program::PathText;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
 
@@ -55,7 +56,7 @@ pub(crate) fn write(
     html.push_str("</main></body></html>\n");
     let page = folder.join("tissue.html");
     std::fs::write(&page, html)
-        .with_context(|| format!("{}: cannot write the page", page.display()))?;
+        .with_context(|| format!("{}: cannot write the page", page.shown()))?;
     Ok(page)
 }
 
@@ -63,7 +64,7 @@ fn table(html: &mut String, subject: &Subject) {
     let _ = write!(
         html,
         "<section><div class=\"facts\"><div><span class=\"soft\">cases of</span> <b>{}</b></div><div><span class=\"soft\">judged at</span> <b>{} free vertices</b></div><div><span class=\"soft\">tissue per tick</span> <b>{:.1} µs p50, {:.1} µs p99.9</b></div></div><p>Model: {}.</p>\n<div class=\"wide\"><table><thead><tr><th>case</th><th>rms, %</th><th>rel. L2, %</th><th>max, %</th><th>elements, mm</th><th>model, mm</th></tr></thead><tbody>\n",
-        escaped(&subject.folder.display().to_string()),
+        escaped(&subject.folder.shown().to_string()),
         subject.organ.free.len(),
         subject.tick_us.p50,
         subject.tick_us.p999,
@@ -141,7 +142,7 @@ fn section(
             let file = format!("{}-{}-{name}.png", e.name, side.name);
             let path = folder.join(&file);
             std::fs::write(&path, &png)
-                .with_context(|| format!("{}: cannot write the picture", path.display()))?;
+                .with_context(|| format!("{}: cannot write the picture", path.shown()))?;
             let _ = write!(
                 html,
                 "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{caption}, {}\" title=\"{}\"><figcaption>{caption}, {}</figcaption></figure>",

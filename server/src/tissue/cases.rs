@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use sulcus_core::Vec3;
 use sulcus_fem::files::{ForceColumns, read_displacements, read_forces};
+use sulcus_program::PathText;
 
 use super::organ::Organ;
 
@@ -26,7 +27,7 @@ pub(crate) struct Case {
 /// If there is none, or a table of forces cannot be read.
 pub(crate) fn cases(folder: &Path, organ: &Organ) -> anyhow::Result<Vec<Case>> {
     let listed = std::fs::read_dir(folder)
-        .with_context(|| format!("{}: cannot read the folder", folder.display()))?;
+        .with_context(|| format!("{}: cannot read the folder", folder.shown()))?;
     let mut tables: Vec<(String, String, f64, PathBuf)> = listed
         .filter_map(|entry| {
             let path = entry.ok()?.path();
@@ -42,7 +43,7 @@ pub(crate) fn cases(folder: &Path, organ: &Organ) -> anyhow::Result<Vec<Case>> {
     if tables.is_empty() {
         bail!(
             "{}: found no table of displacements, expected some named LOAD_lin_<N>N.csv or LOAD_nl_<N>N.csv",
-            folder.display()
+            folder.shown()
         );
     }
     let mut unit: Option<(String, Vec<Vec3>)> = None;
@@ -76,7 +77,7 @@ fn vertex_forces(path: &Path, organ: &Organ) -> anyhow::Result<Vec<Vec3>> {
     if let Some(node) = all.iter().enumerate().find_map(inside) {
         bail!(
             "{}: a force on node {node}, expected forces on the surface's vertices only",
-            path.display()
+            path.shown()
         );
     }
     Ok(organ.nodes.iter().map(|&node| all[node as usize]).collect())
@@ -97,7 +98,7 @@ impl Case {
         if let Some(&vertex) = organ.free.iter().find(|&&v| moved[v].is_none()) {
             bail!(
                 "{}: there is no node {}, expected all vertices of the surface",
-                self.table.display(),
+                self.table.shown(),
                 organ.nodes[vertex]
             );
         }

@@ -10,6 +10,7 @@ use sulcus_core::tissue::skeleton::Skeleton;
 use sulcus_core::{DisplaySkin, SphereTree, Vec3};
 use sulcus_fem::TetMesh;
 use sulcus_fem::files::read_mesh;
+use sulcus_program::PathText;
 use sulcus_scene::build::TreeOptions;
 use sulcus_scene::cache::kept_or_built;
 use sulcus_scene::check::check;
@@ -65,7 +66,7 @@ impl Organ {
     /// If a file cannot be read or its surface is no solid.
     pub(crate) fn read(folder: &Path, progress: &dyn Fn(&str, f64)) -> anyhow::Result<Self> {
         progress("reading the mesh", 0.0);
-        let part = folder.display().to_string();
+        let part = folder.shown().to_string();
         Self::of(read_mesh(folder)?, &part, |surface| {
             let options = TreeOptions {
                 levels: LEVEL,

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use serde_json::json;
+use sulcus_program::PathText;
 
+use super::inputs::open;
 use super::parallel::Progress;
 use super::print::{Outcome, at, object};
 use crate::compare::{ComparisonReport, Side, compare};
-use crate::read::Recording;
 use crate::replay::ReplayOptions;
 use crate::whatif::WhatIf;
 
@@ -17,16 +18,16 @@ pub(super) fn comparison_of(
     options: &ReplayOptions,
     progress: &Progress,
 ) -> anyhow::Result<Outcome> {
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let recording = open(path)?;
     let mut tell = progress.file(recording.facts().rows);
     let report = compare(&recording, what_if, options, &mut tell);
     let report = report.map_err(|error| at(path, &error))?;
     tell(recording.facts().rows);
     let mut json = object(serde_json::to_value(&report)?);
-    json.insert("file".to_owned(), json!(path.display().to_string()));
+    json.insert("file".to_owned(), json!(path.shown().to_string()));
     Ok(Outcome {
         json,
-        text: format!("{}\n{}", path.display(), text(&report)),
+        text: format!("{}\n{}", path.shown(), text(&report)),
         finding: report.is_finding(),
     })
 }

@@ -1,18 +1,21 @@
 //! `export`: recordings as files for other programs.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
+use sulcus_program::PathText;
 
-use super::print::{Outcome, at, object};
+use super::inputs::{open, recordings};
+use super::print::{Outcome, Tally, at, object};
 use crate::export::{ExportOptions, Exported, MeshFormat, export};
-use crate::read::Recording;
 
 #[derive(Args)]
 pub(super) struct ExportArgs {
-    /// Recordings
+    /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
     /// Folder for what is written; of several recordings each has a folder of its own in it
@@ -60,41 +63,63 @@ impl ExportArgs {
             every_s: self.every.or(self.at.is_empty().then_some(1.0)),
         }
     }
-
-    fn folder(&self, file: &Path) -> PathBuf {
-        match self.files.as_slice() {
-            [_] => self.out.clone(),
-            _ => self.out.join(file.file_stem().unwrap_or_default()),
-        }
-    }
 }
 
-pub(super) fn export_of(path: &Path, args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+/// The folder for each file: `out` itself for a single one, else a folder in it by the file's name; of files with the
+/// same name in different folders, the second has `-2` behind it.
+fn folders(out: &Path, files: &[PathBuf]) -> Vec<PathBuf> {
+    if let [_] = files {
+        return vec![out.to_owned()];
+    }
+    let mut used = BTreeSet::new();
+    let folder = |file: &PathBuf| {
+        let stem = file.file_stem().unwrap_or_default();
+        let mut name = stem.to_owned();
+        let mut k = 2;
+        while !used.insert(name.clone()) {
+            name = stem.to_owned();
+            name.push(format!("-{k}"));
+            k += 1;
+        }
+        out.join(name)
+    };
+    files.iter().map(folder).collect()
+}
+
+pub(super) fn run(args: &ExportArgs) -> ExitCode {
+    let files = recordings(&args.files);
+    let mut tally = Tally::new(args.json);
+    for (path, folder) in files.iter().zip(folders(&args.out, &files)) {
+        tally.add(path, export_of(path, &folder, args));
+    }
+    tally.finish("ticks")
+}
+
+fn export_of(path: &Path, folder: &Path, args: &ExportArgs) -> anyhow::Result<Outcome> {
+    let recording = open(path)?;
     // Draws nothing when standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
         bar.set_style(style);
     }
-    let folder = args.folder(path);
-    let done = export(&recording, &args.options(), &folder, &mut |ticks| {
+    let done = export(&recording, &args.options(), folder, &mut |ticks| {
         bar.set_position(ticks)
     });
     bar.finish_and_clear();
     let done = done.map_err(|error| at(path, &error))?;
     let mut json = object(serde_json::to_value(&done)?);
-    json.insert("file".to_owned(), json!(path.display().to_string()));
-    json.insert("folder".to_owned(), json!(folder.display().to_string()));
+    json.insert("file".to_owned(), json!(path.shown().to_string()));
+    json.insert("folder".to_owned(), json!(folder.shown().to_string()));
     Ok(Outcome {
         json,
-        text: text(path, &folder, &done),
+        text: text(path, folder, &done),
         finding: !(done.identical || done.close) || done.unsound.is_some(),
     })
 }
 
 fn text(path: &Path, folder: &Path, done: &Exported) -> String {
-    let mut lines = vec![format!("{} -> {}", path.display(), folder.display())];
+    let mut lines = vec![format!("{} -> {}", path.shown(), folder.shown())];
     if done.tick_lines > 0 {
         lines.push(format!("  ticks.csv  {} lines", done.tick_lines));
         lines.push(format!("  events.csv {} lines", done.event_lines));
@@ -118,4 +143,22 @@ fn text(path: &Path, folder: &Path, done: &Exported) -> String {
         lines.push(format!("  WARNING    {unsound}"));
     }
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two recordings of the same name in different folders were written into one folder, the second over the first.
+    #[test]
+    fn every_recording_has_a_folder_of_its_own() {
+        let folders = |files: &[&str]| {
+            let files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
+            folders(Path::new("out"), &files)
+        };
+        assert_eq!(folders(&["a/x.mcap"]), [PathBuf::from("out")]);
+        let several = folders(&["a/x.mcap", "b/x.mcap", "x-2.mcap", "x.mcap"]);
+        let expected = ["out/x", "out/x-2", "out/x-2-2", "out/x-3"];
+        assert_eq!(several, expected.map(PathBuf::from));
+    }
 }

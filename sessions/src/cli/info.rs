@@ -6,15 +6,15 @@ use std::process::ExitCode;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::inputs::{open, recordings};
 use super::print::{Outcome, at, for_each, object};
 use crate::info::info;
-use crate::read::Recording;
 use crate::recover::{RecoverError, recover};
 use crate::verify::Signature;
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// Recordings
+    /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
     /// Write what is whole of a torn or damaged recording (one FILE) to this new file, with a proper end, and say what is missing
@@ -27,21 +27,22 @@ pub(super) struct InfoArgs {
 
 /// `info`, or with `--recover` what was recovered.
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
+    let files = recordings(&args.files);
     let Some(out) = &args.recover else {
-        return for_each(&args.files, args.json, "bytes", info_of);
+        return Ok(for_each(&files, args.json, "bytes", info_of));
     };
     anyhow::ensure!(
-        args.files.len() == 1,
+        files.len() == 1,
         "--recover takes one recording, found {}: name one, and its own new file",
-        args.files.len()
+        files.len()
     );
-    for_each(&args.files, args.json, "bytes", |path| {
+    Ok(for_each(&files, args.json, "bytes", |path| {
         recover_to(path, out)
-    })
+    }))
 }
 
 fn recover_to(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let recording = open(path)?;
     let bar = ProgressBar::with_draw_target(Some(recording.len()), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes}, {eta} left")
     {
@@ -62,7 +63,7 @@ fn recover_to(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
 }
 
 fn info_of(path: &Path) -> anyhow::Result<Outcome> {
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let recording = open(path)?;
     let info = info(path, &recording).map_err(|error| at(path, &error))?;
     Ok(Outcome {
         json: object(serde_json::to_value(&info)?),

@@ -4,6 +4,7 @@ mod compared;
 mod export;
 mod grade;
 mod info;
+pub mod inputs;
 mod parallel;
 pub mod print;
 mod replay;
@@ -17,7 +18,8 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use serde_json::json;
 
-use print::{complain, for_each};
+use print::complain;
+use sulcus_program::{output, say};
 
 /// Looks at recorded sessions: what they are, and whether they are what happened.
 #[derive(Parser)]
@@ -63,13 +65,10 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
+    sulcus_program::begin();
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
-        Err(message) => {
-            // Help and version go to standard output with code 0, mistakes to standard error.
-            let _ = message.print();
-            return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
-        }
+        Err(message) => return output::usage(message.print(), message.use_stderr()),
     };
     let json = match &cli.command {
         Command::Info(args) => args.json,
@@ -80,19 +79,18 @@ where
         Command::Grade(args) => args.json,
     };
     let outcome = match cli.command {
-        Command::Export(args) => for_each(&args.files, args.json, "ticks", |path| {
-            export::export_of(path, &args)
-        }),
+        Command::Export(args) => Ok(export::run(&args)),
         Command::Review(args) => review::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Grade(args) => grade::run(&args),
     };
-    outcome.unwrap_or_else(|error| {
+    let code = outcome.unwrap_or_else(|error| {
         if json {
-            println!("{}", json!({ "error": crate::sentence(&error) }));
+            say!("{}", json!({ "error": crate::sentence(&error) }));
         }
         complain(&error);
         ExitCode::from(2)
-    })
+    });
+    output::settle(code)
 }

@@ -54,7 +54,7 @@ pub(super) fn for_each_at_once(
     total: &str,
     jobs: Option<NonZeroUsize>,
     one: impl Fn(&Path, &Progress) -> anyhow::Result<Outcome> + Sync,
-) -> anyhow::Result<ExitCode> {
+) -> ExitCode {
     let progress = Progress::new(files.len());
     let mut tally = Tally::new(json);
     let next = AtomicUsize::new(0);
@@ -66,7 +66,6 @@ pub(super) fn for_each_at_once(
                 loop {
                     let k = next.fetch_add(1, Ordering::Relaxed);
                     let Some(path) = files.get(k) else { break };
-                    // Nobody listens after standard output is gone.
                     if done.send((k, one(path, progress))).is_err() {
                         break;
                     }
@@ -80,12 +79,11 @@ pub(super) fn for_each_at_once(
             progress.0.set_message((finished + 1).to_string());
             waiting.insert(k, outcome);
             while let Some(outcome) = waiting.remove(&printed) {
-                progress.0.suspend(|| tally.add(&files[printed], outcome))?;
+                progress.0.suspend(|| tally.add(&files[printed], outcome));
                 printed += 1;
             }
         }
-        anyhow::Ok(())
-    })?;
+    });
     progress.0.finish_and_clear();
     tally.finish(total)
 }

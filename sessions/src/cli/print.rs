@@ -1,17 +1,19 @@
-//! What every command shares: one outcome a file, text or JSON, the worst exit code.
+//! Output that every command shares: one outcome a file, text or JSON, the worst exit code.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::Context as _;
 use serde_json::{Map, Value, json};
+use sulcus_program::{PathText, say, tell};
 
-/// What one file came to: an object, a text, and whether something is wrong.
-pub(super) struct Outcome {
-    pub(super) json: Map<String, Value>,
-    pub(super) text: String,
-    pub(super) finding: bool,
+/// Outcome of one file: an object, a text, and whether something is wrong.
+pub struct Outcome {
+    /// The file's object in the JSON output.
+    pub json: Map<String, Value>,
+    /// The text for people; nothing is printed where it is empty.
+    pub text: String,
+    /// Exit code 1 instead of 0.
+    pub finding: bool,
 }
 
 /// The members of a JSON object; any other value becomes the member `value`.
@@ -24,7 +26,7 @@ pub fn object(value: Value) -> Map<String, Value> {
 
 /// The error's own sentence, with the file's name unless it says so itself.
 pub fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
-    let (path, text) = (path.display().to_string(), error.to_string());
+    let (path, text) = (path.shown().to_string(), error.to_string());
     if text.contains(&path) {
         anyhow::anyhow!(text)
     } else {
@@ -32,7 +34,7 @@ pub fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
     }
 }
 
-/// What was printed so far, and what is to be printed last.
+/// Outcomes printed so far, and the object to print last.
 pub(super) struct Tally {
     json: bool,
     code: u8,
@@ -49,16 +51,12 @@ impl Tally {
     }
 
     /// Prints what a file came to, or that it cannot be used.
-    pub(super) fn add(
-        &mut self,
-        path: &Path,
-        outcome: anyhow::Result<Outcome>,
-    ) -> anyhow::Result<()> {
+    pub(super) fn add(&mut self, path: &Path, outcome: anyhow::Result<Outcome>) {
         match outcome {
             Ok(outcome) => {
                 self.code = self.code.max(u8::from(outcome.finding));
-                if !self.json {
-                    say(&outcome.text)?;
+                if !self.json && !outcome.text.is_empty() {
+                    say!("{}", outcome.text);
                 }
                 self.objects.push(Value::Object(outcome.json));
             }
@@ -66,36 +64,35 @@ impl Tally {
                 self.code = 2;
                 complain(&error);
                 self.objects.push(
-                    json!({"file": path.display().to_string(), "error": crate::sentence(&error)}),
+                    json!({"file": path.shown().to_string(), "error": crate::sentence(&error)}),
                 );
             }
         }
-        Ok(())
     }
 
     /// Prints the last line, and gives the worst exit code.
-    pub(super) fn finish(self, total: &str) -> anyhow::Result<ExitCode> {
+    pub(super) fn finish(self, total: &str) -> ExitCode {
         if self.json {
             let object = match <[Value; 1]>::try_from(self.objects) {
                 Ok([only]) => only,
                 Err(objects) => summary(objects, total),
             };
-            say(&object.to_string())?;
+            say!("{object}");
         }
-        Ok(ExitCode::from(self.code))
+        ExitCode::from(self.code)
     }
 }
 
 /// Does `one` to every file, prints, and gives the worst exit code; sums `total` over the files.
-pub(super) fn for_each(
+pub fn for_each(
     files: &[PathBuf],
     json: bool,
     total: &str,
     one: impl Fn(&Path) -> anyhow::Result<Outcome>,
-) -> anyhow::Result<ExitCode> {
+) -> ExitCode {
     let mut tally = Tally::new(json);
     for path in files {
-        tally.add(path, one(path))?;
+        tally.add(path, one(path));
     }
     tally.finish(total)
 }
@@ -125,20 +122,7 @@ pub(super) fn summary(objects: Vec<Value>, total: &str) -> Value {
     Value::Object(all)
 }
 
-/// Writes a line on standard output; a reader that went away is no error.
-///
-/// # Errors
-/// When standard output cannot be written.
-pub fn say(line: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to standard output")
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Writes an error as one sentence on standard error.
 pub fn complain(error: &anyhow::Error) {
-    let _ = writeln!(std::io::stderr(), "error: {}", crate::sentence(error));
+    tell!("error: {}", crate::sentence(error));
 }

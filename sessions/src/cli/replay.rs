@@ -7,12 +7,13 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use sulcus_core::optimise::SolverKind;
+use sulcus_program::PathText;
 
 use super::compared::comparison_of;
+use super::inputs::{open, recordings};
 use super::parallel::{Progress, for_each_at_once};
 use super::print::{Outcome, at, object};
 use crate::key::PublicKey;
-use crate::read::Recording;
 use crate::replay::{ReplayOptions, ReplayReport, Span, replay};
 use crate::viewers::Viewers;
 use crate::whatif::{TissueChoice, WhatIf};
@@ -46,7 +47,7 @@ Examples:
 
 #[derive(Args)]
 pub(super) struct ReplayArgs {
-    /// Recordings
+    /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
     /// Begin here, in seconds of session time, with the snapshot before it
@@ -63,7 +64,7 @@ pub(super) struct ReplayArgs {
     /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. A
     /// station keeps its own as `station.pub` beside its key: $SULCUS_STATE_DIR, else ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
-    signer: Option<String>,
+    signer: Option<PathBuf>,
     /// Files replayed at once; all cores unless said otherwise
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
@@ -144,8 +145,8 @@ pub(super) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         },
     };
     let what_if = args.what_if.what_if();
-    for_each_at_once(
-        &args.files,
+    Ok(for_each_at_once(
+        &recordings(&args.files),
         args.json,
         "ticks",
         args.jobs,
@@ -156,22 +157,22 @@ pub(super) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
                 replay_of(path, &options, progress)
             }
         },
-    )
+    ))
 }
 
 fn replay_of(path: &Path, options: &ReplayOptions, progress: &Progress) -> anyhow::Result<Outcome> {
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let recording = open(path)?;
     let mut tell = progress.file(recording.facts().rows);
     let report = replay(&recording, options, &mut tell).map_err(|error| at(path, &error))?;
     // (Of a part, the rest.)
     tell(recording.facts().rows);
     let mut json = object(serde_json::to_value(&report)?);
-    json.insert("file".to_owned(), json!(path.display().to_string()));
+    json.insert("file".to_owned(), json!(path.shown().to_string()));
     let ours = PublicKey::of_this_station().map(|key| key == recording.signer());
     json.insert("signed_by_this_station".to_owned(), json!(ours));
     Ok(Outcome {
         json,
-        text: format!("{}\n{}", path.display(), text(&report, ours)),
+        text: format!("{}\n{}", path.shown(), text(&report, ours)),
         finding: report.is_finding(),
     })
 }

@@ -5,6 +5,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::Context as _;
 use clap::Args;
+use sulcus_program::PathText;
 
 use super::sibling::find;
 
@@ -25,8 +26,8 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     let ended = Command::new(&program)
         .args(&args.args)
         .status()
-        .with_context(|| format!("{}: cannot be started", program.display()))?;
+        .with_context(|| format!("{}: cannot be started", program.shown()))?;
     let code = ended.code().and_then(|code| u8::try_from(code).ok());
-    let code = code.with_context(|| format!("{}: ended by {ended}", program.display()))?;
+    let code = code.with_context(|| format!("{}: ended by {ended}", program.shown()))?;
     Ok(ExitCode::from(code))
 }

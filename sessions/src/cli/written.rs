@@ -3,6 +3,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use sulcus_program::PathText;
+
 /// First bytes of every MCAP file.
 const MCAP: &[u8] = b"\x89MCAP0\r\n";
 
@@ -23,8 +25,8 @@ pub fn may_write<'a>(
     if let Some(same) = read.into_iter().find(same) {
         anyhow::bail!(
             "{option} is `{}`, which is read as `{}`, expected another file: what is in it would be lost",
-            out.display(),
-            same.display()
+            out.shown(),
+            same.shown()
         );
     }
     let mut first = [0; MCAP.len()];
@@ -34,7 +36,7 @@ pub fn may_write<'a>(
     anyhow::ensure!(
         !is_recording,
         "{option} is `{}`, which is a recording, expected another file: it would be lost",
-        out.display()
+        out.shown()
     );
     Ok(())
 }

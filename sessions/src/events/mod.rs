@@ -12,6 +12,7 @@
 //! | `bleeding` | after a site that bleeds, or trauma | tool, tooth, site, cause |
 //! | `force_zone` | a hand becomes too heavy ([`Occurrence::force_zone`]) | |
 //! | `target_visible`, `target_hidden` | by rays from the eye | tooth, free, free_past_mirror, of |
+//! | `paused`, `resumed`, `force_limit` | the station's side or the student changes its level ([`LEVELS`]) | by, force_limit_n |
 //! | `reading_called` | a client says it ([`call`]) | tooth, site, depth_mm, and where called recession_mm, bleeding, furcation |
 //!
 //! Forces are in newtons, depths along the tooth's axis below the gingival margin, angles in degrees. Nothing here
@@ -60,8 +61,22 @@ pub const KINDS: [&str; 9] = [
 /// only a station says. (A line of the log holds the kind as it is: any other could be taken for another line.)
 pub fn may_a_client_say(kind: &str) -> bool {
     let word = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
-    !kind.is_empty() && kind.bytes().all(word) && !KINDS.contains(&kind) && kind != LOST
+    !kind.is_empty()
+        && kind.bytes().all(word)
+        && !KINDS.contains(&kind)
+        && !LEVELS.contains(&kind)
+        && kind != LOST
 }
+
+/// Kinds of the events that a pause or a force limit has changed: `by` (`station` or `student`) says whose level, and
+/// `force_limit_n` the limit in newtons, 0 for none of that side's own.
+pub const LEVELS: [&str; 3] = [PAUSED, RESUMED, FORCE_LIMIT];
+/// Kind of the event that one side has paused.
+pub const PAUSED: &str = "paused";
+/// Kind of the event that one side has lifted its pause.
+pub const RESUMED: &str = "resumed";
+/// Kind of the event that one side has set its force limit.
+pub const FORCE_LIMIT: &str = "force_limit";
 
 /// Kind of the event that more came from a client than was recorded.
 pub const LOST: &str = "client_events_lost";

@@ -9,6 +9,7 @@ mod ticks;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use sulcus_program::{PathText, disk};
 
 use crate::message::Message;
 use crate::read::Recording;
@@ -67,7 +68,7 @@ pub enum ExportError {
     #[error(transparent)]
     Replay(#[from] ReplayError),
     /// A file cannot be written.
-    #[error("cannot write `{}`: {source}", path.display())]
+    #[error("cannot write `{}`: {source}{}", path.shown(), disk::advice(source))]
     Write {
         /// Which.
         path: PathBuf,
@@ -90,8 +91,17 @@ impl ExportError {
     fn write(path: &Path, source: impl Into<std::io::Error>) -> Self {
         Self::Write {
             path: path.to_owned(),
-            source: source.into(),
+            source: system(source.into()),
         }
+    }
+}
+
+/// The system's own error, without the table writer's around it: its kind says whether the disk is full.
+fn system(source: std::io::Error) -> std::io::Error {
+    match source.downcast::<csv::Error>().map(csv::Error::into_kind) {
+        Ok(csv::ErrorKind::Io(source)) => source,
+        Ok(other) => std::io::Error::other(format!("{other:?}")),
+        Err(source) => source,
     }
 }
 

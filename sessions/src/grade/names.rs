@@ -4,6 +4,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use sulcus_program::PathText;
+
 /// Names by learner id. A CSV file with the columns `learner_id` and `name`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names(BTreeMap<String, String>);
@@ -42,7 +44,7 @@ impl Names {
     /// Names the file, the line, the column, what was found and what is expected.
     pub fn open(path: &Path) -> Result<Self, NamesError> {
         let unread = |why: String| NamesError::Read {
-            path: path.display().to_string(),
+            path: path.shown().to_string(),
             why,
         };
         let mut reader = csv::ReaderBuilder::new()
@@ -56,7 +58,7 @@ impl Names {
             let at = header.iter().position(|name| name == field);
             let found: Vec<&str> = header.iter().collect();
             at.ok_or_else(|| NamesError::Field {
-                path: path.display().to_string(),
+                path: path.shown().to_string(),
                 line: 1,
                 field: "header",
                 found: format!("`{}`", found.join(",").escape_debug()),
@@ -68,7 +70,7 @@ impl Names {
         for record in reader.records() {
             let record = record.map_err(|error| unread(error.to_string()))?;
             let wrong = |field, found: &str, expected| NamesError::Field {
-                path: path.display().to_string(),
+                path: path.shown().to_string(),
                 line: record.position().map_or(0, csv::Position::line),
                 field,
                 found: format!("`{}`", found.escape_debug()),

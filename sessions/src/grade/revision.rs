@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sulcus_program::PathText;
 
 use super::report::Grade;
 
@@ -176,7 +177,7 @@ impl Sidecar {
     pub fn read(recording: &Path) -> Result<Option<Self>, RevisionError> {
         let path = beside(recording);
         let failed = |why: String| RevisionError::File {
-            path: path.display().to_string(),
+            path: path.shown().to_string(),
             why,
         };
         match std::fs::metadata(&path) {
@@ -268,7 +269,7 @@ impl Sidecar {
     fn write(&self, recording: &Path) -> Result<(), RevisionError> {
         let path = beside(recording);
         let failed = |why: String| RevisionError::File {
-            path: path.display().to_string(),
+            path: path.shown().to_string(),
             why,
         };
         let text = serde_json::to_string_pretty(self).map_err(|error| failed(error.to_string()))?;

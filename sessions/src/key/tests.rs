@@ -13,7 +13,7 @@ fn a_key_is_made_once_and_found_again() {
     let read = PublicKey::from_file_or_hex(public.to_str().expect("utf-8")).expect("public");
     assert_eq!(read, made.public());
     assert_eq!(
-        PublicKey::from_file_or_hex(&made.public().fingerprint()).expect("hex"),
+        PublicKey::from_file_or_hex(made.public().fingerprint()).expect("hex"),
         read
     );
     assert_eq!(

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use foxglove::messages::Log;
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions};
+use sulcus_program::disk;
 
 use crate::channels::{self, Schema};
 use crate::header::{self, SessionHeader};
@@ -15,7 +16,7 @@ use crate::viewers::Summing;
 /// mcap's own text for an I/O error does not say which.
 pub(crate) fn reason(error: &mcap::McapError) -> String {
     match error {
-        mcap::McapError::Io(source) => source.to_string(),
+        mcap::McapError::Io(source) => format!("{source}{}", disk::advice(source)),
         other => other.to_string(),
     }
 }

@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
+use sulcus_program::{PathText, disk};
+
 /// Why a recording is not complete.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// A recording is never overwritten.
-    #[error("`{}` exists already: a recording is never overwritten, name another file", .0.display())]
+    #[error("`{}` exists already: a recording is never overwritten, name another file", .0.shown())]
     Exists(PathBuf),
     /// The file could not be made.
-    #[error("cannot make recording `{}`: {source}", path.display())]
+    #[error("cannot make recording `{}`: {source}{}", path.shown(), disk::advice(source))]
     Create {
         /// Which file.
         path: PathBuf,

@@ -15,6 +15,8 @@
 //! python sessions/view/picture.py part.rrd part.png
 //! ```
 
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+
 mod tree_picture;
 
 pub use tree_picture::{LevelPicture, TreePicture};
@@ -50,6 +52,8 @@ pub use viewer::{NoViewer, open_viewer, version as viewer_version};
 
 use std::path::PathBuf;
 
+use sulcus_program::PathText;
+
 /// What Rerun said.
 pub type Refusal = Box<dyn std::error::Error + Send + Sync>;
 
@@ -57,7 +61,7 @@ pub type Refusal = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// The file cannot be written, or Rerun refuses what goes into it.
-    #[error("{}: cannot write the file for Rerun: {source}", file.display())]
+    #[error("{}: cannot write the file for Rerun: {source}", file.shown())]
     Write {
         /// The file.
         file: PathBuf,
@@ -65,7 +69,7 @@ pub enum ViewError {
         source: Refusal,
     },
     /// The file cannot be read, or is none of Rerun's.
-    #[error("{}: cannot read it as a file of Rerun: {source}", file.display())]
+    #[error("{}: cannot read it as a file of Rerun: {source}", file.shown())]
     Read {
         /// The file.
         file: PathBuf,

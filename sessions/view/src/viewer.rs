@@ -4,6 +4,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use sulcus_program::PathText;
+
 /// A viewer that ends within this did not start.
 const AT_ONCE: Duration = Duration::from_millis(700);
 
@@ -56,7 +58,7 @@ pub fn open_viewer(file: &Path) -> Result<(), NoViewer> {
 
 fn open_with(program: &str, file: &Path) -> Result<(), NoViewer> {
     let expected = version();
-    let name = file.display().to_string();
+    let name = file.shown().to_string();
     let asked = Command::new(program)
         .arg("--version")
         .stdin(Stdio::null())

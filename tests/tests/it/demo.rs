@@ -312,3 +312,47 @@ fn a_real_tooth_runs_through_the_demo() {
         "{demo}"
     );
 }
+
+/// The first command ended in numbers alone; the page with chart and advice took another command.
+#[test]
+fn a_demo_writes_the_students_page_and_says_how_to_look_at_the_session() {
+    let place = Place::new();
+    let demo = [
+        "demo",
+        "--virtual",
+        "--exercise",
+        "probing",
+        "--duration",
+        "3",
+    ];
+    let ended = place.run(Program::Client, &demo).ok();
+    let recording = place.recording();
+    let page = recording.with_extension("html");
+    let last: Vec<&str> = ended.stdout.lines().rev().take(12).collect();
+    let named = format!("{}", page.file_name().expect("a name").display());
+    assert!(last.iter().any(|line| line.contains(&named)), "{ended:#?}");
+    assert!(
+        last.iter().any(|line| line.contains("--bin sulcus-review")),
+        "{ended:#?}"
+    );
+    // The page of `grade --html`, byte for byte.
+    let file = recording.to_str().expect("plain");
+    let grade = ["grade", file, "--html", "pages"];
+    place.run(Program::Sessions, &grade).ok();
+    let other = place.path("pages").join(&named);
+    let [ours, other] = [page, other].map(|path| std::fs::read_to_string(path).expect("a page"));
+    assert!(ours.contains("<svg") && ours == other);
+
+    // What is not shown after an exam is not on a page either.
+    let place = Place::new();
+    let exam = [&demo[..], &["--mode", "exam", "--json"]].concat();
+    let said = place.run(Program::Client, &exam).ok().json();
+    assert!(said["page"].is_null() && said["page_error"].is_null());
+    assert!(!place.recording().with_extension("html").exists());
+    let place = Place::new();
+    let said = place
+        .run(Program::Client, &[&demo[..], &["--json"]].concat())
+        .ok()
+        .json();
+    assert!(place.path(said["page"].as_str().expect("a page")).is_file());
+}

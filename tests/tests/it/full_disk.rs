@@ -1,7 +1,7 @@
 //! The disk fills up in mid-session: a clear message, and the file so far is whole.
 //!
-//! A limit on the size of files stands for the disk: what is written beyond it fails in the same way, and it takes no rights
-//! to set one. (Without `trap` the system would end the process instead, which is the business of the tests of kill -9.)
+//! A limit on the size of files (`ulimit -f`) stands for the disk: a write beyond it fails in the same way, and it takes no
+//! rights to set one. The system would kill the process by SIGXFSZ instead, so every program ignores that signal.
 #![cfg(unix)]
 
 use std::io::{BufRead, BufReader};
@@ -13,7 +13,7 @@ use sulcus_tests::{Ended, Place, Program};
 
 /// A shell that limits files to `kib` and becomes the program.
 fn limited(place: &Place, program: &Path, kib: u64, arguments: &[&str]) -> Command {
-    let script = format!("trap '' XFSZ; ulimit -f {kib}; exec \"$0\" \"$@\"");
+    let script = format!("ulimit -f {kib}; exec \"$0\" \"$@\"");
     let mut command = place.command(Path::new("bash"));
     command.args(["-c", &script]).arg(program).args(arguments);
     command
@@ -133,4 +133,61 @@ fn a_server_ends_the_session_tells_the_client_and_serves_the_next() {
     // The hand was let go.
     assert_eq!(told["device"]["last_displayed_n"], 0.0, "{ended:#?}");
     is_whole(&place);
+}
+
+/// A quota killed every program without a word.
+#[test]
+fn files_beyond_a_limit_are_said_with_exit_code_2() {
+    let place = Place::new();
+    let corpus = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sessions/tests/corpus/hard-wedge.mcap"
+    );
+    let run = |program: Program, arguments: &[&str], kib| {
+        let output = limited(&place, program.path(), kib, arguments).output();
+        Ended::new(output.expect("it ends"))
+    };
+    let export = ["export", corpus, "--out", "out", "--csv"];
+    run(Program::Sessions, &export, 1).refused(&["out/ticks.csv", "File too large", "quota"]);
+    let pages = ["grade", corpus, "--html", "pages"];
+    run(Program::Sessions, &pages, 0).refused(&["pages", "File too large"]);
+    // Standard output into a file that may not grow.
+    let file = std::fs::File::create(place.path("out.txt")).expect("made");
+    let output = limited(&place, Program::Sessions.path(), 0, &["info", corpus])
+        .stdout(file)
+        .output();
+    Ended::new(output.expect("it ends"))
+        .refused(&["cannot write to standard output", "File too large"]);
+}
+
+/// That a tree cannot be kept is no error, and nothing half written stays.
+#[test]
+fn a_cache_beyond_a_limit_is_done_without() {
+    let place = Place::new();
+    let scene = "name = \"test\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\npark_mm = [0, 0, 120]\n[[object]]\nname = \"box\"\nmesh = \"box.obj\"\nunit = \"mm\"\nlevel = 1\nlevels = 1\n";
+    std::fs::write(place.path("scene.toml"), scene).expect("written");
+    let mut mesh = String::new();
+    for k in 0..8 {
+        let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(|bit| 10 * bit);
+        mesh += &format!("v {x} {y} {z}\n");
+    }
+    for [a, b, c, d] in [
+        [1, 3, 4, 2],
+        [5, 6, 8, 7],
+        [1, 2, 6, 5],
+        [3, 7, 8, 4],
+        [1, 5, 7, 3],
+        [2, 4, 8, 6],
+    ] {
+        mesh += &format!("f {a} {b} {c} {d}\n");
+    }
+    std::fs::write(place.path("box.obj"), mesh).expect("written");
+    let cache = place.path("cache");
+    let check = ["scene", "check", "scene.toml"];
+    let output = limited(&place, Program::Server.path(), 0, &check)
+        .env("SULCUS_CACHE", &cache)
+        .output();
+    Ended::new(output.expect("it ends")).ok();
+    let left = std::fs::read_dir(&cache).map_or(0, |entries| entries.count());
+    assert_eq!(left, 0);
 }

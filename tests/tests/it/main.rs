@@ -1,13 +1,16 @@
 //! The programs from outside, over real sockets and real files.
 
+mod addresses;
 mod demo;
 mod export;
+mod folders;
 mod full_disk;
 mod interrupt;
 mod kill;
 mod kills;
 mod lessons;
 mod long;
+mod output;
 mod readers;
 mod refusals;
 mod replays;

@@ -144,3 +144,25 @@ pub fn force_up(link: &mut Link) -> f32 {
     link.latest_wrench()
         .map_or(0.0, |packet| packet.datagram.tools[0].wrench.force[2])
 }
+
+/// Poses of a hand that stays pressed, until `done`.
+pub fn press_on(link: &mut Link, mut done: impl FnMut(&mut Link) -> bool) {
+    for _ in 0..20_000 {
+        link.send_pose(&pose(0.001));
+        if done(link) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!(
+        "waited in vain: {:?}, {:?}",
+        link.latest_wrench(),
+        link.stats()
+    );
+}
+
+/// Status bits of the newest wrench.
+pub fn status_of(link: &mut Link) -> u16 {
+    link.latest_wrench()
+        .map_or(0, |packet| packet.datagram.tools[0].status)
+}

@@ -9,6 +9,7 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::skeleton::Skeleton;
 use sulcus_core::tissue::surface::SurfaceParams;
 use sulcus_fem::CondenseOptions;
+use sulcus_program::{PathText, say};
 use sulcus_scene::default_cache_dir;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::organ::{condensed, skin};
@@ -56,6 +57,7 @@ pub struct EvaluateArgs {
 #[derive(Serialize)]
 struct Report<'a> {
     model: Model,
+    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     params: Option<&'a Path>,
     fitted: &'a str,
     cases: Vec<&'a CaseError>,
@@ -63,6 +65,7 @@ struct Report<'a> {
     ticks: usize,
     vertices: usize,
     parts: &'a str,
+    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     page: Option<PathBuf>,
 }
 
@@ -96,12 +99,12 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
     let ns: Vec<u64> = models.iter().flat_map(|m| m.tick_ns()).copied().collect();
     let tick_us = TickTime::of(&ns);
 
-    println!(
+    say!(
         "{}: {} free vertices; {parts}: {fitted}\n",
-        args.fem.display(),
+        args.fem.shown(),
         organ.free.len()
     );
-    println!("case                              rms %   rel_l2 %    max %   FEM, mm   model, mm");
+    say!("case                              rms %   rel_l2 %    max %   FEM, mm   model, mm");
     for CaseError {
         name,
         rms_percent,
@@ -111,11 +114,11 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
         model_max_displacement_mm,
     } in outcomes.iter().map(|outcome| &outcome.error)
     {
-        println!(
+        say!(
             "{name:30} {rms_percent:8.2}   {rel_l2_percent:8.1} {max_percent:8.1}  {max_displacement_mm:8.3}  {model_max_displacement_mm:10.3}"
         );
     }
-    println!(
+    say!(
         "\ntissue per tick: {:.1} us at p50, {:.1} us at p99.9 ({} ticks)",
         tick_us.p50,
         tick_us.p999,
@@ -131,7 +134,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
                 tick_us,
             };
             let page = tissue::write(out, &subject, &|what| narrator.say(what, 1.0))?;
-            println!("written to {}", page.display());
+            say!("written to {}", page.shown());
             Some(page)
         }
         None => None,
@@ -148,7 +151,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
             parts: &parts,
             page,
         };
-        println!("{}", serde_json::to_string(&report)?);
+        say!("{}", serde_json::to_string(&report)?);
     }
     Ok(0)
 }
@@ -173,7 +176,7 @@ fn judgement<'a>(
         if let Some(params) = &args.params {
             bail!(
                 "--params is {}, expected none: a surface compliance comes from the finite elements, there is nothing to fit",
-                params.display()
+                params.shown()
             );
         }
         return surface(args, organ, narrator);

@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use sulcus_fem::{Elastic, Factored};
+use sulcus_program::{PathText, say};
 use sulcus_scene::load::to_obj;
 use sulcus_scene::skeleton::SkeletonOptions;
 use sulcus_scene::springs::FittedSprings;
@@ -72,6 +73,7 @@ pub enum Springs {
 #[derive(Serialize)]
 struct Report<'a> {
     model: Springs,
+    #[serde(serialize_with = "sulcus_program::path::text")]
     out: &'a Path,
     fitted: &'a str,
     training_cases: usize,
@@ -93,7 +95,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     if surface == args.out {
         bail!(
             "--out is {}, expected another ending: the surface is written to that one",
-            args.out.display()
+            args.out.shown()
         );
     }
     writable(&args.out)?;
@@ -103,7 +105,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     if std::fs::read(&surface).is_ok_and(|there| there != text.as_bytes()) {
         bail!(
             "{}: found another file, expected none: the surface of the springs is written there",
-            surface.display()
+            surface.shown()
         );
     }
     writable(&surface)?;
@@ -115,7 +117,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     if loads.is_empty() {
         bail!(
             "{}: found no free surface to load, expected some",
-            args.fem.display()
+            args.fem.shown()
         );
     }
     narrator.say("factoring the finite elements", 0.1);
@@ -160,7 +162,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     let Some((level, error, steps)) = fit.run(most, &told) else {
         bail!(
             "{}: the skeleton of this organ cannot be solved, expected springs that hold every node",
-            args.fem.display()
+            args.fem.shown()
         );
     };
     level.validate(&organ.tree)?;
@@ -182,11 +184,11 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     );
     springs.write(&args.out)?;
     std::fs::write(&surface, text)
-        .with_context(|| format!("{}: cannot write the surface", surface.display()))?;
-    println!(
+        .with_context(|| format!("{}: cannot write the surface", surface.shown()))?;
+    say!(
         "fitted: {fitted}\nsprings written to {}, their surface (in metres) to {}",
-        args.out.display(),
-        surface.display()
+        args.out.shown(),
+        surface.shown()
     );
     if args.json {
         let report = Report {
@@ -200,7 +202,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
             steps,
             training_rel_l2_percent: 100.0 * error,
         };
-        println!("{}", serde_json::to_string(&report)?);
+        say!("{}", serde_json::to_string(&report)?);
     }
     Ok(0)
 }
@@ -219,5 +221,5 @@ fn writable(file: &Path) -> anyhow::Result<()> {
         Ok(true) => std::fs::remove_file(file),
         other => other.map(drop),
     }
-    .with_context(|| format!("{}: cannot write the file of --out", file.display()))
+    .with_context(|| format!("{}: cannot write the file of --out", file.shown()))
 }

@@ -10,6 +10,7 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 use sulcus_core::{SphereTree, Vec3};
+use sulcus_program::{PathText, say, tell};
 use sulcus_scene::build::{TreeOptions, build_weighted};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{LevelError, Sampling, Spread, TreeReport, ZoneError, measure};
@@ -69,11 +70,14 @@ struct Report<'a> {
     zones: &'a [ZoneError],
     build_s: f64,
     measure_s: f64,
+    #[serde(serialize_with = "sulcus_program::path::text")]
     mesh: &'a Path,
     triangles: usize,
     volume_mm3: f64,
     repairs: &'a [String],
+    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     page: Option<PathBuf>,
+    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     rerun: Option<PathBuf>,
 }
 
@@ -87,7 +91,7 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     let (mesh, described) = (solid.mesh, solid.report);
     let repairs = solid.repairs.sentences();
     for repair in &repairs {
-        eprintln!("repaired: {repair}");
+        tell!("repaired: {repair}");
     }
     let zones = zone::zones(&args.zone, args.unit, &mesh, &args.mesh)?;
     let distance = MeshDistance::new(mesh);
@@ -105,7 +109,7 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     let say = |stage: &str, share: f64| narrator.say(stage, share);
     let started = Instant::now();
     let tree = build_weighted(distance.mesh(), &options, &importance, &say)
-        .with_context(|| format!("{}: cannot build the tree", args.mesh.display()))?;
+        .with_context(|| format!("{}: cannot build the tree", args.mesh.shown()))?;
     let build_s = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let report = measure(&tree, &distance, &zones, &Sampling::default(), &|level| {
@@ -114,20 +118,21 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     });
     let measure_s = started.elapsed().as_secs_f64();
 
-    println!(
+    say!(
         "{}: {} triangles, {} mm3",
-        args.mesh.display(),
+        args.mesh.shown(),
         described.triangles,
         described.volume_mm3
     );
-    println!(
+    say!(
         "built in {build_s:.2} s, measured in {measure_s:.2} s; distances in mm (mean, p95, max)\n"
     );
     print(&report.levels);
     for zone in &report.zones {
-        println!(
+        say!(
             "\nzone `{}`, {:.2} mm2 of the mesh",
-            zone.name, zone.area_mm2
+            zone.name,
+            zone.area_mm2
         );
         print(&zone.levels);
     }
@@ -146,9 +151,9 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
             narrator.say(what, 1.0);
         })?);
         rerun = for_rerun(out, &subject, &levels)?;
-        println!();
+        say!("");
         for path in page.iter().chain(&rerun) {
-            println!("written to {}", path.display());
+            say!("written to {}", path.shown());
         }
     }
     if args.json {
@@ -164,7 +169,7 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
             page,
             rerun,
         };
-        println!("{}", serde_json::to_string(&report)?);
+        say!("{}", serde_json::to_string(&report)?);
     }
     Ok(0)
 }
@@ -179,7 +184,7 @@ fn subject<'a>(
 ) -> Subject<'a> {
     let stem = args.mesh.file_stem().unwrap_or(args.mesh.as_os_str());
     Subject {
-        name: stem.to_string_lossy().into_owned(),
+        name: Path::new(stem).shown().to_string(),
         file: &args.mesh,
         distance,
         tree,
@@ -196,12 +201,7 @@ pub(crate) fn writable(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .and_then(|()| std::fs::write(&probe, b""))
         .and_then(|()| std::fs::remove_file(&probe))
-        .with_context(|| {
-            format!(
-                "{}: cannot write into the folder of --out",
-                folder.display()
-            )
-        })
+        .with_context(|| format!("{}: cannot write into the folder of --out", folder.shown()))
 }
 
 /// The path of the written file; none where the program that writes files for Rerun is not installed.
@@ -213,7 +213,7 @@ fn for_rerun(
     let program = match find("sulcus-review") {
         Ok(program) => program,
         Err(missing) => {
-            eprintln!("note: no tree.rrd: {missing}");
+            tell!("note: no tree.rrd: {missing}");
             return Ok(None);
         }
     };
@@ -223,7 +223,7 @@ fn for_rerun(
 }
 
 fn print(levels: &[LevelError]) {
-    println!(
+    say!(
         "level  spheres   mesh to spheres            spheres to mesh           outside %  volume %"
     );
     for level in levels {
@@ -231,7 +231,7 @@ fn print(levels: &[LevelError]) {
         let volume = level.volume.map_or(String::new(), |volume| {
             format!("{:+9.2}", volume.volume_error_percent)
         });
-        println!(
+        say!(
             "{:5}  {:7}   {}    {}   {:9.1} {volume}",
             level.level,
             level.spheres,

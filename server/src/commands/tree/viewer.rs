@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::Context as _;
 use sulcus_core::Vec3;
+use sulcus_program::PathText;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::surface_error;
 use sulcus_scene::mesh::TriMesh;
@@ -29,7 +30,7 @@ pub(super) fn write(
     levels: &[LevelErrors],
 ) -> anyhow::Result<()> {
     let picture = picture(subject, levels);
-    let named = || format!("{}: cannot write {}", program.display(), path.display());
+    let named = || format!("{}: cannot write {}", program.shown(), path.shown());
     let mut child = Command::new(program)
         .args(["tree", "--out"])
         .arg(path)

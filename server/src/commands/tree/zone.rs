@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, bail};
 use sulcus_core::Vec3;
+use sulcus_program::PathText;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::zone_patch;
 use sulcus_scene::load::Unit;
@@ -123,7 +124,7 @@ pub(super) fn zones(
             bail!(
                 "zone `{}` holds nothing of the surface of {}, expected a region that meets it (millimetres, in the mesh's own frame)",
                 zone.name,
-                file.display()
+                file.shown()
             );
         }
     }

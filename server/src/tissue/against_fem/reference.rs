@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Object, Vec3};
 use sulcus_fem::{Elastic, Factored, NewtonOptions, NewtonProgress, solve_neo_hookean};
+use sulcus_program::PathText;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::file::{ObjectEntry, ObjectKind, parse};
 use sulcus_scene::organ::{SurfaceOptions, elements};
@@ -246,5 +247,5 @@ fn shipped(which: BuiltIn, progress: &dyn Fn(&str, f64)) -> anyhow::Result<(Obje
     let both = file.objects.into_iter().zip(made.scene.objects);
     let mut both = both.filter(|(entry, _)| is_tongue(entry));
     both.next()
-        .with_context(|| format!("{}: has no tongue", which.file_name().display()))
+        .with_context(|| format!("{}: has no tongue", which.file_name().shown()))
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::Context as _;
+use sulcus_program::{PathText, tell};
 
 use super::session::One;
 use super::{GradeArgs, Numbers};
@@ -38,9 +39,10 @@ pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
             }
             _ => "",
         };
-        eprintln!(
+        tell!(
             "{}: is the session of {}, counted once{differ}",
-            left.file, other.file
+            left.file,
+            other.file
         );
     }
     number_attempts(&mut once);
@@ -55,11 +57,28 @@ pub(super) fn warn_of_unnamed(sessions: &[Session], names: &Names) {
         .filter(|id| !id.is_empty() && names.of(id).is_none_or(str::is_empty))
         .collect();
     for id in ids {
-        eprintln!(
+        tell!(
             "warning: the key table has no name for `{}`",
             id.escape_debug()
         );
     }
+}
+
+/// Name of a page, without its ending. A file whose name needs quoting ([`PathText::shown`]) has one of its letters and
+/// digits, and dashes.
+fn page_name(file: &str) -> String {
+    let Some(quoted) = file.strip_prefix("$'") else {
+        return file.to_owned();
+    };
+    let plain = |c: char| {
+        if c.is_alphanumeric() || c == '.' {
+            c
+        } else {
+            '-'
+        }
+    };
+    let name: String = quoted.trim_end_matches('\'').chars().map(plain).collect();
+    name.strip_suffix(".mcap").unwrap_or(&name).to_owned()
 }
 
 /// Writes the pages.
@@ -74,7 +93,7 @@ pub(super) fn pages(
     args: &GradeArgs,
 ) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
+        .with_context(|| format!("cannot make the folder `{}`", folder.shown()))?;
     let look = Look {
         names,
         numbering: match args.numbering {
@@ -86,7 +105,7 @@ pub(super) fn pages(
     let mut used = BTreeSet::from(["class".to_owned()]);
     let write = |name: &str, page: String| {
         let path = folder.join(format!("{name}.html"));
-        std::fs::write(&path, page).with_context(|| format!("cannot write `{}`", path.display()))
+        std::fs::write(&path, page).with_context(|| format!("cannot write `{}`", path.shown()))
     };
     for session in sessions {
         let own = |(file, one): &&(String, One)| {
@@ -95,8 +114,8 @@ pub(super) fn pages(
         let Some((file, one)) = all.iter().find(own) else {
             continue;
         };
-        let stem = file.strip_suffix(".mcap").unwrap_or(file);
-        let mut name = stem.to_owned();
+        let stem = page_name(file.strip_suffix(".mcap").unwrap_or(file));
+        let mut name = stem.clone();
         let mut k = 2;
         while !used.insert(name.clone()) {
             name = format!("{stem}-{k}");
@@ -105,6 +124,17 @@ pub(super) fn pages(
         write(&name, student_page(session, &one.graded, &look))?;
     }
     write("class", class_page(sessions, unread, &look))?;
-    eprintln!("pages in {}", folder.display());
+    tell!("pages in {}", folder.shown());
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_is_named_after_its_recording() {
+        assert_eq!(page_name("Übung 1"), "Übung 1");
+        assert_eq!(page_name(r"$'r\351sum\351.mcap'"), "r-351sum-351");
+    }
 }

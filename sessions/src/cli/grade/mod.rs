@@ -10,8 +10,10 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
+use sulcus_program::{PathText, say};
 
-use super::print::{complain, say};
+use super::inputs::recordings;
+use super::print::complain;
 use super::written::may_write;
 use crate::grade::class::csv;
 use crate::grade::names::Names;
@@ -22,7 +24,7 @@ use session::{Asked, one};
 
 #[derive(Args)]
 pub(super) struct GradeArgs {
-    /// Recordings
+    /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print one JSON object on the last line of standard output
@@ -56,7 +58,7 @@ pub(super) struct GradeArgs {
     /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. A
     /// station keeps its own as `station.pub` beside its key: $SULCUS_STATE_DIR, else ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
-    signer: Option<String>,
+    signer: Option<PathBuf>,
     /// An instructor's score instead of the proposed one, 0 to 100; kept in FILE.grade.json beside the proposal
     #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true, requires_all = ["by", "at", "reason"])]
     revise: Option<f64>,
@@ -87,34 +89,33 @@ pub(super) const EXAMPLES: &str = "Examples:\n  sulcus-sessions grade session.mc
 pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     let asked = Asked::of(args)?;
     let names = args.names.as_deref().map(Names::open).transpose()?;
-    if args.self_score.is_some() && args.files.len() > 1 {
+    let files = recordings(&args.files);
+    if args.self_score.is_some() && files.len() > 1 {
         bail!(
             "--self-score is one learner's own score of one session, found {} files",
-            args.files.len()
+            files.len()
         );
     }
-    if args.revise.is_some() && args.files.len() > 1 {
-        bail!(
-            "--revise is about one session, found {} files",
-            args.files.len()
-        );
+    if args.revise.is_some() && files.len() > 1 {
+        bail!("--revise is about one session, found {} files", files.len());
     }
     if let Some(table) = &args.csv {
-        let signer = args.signer.as_ref().map(PathBuf::from);
-        let others = [&args.names, &args.rubric, &signer].into_iter().flatten();
-        let beside: Vec<PathBuf> = args.files.iter().map(|file| beside(file)).collect();
+        let others = [&args.names, &args.rubric, &args.signer]
+            .into_iter()
+            .flatten();
+        let beside: Vec<PathBuf> = files.iter().map(|file| beside(file)).collect();
         let mut read: Vec<&Path> = others.map(PathBuf::as_path).collect();
-        read.extend(args.files.iter().chain(&beside).map(PathBuf::as_path));
+        read.extend(files.iter().chain(&beside).map(PathBuf::as_path));
         may_write("--csv", table, read)?;
     }
     let (mut code, mut objects, mut all) = (0u8, Vec::new(), Vec::new());
     let mut unread: Vec<(String, String)> = Vec::new();
-    for path in &args.files {
+    for path in &files {
         match one(path, args, &asked) {
             Ok(one) => {
                 code = code.max(u8::from(one.graded.grade.score.is_none()));
                 if !args.json {
-                    say(&say::text(path, &one, args))?;
+                    say!("{}", say::text(path, &one, args));
                 }
                 objects.push(say::json(path, &one));
                 if let Some(error) = &one.unkept {
@@ -138,7 +139,7 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     }
     let table = args.csv.as_deref().map(|path| {
         let table = csv(&sessions, &unread, names.as_ref())?;
-        std::fs::write(path, table).with_context(|| format!("cannot write `{}`", path.display()))
+        std::fs::write(path, table).with_context(|| format!("cannot write `{}`", path.shown()))
     });
     let html = args.html.as_deref();
     let pages =
@@ -153,7 +154,7 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
             Ok([only]) => only,
             Err(objects) => json!({ "sessions": objects.len(), "files": objects }),
         };
-        say(&object.to_string())?;
+        say!("{object}");
     }
     Ok(ExitCode::from(code))
 }
@@ -161,7 +162,7 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
 /// Without its folder: a grade is the same wherever the recording lies.
 fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
+    Path::new(name).shown().to_string()
 }
 
 fn points(text: &str) -> Result<f64, String> {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
+use sulcus_program::PathText;
 
 use super::session::One;
 use super::{GradeArgs, file_name};
@@ -15,7 +16,7 @@ use crate::mode::Mode;
 pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
     let exam = one.shown.mode == Mode::Exam;
     let grade = &one.graded.grade;
-    let mut lines = vec![path.display().to_string()];
+    let mut lines = vec![path.shown().to_string()];
     lines.push(format!("  mode       {}", one.shown.words()));
     if let (Some(own), Some(score)) = (one.self_score, grade.score) {
         lines.push(format!(

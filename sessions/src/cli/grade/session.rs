@@ -1,12 +1,14 @@
 //! One recording: how it is shown, the learner's own score first, its grade, and what people said of it.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::path::Path;
 
 use anyhow::bail;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sulcus_program::{PathText, tell};
 
 use super::{GradeArgs, file_name, points};
+use crate::cli::inputs::open;
 use crate::cli::print::at;
 use crate::grade::class::Shown;
 use crate::grade::report::Source;
@@ -98,7 +100,7 @@ fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
 /// # Errors
 /// When it cannot be graded as asked, or what is beside it is not what was said of it.
 pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
-    let recording = Recording::open(path).map_err(|error| at(path, &error))?;
+    let recording = open(path)?;
     let named = |error: anyhow::Error| at(path, &*error);
     let shown = shown(&recording, args).map_err(named)?;
     let options = asked.options(shown.mode).map_err(named)?;
@@ -139,16 +141,16 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
     {
         bail!(
             "{}: rubric is {}, expected the recording's own in an exam",
-            path.display(),
+            path.shown(),
             used.source.words()
         );
     }
     if let Some(used) =
         used.filter(|used| used.source == Source::File && used.name != graded.grade.exercise)
     {
-        eprintln!(
+        tell!(
             "warning: {}: rubric `{}` is for another exercise than `{}`",
-            path.display(),
+            path.shown(),
             used.name.escape_debug(),
             graded.grade.exercise.escape_debug()
         );
@@ -156,7 +158,7 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
     if args.revise.is_some() && args.passed.is_none() && graded.grade.pass_mark.is_none() {
         bail!(
             "{}: --passed is missing, expected where the recording has no rubric with a pass mark",
-            path.display()
+            path.shown()
         );
     }
     let mut one = One {
@@ -175,7 +177,7 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
             }
             RevisionError::Field { .. } => "",
         };
-        anyhow::anyhow!("{}: {error}{advice}", path.display())
+        anyhow::anyhow!("{}: {error}{advice}", path.shown())
     });
     let sidecar = Sidecar::read(path).map_err(|error| at(path, &error))?;
     if let Some(sidecar) = &sidecar {
@@ -219,18 +221,14 @@ fn ask(path: &Path) -> anyhow::Result<f64> {
         );
     }
     loop {
-        write!(
-            std::io::stderr(),
-            "Your own score for {}, 0 to 100: ",
-            file_name(path)
-        )?;
+        tell!("Your own score for {}, 0 to 100:", file_name(path));
         let mut line = String::new();
         if stdin.read_line(&mut line)? == 0 {
             bail!("--self-score is missing, expected 0 to 100 in self-assessment");
         }
         match points(line.trim()) {
             Ok(score) => return Ok(score),
-            Err(why) => writeln!(std::io::stderr(), "{why}")?,
+            Err(why) => tell!("{why}"),
         }
     }
 }

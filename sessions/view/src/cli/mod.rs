@@ -8,7 +8,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use serde_json::json;
-use sulcus_sessions::cli::print::{complain, say};
+use sulcus_program::{output, say};
+use sulcus_sessions::cli::print::complain;
 use sulcus_sessions::sentence;
 
 /// Replays a recorded session and writes it for the Rerun viewer: mouth, tools, forces, plots, log.
@@ -41,24 +42,22 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
+    sulcus_program::begin();
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
-        Err(message) => {
-            // Help and version go to standard output with code 0, mistakes to standard error.
-            let _ = message.print();
-            return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
-        }
+        Err(message) => return output::usage(message.print(), message.use_stderr()),
     };
     let (json, outcome) = match (&cli.command, &cli.review) {
         (Some(Command::Tree(args)), _) => (false, tree::run(args)),
         (None, Some(args)) => (args.json, review::run(args)),
         (None, None) => (false, Err(anyhow::anyhow!("no recording given"))),
     };
-    outcome.unwrap_or_else(|error| {
+    let code = outcome.unwrap_or_else(|error| {
         if json {
-            let _ = say(&json!({ "error": sentence(&error) }).to_string());
+            say!("{}", json!({ "error": sentence(&error) }));
         }
         complain(&error);
         ExitCode::from(2)
-    })
+    });
+    output::settle(code)
 }

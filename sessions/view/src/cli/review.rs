@@ -1,20 +1,21 @@
 //! `sulcus-review FILE`: a recorded session for the Rerun viewer.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
-use sulcus_sessions::cli::print::{at, complain, object, say};
+use sulcus_program::PathText;
+use sulcus_sessions::cli::inputs::{open, recordings};
+use sulcus_sessions::cli::print::{Outcome, at, complain, for_each, object};
 use sulcus_sessions::cli::written::{is_same, may_write};
-use sulcus_sessions::read::Recording;
 
 use crate::session::{ReviewError, Slider, Window, review};
 
 #[derive(Args)]
 pub(super) struct ReviewArgs {
-    /// Recording
+    /// Recording, or a folder of recordings
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// File to write; without it, the recording's name with the ending `.rrd`
@@ -63,12 +64,32 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
             window.to_s
         );
     }
-    let file = args.file.display().to_string();
+    let files = recordings(std::slice::from_ref(&args.file));
+    anyhow::ensure!(
+        files.len() == 1 || args.out.is_none(),
+        "--out is one file, and {} has {} recordings: name one of them",
+        args.file.shown(),
+        files.len()
+    );
+    // A viewer for each of a folder's recordings would be too many.
+    let open_viewer = !args.no_open && files.len() == 1;
+    Ok(for_each(&files, args.json, "ticks", |path| {
+        review_of(path, args, window, open_viewer)
+    }))
+}
+
+fn review_of(
+    path: &Path,
+    args: &ReviewArgs,
+    window: Window,
+    open_viewer: bool,
+) -> anyhow::Result<Outcome> {
+    let file = path.shown().to_string();
     let out = match &args.out {
         Some(out) => out.clone(),
-        None => args.file.with_extension("rrd"),
+        None => path.with_extension("rrd"),
     };
-    if is_same(&out, &args.file) {
+    if is_same(&out, path) {
         anyhow::bail!("{file}: --out is the recording itself, expected another file");
     }
     may_write("--out", &out, [])?;
@@ -76,9 +97,9 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     anyhow::ensure!(
         !out.exists() || out.is_file(),
         "--out is `{}`, which is no plain file, expected one or a new one",
-        out.display()
+        out.shown()
     );
-    let recording = Recording::open(&args.file).map_err(|error| at(&args.file, &error))?;
+    let recording = open(path)?;
     // Draws nothing when standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
@@ -98,58 +119,58 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         Ok(report) => report,
         Err(error @ ReviewError::Differs { tick, .. }) => {
             // As with `replay`, no mistake of the user's: a finding.
-            let why = at(&args.file, &error);
+            let why = at(path, &error);
             complain(&why);
-            if args.json {
-                say(&json!({
+            return Ok(Outcome {
+                json: object(json!({
                     "file": file,
                     "identical": false,
                     "first_divergent_tick": tick,
                     "error": why.to_string(),
-                })
-                .to_string())?;
-            }
-            return Ok(ExitCode::from(1));
+                })),
+                text: String::new(),
+                finding: true,
+            });
         }
-        Err(error) => return Err(at(&args.file, &error)),
+        Err(error) => return Err(at(path, &error)),
     };
     let seconds = began.elapsed().as_secs_f64();
     if let Some(unsound) = &report.unsound {
         complain(&anyhow::anyhow!("{file}: {unsound}"));
     }
-    let opened = (!args.no_open).then(|| crate::open_viewer(&report.out));
+    let opened = open_viewer.then(|| crate::open_viewer(&report.out));
     let note = match &opened {
         None => format!(
             "to look at it: rerun {} (viewer {}: pip install rerun-sdk=={})",
-            report.out.display(),
+            report.out.shown(),
             crate::viewer_version(),
             crate::viewer_version()
         ),
         Some(Ok(())) => "opened in the Rerun viewer".to_owned(),
         Some(Err(why)) => why.to_string(),
     };
-    if args.json {
-        let mut json = object(serde_json::to_value(&report)?);
-        json.insert("file".to_owned(), json!(file));
-        json.insert("seconds".to_owned(), json!(seconds));
-        json.insert("opened".to_owned(), json!(matches!(opened, Some(Ok(())))));
-        json.insert("note".to_owned(), json!(note));
-        say(&serde_json::Value::Object(json).to_string())?;
-    } else {
-        say(&format!(
-            "{}\n  {} ticks, {} pictures, {} shapes of tissue, {} events: {:.1} MB in {seconds:.1} s{}\n  {note}",
-            report.out.display(),
-            report.ticks,
-            report.frames,
-            report.shapes,
-            report.events,
-            report.bytes as f64 * 1e-6,
-            if report.identical {
-                ""
-            } else {
-                "\n  of a former version: what is shown is its replay, which differs a little"
-            }
-        ))?;
-    }
-    Ok(ExitCode::from(u8::from(report.unsound.is_some())))
+    let mut json = object(serde_json::to_value(&report)?);
+    json.insert("file".to_owned(), json!(file));
+    json.insert("seconds".to_owned(), json!(seconds));
+    json.insert("opened".to_owned(), json!(matches!(opened, Some(Ok(())))));
+    json.insert("note".to_owned(), json!(note));
+    let text = format!(
+        "{}\n  {} ticks, {} pictures, {} shapes of tissue, {} events: {:.1} MB in {seconds:.1} s{}\n  {note}",
+        report.out.shown(),
+        report.ticks,
+        report.frames,
+        report.shapes,
+        report.events,
+        report.bytes as f64 * 1e-6,
+        if report.identical {
+            ""
+        } else {
+            "\n  of a former version: what is shown is its replay, which differs a little"
+        }
+    );
+    Ok(Outcome {
+        json,
+        text,
+        finding: report.unsound.is_some(),
+    })
 }

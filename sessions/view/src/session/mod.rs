@@ -16,6 +16,7 @@ use crate::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
 use serde::Serialize;
 use sulcus_core::output::ForceZone;
 use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
+use sulcus_program::PathText;
 
 pub use crate::Slider;
 
@@ -57,6 +58,7 @@ impl Window {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReviewReport {
     /// The file.
+    #[serde(serialize_with = "sulcus_program::path::text")]
     pub out: PathBuf,
     /// Its length, bytes.
     pub bytes: u64,
@@ -113,7 +115,7 @@ pub enum ReviewError {
     #[error(transparent)]
     View(#[from] ViewError),
     /// The system refused.
-    #[error("cannot write `{}`: {source}", path.display())]
+    #[error("cannot write `{}`: {source}", path.shown())]
     Io {
         /// Which file.
         path: PathBuf,

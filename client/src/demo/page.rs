@@ -1,0 +1,42 @@
+//! The student's page beside a recording: the page that `sulcus-sessions grade --html` writes.
+
+use std::path::{Path, PathBuf};
+
+use sulcus_program::{PathText, disk};
+use sulcus_sessions::Mode;
+use sulcus_sessions::grade::Graded;
+use sulcus_sessions::grade::class::{Session, Shown};
+use sulcus_sessions::grade::page::{Look, Numbering, student_page};
+
+/// Writes the page of a session in practice; the path is the recording's with the ending `.html`.
+///
+/// # Errors
+/// When it cannot be written: one sentence.
+pub fn write(recording: &Path, recorded: Option<Mode>, graded: &Graded) -> Result<PathBuf, String> {
+    let name = recording.file_name().unwrap_or(recording.as_os_str());
+    let session = Session {
+        file: Path::new(name).shown().to_string(),
+        grade: graded.grade.clone(),
+        sidecar: None,
+        self_score: None,
+        shown: Shown {
+            mode: recorded.unwrap_or_default(),
+            recorded,
+        },
+        attempt: 1,
+    };
+    let look = Look {
+        names: None,
+        numbering: Numbering::Fdi,
+        truth: false,
+    };
+    let path = recording.with_extension("html");
+    std::fs::write(&path, student_page(&session, graded, &look)).map_err(|error| {
+        format!(
+            "cannot write the page `{}`: {error}{}",
+            path.shown(),
+            disk::advice(&error)
+        )
+    })?;
+    Ok(path)
+}

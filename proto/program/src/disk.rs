@@ -1,0 +1,37 @@
+//! Errors of a disk that takes no more.
+
+use std::io::{Error, ErrorKind};
+
+/// Whether a write failed because there is no room: the disk is full (`ENOSPC`), the user's quota is used up (`EDQUOT`),
+/// or the file has reached the largest size that is allowed (`EFBIG`).
+pub fn is_full(error: &Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge
+    )
+}
+
+/// Advice to append to a sentence about a failed write; empty where room is not the matter.
+pub fn advice(error: &Error) -> &'static str {
+    if is_full(error) {
+        "; free space on the disk, or raise the quota or the limit on file sizes (ulimit -f)"
+    } else {
+        ""
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_a_quota_and_a_limit_on_files_are_alike() {
+        for code in [libc::ENOSPC, libc::EDQUOT, libc::EFBIG] {
+            let error = Error::from_raw_os_error(code);
+            assert!(is_full(&error), "{error}");
+            assert!(advice(&error).contains("ulimit"), "{error}");
+        }
+        let other = Error::from_raw_os_error(libc::EACCES);
+        assert!(!is_full(&other) && advice(&other).is_empty());
+    }
+}
