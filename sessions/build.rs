@@ -10,7 +10,16 @@ use std::path::{Path, PathBuf};
 use prost::Message as _;
 
 /// Messages of `sulcus.v1` that have a channel.
-const FILES: [&str; 4] = ["wrench", "contacts", "tool_metrics", "session_metrics"];
+const FILES: [&str; 8] = [
+    "exact_row",
+    "exact_state",
+    "exact_statement",
+    "exact_event",
+    "wrench",
+    "contacts",
+    "tool_metrics",
+    "session_metrics",
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(std::env::var("OUT_DIR")?);

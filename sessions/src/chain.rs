@@ -3,6 +3,8 @@
 //! A hash alone proves nothing: an editor could run the simulation again and rewrite every one of
 //! them. So the station signs the head of the chain every ten seconds and at the end.
 
+use crate::statement::Statement;
+
 /// What kind of message a link of the chain covers. Part of the hashed bytes, so that a message of
 /// one kind cannot stand for one of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +14,7 @@ pub(crate) enum Link {
     Event = 3,
 }
 
-/// Running head: `head = blake3(head || kind || message bytes)`, beginning with the digest of the
+/// Running head: `head = blake3(head || kind || inner bytes)`, beginning with the digest of the
 /// header.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
@@ -27,6 +29,15 @@ impl Chain {
             head: header_digest,
             rows: 0,
             tick: 0,
+        }
+    }
+
+    /// A chain that goes on from a head that a station stated.
+    pub fn from_statement(says: &Statement) -> Self {
+        Self {
+            head: says.head,
+            rows: says.rows,
+            tick: says.tick,
         }
     }
 

@@ -11,6 +11,7 @@ use serde::Serialize;
 use sulcus_core::{MAX_TOOLS, TickOutput};
 
 use crate::format::Migration;
+use crate::gap::Gap;
 use crate::message::Message;
 use crate::read::{Ending, Recording};
 use crate::replay::{Part, REPORT_EVERY, ReplayError, ReplayOptions};
@@ -115,6 +116,10 @@ pub fn compare(
     let scene = recording.scene()?;
     let part = options.span.part(recording, scene.tick_s())?;
     let (other_scene, changed) = what_if.applied_to(&scene)?;
+    let from_part = what_if.keeps_states();
+    if let Some(gap) = gap_within(recording, &part, from_part) {
+        return Err(ReplayError::Gap(gap.clone()).into());
+    }
     let mut verifier = Verifier::new(recording);
     let (mut recorded, mut other) = (Running::new(&scene), Running::new(&other_scene));
     let mut report = ComparisonReport {
@@ -140,7 +145,6 @@ pub fn compare(
     let mut sums = Sums::default();
     let (mut ran, mut simulated_ticks) = (0, 0_u64);
     let (mut started, mut other_started) = (false, false);
-    let from_part = what_if.keeps_states();
     for message in recording.messages() {
         let message = message?;
         verifier.message(&message);
@@ -197,6 +201,15 @@ pub fn compare(
     (report.recorded, report.what_if) = (recorded.side(), other.side());
     report.signature = verifier.finish(options.trust.as_ref()).signature;
     Ok(report)
+}
+
+/// The first gap between what the comparison begins with and the end of the part.
+fn gap_within<'a>(recording: &'a Recording, part: &Part, from_part: bool) -> Option<&'a Gap> {
+    recording.gaps().iter().find(|gap| {
+        let ends_before = gap.to_tick.is_some_and(|to| to <= part.snapshot_tick);
+        let begins_behind = gap.from_tick.is_some_and(|from| from > part.to_tick);
+        !(begins_behind || from_part && ends_before)
+    })
 }
 
 /// Sums of squares over the contacts: of a tool, in a tick, on either side.

@@ -1,17 +1,19 @@
 //! Versions of the recording's layout and of what its numbers mean.
 //!
-//! A recording can be replayed bit for bit only by a program whose tick gives the same bits. So the version is raised, on
-//! purpose, when the layout changes *or* when the tick gives other bits for the recordings under `sessions/tests/corpus`; whoever
-//! raises it writes here what changed and what becomes of older files:
+//! A recording can be replayed bit for bit only by a program whose tick gives the same bits. The version is raised, on
+//! purpose, when the layout changes *or* when the tick gives other bits for the recordings under `sessions/tests/corpus`. The change
+//! that raises it says here what is different and what becomes of older files:
 //!
-//! - A version that is *migrated*: its layout is the present one, or is turned into it where it is read. Its inputs are run again
-//!   by the present tick, from the first snapshot to the end; the replay may then differ, never far ([`CLOSE`]), and a grade rests on it
-//!   and says so. Later snapshots are looked at and not gone on from: whoever writes an older number into a header must not buy a
-//!   grade with states that no hand ever brought about.
-//!   Chain and signatures are over the bytes as they were written, and hold or do not as ever. A few of its files are kept in
-//!   `sessions/tests/corpus/format-N`, so that this is tested for good.
-//! - One that is not: versions 1 and 2 were written for two days in November 2026, before the first release; no file of theirs
-//!   was kept, and nothing reads them.
+//! - A version that is *read as the present one*: its tick gives the same bits. Version 4 is such a one: its exact messages are
+//!   encoded otherwise, and each channel names its encoding ([`Layout`]).
+//! - A version that is *migrated*: its inputs are run again by the present tick, from the first snapshot to the end. The replay
+//!   may then differ, never far ([`CLOSE`]), and a grade rests on it and says so. A replay does not go on from later snapshots, only
+//!   compares them: an older number in a header must not buy a grade with states that no hand ever brought about.
+//! - A version that is not read: versions 1 and 2 were written for two days in November 2026, before the first release, and no file
+//!   of them was kept.
+//!
+//! Chain and signatures are over the inner bytes as they were written, and hold or do not in every version. A few files
+//! of each former version are kept in `sessions/tests/corpus/format-N`, so that they are tested for good.
 
 use serde::Serialize;
 
@@ -23,25 +25,50 @@ struct Version {
     number: &'static str,
     /// What was different, for its reader.
     what: &'static str,
-    migrated: bool,
+    read: Read,
+}
+
+/// Treatment of a recording of a former version.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Read {
+    /// Nothing reads it.
+    Not,
+    /// Its inputs are run by the present tick, which gives other bits.
+    Migrated,
+    /// The present tick gives the same bits.
+    AsPresent,
+}
+
+/// How the messages of an exact channel are encoded. Each channel's record in the file names its encoding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Layout {
+    /// The exact bytes alone, in encodings of their own: up to version 4.
+    Bare,
+    /// In a protobuf message with one field of bytes (`crate::envelope`): from version 5 on.
+    Protobuf,
 }
 
 /// All versions before the present one.
-const FORMER: [Version; 3] = [
+const FORMER: [Version; 4] = [
     Version {
         number: "1",
         what: "its rows have no level of detail and its states no tissue; written on 21 November 2026 by 0.1.0, before release",
-        migrated: false,
+        read: Read::Not,
     },
     Version {
         number: "2",
         what: "its states spell out tissue at rest, so that hashes are others; written on 21 and 22 November 2026 by 0.1.0, before release",
-        migrated: false,
+        read: Read::Not,
     },
     Version {
         number: "3",
         what: "its tick put the rows of blended surfaces together in another way, so that some hashes are others",
-        migrated: true,
+        read: Read::Migrated,
+    },
+    Version {
+        number: "4",
+        what: "its exact messages are not wrapped in protobuf, so that other programs do not decode them",
+        read: Read::AsPresent,
     },
 ];
 
@@ -91,7 +118,7 @@ impl std::fmt::Display for Migration {
     }
 }
 
-/// How a recording of version `found` is read: as the present one, or migrated.
+/// The migration of a recording of version `found`; `None` where its numbers are the present ones.
 ///
 /// # Errors
 /// When it cannot be: what to do, a clause that follows "this program reads ...".
@@ -100,17 +127,19 @@ pub(crate) fn reads(found: &str) -> Result<Option<Migration>, String> {
         return Ok(None);
     }
     if let Some(former) = FORMER.iter().find(|version| version.number == found) {
-        if former.migrated {
-            return Ok(Some(Migration {
-                from: former.number,
-                to: FORMAT_VERSION,
-                what: former.what,
-            }));
-        }
-        return Err(format!(
-            "that version is older ({}); nothing reads it any more",
-            former.what
-        ));
+        let migration = Migration {
+            from: former.number,
+            to: FORMAT_VERSION,
+            what: former.what,
+        };
+        return match former.read {
+            Read::AsPresent => Ok(None),
+            Read::Migrated => Ok(Some(migration)),
+            Read::Not => Err(format!(
+                "that version is older ({}); nothing reads it any more",
+                former.what
+            )),
+        };
     }
     let number = |text: &str| text.parse::<u32>().ok();
     Err(match (number(found), number(FORMAT_VERSION)) {
@@ -124,9 +153,15 @@ pub(crate) fn reads(found: &str) -> Result<Option<Migration>, String> {
 
 /// The versions that are read, in words.
 pub(crate) fn readable() -> String {
-    let migrated = FORMER.iter().filter(|version| version.migrated);
-    migrated.fold(format!("`{FORMAT_VERSION}`"), |said, version| {
-        format!("{said} and, migrated, `{}`", version.number)
+    let of = |read: Read| {
+        let versions = FORMER.iter().filter(move |version| version.read == read);
+        versions.map(|version| format!("`{}`", version.number))
+    };
+    let present = of(Read::AsPresent).fold(format!("`{FORMAT_VERSION}`"), |said, version| {
+        format!("{said}, {version}")
+    });
+    of(Read::Migrated).fold(present, |said, version| {
+        format!("{said} and, migrated, {version}")
     })
 }
 
@@ -138,10 +173,11 @@ mod tests {
     fn every_former_version_is_known_and_others_are_told_apart() {
         let own: u32 = FORMAT_VERSION.parse().expect("a number");
         assert_eq!(reads(FORMAT_VERSION), Ok(None));
+        assert_eq!(reads("4"), Ok(None));
         for former in 1..own {
             let found = former.to_string();
             match reads(&found) {
-                Ok(migration) => assert_eq!(migration.expect("a former one").from, found),
+                Ok(migration) => assert!(migration.is_none_or(|it| it.from == found)),
                 Err(said) => assert!(
                     said.starts_with("that version is older"),
                     "{former}: {said}"

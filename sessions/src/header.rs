@@ -7,7 +7,7 @@ use crate::mode::Mode;
 
 /// Version of the recording's layout and of what its numbers mean ([`crate::format`]). Another version is migrated or refused, never
 /// guessed at.
-pub const FORMAT_VERSION: &str = "4";
+pub const FORMAT_VERSION: &str = "5";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
 /// Key in it that recordings of before 24 November 2026 do not have.

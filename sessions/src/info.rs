@@ -93,15 +93,13 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     let (first_tick, last_tick) = facts.ticks.unwrap_or_default();
     let (from, to) = facts.times_unix_ns.unwrap_or_default();
     let duration_s = to.saturating_sub(from) as f64 * 1e-9;
+    let sizes = sizes(recording, duration_s)?;
     // Without the header, which is there once, however long the session.
-    let body = recording
-        .chunks
-        .first()
-        .map_or(0, |first| recording.len() - first.start as u64);
+    let body = recording.len() - sizes.header_bytes;
     Ok(Info {
         file: path.shown().to_string(),
         bytes: recording.len(),
-        sizes: sizes(recording, duration_s)?,
+        sizes,
         bytes_per_minute: (duration_s > 0.0).then(|| body as f64 / duration_s * 60.0),
         duration_s,
         ticks: facts.rows,

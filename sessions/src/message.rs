@@ -4,8 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::bytes::Cut;
 use crate::chain::Link;
+use crate::channels::{Schema, exact};
+use crate::envelope;
+use crate::format::Layout;
 use crate::row::Row;
-use crate::statement::{SignedStatement, Statement};
+use crate::statement::SignedStatement;
 
 /// Channels that this crate writes and reads. Others in a file are for viewers, and are skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,31 +31,32 @@ impl Topic {
         }
     }
 
-    /// Encoding of the messages.
-    pub fn encoding(self) -> &'static str {
-        match self {
-            Self::Ticks => "sulcus-row",
-            Self::Snapshots => "sulcus-state",
-            Self::Chain => "sulcus-chain",
-            Self::Events => "json",
+    /// Encoding of the messages in this layout.
+    pub fn encoding(self, layout: Layout) -> &'static str {
+        match (layout, self) {
+            (Layout::Protobuf, _) => "protobuf",
+            (Layout::Bare, Self::Ticks) => "sulcus-row",
+            (Layout::Bare, Self::Snapshots) => "sulcus-state",
+            (Layout::Bare, Self::Chain) => "sulcus-chain",
+            (Layout::Bare, Self::Events) => "json",
         }
     }
 
-    /// Name, encoding and text of the schema.
-    pub fn schema(self) -> (&'static str, &'static str, &'static str) {
+    /// Layout of the messages of a channel of this encoding; `None` where it is none of this topic's.
+    pub fn layout(self, encoding: &str) -> Option<Layout> {
+        let known = [Layout::Protobuf, Layout::Bare];
+        known
+            .into_iter()
+            .find(|layout| self.encoding(*layout) == encoding)
+    }
+
+    /// Schema of the messages in the present layout.
+    pub fn schema(self) -> Schema {
         match self {
-            Self::Ticks => ("sulcus.Row", "text", Row::SCHEMA),
-            Self::Snapshots => (
-                "sulcus.State",
-                "text",
-                "u64 tick, little-endian, then the bytes of sulcus_core::State after that tick.\n",
-            ),
-            Self::Chain => ("sulcus.Statement", "text", Statement::SCHEMA),
-            Self::Events => (
-                "sulcus.Event",
-                "jsonschema",
-                r#"{"type":"object","required":["time_unix_ns","level","text"],"properties":{"time_unix_ns":{"type":"integer"},"level":{"enum":["info","warning","error"]},"text":{"type":"string"}}}"#,
-            ),
+            Self::Ticks => exact::ROW,
+            Self::Snapshots => exact::STATE,
+            Self::Chain => exact::STATEMENT,
+            Self::Events => exact::EVENT,
         }
     }
 
@@ -114,8 +118,12 @@ pub enum Message {
 pub(crate) const MAX_TICK: u64 = 1 << 58;
 
 impl Message {
-    /// Decodes a message; `None` when its bytes are not of their kind.
-    pub(crate) fn decode(topic: Topic, bytes: &[u8]) -> Option<Self> {
+    /// Decodes a message in this layout; `None` when its bytes are not of their kind.
+    pub(crate) fn decode(topic: Topic, layout: Layout, bytes: &[u8]) -> Option<Self> {
+        let bytes = match layout {
+            Layout::Protobuf => envelope::open(bytes)?,
+            Layout::Bare => bytes,
+        };
         match topic {
             Topic::Ticks => Row::from_bytes(bytes)
                 .filter(|row| row.tick <= MAX_TICK)

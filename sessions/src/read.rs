@@ -1,8 +1,8 @@
 //! Reading a recording: strict, bounded, never a panic, and what a crash left is still read.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Serialize;
 use sulcus_core::scene::SCENE_VERSION;
@@ -10,11 +10,12 @@ use sulcus_core::{Scene, SceneError};
 use sulcus_program::PathText;
 
 use crate::format::Migration;
+use crate::gap::Gap;
 use crate::header::SessionHeader;
 use crate::key::PublicKey;
 use crate::message::Message;
 use crate::program::Program;
-use crate::scan;
+use crate::scan::{self, Depth};
 use crate::statement::SessionEnd;
 use crate::verify::Signature;
 use crate::viewers::Viewers;
@@ -34,7 +35,7 @@ pub enum ReadError {
     #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
     NotMcap,
     /// An MCAP file of somebody else's.
-    #[error("not a Sulcus recording: the MCAP file has no metadata `sulcus` before its first data")]
+    #[error("not a Sulcus recording: the MCAP file has no metadata `sulcus`")]
     NotSulcus,
     /// Nothing can be said about a recording without its header.
     #[error("recording ends inside its header, after {at} bytes: nothing in it can be used")]
@@ -107,7 +108,8 @@ pub enum Ending {
         /// What is missing.
         why: String,
     },
-    /// Properly, but without the station's last statement: what a torn file held was written anew ([`crate::recover()`]).
+    /// Properly, but without the station's last statement, or with gaps: what a torn or damaged file held was written anew
+    /// ([`crate::recover()`]).
     Recovered {
         /// How the torn file ended.
         was: String,
@@ -182,14 +184,22 @@ impl std::ops::Deref for Bytes {
 /// A recording whose structure was checked from end to end; its messages are unpacked as they are
 /// read, so that an hour takes no more memory than a second.
 pub struct Recording {
-    pub(crate) bytes: Bytes,
+    pub(crate) bytes: Arc<Bytes>,
     pub(crate) header: SessionHeader,
     pub(crate) header_digest: [u8; 32],
     pub(crate) migration: Option<Migration>,
     pub(crate) signer: PublicKey,
-    pub(crate) chunks: Vec<Range<usize>>,
+    /// Where the attachments and the metadata of the header begin.
+    pub(crate) placed: Vec<usize>,
+    /// Chunks, and stretches of records outside of chunks.
+    pub(crate) pieces: Vec<Range<usize>>,
+    /// Schemas and channels that the file's summary alone still names.
+    pub(crate) declared: Vec<Range<usize>>,
+    /// Where what is read of the file ends.
+    pub(crate) tail: usize,
     pub(crate) facts: Facts,
     pub(crate) viewers: Viewers,
+    pub(crate) gaps: Vec<Gap>,
     pub(crate) ending: Ending,
 }
 
@@ -209,6 +219,27 @@ impl Recording {
     /// # Errors
     /// When it is no recording, or holds no row.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::map(path, Depth::Strict)
+    }
+
+    /// As [`Recording::open`], and every chunk that is whole behind damage is read, too: for a recovery.
+    /// [`Recording::gaps`] says where something is missing.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn salvage(path: &Path) -> Result<Self, ReadError> {
+        Self::map(path, Depth::Salvage)
+    }
+
+    /// This recording, with every chunk that is whole behind damage.
+    ///
+    /// # Errors
+    /// When the file changes meanwhile.
+    pub(crate) fn salvaged(&self) -> Result<Self, ReadError> {
+        scan::scan(Arc::clone(&self.bytes), Depth::Salvage)
+    }
+
+    fn map(path: &Path, depth: Depth) -> Result<Self, ReadError> {
         let failed = |source| ReadError::Io {
             path: path.to_owned(),
             source,
@@ -225,7 +256,7 @@ impl Recording {
         // program that overwrote it meanwhile would be noticed as damage, since nothing is trusted
         // across two reads. (One that shortened it could end this process, as with any mapped file.)
         let map = unsafe { memmap2::Mmap::map(&file) }.map_err(failed)?;
-        scan::scan(Bytes::Mapped(map))
+        scan::scan(Arc::new(Bytes::Mapped(map)), depth)
     }
 
     /// As [`Recording::open`], from memory.
@@ -233,7 +264,15 @@ impl Recording {
     /// # Errors
     /// As [`Recording::open`].
     pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, ReadError> {
-        scan::scan(Bytes::Owned(bytes))
+        scan::scan(Arc::new(Bytes::Owned(bytes)), Depth::Strict)
+    }
+
+    /// As [`Recording::salvage`], from memory.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn salvage_bytes(bytes: Vec<u8>) -> Result<Self, ReadError> {
+        scan::scan(Arc::new(Bytes::Owned(bytes)), Depth::Salvage)
     }
 
     /// What is constant in the session.
@@ -277,8 +316,8 @@ impl Recording {
 
     /// Whether a chunk that was found good begins at this byte; one of viewers' that was passed over is not.
     pub(crate) fn is_good_chunk(&self, at: usize) -> bool {
-        let begins = |chunk: &Range<usize>| chunk.start;
-        self.chunks.binary_search_by_key(&at, begins).is_ok()
+        let begins = |piece: &Range<usize>| piece.start;
+        self.pieces.binary_search_by_key(&at, begins).is_ok()
     }
 
     /// Whether what viewers read of it is what was recorded.
@@ -286,8 +325,15 @@ impl Recording {
     pub fn viewers_by(&self, signature: &Signature) -> Viewers {
         match (self.viewers, signature) {
             (Viewers::AsSigned, Signature::Invalid { .. }) => Viewers::NotSigned,
+            // A part of it may be missing with the rest.
+            (Viewers::Changed, _) if !self.gaps.is_empty() => Viewers::NotSigned,
             (viewers, _) => viewers,
         }
+    }
+
+    /// Where a part of the exact record is missing: in what was recovered of a damaged file.
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps
     }
 
     /// How it ends.
@@ -309,17 +355,29 @@ impl Recording {
     pub fn messages(&self) -> Messages<'_> {
         Messages {
             recording: self,
-            next_chunk: 0,
-            topics: BTreeMap::new(),
+            next_piece: 0,
+            topics: self.declared_topics(),
             unpacked: Vec::new().into_iter(),
         }
+    }
+}
+
+impl Recording {
+    /// Channels that are known before the first piece is read.
+    fn declared_topics(&self) -> scan::Topics {
+        let mut topics = scan::Topics::new();
+        for range in &self.declared {
+            // Found good by the scan; of bytes that changed meanwhile, the message that names the channel is found wrong.
+            let _ = scan::unpack(&self.bytes[range.clone()], &mut topics, None);
+        }
+        topics
     }
 }
 
 /// Iterator over a recording's messages; unpacks one chunk at a time.
 pub struct Messages<'a> {
     recording: &'a Recording,
-    next_chunk: usize,
+    next_piece: usize,
     topics: scan::Topics,
     unpacked: std::vec::IntoIter<Message>,
 }
@@ -332,12 +390,12 @@ impl Iterator for Messages<'_> {
             if let Some(message) = self.unpacked.next() {
                 return Some(Ok(message));
             }
-            let range = self.recording.chunks.get(self.next_chunk)?.clone();
-            self.next_chunk += 1;
-            match scan::unpack_at(&self.recording.bytes, range, &mut self.topics) {
+            let range = self.recording.pieces.get(self.next_piece)?.clone();
+            self.next_piece += 1;
+            match scan::unpack(&self.recording.bytes[range], &mut self.topics, None) {
                 Ok(messages) => self.unpacked = messages.into_iter(),
                 Err(what) => {
-                    self.next_chunk = self.recording.chunks.len();
+                    self.next_piece = self.recording.pieces.len();
                     return Some(Err(ReadError::Changed { what }));
                 }
             }

@@ -12,6 +12,7 @@ use mcap::write::NoSeek;
 
 use crate::chain::{Chain, Link};
 use crate::channels;
+use crate::envelope;
 use crate::header::{self, SessionHeader};
 use crate::key::StationKey;
 use crate::message::{Event, Level, Topic};
@@ -60,6 +61,8 @@ pub struct Recorder {
     /// Record time of the last flush and of the last signature; the first message sets both.
     times: Option<(u64, u64)>,
     last_time: u64,
+    /// The protobuf message around the bytes that are written next.
+    sealed: Vec<u8>,
     snapshots: u64,
     lost_rows: u64,
 }
@@ -116,6 +119,7 @@ impl Recorder {
             hashes: [digest, header.scene_hash(), header.exercise_hash()],
             times: None,
             last_time: header.started_unix_ns,
+            sealed: Vec::new(),
             snapshots: 0,
             lost_rows: 0,
         })
@@ -181,7 +185,7 @@ impl Recorder {
     ) -> Result<(), RecordError> {
         self.log_exactly(time_unix_ns, level, text)?;
         let log = channels::log(time_unix_ns, level, text);
-        self.view(self.log, time_unix_ns, &log)
+        self.view(self.log, self.last_time, &log)
     }
 
     fn log_exactly(
@@ -197,7 +201,8 @@ impl Recorder {
         }
         .to_bytes();
         self.chain.add(Link::Event, None, &bytes);
-        self.put(Topic::Events, time_unix_ns, &bytes)
+        // In MCAP's log the time of what came before it: a tool that sorts messages by that time keeps the order of the chain.
+        self.put(Topic::Events, self.last_time, &bytes)
     }
 
     /// Closes the chunks and hands them to the system. [`Recorder::push`] does so by itself every
@@ -283,7 +288,11 @@ impl Recorder {
             log_time: time_unix_ns,
             publish_time: time_unix_ns,
         };
-        self.write(|writer| writer.write_to_known_channel(&header, bytes))
+        let mut sealed = std::mem::take(&mut self.sealed);
+        envelope::seal(bytes, &mut sealed);
+        let written = self.write(|writer| writer.write_to_known_channel(&header, &sealed));
+        self.sealed = sealed;
+        written
     }
 
     /// Runs `action` on the writer; after the first failure there is no writer, and this is `Ok`.

@@ -1,27 +1,29 @@
-//! A torn recording made whole again, as far as it goes.
+//! A torn or damaged recording made whole again, as far as it goes.
 //!
-//! What a crash leaves is a clean prefix without an end: this program reads it as it is, other MCAP tools may not. Recovery writes
-//! a new file of all whole chunks, with an index and a proper end, and says in its metadata `sulcus.recovered` that it did,
-//! and what is missing. A damaged chunk of what viewers read is left behind, so that they can open the rest. Messages are copied as they are: chain and signatures hold as far as they went.
+//! A crash leaves a clean prefix without an end: this program reads it as it is, other MCAP tools may not. A broken disk leaves
+//! damage with whole chunks behind it. Recovery writes a new file of all whole chunks, with an index and a proper end. Its metadata
+//! `sulcus.recovered` says how the damaged file ended, what is missing, and where the gaps are ([`Gap`]), so that a replay begins
+//! again with the first snapshot behind each. A damaged chunk of what viewers read is left behind, so that they can open the
+//! rest. Messages are copied as they are: chain and signatures hold between the gaps. A grade does not rest on a recording with a
+//! gap.
 
 mod lost;
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use mcap::read::{ChunkFlattener, Options};
-use mcap::records::{Metadata, Record, op};
+use mcap::records::{Metadata, Record};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 use serde::Serialize;
 use sulcus_program::PathText;
 
+use crate::gap::Gap;
 use crate::read::{Ending, Facts, ReadError, Recording};
 use crate::verify::{Signature, verify};
-use crate::walk::Walk;
+use crate::walk::{self, Framed, Walk};
 
 pub use lost::{Lost, LostChannel};
 
@@ -31,6 +33,8 @@ pub(crate) const METADATA: &str = "sulcus.recovered";
 pub(crate) const WAS: &str = "was";
 /// See there.
 pub(crate) const MISSING: &str = "missing";
+/// The gaps, as JSON; not there where there is none.
+pub(crate) const GAPS: &str = "gaps";
 
 /// Why nothing was recovered.
 #[derive(Debug, thiserror::Error)]
@@ -63,6 +67,8 @@ pub struct Recovered {
     pub bytes: u64,
     /// Rows in it.
     pub ticks: u64,
+    /// The first of them.
+    pub first_tick: u64,
     /// The last of them.
     pub last_tick: u64,
     /// How the torn file ends.
@@ -80,8 +86,9 @@ impl std::fmt::Display for Recovered {
         writeln!(f, "{}", self.file)?;
         writeln!(
             f,
-            "  recovered  {} ticks, up to tick {}, {:.2} MB",
+            "  recovered  {} ticks, {} to {}, {:.2} MB",
             self.ticks,
+            self.first_tick,
             self.last_tick,
             self.bytes as f64 * 1e-6
         )?;
@@ -95,7 +102,8 @@ impl std::fmt::Display for Recovered {
     }
 }
 
-/// Writes what is whole of `recording` to a new file at `out`; `progress` is told the bytes of the torn file that are done.
+/// Writes every whole chunk of `recording`, before and behind damage, to a new file at `out`. `progress` is told the bytes of
+/// the damaged file that are done.
 ///
 /// # Errors
 /// When the recording is whole, or the file exists or cannot be written. Then nothing is left at `out`, unless it was there before.
@@ -109,14 +117,14 @@ pub fn recover(
         what: what.to_string(),
     };
     // Before a file is made.
-    tear(recording)?;
+    let whole = salvaged(recording)?;
     let file = OpenOptions::new()
         .write(true)
         .create_new(true)
         .open(out)
         .map_err(failed)?;
     let written = (|| {
-        let (writer, lost) = recover_to(recording, BufWriter::new(&file), progress)?;
+        let (writer, lost) = write(&whole, BufWriter::new(&file), progress)?;
         writer
             .into_inner()
             .map_err(|error| failed(error.into_error()))?;
@@ -124,16 +132,18 @@ pub fn recover(
         let again = Recording::open(out)?;
         let facts = Facts {
             damaged_views: 0,
-            ..recording.facts().clone()
+            ..whole.facts().clone()
         };
-        if *again.facts() != facts {
+        if *again.facts() != facts || again.gaps() != whole.gaps() {
             return Err(RecoverError::Copy("the copy has other messages".to_owned()));
         }
+        let (first_tick, last_tick) = facts.ticks.unwrap_or_default();
         Ok(Recovered {
             file: out.shown().to_string(),
             bytes: again.len(),
-            ticks: again.facts().rows,
-            last_tick: again.facts().ticks.unwrap_or_default().1,
+            ticks: facts.rows,
+            first_tick,
+            last_tick,
             was: recording.ending().clone(),
             ending: again.ending().clone(),
             lost,
@@ -155,16 +165,37 @@ pub fn recover_to<W: Write>(
     out: W,
     progress: &mut dyn FnMut(u64),
 ) -> Result<(W, Lost), RecoverError> {
-    let tear = tear(recording)?;
-    let whole = good_bytes(recording, tear)?;
-    let mut copy = Copy::new(out, &whole)?;
-    copy.all(&whole, progress)?;
-    let lost = lost::find(recording, tear, &copy.seen);
-    let note = BTreeMap::from([
+    write(&salvaged(recording)?, out, progress)
+}
+
+/// The recording with every whole chunk.
+fn salvaged(recording: &Recording) -> Result<Recording, RecoverError> {
+    match recording.ending() {
+        Ending::CutOff { .. } | Ending::Damaged { .. } => {}
+        // Others cannot open it for a damaged chunk of viewers'.
+        _ if recording.facts().damaged_views > 0 => {}
+        ending => return Err(RecoverError::Whole(ending.clone())),
+    }
+    Ok(recording.salvaged()?)
+}
+
+/// Writes what was salvaged, and the note.
+fn write<W: Write>(
+    whole: &Recording,
+    out: W,
+    progress: &mut dyn FnMut(u64),
+) -> Result<(W, Lost), RecoverError> {
+    let mut copy = Copy::new(out, whole)?;
+    copy.all(whole, progress)?;
+    let lost = lost::find(whole, &copy.seen);
+    let mut note = BTreeMap::from([
         ("by".to_owned(), crate::program::Program::this().to_string()),
-        (WAS.to_owned(), recording.ending().to_string()),
+        (WAS.to_owned(), whole.ending().to_string()),
         (MISSING.to_owned(), lost.to_string()),
     ]);
+    if !whole.gaps().is_empty() {
+        note.insert(GAPS.to_owned(), Gap::list(whole.gaps()));
+    }
     copy.writer
         .write_metadata(&Metadata {
             name: METADATA.to_owned(),
@@ -179,36 +210,6 @@ fn copied(error: mcap::McapError) -> RecoverError {
     RecoverError::Copy(crate::record::reason(&error))
 }
 
-/// Where a torn recording is torn, bytes; one that others cannot open for a damaged chunk of viewers' ends where it ends.
-fn tear(recording: &Recording) -> Result<usize, RecoverError> {
-    match recording.ending() {
-        Ending::CutOff { at_byte, .. } | Ending::Damaged { at_byte, .. } => {
-            let at = usize::try_from(*at_byte).unwrap_or(usize::MAX);
-            Ok(at.min(recording.bytes.len()))
-        }
-        _ if recording.facts().damaged_views > 0 => Ok(recording.bytes.len()),
-        ending => Err(RecoverError::Whole(ending.clone())),
-    }
-}
-
-/// The bytes of a torn recording before the tear, without the chunks of viewers' that were passed over.
-fn good_bytes(recording: &Recording, tear: usize) -> Result<Cow<'_, [u8]>, RecoverError> {
-    let whole = &recording.bytes[..tear];
-    if recording.facts().damaged_views == 0 {
-        return Ok(Cow::Borrowed(whole));
-    }
-    let mut good = Vec::with_capacity(whole.len());
-    let mut walk = Walk::new(whole).ok_or(ReadError::NotMcap)?;
-    good.extend_from_slice(&whole[..walk.at]);
-    while let Ok(record) = walk.peek() {
-        if record.opcode != op::CHUNK || recording.is_good_chunk(walk.at) {
-            good.extend_from_slice(record.whole);
-        }
-        walk.pass(&record);
-    }
-    Ok(Cow::Owned(good))
-}
-
 /// A channel and the time of the last message of it that was kept.
 pub(crate) type Seen = BTreeMap<u16, (String, Option<u64>)>;
 
@@ -218,12 +219,15 @@ struct Copy<W: Write> {
 }
 
 impl<W: Write> Copy<W> {
-    fn new(out: W, whole: &[u8]) -> Result<Self, RecoverError> {
+    fn new(out: W, whole: &Recording) -> Result<Self, RecoverError> {
         // As it was: the first record says who wrote the messages, the metadata who recovered them.
-        let library = match records(whole)?.next() {
-            Some(Ok(Record::Header(header))) => header.library,
-            _ => return Err(RecoverError::Copy("it has no first record".to_owned())),
-        };
+        let first = walk(whole)?.peek().ok();
+        let library = first.and_then(|first| match parsed(&first) {
+            Ok(Record::Header(header)) => Some(header.library),
+            _ => None,
+        });
+        let library =
+            library.ok_or_else(|| RecoverError::Copy("it has no first record".to_owned()))?;
         let writer = WriteOptions::new()
             .library(library)
             // As the recorder packs.
@@ -240,23 +244,45 @@ impl<W: Write> Copy<W> {
         })
     }
 
-    fn all(&mut self, whole: &[u8], progress: &mut dyn FnMut(u64)) -> Result<(), RecoverError> {
-        let mut done = 0;
-        for record in records(whole)? {
-            let record = record.map_err(copied)?;
-            if matches!(record, Record::DataEnd(_)) {
-                break;
+    fn all(
+        &mut self,
+        whole: &Recording,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<(), RecoverError> {
+        let walk = walk(whole)?;
+        for at in &whole.placed {
+            if let Ok(record) = walk.peek_at(*at) {
+                self.one(parsed(&record)?)?;
             }
-            done += self.one(record)?;
-            // (Unpacked bytes: roughly as many.)
-            progress(done.min(whole.len() as u64));
         }
-        progress(whole.len() as u64);
+        for range in &whole.declared {
+            self.piece(&whole.bytes[range.clone()])?;
+        }
+        for range in &whole.pieces {
+            self.piece(&whole.bytes[range.clone()])?;
+            progress(range.end as u64);
+        }
+        progress(whole.len());
         Ok(())
     }
 
-    /// Copies a record; gives its length.
-    fn one(&mut self, record: Record<'_>) -> Result<u64, RecoverError> {
+    fn piece(&mut self, piece: &[u8]) -> Result<(), RecoverError> {
+        let mut failed = None;
+        let visited = walk::visit(piece, |opcode, body| {
+            if failed.is_none() {
+                let record = mcap::parse_record(opcode, body).map_err(copied);
+                failed = record.and_then(|record| self.one(record)).err();
+            }
+            Ok(())
+        });
+        match failed {
+            Some(error) => Err(error),
+            None => Ok(visited.map_err(|what| ReadError::Changed { what })?),
+        }
+    }
+
+    /// Copies a record.
+    fn one(&mut self, record: Record<'_>) -> Result<(), RecoverError> {
         let writer = &mut self.writer;
         match record {
             Record::Schema { header, data } => {
@@ -283,10 +309,8 @@ impl<W: Write> Copy<W> {
                 if let Some((_, last)) = self.seen.get_mut(&header.channel_id) {
                     *last = Some(header.log_time);
                 }
-                return Ok(data.len() as u64 + 31);
             }
             Record::Attachment { header, data, .. } => {
-                let length = data.len() as u64;
                 writer
                     .attach(&Attachment {
                         log_time: header.log_time,
@@ -296,17 +320,18 @@ impl<W: Write> Copy<W> {
                         data,
                     })
                     .map_err(copied)?;
-                return Ok(length);
             }
-            // Torn again after a recovery: the newer note stands for both.
-            Record::Metadata(metadata) if metadata.name == METADATA => {}
             Record::Metadata(metadata) => writer.write_metadata(&metadata).map_err(copied)?,
             _ => {}
         }
-        Ok(0)
+        Ok(())
     }
 }
 
-fn records(whole: &[u8]) -> Result<ChunkFlattener<'_>, RecoverError> {
-    ChunkFlattener::new_with_options(whole, Options::IgnoreEndMagic.into()).map_err(copied)
+fn walk(whole: &Recording) -> Result<Walk<'_>, RecoverError> {
+    Ok(Walk::new(&whole.bytes).ok_or(ReadError::NotMcap)?)
+}
+
+fn parsed<'a>(record: &Framed<'a>) -> Result<Record<'a>, RecoverError> {
+    mcap::parse_record(record.opcode, record.body).map_err(copied)
 }

@@ -4,6 +4,7 @@ mod deviation;
 mod gradable;
 mod run;
 mod span;
+mod stretch;
 
 use std::time::Instant;
 
@@ -21,9 +22,11 @@ use crate::viewers::Viewers;
 
 pub use deviation::Deviation;
 pub use span::{Part, Span};
+pub use stretch::Stretch;
 
 use run::Run;
 pub(crate) use run::recorded as recorded_state;
+use stretch::Gaps;
 
 /// How to replay.
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,6 +88,8 @@ pub struct ReplayReport {
     pub realtime_factor: f64,
     /// The part that was run, where not all was asked for.
     pub part: Option<Part>,
+    /// Where the recording has gaps, the stretches between them; otherwise empty.
+    pub stretches: Vec<Stretch>,
     /// The program that recorded.
     pub recorded_by: Program,
     /// The program that replayed: this one.
@@ -147,6 +152,11 @@ pub enum ReplayError {
     /// The state to begin with is not one of the scene.
     #[error("recording's snapshot to begin with cannot be used: {0}")]
     Snapshot(String),
+    /// Two scenes cannot be compared over a gap.
+    #[error(
+        "recording has a gap ({0}): compare a part of it before or behind the gap, by --from and --to"
+    )]
+    Gap(crate::gap::Gap),
     /// The part asked for is not in the session.
     #[error("{field} is {found}, expected {expected}")]
     Span {
@@ -189,14 +199,20 @@ pub fn replay_observed(
     let part = options.span.part(recording, scene.tick_s())?;
     let mut verifier = Verifier::new(recording);
     let mut run = Run::new(&scene, options.audit, recording.migration().is_none());
+    let mut gaps = Gaps::new(recording.gaps());
     let began = Instant::now();
     for message in recording.messages() {
         let message = message?;
+        if gaps.before(&message) {
+            run.gap();
+        }
         // The whole chain, whatever the part: a signature is over all of it.
         verifier.message(&message);
         match &message {
             Message::Row(row) if part.runs(row.tick) => {
-                let output = run.row(row);
+                let Some(output) = run.row(row) else {
+                    continue;
+                };
                 observe(&scene, &row.input, &output, run.workspace());
                 if run.ticks.is_multiple_of(REPORT_EVERY) {
                     progress(run.ticks);
@@ -209,6 +225,12 @@ pub fn replay_observed(
         }
     }
     progress(run.ticks);
+    if run.ticks == 0 && !recording.gaps().is_empty() {
+        return Err(ReplayError::Snapshot(
+            "no row follows one in what was recovered".to_owned(),
+        ));
+    }
+    let stretches = run.stretches(verifier.signed());
     let simulated_s = run.simulated_ticks as f64 * scene.tick_s();
     let realtime_factor = simulated_s / began.elapsed().as_secs_f64().max(1e-9);
     let verdict = verifier.finish(options.trust.as_ref());
@@ -223,6 +245,11 @@ pub fn replay_observed(
         migration: recording.migration(),
         realtime_factor,
         part: (!options.span.is_all()).then_some(part),
+        stretches: if recording.gaps().is_empty() {
+            Vec::new()
+        } else {
+            stretches
+        },
         recorded_by: Program::of(recording.header()),
         replayed_by: Program::this(),
         viewers: recording.viewers_by(&verdict.signature),

@@ -29,28 +29,6 @@ impl Row {
     /// Length of [`Row::to_bytes`].
     pub const BYTES: usize = 8 + 8 + TickInput::BYTES + MAX_TOOLS * TOOL_BYTES + 8;
 
-    /// The layout in words; stored in every recording as the schema of its rows.
-    pub const SCHEMA: &str = "\
-Little-endian, no padding.
-u64     tick          number of the tick on the clock's grid; its rate is the scene's, 1 kHz by default
-u64     time_unix_ns  session clock, nanoseconds since the Unix epoch
-u8      paused        0 or 1
-u16     skipped       ticks of the grid missed just before this one
-f32     force_limit_n instructor's limit, N; 0: the scene's
-u8      detail        level of detail of tissues, 0 the coarsest
-2 times, input of a tool:
-  u8      flags       bit 0 present, bit 1 stale
-  u16     age_ticks   age of the pose
-  u16     buttons     one bit each
-  f32[3]  position    device point, world, m
-  f32[4]  orientation w x y z, world from tool
-2 times, output of a tool:
-  f32[3]  force       N, world axes
-  f32[3]  torque      N m, world axes, about the device point
-  u16     status      bits, see sulcus_core::output::status
-u64     hash          xxh3, chained: previous hash, input, state
-";
-
     /// The row of a tick that was just run.
     pub fn new(time_unix_ns: u64, input: &TickInput, output: &TickOutput) -> Self {
         let wrench = output.tools.map(|tool| {
@@ -67,7 +45,7 @@ u64     hash          xxh3, chained: previous hash, input, state
         }
     }
 
-    /// The layout that [`Row::SCHEMA`] describes; bit-exact for every float, NaN included.
+    /// The layout that `proto/sulcus/v1/exact_row.proto` describes; bit-exact for every float, NaN included.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         let mut rest = &mut bytes[..];

@@ -34,7 +34,8 @@ pub struct ChannelSize {
 /// Where the bytes are.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Sizes {
-    /// Everything before the first chunk: the scene above all. There once, however long the session.
+    /// Everything before the first message, with attachments and metadata wherever they are: the scene above all. There once,
+    /// however long the session.
     pub header_bytes: u64,
     /// Exact rows, snapshots, signatures and events.
     pub exact_bytes: f64,
@@ -58,19 +59,24 @@ pub struct Sizes {
 /// When the file changes meanwhile.
 pub(crate) fn sizes(recording: &Recording, duration_s: f64) -> Result<Sizes, ReadError> {
     let changed = |what: String| ReadError::Changed { what };
-    let begin = recording.chunks.first().map_or(0, |first| first.start);
-    let last = recording.chunks.last().map_or(0, |last| last.start);
+    let begin = recording.pieces.first().map_or(0, |first| first.start);
+    let end = recording.pieces.last().map_or(0, |last| last.end);
     let mut walk = Walk::new(&recording.bytes).ok_or(ReadError::NotMcap)?;
+    let behind = recording.placed.iter().filter(|at| **at >= begin);
+    let header = behind.fold(begin, |sum, at| {
+        sum + walk.peek_at(*at).map_or(0, |record| record.whole.len())
+    });
     walk.at = begin;
     let mut table = Table::default();
-    // Past the last good chunk only its indices count.
+    // Past the last good piece only indices count.
     while let Ok(record) = walk.peek() {
         match record.opcode {
             op::CHUNK if recording.is_good_chunk(walk.at) => {
                 table.chunk(&record).map_err(changed)?
             }
+            op::SCHEMA | op::CHANNEL | op::MESSAGE if walk.at < end => table.loose(&record),
             op::MESSAGE_INDEX => table.index(&record),
-            _ if walk.at > last => break,
+            _ if walk.at >= end => break,
             _ => {}
         }
         walk.pass(&record);
@@ -83,16 +89,16 @@ pub(crate) fn sizes(recording: &Recording, duration_s: f64) -> Result<Sizes, Rea
     };
     let (exact, view) = (sum(true), sum(false));
     let rate = |bytes: f64| (duration_s > 0.0).then(|| bytes * 1e-6 / duration_s * 60.0);
-    let rest = recording.len() as f64 - begin as f64 - exact - view;
+    let rest = recording.len() as f64 - header as f64 - exact - view;
     let hour = rate(exact + view + rest).map(|per_minute| per_minute * 60.0 * 1e-3);
     Ok(Sizes {
-        header_bytes: begin as u64,
+        header_bytes: header as u64,
         exact_bytes: exact,
         view_bytes: view,
         rest_bytes: rest,
         exact_mb_per_minute: rate(exact),
         view_mb_per_minute: rate(view),
-        gb_per_station_hour: hour.map(|hour| hour + begin as f64 * 1e-9),
+        gb_per_station_hour: hour.map(|hour| hour + header as f64 * 1e-9),
         channels,
     })
 }
@@ -108,23 +114,8 @@ impl Table {
     fn chunk(&mut self, chunk: &Framed<'_>) -> Result<(), String> {
         let mut shares: BTreeMap<u16, u64> = BTreeMap::new();
         walk::unpack(chunk, |opcode, body| {
-            match opcode {
-                op::SCHEMA => {
-                    if let Some((id, name, ..)) = walk::schema(body) {
-                        self.schemas.insert(id, name.to_owned());
-                    }
-                }
-                op::CHANNEL => self.channel(body),
-                op::MESSAGE => {
-                    if let Some((id, _, bytes)) = walk::message(body)
-                        && let Some(channel) = self.channels.get_mut(&id)
-                    {
-                        channel.messages += 1;
-                        channel.message_bytes += bytes.len() as u64;
-                        *shares.entry(id).or_default() += body.len() as u64;
-                    }
-                }
-                _ => {}
+            if let Some(id) = self.record(opcode, body) {
+                *shares.entry(id).or_default() += body.len() as u64;
             }
             Ok(())
         })?;
@@ -135,6 +126,38 @@ impl Table {
             }
         }
         Ok(())
+    }
+
+    /// Takes in a record outside of any chunk.
+    fn loose(&mut self, record: &Framed<'_>) {
+        if let Some(id) = self.record(record.opcode, record.body)
+            && let Some(channel) = self.channels.get_mut(&id)
+        {
+            channel.stored_bytes += record.whole.len() as f64;
+        }
+    }
+
+    /// Takes in a record; gives the channel of a message.
+    fn record(&mut self, opcode: u8, body: &[u8]) -> Option<u16> {
+        match opcode {
+            op::SCHEMA => {
+                let (id, name, ..) = walk::schema(body)?;
+                self.schemas.insert(id, name.to_owned());
+                None
+            }
+            op::CHANNEL => {
+                self.channel(body);
+                None
+            }
+            op::MESSAGE => {
+                let (id, _, bytes) = walk::message(body)?;
+                let channel = self.channels.get_mut(&id)?;
+                channel.messages += 1;
+                channel.message_bytes += bytes.len() as u64;
+                Some(id)
+            }
+            _ => None,
+        }
     }
 
     fn channel(&mut self, body: &[u8]) {

@@ -94,20 +94,6 @@ const DOMAIN: &[u8; 16] = b"sulcus chain v1\0";
 const BODY: usize = 1 + 8 + 8 + 4 * 32 + 7 * 8;
 
 impl Statement {
-    /// The layout in words; stored as the schema of `/exact/chain`.
-    pub const SCHEMA: &str = "\
-Little-endian, no padding.
-u8      kind      0: so far, 1: end of session
-u64     tick      of the last row or snapshot covered
-u64     rows      covered
-u8[32]  head      chain: head = blake3(head || kind || message), kind 1 row, 2 snapshot, 3 event; begins with header
-u8[32]  header    blake3 over the pairs of metadata `sulcus`, sorted, each string behind its length in 8 bytes
-u8[32]  scene     blake3 of attachment scene.bin
-u8[32]  exercise  blake3 of attachment exercise
-u64[7]  end       ticks, skipped, dropped_rows, deadline_misses, exhausted, lost, late; zeros unless kind is 1
-u8[64]  signature ed25519 over `sulcus chain v1`, a zero byte, and all of the above
-";
-
     fn body(&self) -> [u8; BODY] {
         let mut bytes = Vec::with_capacity(BODY);
         bytes.push(u8::from(self.end.is_some()));
@@ -142,7 +128,7 @@ impl SignedStatement {
     /// Length of [`SignedStatement::to_bytes`].
     pub const BYTES: usize = BODY + 64;
 
-    /// The layout that [`Statement::SCHEMA`] describes.
+    /// The layout that `proto/sulcus/v1/exact_statement.proto` describes.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         bytes[..BODY].copy_from_slice(&self.statement.body());

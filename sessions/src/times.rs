@@ -7,7 +7,7 @@ use prost::Message as _;
 
 use crate::channels::{SESSION_METRICS, v1::SessionMetrics};
 use crate::read::{ReadError, Recording};
-use crate::walk::{self, Walk};
+use crate::walk;
 
 /// Longest tick since the message before, CPU time of the thread, microseconds, by the number of the message's tick. Empty
 /// where the recording has no such channel. Nothing rests on it: a message that cannot be read is left out.
@@ -15,38 +15,28 @@ use crate::walk::{self, Walk};
 /// # Errors
 /// When the file is no MCAP, or a chunk changed since the file was opened.
 pub fn longest_tick_us(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError> {
-    let mut walk = Walk::new(&recording.bytes).ok_or(ReadError::NotMcap)?;
-    let first = recording.chunks.first().map_or(0, |chunk| chunk.start);
-    let last = recording.chunks.last().map_or(0, |chunk| chunk.start);
-    walk.at = first;
     let (mut times, mut ours) = (BTreeMap::new(), None);
-    while let Ok(record) = walk.peek() {
-        if walk.at > last {
-            break;
-        }
-        if record.opcode == op::CHUNK && recording.is_good_chunk(walk.at) {
-            walk::unpack(&record, |opcode, body| {
-                match opcode {
-                    op::CHANNEL => {
-                        let named = walk::channel(body);
-                        ours = named
-                            .filter(|(_, _, topic, _)| *topic == SESSION_METRICS)
-                            .map_or(ours, |(id, ..)| Some(id));
-                    }
-                    op::MESSAGE => {
-                        let message = walk::message(body);
-                        let metrics = message
-                            .filter(|(id, ..)| Some(*id) == ours)
-                            .and_then(|(_, _, bytes)| SessionMetrics::decode(bytes).ok());
-                        times.extend(metrics.map(|m| (m.tick, f64::from(m.longest_tick_us))));
-                    }
-                    _ => {}
+    for piece in &recording.pieces {
+        walk::visit(&recording.bytes[piece.clone()], |opcode, body| {
+            match opcode {
+                op::CHANNEL => {
+                    let named = walk::channel(body);
+                    ours = named
+                        .filter(|(_, _, topic, _)| *topic == SESSION_METRICS)
+                        .map_or(ours, |(id, ..)| Some(id));
                 }
-                Ok(())
-            })
-            .map_err(|what| ReadError::Changed { what })?;
-        }
-        walk.pass(&record);
+                op::MESSAGE => {
+                    let message = walk::message(body);
+                    let metrics = message
+                        .filter(|(id, ..)| Some(*id) == ours)
+                        .and_then(|(_, _, bytes)| SessionMetrics::decode(bytes).ok());
+                    times.extend(metrics.map(|m| (m.tick, f64::from(m.longest_tick_us))));
+                }
+                _ => {}
+            }
+            Ok(())
+        })
+        .map_err(|what| ReadError::Changed { what })?;
     }
     Ok(times)
 }

@@ -1,12 +1,14 @@
 //! Whether a recording is what a station signed.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use crate::chain::Chain;
 use crate::key::PublicKey;
 use crate::message::Message;
 use crate::read::{Ending, ReadError, Recording};
-use crate::statement::SignedStatement;
+use crate::statement::{SignedStatement, Statement};
 
 /// What the signatures in a recording say.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -72,6 +74,25 @@ pub(crate) struct Verifier<'a> {
     chain_ok: bool,
     last_valid_tick: Option<u64>,
     first_problem: Option<(String, u64)>,
+    /// Exact messages so far.
+    messages: u64,
+    /// Gaps that were come to.
+    passed: usize,
+    /// Numbers of the gaps that no valid statement follows yet.
+    pending: Range<usize>,
+    /// Numbers of the gaps over which the chain goes on: nothing exact is missing there.
+    bridged: Vec<usize>,
+    /// Ticks between two valid statements with no gap between them, or from the beginning to a valid statement.
+    signed: Vec<Signed>,
+}
+
+/// Ticks that the station's signatures cover without a gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Signed {
+    /// The rows behind this tick are covered; 0 from the beginning on.
+    pub after_tick: u64,
+    /// Up to and with the rows of this tick.
+    pub to_tick: u64,
 }
 
 impl<'a> Verifier<'a> {
@@ -82,10 +103,24 @@ impl<'a> Verifier<'a> {
             chain_ok: true,
             last_valid_tick: None,
             first_problem: None,
+            messages: 0,
+            passed: 0,
+            pending: 0..0,
+            bridged: Vec::new(),
+            signed: Vec::new(),
         }
     }
 
     pub fn message(&mut self, message: &Message) {
+        let gaps = self.recording.gaps();
+        while gaps
+            .get(self.passed)
+            .is_some_and(|gap| gap.messages <= self.messages)
+        {
+            self.passed += 1;
+            self.pending.end = self.passed;
+        }
+        self.messages += 1;
         if let Some((link, tick, bytes)) = message.chained() {
             self.chain.add(link, tick, &bytes);
         }
@@ -93,9 +128,7 @@ impl<'a> Verifier<'a> {
             return;
         };
         match self.check(signed) {
-            Ok(()) if self.first_problem.is_none() => {
-                self.last_valid_tick = Some(self.chain.tick())
-            }
+            Ok(()) if self.first_problem.is_none() => self.holds(&signed.statement),
             Ok(()) => {}
             Err(reason) => {
                 self.first_problem
@@ -104,11 +137,41 @@ impl<'a> Verifier<'a> {
         }
     }
 
+    /// Takes in a statement that holds: the chain came to it, or goes on from it behind a gap.
+    fn holds(&mut self, says: &Statement) {
+        if self.follows(says) {
+            self.bridged.extend(self.pending.clone());
+            match self.signed.last_mut() {
+                Some(signed) => signed.to_tick = says.tick,
+                None => self.signed.push(Signed {
+                    after_tick: 0,
+                    to_tick: says.tick,
+                }),
+            }
+            // Of the stretch that begins the recording.
+            if self.signed.len() == 1 && self.signed[0].after_tick == 0 {
+                self.last_valid_tick = Some(self.chain.tick());
+            }
+        } else {
+            self.chain = Chain::from_statement(says);
+            self.signed.push(Signed {
+                after_tick: says.tick,
+                to_tick: says.tick,
+            });
+        }
+        self.pending = self.passed..self.passed;
+    }
+
+    fn follows(&self, says: &Statement) -> bool {
+        says.head == *self.chain.head()
+            && says.rows == self.chain.rows()
+            && says.tick == self.chain.tick()
+    }
+
     fn check(&mut self, signed: &SignedStatement) -> Result<(), String> {
         let (says, header) = (&signed.statement, &self.recording.header);
-        let follows = says.head == *self.chain.head()
-            && says.rows == self.chain.rows()
-            && says.tick == self.chain.tick();
+        // Behind a gap a chain that does not follow is no sign of a forgery.
+        let follows = self.follows(says) || !self.pending.is_empty();
         self.chain_ok &= follows;
         if !signed.is_signed_by(&self.recording.signer) {
             return Err(
@@ -136,6 +199,16 @@ impl<'a> Verifier<'a> {
             ));
         }
         Ok(())
+    }
+
+    /// Numbers of the recording's gaps at which nothing exact is missing.
+    pub fn bridged_gaps(&self) -> &[usize] {
+        &self.bridged
+    }
+
+    /// Ticks that signatures cover, stretch by stretch.
+    pub fn signed(&self) -> &[Signed] {
+        &self.signed
     }
 
     pub fn finish(self, trust: Option<&PublicKey>) -> Verdict {

@@ -4,6 +4,8 @@
 //! purpose. So framing is checked here, record by record, with every length bounded, and the mcap
 //! crate only unpacks chunks whose header was found sane.
 
+use std::ops::Range;
+
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
@@ -11,9 +13,9 @@ use crate::bytes::Cut;
 
 /// Largest chunk that is unpacked, bytes. Ours are 256 KiB and one message.
 const MAX_CHUNK: u64 = 64 << 20;
-/// What chunks may be packed with, and what each cannot pack better than: lz4 by its lengths of a byte, zstd by a block of
-/// 128 KiB that is one byte repeated. (Recordings were packed with lz4 at first.)
-const MAX_RATIOS: [(&str, u64); 2] = [("zstd", 1 << 15), ("lz4", 256)];
+/// Compressions of chunks, and what each cannot pack better than: lz4 by its lengths of a byte, zstd by a block of
+/// 128 KiB that is one byte repeated. The recorder packs with zstd, at first it did with lz4; a tool may leave chunks unpacked.
+const MAX_RATIOS: [(&str, u64); 3] = [("zstd", 1 << 15), ("lz4", 256), ("", 1)];
 /// Opcode and length of a record.
 const FRAME: usize = 9;
 
@@ -79,6 +81,58 @@ impl<'a> Walk<'a> {
         })
     }
 
+    /// As [`Walk::peek`], at another position.
+    pub fn peek_at(&self, at: usize) -> Result<Framed<'a>, Stop> {
+        Self {
+            bytes: self.bytes,
+            at,
+        }
+        .peek()
+    }
+
+    /// The byte at a position, which is the kind of a record where one begins there.
+    pub fn opcode_at(&self, at: usize) -> Option<u8> {
+        self.bytes.get(at).copied()
+    }
+
+    /// The bytes between two positions that were walked over.
+    pub fn between(&self, begin: usize, end: usize) -> &'a [u8] {
+        self.bytes.get(begin..end).unwrap_or_default()
+    }
+
+    /// Length of the file.
+    pub fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Schemas and channels that the summary repeats, with their place; empty where the file has no whole summary.
+    pub fn summary_declarations(&self) -> Vec<(Range<usize>, Framed<'a>)> {
+        const FOOTER: usize = FRAME + 8 + 8 + 4;
+        let mut found = Vec::new();
+        let at_footer = self.bytes.strip_suffix(mcap::MAGIC);
+        let Some(footer) = at_footer.and_then(|rest| rest.len().checked_sub(FOOTER)) else {
+            return found;
+        };
+        let begins = match self.peek_at(footer) {
+            Ok(record) if record.opcode == op::FOOTER => Cut(record.body).u64(),
+            _ => None,
+        };
+        let Some(begins) = begins.and_then(|at| usize::try_from(at).ok()) else {
+            return found;
+        };
+        let mut walk = self.clone();
+        walk.at = begins;
+        while walk.at >= mcap::MAGIC.len() && walk.at < footer {
+            let Ok(record) = walk.peek() else { break };
+            let begin = walk.at;
+            walk.pass(&record);
+            if matches!(record.opcode, op::SCHEMA | op::CHANNEL) {
+                found.push((begin..walk.at, record));
+            }
+        }
+        found
+    }
+
     /// Goes past a record that [`Walk::peek`] gave.
     pub fn pass(&mut self, record: &Framed<'_>) {
         self.at += record.whole.len();
@@ -95,6 +149,30 @@ impl<'a> Walk<'a> {
             Err(Stop::Damaged("something follows the footer".to_owned()))
         }
     }
+}
+
+/// Gives each record of a piece of a file to `visit`: those in a chunk, or those that stand one after another outside of any.
+pub(crate) fn visit(
+    piece: &[u8],
+    mut visit: impl FnMut(u8, &[u8]) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut walk = Walk {
+        bytes: piece,
+        at: 0,
+    };
+    while walk.at < piece.len() {
+        let record = walk.peek().map_err(|stop| match stop {
+            Stop::Torn(why) => why.to_owned(),
+            Stop::Damaged(why) => why,
+        })?;
+        if record.opcode == op::CHUNK {
+            unpack(&record, &mut visit)?;
+        } else {
+            visit(record.opcode, record.body)?;
+        }
+        walk.pass(&record);
+    }
+    Ok(())
 }
 
 /// Unpacks a chunk, checks its CRC, then gives each record in it to `visit`.
@@ -136,8 +214,14 @@ pub(crate) fn is_chunk_header(body: &[u8]) -> bool {
         .any(|(name, _)| packed_with == Some(*name))
 }
 
-/// Bounds what the chunk's header claims, before anything is allocated for it.
-fn check_chunk(body: &[u8]) -> Result<(), String> {
+/// Bytes that unpacking a chunk with this body reads and writes; `None` where it is no chunk that would be unpacked.
+pub(crate) fn chunk_cost(body: &[u8]) -> Option<usize> {
+    let unpacked = check_chunk(body).ok()?;
+    usize::try_from(unpacked).ok()?.checked_add(body.len())
+}
+
+/// Bounds what the chunk's header claims, before anything is allocated for it; gives its unpacked length.
+fn check_chunk(body: &[u8]) -> Result<u64, String> {
     let parse = || {
         let mut cut = Cut(body);
         let _times = cut.take(16)?;
@@ -154,17 +238,22 @@ fn check_chunk(body: &[u8]) -> Result<(), String> {
         .find(|(name, _)| *name == compression);
     let Some((_, max_ratio)) = known else {
         return Err(format!(
-            "a chunk is packed with `{}`, a recording's are with `zstd` or `lz4`",
+            "a chunk is packed with `{}`, expected `zstd`, `lz4` or no compression",
             compression.escape_debug()
         ));
     };
     if packed != there {
         return Err(format!("a chunk claims {packed} bytes and has {there}"));
     }
-    if unpacked > MAX_CHUNK || unpacked > (packed + 64) * max_ratio {
+    if unpacked > MAX_CHUNK {
+        return Err(format!(
+            "a chunk claims to unpack to {unpacked} bytes, expected at most {MAX_CHUNK}: write the file anew with smaller chunks"
+        ));
+    }
+    if unpacked > packed.saturating_add(64).saturating_mul(max_ratio) {
         return Err(format!("a chunk claims to unpack to {unpacked} bytes"));
     }
-    Ok(())
+    Ok(unpacked)
 }
 
 /// The message of a message record: channel, times (of the log, of publication), and bytes.

@@ -6,7 +6,7 @@
 //! ```
 #![no_main]
 
-#[path = "../../tests/common/ask.rs"]
+#[path = "../../tests/it/common/ask.rs"]
 mod ask;
 
 use libfuzzer_sys::fuzz_target;

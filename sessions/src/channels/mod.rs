@@ -42,6 +42,7 @@ pub use cadence::{FRAMES_HZ, WRENCHES_HZ};
 pub use foxglove_types::Schema;
 pub(crate) use foxglove_types::{log, schema_of};
 pub(crate) use names::paths;
+pub(crate) use own_types::exact;
 pub use own_types::v1;
 pub use shapes::{Sampler, Shapes};
 pub(crate) use tool::is_held;

@@ -22,6 +22,16 @@ pub(super) const CONTACTS: Schema = schema!("Contacts", "contacts");
 pub(super) const TOOL_METRICS: Schema = schema!("ToolMetrics", "tool_metrics");
 pub(super) const SESSION_METRICS: Schema = schema!("SessionMetrics", "session_metrics");
 
+/// Schemas of the exact channels.
+pub(crate) mod exact {
+    use super::Schema;
+
+    pub(crate) const ROW: Schema = schema!("ExactRow", "exact_row");
+    pub(crate) const STATE: Schema = schema!("ExactState", "exact_state");
+    pub(crate) const STATEMENT: Schema = schema!("ExactStatement", "exact_statement");
+    pub(crate) const EVENT: Schema = schema!("ExactEvent", "exact_event");
+}
+
 /// A vector, narrowed.
 pub(super) fn vector(v: &sulcus_core::Vec3) -> Option<v1::Vector> {
     Some(v1::Vector {

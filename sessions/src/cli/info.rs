@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::inputs::{open, recordings};
 use super::print::{Outcome, at, for_each, object};
 use crate::info::info;
+use crate::read::{ReadError, Recording};
 use crate::recover::{RecoverError, recover};
 use crate::verify::Signature;
 
@@ -17,7 +18,8 @@ pub(super) struct InfoArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
-    /// Write what is whole of a torn or damaged recording (one FILE) to this new file, with a proper end, and say what is missing
+    /// Write every whole chunk of a torn or damaged recording (one FILE) to this new file, with a proper end, and say what is
+    /// missing. A replay of it begins again with the first snapshot behind each gap; it cannot be graded
     #[arg(long, value_name = "OUT")]
     pub(super) recover: Option<PathBuf>,
     /// Print one JSON object on the last line of standard output
@@ -42,7 +44,12 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
 }
 
 fn recover_to(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
-    let recording = open(path)?;
+    let recording = match Recording::open(path) {
+        // Damage at the very beginning, behind which there may be rows.
+        Err(ReadError::NoRows { .. }) => Recording::salvage(path),
+        other => other,
+    };
+    let recording = recording.map_err(|error| at(path, &error))?;
     let bar = ProgressBar::with_draw_target(Some(recording.len()), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes}, {eta} left")
     {

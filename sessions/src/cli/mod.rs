@@ -37,7 +37,7 @@ struct Cli {
 enum Command {
     /// Says what recordings hold: duration, scene, exercise, station, size, ending, signature
     #[command(
-        after_long_help = "A recording that was cut off (kill -9, power loss, full disk) is read as far as it goes; --recover makes a whole file of it: every whole chunk, an index, a proper end, and a note that it was recovered and what is missing. Its signatures hold as far as they went; a session without its end cannot be graded.\n\nExamples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending\n  sulcus-sessions info torn.mcap --recover whole.mcap"
+        after_long_help = "A recording that was cut off (kill -9, power loss, full disk) is read as far as it goes; --recover makes a whole file of it and of one that is damaged: every whole chunk, behind the damage too, an index, a proper end, and a note of what is missing. Between the gaps its signatures hold, and a replay begins again with the first snapshot behind each gap; a session with a gap or without its end cannot be graded.\n\nExamples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending\n  sulcus-sessions info torn.mcap --recover whole.mcap"
     )]
     Info(info::InfoArgs),
     /// Runs recorded sessions again and compares every state, wrench, snapshot and signature

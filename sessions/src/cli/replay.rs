@@ -225,6 +225,9 @@ fn text(report: &ReplayReport, ours: Option<bool>) -> String {
             part.from_tick, part.to_tick, part.snapshot_tick
         ));
     }
+    for stretch in &report.stretches {
+        lines.push(format!("  stretch    {stretch}"));
+    }
     // Whoever makes a whole file anew can sign it with a key of their own: say whose key it is.
     let whose = match ours {
         _ if report.signer_trusted => "",

@@ -190,7 +190,13 @@ pub fn export(
         &replay_options,
         progress,
         &mut |scene, _, output, workspace| {
-            let Some(row) = rows.next().filter(|_| failed.is_none()) else {
+            // Rows behind a gap and before the next snapshot are not run.
+            let next = if recording.gaps().is_empty() {
+                rows.next()
+            } else {
+                rows.find(|row| row.tick == output.tick)
+            };
+            let Some(row) = next.filter(|_| failed.is_none()) else {
                 return;
             };
             let Row { time_unix_ns, .. } = row;

@@ -8,6 +8,7 @@ use mcap::{Attachment, Compression, WriteOptions};
 use sulcus_program::disk;
 
 use crate::channels::{self, Schema};
+use crate::format::Layout;
 use crate::header::{self, SessionHeader};
 use crate::message::Topic;
 use crate::storage::{Sink, Storage};
@@ -68,10 +69,11 @@ pub(super) fn begin(
     })?;
     let mut ids = [0; Topic::ALL.len()];
     for topic in Topic::ALL {
-        let (name, encoding, text) = topic.schema();
-        let schema = writer.add_schema(name, encoding, text.as_bytes())?;
+        let schema = topic.schema();
+        let encoding = topic.encoding(Layout::Protobuf);
+        let schema_id = writer.add_schema(schema.name, encoding, schema.data)?;
         ids[topic as usize] =
-            writer.add_channel(schema, topic.name(), topic.encoding(), &BTreeMap::new())?;
+            writer.add_channel(schema_id, topic.name(), encoding, &BTreeMap::new())?;
     }
     let mut viewed = Summing::default();
     let schema = channels::schema_of::<Log>("foxglove.Log");

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::Seen;
 use crate::bytes::Cut;
+use crate::gap::Gap;
 use crate::message::Topic;
 use crate::read::Recording;
 use crate::walk;
@@ -36,13 +37,16 @@ impl fmt::Display for LostChannel {
 /// What is missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Lost {
-    /// Bytes behind the last whole chunk.
+    /// Bytes of the damaged file that were left out: of the gaps, and behind the last whole chunk.
     pub bytes: u64,
-    /// From the last row that was kept to the last time that the tail still names, milliseconds of session time; `None` where it
-    /// names none.
+    /// Milliseconds of session time in the gaps, and from the last row that was kept to the last time that the tail still names;
+    /// `None` where neither says so.
     pub ms: Option<f64>,
-    /// Ticks: counted where an index behind the damage has them, otherwise by time; `None` where neither is there.
+    /// Ticks in the gaps and at the end; of the end counted where an index behind the damage has them, otherwise by time. `None` where
+    /// nothing says so.
     pub ticks: Option<u64>,
+    /// Gaps between what was kept.
+    pub gaps: Vec<Gap>,
     /// Channels of which messages are missing, or may be.
     pub channels: Vec<LostChannel>,
     /// Whether the session went on: its last statement is not in the file.
@@ -53,10 +57,21 @@ pub struct Lost {
 
 impl fmt::Display for Lost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.ticks, self.ms) {
-            // Whatever is behind the session's end is none of it.
+        let gaps: Vec<String> = self.gaps.iter().map(ToString::to_string).collect();
+        f.write_str(&gaps.join("; "))?;
+        let of_gaps = self.of_gaps();
+        let tail = (
+            self.ticks.map(|ticks| ticks.saturating_sub(of_gaps)),
+            self.ms,
+        );
+        let then = if gaps.is_empty() { "" } else { "; at the end " };
+        match tail {
+            // Behind the session's end there is nothing of it.
+            _ if !self.end_is_missing && !gaps.is_empty() => {}
             _ if !self.end_is_missing && self.bytes == 0 => f.write_str("nothing that is exact")?,
             _ if !self.end_is_missing => f.write_str("only the file's index")?,
+            (Some(0) | None, _) if !gaps.is_empty() => {}
+            (Some(ticks), _) if !gaps.is_empty() => write!(f, "{then}{ticks} ticks")?,
             (Some(ticks), Some(ms)) => write!(f, "{ticks} ticks ({ms:.0} ms)")?,
             (Some(ticks), None) => write!(f, "{ticks} ticks")?,
             (None, Some(ms)) => write!(f, "{ms:.0} ms")?,
@@ -81,45 +96,69 @@ impl fmt::Display for Lost {
     }
 }
 
+impl Lost {
+    /// Ticks that are missing in gaps, as far as both ends of them are known.
+    fn of_gaps(&self) -> u64 {
+        self.gaps.iter().filter_map(Gap::ticks).sum()
+    }
+}
+
 /// Channels silent for so long before the tear were not being written.
 const RECENT_NS: u64 = 1_000_000_000;
 
-/// Looks behind byte `whole` for what the tail still says.
-pub(super) fn find(recording: &Recording, whole: usize, seen: &Seen) -> Lost {
-    let tail = recording.bytes.get(whole..).unwrap_or_default();
+/// Looks at what was left out of the damaged file for what it still says.
+pub(super) fn find(recording: &Recording, seen: &Seen) -> Lost {
+    let tail = recording.bytes.get(recording.tail..).unwrap_or_default();
+    let gaps = recording.gaps().to_vec();
+    let in_gaps: u64 = gaps.iter().map(|gap| gap.bytes).sum();
     let lost = Lost {
-        bytes: tail.len() as u64,
+        bytes: in_gaps + tail.len() as u64,
+        gaps,
         end_is_missing: recording.facts().end.is_none(),
         damaged_views: recording.facts().damaged_views,
         ..Lost::default()
     };
-    if !lost.end_is_missing {
+    if !lost.end_is_missing && lost.gaps.is_empty() {
         return lost;
     }
     let mut said = Tail::default();
-    said.read(tail);
+    for gap in &lost.gaps {
+        said.read(gap_bytes(recording, gap));
+    }
+    // Only the tail has a time that no row behind it names.
+    let counted_in_gaps = std::mem::take(&mut said.counts);
+    said.until = None;
+    if lost.end_is_missing {
+        said.read(tail);
+    }
     let last_row = recording.facts().times_unix_ns.unwrap_or_default().1;
-    let ms = said
+    let tick_ms = recording.scene().ok().map(|scene| scene.tick_s() * 1e3);
+    let tail_ms = said
         .until
         .filter(|until| *until > last_row)
         .map(|until| (until - last_row) as f64 * 1e-6);
-    let tick_ms = recording.scene().ok().map(|scene| scene.tick_s() * 1e3);
-    let rows = seen
+    let tail_rows = seen
         .iter()
         .find(|(_, (topic, _))| topic == Topic::Ticks.name())
         .and_then(|(id, _)| said.counts.get(id).copied());
-    let by_time = ms
+    let by_time = tail_ms
         .zip(tick_ms)
         .map(|(ms, tick_ms)| (ms / tick_ms).round() as u64);
+    let gap_ticks = (!lost.gaps.is_empty()).then(|| lost.of_gaps());
+    let gap_ms = gap_ticks
+        .zip(tick_ms)
+        .map(|(ticks, tick_ms)| ticks as f64 * tick_ms);
+    let no_index = said.counts.is_empty();
+    for (id, count) in counted_in_gaps {
+        let sum = said.counts.entry(id).or_default();
+        *sum = sum.saturating_add(count);
+    }
     let channels = seen.iter().filter_map(|(id, (topic, last))| {
         let counted = said.counts.get(id).copied();
         let recent = last.is_some_and(|last| last_row.abs_diff(last) <= RECENT_NS);
         // With an index, those that it names; without one, those that were being written.
-        let missing = if said.counts.is_empty() {
-            recent && !tail.is_empty()
-        } else {
-            counted.is_some()
-        };
+        let missing =
+            counted.is_some() || (no_index && recent && !tail.is_empty() && lost.end_is_missing);
         missing.then(|| LostChannel {
             topic: topic.clone(),
             messages: counted,
@@ -127,10 +166,28 @@ pub(super) fn find(recording: &Recording, whole: usize, seen: &Seen) -> Lost {
         })
     });
     Lost {
-        ms,
-        ticks: rows.or(by_time),
+        ms: sum(gap_ms, tail_ms),
+        ticks: sum(gap_ticks, tail_rows.or(by_time)),
         channels: channels.collect(),
         ..lost
+    }
+}
+
+/// The bytes of the damaged file that a gap left out.
+fn gap_bytes<'a>(recording: &'a Recording, gap: &Gap) -> &'a [u8] {
+    let range = || {
+        let begin = usize::try_from(gap.at_byte).ok()?;
+        let end = begin.checked_add(usize::try_from(gap.bytes).ok()?)?;
+        recording.bytes.get(begin..end)
+    };
+    range().unwrap_or_default()
+}
+
+/// The sum of what is known.
+fn sum<T: std::ops::Add<Output = T>>(a: Option<T>, b: Option<T>) -> Option<T> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a + b),
+        (a, b) => a.or(b),
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<St
     let end = match (&report.signature, recording.facts().end) {
         (Signature::Valid { .. }, Some(end)) => end,
         (Signature::Invalid { reason, .. }, _) => return Some(reason.clone()),
-        _ => return Some(no_end(&report.ending)),
+        _ => return Some(no_end(recording, &report.ending)),
     };
     if end.dropped_rows > 0 {
         return Some(format!(
@@ -38,9 +38,16 @@ pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<St
     })
 }
 
-/// That the session's end is not there.
-fn no_end(ending: &Ending) -> String {
+/// That the session's end, or a part of the session, is not there.
+fn no_end(recording: &Recording, ending: &Ending) -> String {
     match ending {
+        Ending::Recovered { .. } if !recording.gaps().is_empty() => {
+            let gaps: Vec<String> = recording.gaps().iter().map(ToString::to_string).collect();
+            format!(
+                "the recording is recovered from a damaged one: missing are {}",
+                gaps.join("; ")
+            )
+        }
         Ending::Recovered { .. } => {
             "the recording is recovered from a torn one: the session's end is missing".to_owned()
         }

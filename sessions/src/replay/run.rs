@@ -3,15 +3,20 @@
 use sulcus_core::{NoProbe, Scene, State, TickOutput, Workspace, tick};
 
 use super::deviation::Deviating;
+use super::stretch::{Stretch, Stretches};
 use super::{Deviation, Difference, Divergence, ReplayError};
 use crate::audit::{AuditReport, audit_tick};
 use crate::row::Row;
+use crate::verify::Signed;
 
 pub(super) struct Run<'a> {
     scene: &'a Scene,
     workspace: Workspace,
     state: State,
     started: bool,
+    /// Whether a gap was come to, and no row or snapshot behind it yet.
+    at_gap: bool,
+    stretches: Stretches,
     /// Whether a recorded snapshot that is another state is gone on from.
     led_back: bool,
     pub ticks: u64,
@@ -30,6 +35,8 @@ impl<'a> Run<'a> {
             workspace: Workspace::new(scene),
             state: State::new(scene),
             started: false,
+            at_gap: false,
+            stretches: Stretches::default(),
             ticks: 0,
             simulated_ticks: 0,
             first: None,
@@ -46,7 +53,35 @@ impl<'a> Run<'a> {
         std::mem::take(&mut self.deviating).done()
     }
 
-    pub fn row(&mut self, row: &Row) -> TickOutput {
+    /// A gap in the record: what follows may be another stretch.
+    pub fn gap(&mut self) {
+        self.at_gap = true;
+    }
+
+    /// The stretches that the gaps made.
+    pub fn stretches(&mut self, signed: &[Signed]) -> Vec<Stretch> {
+        std::mem::take(&mut self.stretches).done(signed)
+    }
+
+    /// Begins another stretch, which no state is known of yet.
+    fn next_stretch(&mut self) {
+        self.stretches.next();
+        self.started = false;
+    }
+
+    /// Runs a row; `None` where no state is known that it acts on: behind a gap, before the next snapshot.
+    pub fn row(&mut self, row: &Row) -> Option<TickOutput> {
+        let ticks = 1 + u64::from(row.input.skipped);
+        if std::mem::take(&mut self.at_gap)
+            && !(self.started && self.state.tick.checked_add(ticks) == Some(row.tick))
+        {
+            self.next_stretch();
+        }
+        self.stretches.row(row, self.started);
+        self.started.then(|| self.run(row))
+    }
+
+    fn run(&mut self, row: &Row) -> TickOutput {
         let output = tick(
             self.scene,
             &mut self.state,
@@ -81,6 +116,9 @@ impl<'a> Run<'a> {
     /// Begins with the first; compares every other. Where it is another, goes on from the recorded state, so that what differs does so
     /// within a stretch; but not in a recording of a former version, whose grade must rest on nothing but its inputs.
     pub fn snapshot(&mut self, of: u64, bytes: &[u8]) -> Result<(), ReplayError> {
+        if std::mem::take(&mut self.at_gap) && !(self.started && self.state.tick == of) {
+            self.next_stretch();
+        }
         if self.started && self.state.to_bytes() == bytes {
             return Ok(());
         }
@@ -88,6 +126,7 @@ impl<'a> Run<'a> {
         if !self.started {
             self.state = recorded.map_err(ReplayError::Snapshot)?;
             self.started = true;
+            self.stretches.begins_with(of);
             return Ok(());
         }
         // Where the rows differed before, the snapshot adds nothing.
@@ -108,6 +147,7 @@ impl<'a> Run<'a> {
     }
 
     fn differs(&mut self, tick: u64, what: Difference, recorded: u64, replayed: u64) {
+        self.stretches.differs(tick);
         let (_, divergence) = self.first.get_or_insert_with(|| {
             let divergence = Divergence {
                 what,

@@ -225,7 +225,8 @@ fn info_says_where_every_byte_is() {
         .iter()
         .find(|of| of.topic == "/exact/ticks")
         .unwrap();
-    assert_eq!(rows.message_bytes, 3000 * Row::BYTES as u64);
+    // With the key and the length of the field of bytes.
+    assert_eq!(rows.message_bytes, 3000 * (Row::BYTES as u64 + 3));
     // One hand, no tissue.
     let exact = sizes.exact_mb_per_minute.unwrap();
     assert!(exact > 1.0 && exact < 9.0, "{exact}");

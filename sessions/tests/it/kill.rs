@@ -37,7 +37,7 @@ fn a_killed_process_leaves_all_but_the_last_fifth_of_a_second() {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args([
             "--exact",
-            "child_records_in_real_time_until_killed",
+            "kill::child_records_in_real_time_until_killed",
             "--nocapture",
         ])
         .env(FILE, &path)

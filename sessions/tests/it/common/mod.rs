@@ -9,11 +9,13 @@ use std::path::Path;
 
 use mcap::records::{MessageHeader, Record};
 use mcap::{Attachment, Compression, WriteOptions};
+use prost::Message as _;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{
     DisplayMesh, NoProbe, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, State, TickInput,
     Tool, ToolInput, Vec3, Workspace, tick,
 };
+use sulcus_sessions::channels::v1::ExactRow;
 use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views};
 
 /// Session clock at the first tick, nanoseconds since the Unix epoch.
@@ -237,9 +239,25 @@ pub fn recorded_with_views(ticks: u64, skip: std::ops::Range<u64>) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
+/// Whether the messages of a channel are exact bytes in a protobuf message.
+pub fn is_sealed(topic: &str, encoding: &str) -> bool {
+    (topic.starts_with("/exact") || topic == "/events") && encoding == "protobuf"
+}
+
+/// The exact bytes in a protobuf message (all four kinds have them in their first field).
+pub fn inner(outer: &[u8]) -> Vec<u8> {
+    ExactRow::decode(outer).unwrap().row
+}
+
+/// The protobuf message around exact bytes.
+pub fn sealed(inner: &[u8]) -> Vec<u8> {
+    let row = inner.to_vec();
+    ExactRow { row }.encode_to_vec()
+}
+
 /// What an editor may change in a recording, before it is written anew with correct CRCs.
 pub struct Edit<'a> {
-    /// Changes the bytes of a message of a topic; `false` leaves it out.
+    /// Changes the bytes of a message of a topic, of an exact one those that the chain covers; `false` leaves it out.
     pub message: &'a mut dyn FnMut(&str, &mut Vec<u8>) -> bool,
     /// Changes the header.
     pub metadata: &'a mut dyn FnMut(&mut BTreeMap<String, String>),
@@ -290,22 +308,17 @@ pub fn with_attachment(
 
 /// The file written anew, as an honest MCAP tool would, with changes.
 pub fn rewritten(bytes: &[u8], edit: &mut Edit<'_>) -> Vec<u8> {
-    rewritten_by_record(bytes, edit, &mut |_| {})
+    rewritten_by_record(bytes, Some(edit), &mut |_| {})
 }
 
 /// Rewritten with records changed in any way, before anything else is.
 pub fn with_records(bytes: &[u8], change: &mut dyn FnMut(&mut Record<'_>)) -> Vec<u8> {
-    let mut nothing = Edit {
-        message: &mut |_, _| true,
-        metadata: &mut |_| {},
-        attachment: &mut |_, _| {},
-    };
-    rewritten_by_record(bytes, &mut nothing, change)
+    rewritten_by_record(bytes, None, change)
 }
 
 fn rewritten_by_record(
     bytes: &[u8],
-    edit: &mut Edit<'_>,
+    mut edit: Option<&mut Edit<'_>>,
     change: &mut dyn FnMut(&mut Record<'_>),
 ) -> Vec<u8> {
     let mut out = Vec::new();
@@ -335,19 +348,32 @@ fn rewritten_by_record(
                         &c.metadata,
                     )
                     .unwrap();
-                topics.insert(c.id, c.topic);
+                let is_sealed = is_sealed(&c.topic, &c.message_encoding);
+                topics.insert(c.id, (c.topic, is_sealed));
             }
             Record::Message { header, data } => {
-                let mut data = data.into_owned();
-                if (edit.message)(&topics[&header.channel_id], &mut data) {
+                let Some(edit) = &mut edit else {
+                    writer.write_to_known_channel(&header, &data).unwrap();
+                    continue;
+                };
+                let (topic, is_sealed) = &topics[&header.channel_id];
+                let mut bytes = if *is_sealed {
+                    inner(&data)
+                } else {
+                    data.into_owned()
+                };
+                if (edit.message)(topic, &mut bytes) {
+                    let bytes = if *is_sealed { sealed(&bytes) } else { bytes };
                     writer
-                        .write_to_known_channel(&MessageHeader { ..header }, &data)
+                        .write_to_known_channel(&MessageHeader { ..header }, &bytes)
                         .unwrap();
                 }
             }
             Record::Attachment { header, data, .. } => {
                 let mut data = data.into_owned();
-                (edit.attachment)(&header.name, &mut data);
+                if let Some(edit) = &mut edit {
+                    (edit.attachment)(&header.name, &mut data);
+                }
                 writer
                     .attach(&Attachment {
                         log_time: header.log_time,
@@ -359,7 +385,9 @@ fn rewritten_by_record(
                     .unwrap();
             }
             Record::Metadata(mut metadata) => {
-                (edit.metadata)(&mut metadata.metadata);
+                if let Some(edit) = &mut edit {
+                    (edit.metadata)(&mut metadata.metadata);
+                }
                 writer.write_metadata(&metadata).unwrap();
             }
             Record::DataEnd(_) => break,

@@ -13,7 +13,7 @@ use sulcus_sessions::channels::v1;
 pub struct Channel {
     pub schema: String,
     pub times_ns: Vec<u64>,
-    /// What the messages hold: points, transforms, contacts; wrenches with a force in them.
+    /// What the messages hold: points, transforms, contacts; wrenches with a force in them; bytes of the exact record.
     pub inner: u64,
     pub clouds: Vec<PointCloud>,
     pub poses: Vec<PoseInFrame>,
@@ -25,15 +25,13 @@ pub struct Channel {
     pub frames: Vec<String>,
 }
 
-/// Every channel of protobuf messages. Panics at a message that is not of its schema, or has a field that its type has not.
+/// Every channel, each of protobuf messages. Panics at a message that is not of its schema, or has a field that its type has not.
 pub fn decoded(path: &Path) -> BTreeMap<String, Channel> {
     let bytes = std::fs::read(path).expect("the recording is there");
     let mut channels: BTreeMap<String, Channel> = BTreeMap::new();
     for message in mcap::MessageStream::new(&bytes).expect("an MCAP file") {
         let message = message.expect("a sound message");
-        if message.channel.message_encoding != "protobuf" {
-            continue;
-        }
+        assert_eq!(message.channel.message_encoding, "protobuf");
         let schema = message.channel.schema.as_ref().expect("a schema");
         assert_eq!(schema.encoding, "protobuf");
         let of = channels.entry(message.channel.topic.clone()).or_default();
@@ -73,6 +71,19 @@ pub fn decoded(path: &Path) -> BTreeMap<String, Channel> {
                 .push(v1::ToolMetrics::decode(data).expect("metrics of a tool")),
             "sulcus.v1.SessionMetrics" => {
                 v1::SessionMetrics::decode(data).expect("metrics");
+            }
+            "sulcus.v1.ExactRow" => {
+                of.inner += v1::ExactRow::decode(data).expect("a row").row.len() as u64;
+            }
+            "sulcus.v1.ExactState" => {
+                of.inner += v1::ExactState::decode(data).expect("a state").state.len() as u64;
+            }
+            "sulcus.v1.ExactStatement" => {
+                let statement = v1::ExactStatement::decode(data).expect("a statement");
+                of.inner += statement.statement.len() as u64;
+            }
+            "sulcus.v1.ExactEvent" => {
+                of.inner += v1::ExactEvent::decode(data).expect("an event").event.len() as u64;
             }
             other => panic!(
                 "{}: {other} is a type that nobody knows",

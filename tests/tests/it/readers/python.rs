@@ -48,10 +48,16 @@ fn done(output: std::io::Result<Output>) -> Result<(), String> {
 
 /// What one of the scripts beside this file says of `file`.
 pub fn ask(programs: &Path, script: &str, file: &Path) -> serde_json::Value {
+    ask_with(programs, script, file, &[])
+}
+
+/// As [`ask`], with more arguments.
+pub fn ask_with(programs: &Path, script: &str, file: &Path, more: &[&Path]) -> serde_json::Value {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/readers");
     let output = Command::new(programs.join("python"))
         .arg(scripts.join(script))
         .arg(file)
+        .args(more)
         .output()
         .expect("python starts");
     let (said, complained) = (
