@@ -245,7 +245,9 @@ fn every_mesh_of_the_data_needs_no_repair() {
     for file in std::fs::read_dir(&dir).expect("a folder") {
         let file = file.expect("entry").path();
         if file.extension().is_some_and(|extension| extension == "stl") {
-            let loaded = sulcus_scene::load::load_mesh(&file, Unit::Millimetre).expect("readable");
+            let loaded = sulcus_scene::load::load_mesh(&file, Unit::Millimetre)
+                .expect("readable")
+                .mesh;
             match read_solid(&file, Unit::Millimetre) {
                 Ok(solid) => {
                     assert!(

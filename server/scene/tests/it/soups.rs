@@ -120,7 +120,7 @@ proptest! {
         let bytes = to_stl(&mesh);
         survive(mesh, samples);
         let read = parse_mesh(bytes, std::path::Path::new("soup.stl"), Unit::Millimetre);
-        survive(read.expect("STL"), samples);
+        survive(read.expect("STL").mesh, samples);
     }
 
     #[test]
