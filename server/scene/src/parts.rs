@@ -14,6 +14,7 @@ use crate::check::check;
 use crate::compile::{BuildError, BuildOptions};
 use crate::distance::MeshDistance;
 use crate::family;
+use crate::filled::check_filled;
 use crate::file::{GingivaEntry, ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
 use crate::mesh::TriMesh;
@@ -339,7 +340,9 @@ impl Compiler<'_> {
         let brought = (!self.options.anew).then(|| family::find(&key)).flatten();
         let kept = brought.or_else(|| {
             let dir = self.options.cache.as_deref()?;
+            // A tree that was kept before trees were checked is built again, and refused.
             cache::load(dir, &key)
+                .filter(|tree| check_filled(tree, mesh, &wanted, weights.is_some()).is_ok())
         });
         let tree = match kept {
             Some(tree) => {

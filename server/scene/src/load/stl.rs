@@ -55,7 +55,9 @@ fn begins_with_solid(bytes: &[u8]) -> bool {
 /// Whether it begins as ASCII files do. A count of triangles below 2^24 has a zero byte, so the header of a binary file
 /// does not look like text, whatever its first word is.
 pub(super) fn is_text(bytes: &[u8]) -> bool {
-    let start = &bytes[..bytes.len().min(START)];
+    // Zeros behind the last line are no part of the text.
+    let text = bytes.len() - bytes.iter().rev().take_while(|&&byte| byte == 0).count();
+    let start = &bytes[..text.min(START)];
     let lower = start.to_ascii_lowercase();
     let has = |word: &[u8]| lower.windows(word.len()).any(|window| window == word);
     begins_with_solid(start) && !start.contains(&0) && (has(b"facet") || has(b"endsolid"))

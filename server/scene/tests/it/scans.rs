@@ -183,7 +183,7 @@ fn a_jagged_rim_gets_a_lid_without_crowded_edges() {
             .extend((0..n).map(|k| at(f64::from(k), 4.0, z)));
     }
     mesh.vertices
-        .extend((0..n).map(|k| at(f64::from(k) + 0.5, 3.95, 5.5)));
+        .extend((0..n).map(|k| at(f64::from(k) + 0.5, 4.1, 5.5)));
     for k in 0..n {
         let next = (k + 1) % n;
         mesh.triangles.extend([

@@ -21,6 +21,8 @@ fn build(mesh: &TriMesh, samples: usize) {
         Ok(tree) => tree,
         // Closed and not flat, but with no place inside that its own digits can tell from outside.
         Err(TreeBuildError::TooThin) => return,
+        // One that crosses itself, or that is thinner than so few spheres can follow.
+        Err(TreeBuildError::Volume { .. }) => return,
         Err(error) => panic!("a tree for what passed the check: {error}"),
     };
     for node in tree.nodes() {

@@ -201,14 +201,14 @@ fn a_second_coordinate_list_of_corners_or_surface_is_refused_by_line() {
         "{said}"
     );
     let said = with(
-        "end_header",
-        "element face 3\nproperty list uchar int vertex_indices\nend_header",
+        "\nend_header",
+        "\nelement face 3\nproperty list uchar int vertex_indices\nend_header",
     );
     assert!(said.contains("`element face 3` a second time"), "{said}");
     // The same text in two elements, or an element of no surface twice, is no fault.
     let twice = good.replacen(
-        "end_header",
-        "element edge 0\nproperty int x\nelement edge 0\nproperty int x\nend_header",
+        "\nend_header",
+        "\nelement edge 0\nproperty int x\nelement edge 0\nproperty int x\nend_header",
         1,
     );
     assert_eq!(parse(twice).expect("read").mesh.triangles.len(), 12);
