@@ -37,13 +37,14 @@ impl Size {
     ];
 
     /// Smallest and largest plausible length of the longest edge of the bounding box, mm. A human tooth is 17 to 30 mm
-    /// long and a scanned crown at least 5 mm; a tongue is 70 mm long, a mandible 100 mm, a probe 170 mm.
+    /// long and a scanned crown at least 5 mm; a tongue is 70 mm long, a mandible 100 mm, a probe 170 mm, and the working end
+    /// of an instrument a few millimetres.
     pub fn range_mm(self) -> (f64, f64) {
         match self {
             Size::Tooth => (4.0, 45.0),
             Size::Tongue => (20.0, 150.0),
             Size::Arch => (12.0, 200.0),
-            Size::Instrument => (8.0, 300.0),
+            Size::Instrument => (4.0, 300.0),
             Size::Mouth => (4.0, 300.0),
             Size::Any => (PLAUSIBLE_SIZE_M.0 * 1e3, PLAUSIBLE_SIZE_M.1 * 1e3),
         }
@@ -105,10 +106,16 @@ pub(crate) fn expected(size: Size) -> String {
 
 /// The units that would make a size plausible, for a message; `read_in` is none for a mesh that is from no file.
 pub(crate) fn advice(size_mm: f64, size: Size, read_in: Option<Unit>) -> String {
-    let read = read_in.unwrap_or(Unit::Millimetre);
+    // The numbers of a mesh that is from no file may be anything: millimetres taken for metres, or the other way round.
+    let read = |unit: Unit| {
+        read_in.unwrap_or(match unit {
+            Unit::Millimetre => Unit::Metre,
+            _ => Unit::Millimetre,
+        })
+    };
     let tries = Unit::ALL.into_iter().filter(|unit| read_in != Some(*unit));
     let fits: Vec<(Unit, f64)> = tries
-        .map(|unit| (unit, size_mm * unit.metres() / read.metres()))
+        .map(|unit| (unit, size_mm * unit.metres() / read(unit).metres()))
         .filter(|(_, mm)| size.holds(*mm))
         .collect();
     let mut said = if fits.is_empty() {

@@ -32,7 +32,11 @@ fn odd_files_are_built_and_what_was_not_read_or_asked_for_is_told() {
             "note: 2 bytes behind the last of 952 triangles were not read",
         ),
         (&["ply/tristrips.ply"], 0.0, ""),
-        (&["scan/inches.stl", "--unit", "in", "--size", "tooth"], 0.0, ""),
+        (
+            &["scan/inches.stl", "--unit", "in", "--size", "tooth"],
+            0.0,
+            "",
+        ),
         (&["scan/inches.stl", "--size", "any"], 0.0, ""),
         (
             &["scan/crown_open.stl", "--close-base"],
@@ -68,12 +72,21 @@ fn meshes_that_are_no_solid_are_refused_in_one_sentence_that_says_what_helps() {
     for (arguments, told) in [
         (&["scan/inches.stl"][..], "in inches it would be"),
         (&["scan/inches.stl", "--unit", "m"], "`--unit in`"),
-        (&["scan/inches.stl", "--unit", "ft"], "expected `mm`, `m` or `in`"),
-        (&["scan/inches.stl", "--size", "molar"], "expected one of `tooth`"),
+        (
+            &["scan/inches.stl", "--unit", "ft"],
+            "expected `mm`, `m` or `in`",
+        ),
+        (
+            &["scan/inches.stl", "--size", "molar"],
+            "expected one of `tooth`",
+        ),
         (&["scan/crown_open.stl"], "--close-base"),
         (&["scan/two_teeth.stl"], "--keep-largest"),
         (&["scan/two_teeth.stl", "--close-base"], "2 separate pieces"),
-        (&["scan/fin.stl", "--keep-largest", "--close-base"], "(non-manifold)"),
+        (
+            &["scan/fin.stl", "--keep-largest", "--close-base"],
+            "(non-manifold)",
+        ),
         (&["stl/count_zero.stl"], "announces 0 triangles"),
         (&["stl/truncated.stl"], "of which 950 are whole"),
     ] {

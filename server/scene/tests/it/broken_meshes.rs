@@ -228,7 +228,9 @@ fn inside_out_crowded_pinched_and_flat_are_refused_with_the_place() {
     let edge = beside(&cube, &cube.clone().placed(1.0, Vec3::new(2e-3, 2e-3, 0.0)));
     let said = told(&edge, Unit::Millimetre);
     assert!(
-        said.contains("1 edge shared by more than two triangles (non-manifold), the first at (1, 1, 0) mm"),
+        said.contains(
+            "1 edge shared by more than two triangles (non-manifold), the first at (1, 1, 0) mm"
+        ),
         "{said}"
     );
 

@@ -56,7 +56,7 @@ fn every_kind_is_taken_in_its_own_unit_and_refused_in_each_other() {
         (Size::Tooth, 21.0),
         (Size::Tongue, 72.0),
         (Size::Arch, 100.0),
-        (Size::Instrument, 165.0),
+        (Size::Instrument, 95.0),
     ] {
         let mesh = ellipsoid(Vec3::new(0.5, 0.3, 0.2) * long * 1e-3, 3);
         for drawn in Unit::ALL {
