@@ -79,7 +79,7 @@ impl Malformed {
 pub struct Loaded {
     /// The mesh, metres, in the file's own frame.
     pub mesh: TriMesh,
-    /// What of the file was not read though it is there, a sentence each; users are to be told.
+    /// Parts of the file that were not read, a sentence each; users are to be told.
     pub notes: Vec<String>,
 }
 

@@ -84,7 +84,7 @@ pub struct Repairs {
     pub dropped: Option<DroppedPieces>,
     /// The base that was closed because that was asked for.
     pub base: Option<ClosedBase>,
-    /// What was found where a base was to be closed and could not be.
+    /// The openings that were found where a base was to be closed and could not be.
     pub base_refused: Option<String>,
 }
 

@@ -39,7 +39,7 @@ pub struct Solid {
     pub report: MeshReport,
     /// What had to be repaired; users are to be told.
     pub repairs: Repairs,
-    /// What of the file was not read, and what was asked for and not needed; users are to be told.
+    /// Parts of the file that were not read, and requests that changed nothing, a sentence each; users are to be told.
     pub notes: Vec<String>,
 }
 
@@ -60,7 +60,7 @@ pub enum SolidError {
     Base {
         /// The file.
         file: PathBuf,
-        /// What is open instead.
+        /// The openings that were found instead.
         found: String,
     },
 }

@@ -24,8 +24,8 @@ fn tree(arguments: &[&str]) -> Output {
 
 #[test]
 fn odd_files_are_built_and_what_was_not_read_or_asked_for_is_told() {
-    for (arguments, volume_mm3, told) in [
-        (&["ngon/arch_ngon_rot.obj"][..], 8465.8, ""),
+    let cases: [(&[&str], f64, &str); 7] = [
+        (&["ngon/arch_ngon_rot.obj"], 8465.8, ""),
         (
             &["stl/solid_header_trailing.stl"],
             0.0,
@@ -48,7 +48,8 @@ fn odd_files_are_built_and_what_was_not_read_or_asked_for_is_told() {
             0.0,
             "repaired: 1 piece was dropped because only the largest piece was asked for: 4 triangles",
         ),
-    ] {
+    ];
+    for (arguments, volume_mm3, told) in cases {
         let output = tree(arguments);
         let report = json(&output);
         let said = text(&output.stderr);
@@ -69,8 +70,8 @@ fn odd_files_are_built_and_what_was_not_read_or_asked_for_is_told() {
 
 #[test]
 fn meshes_that_are_no_solid_are_refused_in_one_sentence_that_says_what_helps() {
-    for (arguments, told) in [
-        (&["scan/inches.stl"][..], "in inches it would be"),
+    let cases: [(&[&str], &str); 10] = [
+        (&["scan/inches.stl"], "in inches it would be"),
         (&["scan/inches.stl", "--unit", "m"], "`--unit in`"),
         (
             &["scan/inches.stl", "--unit", "ft"],
@@ -89,7 +90,8 @@ fn meshes_that_are_no_solid_are_refused_in_one_sentence_that_says_what_helps() {
         ),
         (&["stl/count_zero.stl"], "announces 0 triangles"),
         (&["stl/truncated.stl"], "of which 950 are whole"),
-    ] {
+    ];
+    for (arguments, told) in cases {
         let output = tree(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         let said = text(&output.stderr);

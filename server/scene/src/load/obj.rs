@@ -50,7 +50,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TriMesh, Malformed> {
     Ok(mesh)
 }
 
-/// What of a file is read on.
+/// The part of a file that the reader gets.
 #[derive(Default)]
 struct Surface {
     /// Vertices and faces, a line each.

@@ -30,7 +30,7 @@ pub struct ClosedBase {
 /// Closes the one opening of a mesh; none if nothing is open.
 ///
 /// # Errors
-/// What was found where one nearly flat rim should be, in a few words.
+/// The openings found where one nearly flat rim should be, in a few words.
 pub(super) fn close(mesh: &mut TriMesh) -> Result<Option<ClosedBase>, String> {
     let all = sides(mesh);
     let open = open_sides(&all);
