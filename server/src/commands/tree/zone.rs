@@ -8,7 +8,6 @@ use anyhow::{Context, bail};
 use sulcus_core::Vec3;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::zone_patch;
-
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::repair::Asked;
 use sulcus_scene::size::Size;
