@@ -226,7 +226,10 @@ fn broken_stl_is_refused_with_what_was_found() {
         refused(text.replacen("vertex 1e1", "vertex one", 1), "a.stl").contains("`one` in line ")
     );
     assert!(refused(format!("{text}facet normal 0 0 0"), "a.stl").contains("after the end"));
-    assert!(refused(format!("solid a\n{text}endsolid\n"), "a.stl").contains("a solid in line 2 within the solid of line 1"));
+    assert!(
+        refused(format!("solid a\n{text}endsolid\n"), "a.stl")
+            .contains("a solid in line 2 within the solid of line 1")
+    );
 }
 
 #[test]

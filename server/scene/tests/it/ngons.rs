@@ -136,7 +136,10 @@ fn horseshoe(corners: usize, inner: f64, outer: f64) -> Vec<[f64; 2]> {
 /// Polygons whose fans from most corners are wrong.
 fn polygons() -> Vec<(&'static str, Vec<[f64; 2]>)> {
     let star = |k: u32| {
-        let (angle, r) = (0.31 * f64::from(k), if k % 2 == 0 { 9.0 } else { 3.0 });
+        let (angle, r) = (
+            0.31 * f64::from(k),
+            if k.is_multiple_of(2) { 9.0 } else { 3.0 },
+        );
         [r * angle.cos(), r * angle.sin()]
     };
     let mut comb = vec![[0.0, 0.0], [12.0, 0.0]];
