@@ -28,6 +28,8 @@ pub enum Unit {
     Millimetre,
     /// Metres.
     Metre,
+    /// International inches, 25.4 mm.
+    Inch,
 }
 
 impl Unit {
@@ -35,6 +37,7 @@ impl Unit {
         match self {
             Self::Millimetre => 1e-3,
             Self::Metre => 1.0,
+            Self::Inch => 25.4e-3,
         }
     }
 }

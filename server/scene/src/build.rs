@@ -12,6 +12,8 @@ use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
 use crate::blend::{BlendOptions, calibrate};
 use crate::cluster::{Feature, split};
 use crate::distance::MeshDistance;
+use crate::edges::Length;
+use crate::filled::check_filled;
 use crate::fit::fit;
 use crate::level::{Effort, Level, finish_level, fit_level};
 use crate::mesh::TriMesh;
@@ -92,6 +94,23 @@ pub enum TreeBuildError {
         "found no place inside the solid for a sphere, expected one that is thicker than a millionth of its size"
     )]
     TooThin,
+    /// The spheres fill another volume than the surface encloses.
+    #[error(
+        "the spheres of level {level} fill {} mm3 where the mesh encloses {} mm3, expected {less_percent:.0} % less to {more_percent:.0} % more: the surface folds onto or crosses itself, or so few spheres cannot follow it (more levels can)",
+        Length(*tree_mm3), Length(*mesh_mm3)
+    )]
+    Volume {
+        /// Volume of the union of the spheres of the finest level, cubic millimetres.
+        tree_mm3: f64,
+        /// Signed volume of the mesh, cubic millimetres.
+        mesh_mm3: f64,
+        /// The finest level.
+        level: u8,
+        /// How much less the spheres may fill, percent of the mesh's volume.
+        less_percent: f64,
+        /// How much more.
+        more_percent: f64,
+    },
     /// The fitted spheres do not form a tree. A defect of the builder.
     #[error("the fitted spheres are not a tree: {0}")]
     Tree(#[from] TreeError),
@@ -121,7 +140,8 @@ impl Share {
 /// much of the whole is done, 0 to 1.
 ///
 /// # Errors
-/// If an option is out of range.
+/// If an option is out of range, or the tree fills a volume that differs from the mesh's by more than
+/// [`crate::filled::tolerance`].
 pub fn build_tree(
     mesh: &TriMesh,
     options: &TreeOptions,
@@ -134,7 +154,7 @@ pub fn build_tree(
 /// ordinary) is higher.
 ///
 /// # Errors
-/// If an option is out of range.
+/// As [`build_tree`].
 pub fn build_weighted(
     mesh: &TriMesh,
     options: &TreeOptions,
@@ -162,6 +182,14 @@ pub fn build_weighted(
     };
     let levels = builder.levels(progress)?;
     let tree = tree(&levels)?;
+    let middles = (0..mesh.triangles.len()).map(|t| mesh.corners(t).iter().sum::<Vec3>() / 3.0);
+    let weighted = mesh
+        .vertices
+        .iter()
+        .copied()
+        .chain(middles)
+        .any(|place| importance(&place) != 1.0);
+    check_filled(&tree, mesh, options, weighted)?;
     if !options.blended {
         progress("spheres", 1.0);
         return Ok(tree);

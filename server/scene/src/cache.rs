@@ -6,6 +6,7 @@ use sulcus_core::tree::MAX_LEVEL;
 use sulcus_core::{Blending, Node, SphereTree, Vec3};
 
 use crate::build::{BUILDER_VERSION, TreeBuildError, TreeOptions, build_tree};
+use crate::filled::check_filled;
 use crate::mesh::TriMesh;
 
 /// What the files of trees are called.
@@ -56,7 +57,8 @@ pub fn kept_or_built(
     progress: &dyn Fn(&str, f64),
 ) -> Result<SphereTree, TreeBuildError> {
     let key = key(mesh, options, "");
-    if let Some(tree) = dir.and_then(|dir| load(dir, &key)) {
+    let kept = dir.and_then(|dir| load(dir, &key));
+    if let Some(tree) = kept.filter(|tree| check_filled(tree, mesh, options, false).is_ok()) {
         return Ok(tree);
     }
     let tree = build_tree(mesh, options, progress)?;

@@ -14,6 +14,7 @@ use crate::edges::{
 use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::repair::SMALL_HOLE_SHARE;
+use crate::size::{Size, advice, expected};
 
 /// Smallest and largest plausible overall size (longest edge of the bounding box), metres.
 pub const PLAUSIBLE_SIZE_M: (f64, f64) = (0.5e-3, 0.5);
@@ -71,19 +72,21 @@ pub enum MeshError {
         found: [f64; 3],
     },
     /// Implausible size, mostly a wrong unit.
-    #[error("{file}: found an overall size of {} mm, expected 0.5 to 500 mm: {}", Length(*size_mm), advice(*size_mm, *unit))]
+    #[error("{file}: found an overall size of {} mm, expected {}: {}", Length(*size_mm), expected(*of), advice(*size_mm, *of, *unit))]
     Scale {
         /// Which mesh.
         file: String,
         /// Longest edge of the bounding box, millimetres.
         size_mm: f64,
+        /// The kind of thing that it should be.
+        of: Size,
         /// The unit that it was read in, where that is known.
         unit: Option<Unit>,
     },
     /// The surface has holes.
     #[error(
-        "{file}: found {edges} open edges in {} ({}), expected a closed surface without holes (of those in files, small ones up to {} % of the size are closed on reading)",
-        counted(openings.len(), "hole"), first_few(openings), 100.0 * SMALL_HOLE_SHARE
+        "{file}: found {edges} open edges in {} ({}), expected a closed surface without holes (of those in files, small ones up to {} % of the size are closed on reading{})",
+        counted(openings.len(), "hole"), first_few(openings), 100.0 * SMALL_HOLE_SHARE, base_advice(openings)
     )]
     Open {
         /// Which mesh.
@@ -95,7 +98,7 @@ pub enum MeshError {
     },
     /// More than two triangles share an edge.
     #[error(
-        "{file}: found {} shared by more than two triangles, the first at {} mm, expected exactly two everywhere",
+        "{file}: found {} shared by more than two triangles (non-manifold), the first at {} mm, expected exactly two everywhere",
         counted(*edges, "edge"), Place(*at_mm)
     )]
     NonManifold {
@@ -134,7 +137,7 @@ pub enum MeshError {
     },
     /// More than one piece.
     #[error(
-        "{file}: found {} separate pieces ({}), expected one",
+        "{file}: found {} separate pieces ({}), expected one (`--keep-largest`, or `keep_largest = true` in a scene file, drops all but the largest)",
         pieces.len(), first_few(pieces)
     )]
     Pieces {
@@ -175,16 +178,6 @@ pub enum MeshError {
     },
 }
 
-impl MeshError {
-    /// The same error, knowing the unit in which the mesh was read.
-    pub fn read_in(mut self, read_in: Unit) -> Self {
-        if let MeshError::Scale { unit, .. } = &mut self {
-            *unit = Some(read_in);
-        }
-        self
-    }
-}
-
 /// A connected part of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
@@ -204,35 +197,20 @@ impl fmt::Display for Piece {
     }
 }
 
+/// The way to close a scan without a base, where there is one hole alone.
+fn base_advice(openings: &[Opening]) -> &'static str {
+    match openings {
+        [_] => {
+            "; `--close-base`, or `close_base = true` in a scene file, closes the one flat opening of a scan without base"
+        }
+        _ => "",
+    }
+}
+
 fn counted(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
         _ => format!("{count} {what}s"),
-    }
-}
-
-/// What to do about an implausible size.
-fn advice(size_mm: f64, unit: Option<Unit>) -> String {
-    let plausible = |mm: f64| (PLAUSIBLE_SIZE_M.0..=PLAUSIBLE_SIZE_M.1).contains(&(mm * 1e-3));
-    let tries = [
-        (Unit::Millimetre, 1e-3, "millimetres"),
-        (Unit::Metre, 1e3, "metres"),
-    ];
-    for (other, factor, name) in tries {
-        if unit != Some(other) && plausible(size_mm * factor) {
-            let symbol = other.symbol();
-            return format!(
-                "in {name} it would be {} mm, so say `unit = \"{symbol}\"` in a scene file or `--unit {symbol}` on the command line",
-                Length(size_mm * factor)
-            );
-        }
-    }
-    match unit {
-        Some(unit) => format!(
-            "it was read in {}, and neither millimetres nor metres make a plausible size of it, so scale it before",
-            unit.symbol()
-        ),
-        None => "neither millimetres nor metres make a plausible size of it".to_owned(),
     }
 }
 
@@ -241,6 +219,19 @@ fn advice(size_mm: f64, unit: Option<Unit>) -> String {
 /// # Errors
 /// The first thing that makes it unusable, with what was found and what was expected.
 pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
+    check_as(mesh, file, Size::Any, None)
+}
+
+/// The same for a mesh of a kind that was read in a unit.
+///
+/// # Errors
+/// As [`check`], and if the size is implausible for the kind.
+pub fn check_as(
+    mesh: &TriMesh,
+    file: &str,
+    of: Size,
+    unit: Option<Unit>,
+) -> Result<MeshReport, MeshError> {
     let file = || file.to_owned();
     if mesh.triangles.is_empty() {
         return Err(MeshError::Empty { file: file() });
@@ -269,22 +260,16 @@ pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
     }
     let (low, high) = mesh.bounds();
     let size: Vec3 = high - low;
-    if !(PLAUSIBLE_SIZE_M.0..=PLAUSIBLE_SIZE_M.1).contains(&size.max()) {
+    let size_mm = size.max() * 1e3;
+    if !of.holds(size_mm) {
         return Err(MeshError::Scale {
             file: file(),
-            size_mm: size.max() * 1e3,
-            unit: None,
+            size_mm,
+            of,
+            unit,
         });
     }
     let sides = sides(mesh);
-    let open = open_sides(&sides);
-    if !open.is_empty() {
-        return Err(MeshError::Open {
-            file: file(),
-            edges: open.len(),
-            openings: openings(mesh, &open),
-        });
-    }
     let middle = |side: &Side| -> [f64; 3] {
         let [a, b] = side.walked().map(|v| mesh.vertices[v as usize]);
         ((a + b) * 0.5e3).into()
@@ -295,6 +280,15 @@ pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
             file: file(),
             edges: edges.crowded,
             at_mm: middle(&first),
+        });
+    }
+    // After the edges with too many triangles: a triangle that stands on a surface has two open edges, and is no hole.
+    let open = open_sides(&sides);
+    if !open.is_empty() {
+        return Err(MeshError::Open {
+            file: file(),
+            edges: open.len(),
+            openings: openings(mesh, &open),
         });
     }
     if let Some(first) = edges.first_flipped {

@@ -70,6 +70,9 @@ pub enum BuildError {
     /// A mesh is not a solid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// The base of a mesh cannot be closed.
+    #[error("{0}")]
+    Base(SolidError),
     /// A tree cannot be built.
     #[error("{part}: {source}")]
     Tree {
@@ -140,6 +143,7 @@ impl From<SolidError> for BuildError {
         match error {
             SolidError::Load(error) => Self::Load(error),
             SolidError::Mesh(error) => Self::Mesh(error),
+            error @ SolidError::Base { .. } => Self::Base(error),
         }
     }
 }

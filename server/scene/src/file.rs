@@ -14,7 +14,10 @@ use crate::mouth::MouthEntry;
 use crate::organ::SurfaceOptions;
 use crate::parametric::{Mirror, Molar, Pocket, Probe, Tongue, ToothSizes};
 use crate::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
+use crate::repair::Asked;
+use crate::size::Size;
 use crate::skeleton::SkeletonOptions;
+use crate::solid::Reading;
 use crate::sulcus::Sulcus;
 
 /// A scene file as written.
@@ -130,6 +133,15 @@ pub struct ToolEntry {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
     pub unit: Option<Unit>,
+    /// Kind of thing that the mesh file is of, where its size is to be judged by another kind than an instrument;
+    /// `any` takes every size.
+    pub size: Option<Size>,
+    /// Whether only the largest piece of the mesh file is kept.
+    #[serde(default)]
+    pub keep_largest: bool,
+    /// Whether the one flat opening of a scan without base is closed.
+    #[serde(default)]
+    pub close_base: bool,
     /// Reference point of the optimisation, at the working end, tool frame, mm.
     pub working_point_mm: Option<[f64; 3]>,
     /// The very tip, tool frame, mm.
@@ -176,6 +188,15 @@ pub struct ObjectEntry {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
     pub unit: Option<Unit>,
+    /// Kind of thing that the mesh file is of, where its size is to be judged by another kind than its tissue and FDI number say;
+    /// `any` takes every size.
+    pub size: Option<Size>,
+    /// Whether only the largest piece of the mesh file is kept.
+    #[serde(default)]
+    pub keep_largest: bool,
+    /// Whether the one flat opening of a scan without base is closed.
+    #[serde(default)]
+    pub close_base: bool,
     /// Where its origin lies in the world, mm.
     #[serde(default)]
     pub translate_mm: [f64; 3],
@@ -204,6 +225,40 @@ pub struct ObjectEntry {
     pub printed_gingiva: Option<PrintedGingivaEntry>,
     /// Parameters of a gingiva that differ from the defaults.
     pub gingiva: Option<GingivaEntry>,
+}
+
+impl ToolEntry {
+    /// How its mesh file is to be read.
+    pub(crate) fn reading(&self) -> Reading {
+        Reading {
+            unit: self.unit.unwrap_or(Unit::Millimetre),
+            size: self.size.unwrap_or(Size::Instrument),
+            asked: Asked {
+                keep_largest: self.keep_largest,
+                close_base: self.close_base,
+            },
+        }
+    }
+}
+
+impl ObjectEntry {
+    /// How its mesh file is to be read.
+    pub(crate) fn reading(&self) -> Reading {
+        let usual = match self.tissue {
+            tissue if tissue.is_organ() => Size::Tongue,
+            tissue if tissue.is_gingiva() => Size::Arch,
+            _ if self.fdi != 0 => Size::Tooth,
+            _ => Size::Mouth,
+        };
+        Reading {
+            unit: self.unit.unwrap_or(Unit::Millimetre),
+            size: self.size.unwrap_or(usual),
+            asked: Asked {
+                keep_largest: self.keep_largest,
+                close_base: self.close_base,
+            },
+        }
+    }
 }
 
 fn contact_level() -> u8 {

@@ -5,68 +5,31 @@
 //! when the content is not recognised. Bytes may be anything: they never cause a panic, and memory
 //! stays in proportion to the size of the file, whatever its header announces.
 //!
-//! Nothing is mended here ([`crate::repair`]) and nothing is judged ([`crate::check`]).
+//! Nothing is mended here ([`crate::repair`]) and nothing is judged ([`crate::check`]); faces with many corners are
+//! triangulated ([`crate::polygon`]), and a face that has no triangulation is refused.
 
+mod lines;
 mod obj;
 mod ply;
 mod stl;
+mod unit;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
 use sulcus_program::PathText;
 
 use crate::mesh::TriMesh;
 
 pub use obj::to_obj;
 pub use stl::to_stl;
+pub use unit::Unit;
 
 /// Largest file that is read, bytes: some twenty million triangles of binary STL.
 pub const LARGEST_FILE: u64 = 1 << 30;
 
 /// What some editors put before text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
-/// Unit of length of a mesh file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Unit {
-    /// Millimetres.
-    #[serde(rename = "mm")]
-    Millimetre,
-    /// Metres.
-    #[serde(rename = "m")]
-    Metre,
-}
-
-impl Unit {
-    /// Length of one unit, metres.
-    pub fn metres(self) -> f64 {
-        match self {
-            Unit::Millimetre => 1e-3,
-            Unit::Metre => 1.0,
-        }
-    }
-
-    /// How scene files and the command line call it.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Unit::Millimetre => "mm",
-            Unit::Metre => "m",
-        }
-    }
-}
-
-impl std::str::FromStr for Unit {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "mm" => Ok(Unit::Millimetre),
-            "m" => Ok(Unit::Metre),
-            other => Err(format!("unit is `{other}`, expected `mm` or `m`")),
-        }
-    }
-}
 
 /// Why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -113,14 +76,32 @@ impl Malformed {
     }
 }
 
-/// Reads an STL, OBJ or PLY file. Metres, in the file's own frame; polygons become fans of
-/// triangles, groups and objects become one mesh. STL repeats every corner, so corners with equal
+/// The mesh of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loaded {
+    /// The mesh, metres, in the file's own frame.
+    pub mesh: TriMesh,
+    /// Parts of the file that were not read, a sentence each; users are to be told.
+    pub notes: Vec<String>,
+}
+
+impl From<TriMesh> for Loaded {
+    fn from(mesh: TriMesh) -> Self {
+        Self {
+            mesh,
+            notes: Vec::new(),
+        }
+    }
+}
+
+/// Reads an STL, OBJ or PLY file. Metres, in the file's own frame; polygons become triangles, groups and objects become
+/// one mesh. STL repeats every corner, so corners with equal
 /// coordinates become one vertex; OBJ and PLY have indices, which stay as they are.
 ///
 /// # Errors
 /// If the file cannot be read or is not a mesh file, in one sentence. Whether the mesh is usable is
 /// not looked at here.
-pub fn load_mesh(file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
+pub fn load_mesh(file: &Path, unit: Unit) -> Result<Loaded, LoadError> {
     let read = |source| LoadError::Read {
         file: file.to_owned(),
         source,
@@ -143,28 +124,28 @@ pub fn load_mesh(file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
 ///
 /// # Errors
 /// If the bytes are not a mesh, in one sentence.
-pub fn parse_mesh(mut bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<TriMesh, LoadError> {
-    if bytes.starts_with(BYTE_ORDER_MARK) && !stl::is_binary(&bytes) {
+pub fn parse_mesh(mut bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<Loaded, LoadError> {
+    if bytes.starts_with(BYTE_ORDER_MARK) && !stl::is_exactly_binary(&bytes) {
         bytes.drain(..BYTE_ORDER_MARK.len());
     }
     let parsed = match sniff(&bytes).or_else(|| named(file)) {
         Some(Format::Stl) => stl::parse(bytes),
-        Some(Format::Obj) => obj::parse(&bytes),
+        Some(Format::Obj) => obj::parse(&bytes).map(Loaded::from),
         Some(Format::Ply) => ply::parse(bytes),
         None => Err(Malformed::new(
             format!("{} bytes of something else", bytes.len()),
             "a mesh as STL, OBJ or PLY",
         )),
     };
-    let mut mesh = parsed.map_err(|Malformed { found, expected }| LoadError::Format {
+    let mut loaded = parsed.map_err(|Malformed { found, expected }| LoadError::Format {
         file: file.to_owned(),
         found,
         expected,
     })?;
-    for vertex in &mut mesh.vertices {
+    for vertex in &mut loaded.mesh.vertices {
         *vertex *= unit.metres();
     }
-    Ok(mesh)
+    Ok(loaded)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,7 +172,7 @@ fn sniff(bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         return Some(Format::Ply);
     }
-    if stl::is_binary(bytes) || stl::is_text(bytes) {
+    if stl::is_exactly_binary(bytes) || stl::is_text(bytes) || stl::seems_binary(bytes) {
         return Some(Format::Stl);
     }
     // An OBJ file is text whose first line that is no comment and no name begins with a known word.

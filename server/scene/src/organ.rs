@@ -152,6 +152,7 @@ pub fn elements(
         Some(path) if path.extension().is_some_and(|ending| ending == "msh") => {
             let unit = match options.elements_unit {
                 Some(Unit::Metre) => msh::Unit::Metre,
+                Some(Unit::Inch) => msh::Unit::Inch,
                 Some(Unit::Millimetre) | None => msh::Unit::Millimetre,
             };
             msh::read_msh(&path, unit, None)?

@@ -16,14 +16,14 @@ use crate::compile::{BuildError, BuildOptions};
 use crate::distance::MeshDistance;
 use crate::family;
 use crate::file::{GingivaEntry, ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
+use crate::filled::check_filled;
 use crate::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
-use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::organ::organ;
 use crate::parametric::{Collar, Mirror, Probe, Tooth};
 use crate::printed::{printed_gingiva, printed_skeleton};
 use crate::skeleton::skeleton;
-use crate::solid::read_solid;
+use crate::solid::{Reading, read_solid};
 use crate::springs::FittedSprings;
 
 pub(crate) const TOOTH_COLOUR: [u8; 4] = [238, 230, 208, 255];
@@ -82,7 +82,7 @@ impl Compiler<'_> {
                 )
             }
             None => {
-                let mesh = self.load(&part, entry.mesh.as_deref(), entry.unit)?;
+                let mesh = self.load(&part, entry.mesh.as_deref(), entry.reading())?;
                 let mm = |point: Option<[f64; 3]>| Vec3::from(point.unwrap_or_default()) * 1e-3;
                 let axis = Vec3::from(entry.tip_axis.unwrap_or([0.0, 0.0, -1.0])).normalize();
                 (
@@ -141,7 +141,7 @@ impl Compiler<'_> {
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
             None if entry.tissue.is_gingiva() => return self.sounded_gingiva(entry, all),
-            None => self.load(&part, entry.mesh.as_deref(), entry.unit)?,
+            None => self.load(&part, entry.mesh.as_deref(), entry.reading())?,
         };
         let wanted = TreeOptions {
             levels: entry.levels,
@@ -293,7 +293,7 @@ impl Compiler<'_> {
         &mut self,
         part: &str,
         mesh: Option<&Path>,
-        unit: Option<Unit>,
+        reading: Reading,
     ) -> Result<TriMesh, BuildError> {
         // The file was checked to name both.
         let file = self
@@ -301,8 +301,8 @@ impl Compiler<'_> {
             .parent()
             .unwrap_or(Path::new(""))
             .join(mesh.unwrap_or(Path::new("")));
-        let solid = read_solid(&file, unit.unwrap_or(Unit::Millimetre))?;
-        for sentence in solid.repairs.sentences() {
+        let solid = read_solid(&file, reading)?;
+        for sentence in solid.repairs.sentences().into_iter().chain(solid.notes) {
             self.warnings
                 .push(format!("{part}: {}: {sentence}", file.shown()));
         }
@@ -341,7 +341,9 @@ impl Compiler<'_> {
         let brought = (!self.options.anew).then(|| family::find(&key)).flatten();
         let kept = brought.or_else(|| {
             let dir = self.options.cache.as_deref()?;
+            // A tree that was kept before trees were checked is built again, and refused.
             cache::load(dir, &key)
+                .filter(|tree| check_filled(tree, mesh, &wanted, weights.is_some()).is_ok())
         });
         let tree = match kept {
             Some(tree) => {

@@ -7,13 +7,18 @@
 //! ([`SMALL_HOLE_SHARE`], [`MISSING_TRIANGLE_SHARE`], [`LONGEST_RIM`]) are closed; a closed surface
 //! that faces inwards is turned outward.
 //!
+//! On request alone ([`Asked`]) all pieces but the largest are dropped, and the one opening of a scan without base is
+//! closed by a flat lid.
+//!
 //! What has no one right answer stays as it is, for [`crate::check`] to refuse: large holes,
 //! edges with more than two triangles, surfaces that touch themselves, several pieces, nothing
 //! enclosed. A mesh that needs no repair comes back bit by bit as it was.
 
+mod base;
 mod fill;
 mod holes;
 mod orient;
+mod pieces;
 mod weld;
 
 use std::fmt;
@@ -24,6 +29,8 @@ use sulcus_core::Vec3;
 use crate::edges::{Length, Opening, Place, first_few, open_sides, rounded, sides};
 use crate::mesh::TriMesh;
 
+pub use base::{BASE_FLAT_SHARE, ClosedBase};
+pub use pieces::DroppedPieces;
 pub(crate) use weld::join_equal;
 
 /// Two vertices on open edges count as one place if they are nearer than this share of the diagonal
@@ -40,6 +47,15 @@ pub const MISSING_TRIANGLE_SHARE: f64 = 0.2;
 
 /// A small hole has no more edges than this.
 pub const LONGEST_RIM: usize = 64;
+
+/// Repairs that change what was drawn, made only where they are asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Asked {
+    /// Whether the piece with the largest area is kept and all others are dropped.
+    pub keep_largest: bool,
+    /// Whether the one opening that is left, if its rim is nearly flat, is closed by a lid.
+    pub close_base: bool,
+}
 
 /// What was mended. All zero for a mesh that needed nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -64,6 +80,12 @@ pub struct Repairs {
     pub holes: Vec<ClosedHole>,
     /// Whether the surface was inside out as a whole and was turned.
     pub turned_outward: bool,
+    /// Pieces that were dropped because that was asked for.
+    pub dropped: Option<DroppedPieces>,
+    /// The base that was closed because that was asked for.
+    pub base: Option<ClosedBase>,
+    /// The openings that were found where a base was to be closed and could not be.
+    pub base_refused: Option<String>,
 }
 
 /// A hole that was closed.
@@ -109,6 +131,22 @@ impl Repairs {
         let vertices = |count| counted(count, "vertex", "vertices");
         let triangles = |count| counted(count, "triangle", "triangles");
         let mut said = Vec::new();
+        if let Some(dropped) = &self.dropped {
+            said.push(format!(
+                "{} dropped because only the largest piece was asked for: {} triangles, the largest {} mm across; {} triangles with {} mm2 were kept",
+                counted(dropped.pieces, "piece", "pieces"),
+                dropped.triangles,
+                Length(dropped.largest_mm),
+                dropped.kept_triangles,
+                Length(dropped.kept_area_mm2)
+            ));
+        }
+        if let Some(base) = &self.base {
+            said.push(format!("the open base was closed as asked: {base}"));
+        }
+        if let Some(found) = &self.base_refused {
+            said.push(format!("the open base was not closed: found {found}"));
+        }
         if self.unused_vertices > 0 {
             let vertices = vertices(self.unused_vertices);
             said.push(format!("{vertices} dropped because no triangle used them"));
@@ -168,7 +206,12 @@ impl fmt::Display for Repairs {
 
 /// Mends a mesh as far as there is one right answer. Anything may be in the mesh: one that names
 /// vertices that are not there, or whose places are not numbers, comes back as it was.
-pub fn repair(mut mesh: TriMesh) -> (TriMesh, Repairs) {
+pub fn repair(mesh: TriMesh) -> (TriMesh, Repairs) {
+    repair_as(mesh, &Asked::default())
+}
+
+/// The same, and what was asked for besides.
+pub fn repair_as(mut mesh: TriMesh, asked: &Asked) -> (TriMesh, Repairs) {
     let mut done = Repairs::default();
     let vertices = mesh.vertices.len() as u64;
     if mesh
@@ -181,7 +224,7 @@ pub fn repair(mut mesh: TriMesh) -> (TriMesh, Repairs) {
     }
     done.unused_vertices = drop_unused(&mut mesh);
     let (low, high) = mesh.bounds();
-    let size = (high - low).norm();
+    let mut size = (high - low).norm();
     // Also false where a coordinate or the size is not finite.
     if !(size > 0.0 && size.is_finite() && mesh.vertices.iter().flatten().all(|x| x.is_finite())) {
         return (mesh, done);
@@ -192,6 +235,11 @@ pub fn repair(mut mesh: TriMesh) -> (TriMesh, Repairs) {
     done.welded_vertices = welded.vertices;
     done.largest_weld_mm = welded.largest * 1e3;
     (done.degenerate_triangles, done.duplicate_triangles) = drop_useless(&mut mesh);
+    if asked.keep_largest {
+        done.dropped = pieces::keep_largest(&mut mesh);
+        let (low, high) = mesh.bounds();
+        size = (high - low).norm();
+    }
     let turned = orient::agree(&mut mesh);
     done.turned_triangles = turned.len();
     done.first_turned_mm = turned.first().map(|&triangle| {
@@ -199,6 +247,12 @@ pub fn repair(mut mesh: TriMesh) -> (TriMesh, Repairs) {
         (sum * (1e3 / 3.0)).map(rounded).into()
     });
     done.holes = holes::close(&mut mesh, size);
+    if asked.close_base {
+        match base::close(&mut mesh) {
+            Ok(closed) => done.base = closed,
+            Err(found) => done.base_refused = Some(found),
+        }
+    }
     done.turned_outward = orient::outward(&mut mesh);
     drop_unused(&mut mesh);
     (mesh, done)

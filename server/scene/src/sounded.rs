@@ -10,7 +10,6 @@ use crate::compile::BuildError;
 use crate::distance::MeshDistance;
 use crate::file::{ObjectEntry, TissueEntry};
 use crate::gingiva::{Surrounding, model};
-use crate::load::Unit;
 use crate::mesh::TriMesh;
 use crate::parametric::blend::ramp;
 use crate::parts::{Compiler, GINGIVA_COLOUR, Importance, gingiva_params, moved};
@@ -32,7 +31,7 @@ impl Compiler<'_> {
         let mesh = match (&entry.molar, &entry.mesh) {
             (_, Some(mesh)) => {
                 let folder = self.path.parent().unwrap_or(std::path::Path::new(""));
-                read_solid(&folder.join(mesh), entry.unit.unwrap_or(Unit::Millimetre))?.mesh
+                read_solid(&folder.join(mesh), entry.reading())?.mesh
             }
             (molar, None) => molar.clone().unwrap_or_default().mesh(),
         };
@@ -54,7 +53,7 @@ impl Compiler<'_> {
         let fdi = all[tooth].fdi;
         let given = entry.sulcus.clone().unwrap_or_default();
         let place = Vec3::from(entry.translate_mm) * 1e-3;
-        let drawn = self.load(&part, entry.mesh.as_deref(), entry.unit)?;
+        let drawn = self.load(&part, entry.mesh.as_deref(), entry.reading())?;
         let surface = MeshDistance::new(self.tooth(&all[tooth])?);
         let tissue = MeshDistance::new(drawn.clone().placed(1.0, place));
         let sounded = Sounded::new(&surface, &tissue, fdi, &given).map_err(|source| {

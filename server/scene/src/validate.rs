@@ -92,6 +92,15 @@ fn tool(entry: &ToolEntry) -> Checked {
         entry.mesh.is_some(),
         entry.unit.is_some(),
     )?;
+    reading(
+        &field,
+        entry.mesh.is_some(),
+        [
+            ("size", entry.size.is_some()),
+            ("keep_largest", entry.keep_largest),
+            ("close_base", entry.close_base),
+        ],
+    )?;
     let given = [
         ("working_point_mm", entry.working_point_mm.is_some()),
         ("tip_mm", entry.tip_mm.is_some()),
@@ -288,6 +297,15 @@ fn object(entry: &ObjectEntry) -> Checked {
         entry.mesh.is_some(),
         entry.unit.is_some(),
     )?;
+    reading(
+        &field,
+        entry.mesh.is_some(),
+        [
+            ("size", entry.size.is_some()),
+            ("keep_largest", entry.keep_largest),
+            ("close_base", entry.close_base),
+        ],
+    )?;
     if entry.molar.is_some() && entry.kind != Some(ObjectKind::Molar) {
         return wrong(field("molar"), "given", "nothing without kind = \"molar\"");
     }
@@ -424,10 +442,18 @@ fn source(field: &dyn Fn(&str) -> String, kind: bool, mesh: bool, unit: bool) ->
         (false, true, false) => wrong(
             field("unit"),
             "missing",
-            "\"mm\" or \"m\", because mesh files do not name their unit",
+            "\"mm\", \"m\" or \"in\", because mesh files do not name their unit",
         ),
         (true, false, true) => wrong(field("unit"), "given", "nothing without `mesh`"),
         _ => Ok(()),
+    }
+}
+
+/// The keys that say how a mesh file is read mean nothing without one.
+fn reading(field: &dyn Fn(&str) -> String, mesh: bool, given: [(&str, bool); 3]) -> Checked {
+    match given.into_iter().find(|(_, given)| *given && !mesh) {
+        Some((key, _)) => wrong(field(key), "given", "nothing without `mesh`"),
+        None => Ok(()),
     }
 }
 

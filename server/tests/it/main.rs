@@ -3,3 +3,4 @@
 mod common;
 mod tissue;
 mod tree;
+mod tree_inputs;

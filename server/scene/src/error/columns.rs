@@ -26,14 +26,113 @@ const LEAST_RAYS: u32 = 4;
 /// Most cuts of a ray through a ball, over all rays and balls.
 const MOST_CUTS: f64 = 5e7;
 
-/// The rays and what is on them.
-pub(super) struct Columns {
+/// Where the rays are.
+struct Grid {
     /// The axes across the rays, then that of the rays.
     axes: [usize; 3],
     low: Vec3,
     /// Distance between rays, metres.
-    pub(super) step: f64,
+    step: f64,
     size: [usize; 2],
+}
+
+impl Grid {
+    /// About `count` rays, fewer where balls would be cut more than `most_cuts` times, along the longest side of a box.
+    fn new(low: Vec3, high: Vec3, spheres: &[Sphere], count: usize, most_cuts: f64) -> Self {
+        let sides = high - low;
+        let w = sides.imax();
+        let axes = [(w + 1) % 3, (w + 2) % 3, w];
+        // In a deep tree of large overlapping balls every ray would be cut thousands of times.
+        let discs: f64 = spheres
+            .iter()
+            .map(|s| std::f64::consts::PI * s.radius * s.radius)
+            .sum();
+        let step = fmax(
+            sides[axes[0]] * sides[axes[1]] / count as f64,
+            discs / most_cuts,
+        )
+        .sqrt();
+        let size = [0, 1].map(|k| (sides[axes[k]] / step).ceil().max(1.0) as usize);
+        Self {
+            axes,
+            low,
+            step,
+            size,
+        }
+    }
+
+    /// Numbers of the balls that the rays of each row may meet.
+    fn rows(&self, spheres: &[Sphere]) -> Vec<Vec<u32>> {
+        let v = self.axes[1];
+        bucketed(
+            self.size[1],
+            spheres.iter().map(|s| {
+                let c = s.centre[v];
+                (self.first(c - s.radius, 1), self.first(c + s.radius, 1))
+            }),
+        )
+    }
+
+    /// Number of the first ray at or behind a coordinate, along the first or second axis across the rays.
+    fn first(&self, x: f64, across: usize) -> usize {
+        let low = self.low[self.axes[across]];
+        ((x - low) / self.step - 0.5).ceil().max(0.0) as usize
+    }
+
+    /// Coordinate of the rays of a row.
+    fn row(&self, row: usize) -> f64 {
+        self.low[self.axes[1]] + (row as f64 + 0.5) * self.step
+    }
+
+    /// Stretches of the rays of the row at `y` that are inside balls, unsorted.
+    fn through(&self, spheres: &[Sphere], balls: &[u32], y: f64) -> Vec<Vec<Span>> {
+        let [u, v, w] = self.axes;
+        let mut inside: Vec<Vec<Span>> = vec![Vec::new(); self.size[0]];
+        for &k in balls {
+            let s = &spheres[k as usize];
+            let off = y - s.centre[v];
+            let square = s.radius * s.radius - off * off;
+            if square <= 0.0 {
+                continue;
+            }
+            let (reach, middle) = (square.sqrt(), s.centre[u]);
+            let (from, to) = (self.first(middle - reach, 0), self.first(middle + reach, 0));
+            for (column, spans) in inside.iter_mut().enumerate().take(to).skip(from) {
+                let x = self.low[u] + (column as f64 + 0.5) * self.step - middle;
+                let half = fmax(square - x * x, 0.0).sqrt();
+                spans.push((s.centre[w] - half, s.centre[w] + half));
+            }
+        }
+        inside
+    }
+}
+
+/// Volume of a union of balls, cubic metres, along about `count` rays.
+pub(crate) fn union_volume(spheres: &[Sphere], count: usize, most_cuts: f64) -> f64 {
+    let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    for s in spheres {
+        low = low.zip_map(&s.centre.map(|x| x - s.radius), fmin);
+        high = high.zip_map(&s.centre.map(|x| x + s.radius), fmax);
+    }
+    if spheres.is_empty() {
+        return 0.0;
+    }
+    let grid = Grid::new(low, high, spheres, count, most_cuts);
+    let balls = grid.rows(spheres);
+    let rows = parallel::map(grid.size[1], |row| {
+        let rays = grid.through(spheres, &balls[row], grid.row(row));
+        rays.into_iter()
+            .map(|spans| length(&merged(spans)))
+            .sum::<f64>()
+    });
+    rows.iter().sum::<f64>() * grid.step * grid.step
+}
+
+/// The rays and what is on them.
+pub(super) struct Columns {
+    grid: Grid,
+    /// Distance between rays, metres.
+    pub(super) step: f64,
     gaps: Vec<Vec<Gap>>,
     /// First and last point of the union on each ray.
     ends: Vec<Option<Span>>,
@@ -61,25 +160,10 @@ impl Columns {
             low = low.zip_map(&s.centre.map(|x| x - s.radius), fmin);
             high = high.zip_map(&s.centre.map(|x| x + s.radius), fmax);
         }
-        let sides = high - low;
-        let w = sides.imax();
-        let axes = [(w + 1) % 3, (w + 2) % 3, w];
-        // In a deep tree of large overlapping balls every ray would be cut thousands of times.
-        let discs: f64 = spheres
-            .iter()
-            .map(|s| std::f64::consts::PI * s.radius * s.radius)
-            .sum();
-        let step = fmax(
-            sides[axes[0]] * sides[axes[1]] / count as f64,
-            discs / MOST_CUTS,
-        )
-        .sqrt();
-        let size = [0, 1].map(|k| (sides[axes[k]] / step).ceil().max(1.0) as usize);
+        let grid = Grid::new(low, high, spheres, count, MOST_CUTS);
         let mut columns = Self {
-            axes,
-            low,
-            step,
-            size,
+            step: grid.step,
+            grid,
             gaps: Vec::new(),
             ends: Vec::new(),
             missing: 0.0,
@@ -121,17 +205,17 @@ impl Columns {
     /// it goes through that space.
     fn lines_cavity(&self, exposed: &ExposedPoint) -> Option<bool> {
         let p = exposed.point + exposed.normal * (0.5 * self.step);
-        let [u, v, w] = self.axes;
-        let at = |axis: usize| ((p[axis] - self.low[axis]) / self.step).floor() as isize;
+        let [u, v, w] = self.grid.axes;
+        let at = |axis: usize| ((p[axis] - self.grid.low[axis]) / self.step).floor() as isize;
         let (i, j) = (at(u), at(v));
         // On the ray itself or, in a narrow place, on one beside it.
         for (di, dj) in [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)] {
             let (i, j) = (i + di, j + dj);
             let inside = |x: isize, size: usize| x >= 0 && (x as usize) < size;
-            if !inside(i, self.size[0]) || !inside(j, self.size[1]) {
+            if !inside(i, self.grid.size[0]) || !inside(j, self.grid.size[1]) {
                 return Some(false);
             }
-            let column = j as usize * self.size[0] + i as usize;
+            let column = j as usize * self.grid.size[0] + i as usize;
             if self
                 .open_ends(column)
                 .iter()
@@ -149,58 +233,39 @@ impl Columns {
     }
 
     fn cut(&mut self, spheres: &[Sphere], mesh: &TriMesh) {
-        let [u, v, w] = self.axes;
-        let row_of = |x: f64| ((x - self.low[v]) / self.step - 0.5).ceil().max(0.0) as usize;
-        let balls = bucketed(
-            self.size[1],
-            spheres.iter().map(|s| {
-                let c = s.centre[v];
-                (row_of(c - s.radius), row_of(c + s.radius))
-            }),
-        );
+        let [u, v, _] = self.grid.axes;
+        let size = self.grid.size;
+        let balls = self.grid.rows(spheres);
         let triangles = bucketed(
-            self.size[1],
+            size[1],
             (0..mesh.triangles.len()).map(|t| {
                 let c = mesh.corners(t).map(|c| c[v]);
                 let (least, most) = (fmin(c[0], fmin(c[1], c[2])), fmax(c[0], fmax(c[1], c[2])));
-                (row_of(least), row_of(most))
+                (self.grid.first(least, 1), self.grid.first(most, 1))
             }),
         );
         let this = &*self;
-        let rows = parallel::map(self.size[1], |row| {
-            let y = this.low[v] + (row as f64 + 0.5) * this.step;
-            let first = |x: f64| ((x - this.low[u]) / this.step - 0.5).ceil().max(0.0) as usize;
-            let mut union: Vec<Vec<Span>> = vec![Vec::new(); this.size[0]];
-            for &k in &balls[row] {
-                let s = &spheres[k as usize];
-                let off = y - s.centre[v];
-                let square = s.radius * s.radius - off * off;
-                if square <= 0.0 {
-                    continue;
-                }
-                let (reach, middle) = (square.sqrt(), s.centre[u]);
-                let (from, to) = (first(middle - reach), first(middle + reach));
-                for (column, spans) in union.iter_mut().enumerate().take(to).skip(from) {
-                    let x = this.low[u] + (column as f64 + 0.5) * this.step - middle;
-                    let half = fmax(square - x * x, 0.0).sqrt();
-                    spans.push((s.centre[w] - half, s.centre[w] + half));
-                }
-            }
-            let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); this.size[0]];
+        let rows = parallel::map(size[1], |row| {
+            let y = this.grid.row(row);
+            let union = this.grid.through(spheres, &balls[row], y);
+            let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); size[0]];
             for &t in &triangles[row] {
                 let c = mesh.corners(t as usize).map(|c| c[u]);
                 let (least, most) = (fmin(c[0], fmin(c[1], c[2])), fmax(c[0], fmax(c[1], c[2])));
                 let range = crossings.iter_mut().enumerate();
-                for (column, found) in range.take(first(most)).skip(first(least)) {
-                    let x = this.low[u] + (column as f64 + 0.5) * this.step;
-                    found.extend(crossing(mesh, t as usize, this.axes, x, y));
+                for (column, found) in range
+                    .take(this.grid.first(most, 0))
+                    .skip(this.grid.first(least, 0))
+                {
+                    let x = this.grid.low[u] + (column as f64 + 0.5) * this.step;
+                    found.extend(crossing(mesh, t as usize, this.grid.axes, x, y));
                 }
             }
             let mut result = Row {
                 missing: 0.0,
                 excess: 0.0,
-                gaps: Vec::with_capacity(this.size[0]),
-                ends: Vec::with_capacity(this.size[0]),
+                gaps: Vec::with_capacity(size[0]),
+                ends: Vec::with_capacity(size[0]),
             };
             for (union, crossings) in union.into_iter().zip(crossings) {
                 let (union, solid) = (merged(union), inside(crossings));
@@ -239,12 +304,13 @@ impl Columns {
         }
         let mut leader: Vec<u32> = (0..count).collect();
         for column in 0..self.gaps.len() {
-            let (i, j) = (column % self.size[0], column / self.size[0]);
+            let size = self.grid.size;
+            let (i, j) = (column % size[0], column / size[0]);
             let beside = [
                 (i > 0).then(|| column - 1),
-                (i + 1 < self.size[0]).then(|| column + 1),
-                (j > 0).then(|| column - self.size[0]),
-                (j + 1 < self.size[1]).then(|| column + self.size[0]),
+                (i + 1 < size[0]).then(|| column + 1),
+                (j > 0).then(|| column - size[0]),
+                (j + 1 < size[1]).then(|| column + size[0]),
             ];
             for (k, gap) in self.gaps[column].iter().enumerate() {
                 let own = first[column] + k as u32;

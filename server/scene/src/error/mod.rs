@@ -28,6 +28,7 @@ use crate::distance::MeshDistance;
 use crate::parallel;
 use crate::zone::Zone;
 use columns::Columns;
+pub(crate) use columns::union_volume;
 use exposed::{Cells, ExposedPoint};
 use patch::Place;
 pub use patch::zone_patch;

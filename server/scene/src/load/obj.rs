@@ -4,8 +4,10 @@ use std::fmt::Write;
 
 use sulcus_core::Vec3;
 
+use super::lines::numbered;
 use super::{Malformed, brief};
 use crate::mesh::TriMesh;
+use crate::polygon::{FACE, triangulate};
 
 /// What a corner of a face should be.
 const CORNER: &str = "the number of a vertex in the file, counted from 1 or, negative, backwards";
@@ -14,30 +16,55 @@ const CORNER: &str = "the number of a vertex in the file, counted from 1 or, neg
 /// one mesh, lines and points are no surface.
 pub(super) fn parse(bytes: &[u8]) -> Result<TriMesh, Malformed> {
     let surface = surface_only(&String::from_utf8_lossy(bytes))?;
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ..Default::default()
-    };
     let no_materials = |_: &std::path::Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut surface.as_bytes(), &options, no_materials)
-        .map_err(|error| Malformed::new(brief(&error.to_string()), "an OBJ file"))?;
+    let (models, _) = tobj::load_obj_buf(
+        &mut surface.text.as_bytes(),
+        &tobj::LoadOptions::default(),
+        no_materials,
+    )
+    .map_err(|error| Malformed::new(brief(&error.to_string()), "an OBJ file"))?;
     let mut mesh = TriMesh::default();
+    let mut lines = surface.lines.iter();
     for model in models {
         let first = mesh.vertices.len() as u32;
         let (points, _) = model.mesh.positions.as_chunks::<3>();
         mesh.vertices.extend(points.iter().map(|p| Vec3::from(*p)));
-        let (triangles, _) = model.mesh.indices.as_chunks::<3>();
-        mesh.triangles
-            .extend(triangles.iter().map(|t| t.map(|v| first + v)));
+        // Without arities every face is a triangle.
+        let triangles = model.mesh.indices.len() / 3;
+        let arities = match &model.mesh.face_arities[..] {
+            [] => vec![3; triangles],
+            arities => arities.to_vec(),
+        };
+        let mut rest = &model.mesh.indices[..];
+        for corners in arities {
+            let Some((face, behind)) = rest.split_at_checked(corners as usize) else {
+                break;
+            };
+            rest = behind;
+            let face: Vec<u32> = face.iter().map(|v| first + v).collect();
+            let line = lines.next().copied().unwrap_or_default();
+            triangulate(&face, &mesh.vertices, &mut mesh.triangles)
+                .map_err(|found| Malformed::new(format!("{found} in line {line}"), FACE))?;
+        }
     }
     Ok(mesh)
+}
+
+/// The part of a file that the reader gets.
+#[derive(Default)]
+struct Surface {
+    /// Vertices and faces, a line each.
+    text: String,
+    /// Line of each face in the file.
+    lines: Vec<usize>,
 }
 
 /// The file's vertices and faces alone, checked line by line: `v` with its place, `f` with the
 /// numbers of its corners. What is left out are colours, normals, textures, names and materials:
 /// the reader can stumble over them, and it does not say in which line.
-fn surface_only(text: &str) -> Result<String, Malformed> {
-    let mut surface = String::new();
+fn surface_only(text: &str) -> Result<Surface, Malformed> {
+    let mut found = Surface::default();
+    let surface = &mut found.text;
     let mut vertices = 0_i64;
     // Faces may name vertices that come later, so the largest number waits for the end.
     let mut largest = (0_i64, 0_usize);
@@ -64,6 +91,7 @@ fn surface_only(text: &str) -> Result<String, Malformed> {
                 vertices += 1;
             }
             Some("f") => {
+                found.lines.push(number);
                 surface.push('f');
                 let mut corners = 0;
                 for word in words {
@@ -111,14 +139,18 @@ fn surface_only(text: &str) -> Result<String, Malformed> {
             "an OBJ file with vertices and faces",
         ));
     }
-    Ok(surface)
+    Ok(found)
 }
 
-/// Lines with their numbers from 1; a backslash at the end continues a line in the next.
+/// Lines without comments, with their numbers from 1; a backslash at the end continues a line in the next. A comment
+/// ends with its line, whatever it ends with: paths in comments end in backslashes.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
-    let mut lines = text.lines().zip(1_usize..);
+    let mut lines = numbered(text).map(|(number, line)| match line.split_once('#') {
+        Some((before, _)) => (number, before),
+        None => (number, line),
+    });
     std::iter::from_fn(move || {
-        let (line, number) = lines.next()?;
+        let (number, line) = lines.next()?;
         if !line.trim_end().ends_with('\\') {
             return Some((number, line.into()));
         }
@@ -128,7 +160,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_
             joined.push_str(begun);
             joined.push(' ');
             match lines.next() {
-                Some((next, _)) => part = next,
+                Some((_, next)) => part = next,
                 None => return Some((number, joined.into())),
             }
         }

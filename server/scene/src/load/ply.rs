@@ -1,6 +1,8 @@
 //! PLY: a header that describes a table of vertices and a table of faces, then the tables as text
 //! or binary in either byte order.
 
+mod header;
+
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
@@ -8,34 +10,21 @@ use ply_rs_bw::ply::{
 };
 use sulcus_core::Vec3;
 
-use super::{Malformed, brief};
+use super::lines;
+use super::{Loaded, Malformed, brief};
 use crate::mesh::TriMesh;
+use crate::polygon::{FACE, triangulate};
 
-/// Longest header that is read, bytes.
-const LONGEST_HEADER: usize = 1 << 20;
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+/// Elements that hold the surface: polygons, and strips of triangles with -1 between them.
+const SURFACES: [&str; 2] = ["face", "tristrips"];
 
 /// Reads PLY; lengths stay in the file's unit.
-pub(super) fn parse(mut bytes: Vec<u8>) -> Result<TriMesh, Malformed> {
-    let end = bytes[..bytes.len().min(LONGEST_HEADER)]
-        .windows(10)
-        .position(|word| word == b"end_header")
-        .ok_or_else(|| {
-            Malformed::new(
-                format!("no `end_header` in the first {LONGEST_HEADER} bytes"),
-                "a PLY header",
-            )
-        })?;
-    // Comments may be in any character set; the reader wants UTF-8.
-    for byte in &mut bytes[..end] {
-        if !byte.is_ascii() {
-            *byte = b'?';
-        }
-    }
-    let mut reader = Reader::new(&bytes[..]);
+pub(super) fn parse(bytes: Vec<u8>) -> Result<Loaded, Malformed> {
+    let written = header::normalised(&bytes)?;
     let header = Parser::<Vertex>::new()
-        .read_header(&mut reader)
+        .read_header(&mut Reader::new(written.text.as_bytes()))
         .map_err(|error| {
             Malformed::new(
                 format!(
@@ -47,8 +36,8 @@ pub(super) fn parse(mut bytes: Vec<u8>) -> Result<TriMesh, Malformed> {
             )
         })?;
     let mut payload = Payload {
-        line: bytes[..end].iter().filter(|&&byte| byte == b'\n').count() + 1,
-        rest: reader.into_inner(),
+        line: written.lines,
+        rest: &bytes[written.length..],
         encoding: header.encoding,
     };
     described(&header, payload.rest.len())?;
@@ -60,31 +49,36 @@ pub(super) fn parse(mut bytes: Vec<u8>) -> Result<TriMesh, Malformed> {
                 Ok(())
             })?,
             "face" => payload.each(element, |face: Face| {
-                mesh.triangles.extend(face.fan(mesh.vertices.len())?);
-                Ok(())
+                let corners = face.corners(mesh.vertices.len())?;
+                triangulate(&corners, &mesh.vertices, &mut mesh.triangles)
+                    .map_err(|found| Malformed::new(found, FACE))
+            })?,
+            "tristrips" => payload.each(element, |strips: Face| {
+                strips.strips(mesh.vertices.len(), &mut mesh.triangles)
             })?,
             _ => payload.each(element, |_: Other| Ok(()))?,
         }
     }
-    Ok(mesh)
+    let behind = payload.rest.trim_ascii_end().len();
+    let notes =
+        (behind > 0).then(|| format!("{behind} bytes behind the last element were not read"));
+    Ok(Loaded {
+        mesh,
+        notes: notes.into_iter().collect(),
+    })
 }
 
 /// Whether the header describes a surface, and no more of it than the file can hold.
 fn described(header: &Header, available: usize) -> Result<(), Malformed> {
     let names: Vec<&str> = header.elements.keys().map(String::as_str).collect();
-    let place = |name| header.elements.get_index_of(name);
-    let (Some(vertex), Some(face)) = (place("vertex"), place("face")) else {
+    let place = |name: &str| header.elements.get_index_of(name);
+    let surfaces: Vec<usize> = SURFACES.iter().filter_map(|name| place(name)).collect();
+    let (Some(vertex), false) = (place("vertex"), surfaces.is_empty()) else {
         return Err(Malformed::new(
             format!("a PLY file of [{}]", brief(&names.join(", "))),
-            "elements `vertex` and `face`",
+            "elements `vertex` and `face` (or `tristrips`)",
         ));
     };
-    if face < vertex {
-        return Err(Malformed::new(
-            "`face` before `vertex`",
-            "vertices before the faces that name them",
-        ));
-    }
     for axis in ["x", "y", "z"] {
         let property = header.elements[vertex].properties.get(axis);
         if !property.is_some_and(|p| matches!(p.data_type, PropertyType::Scalar(_))) {
@@ -94,16 +88,31 @@ fn described(header: &Header, available: usize) -> Result<(), Malformed> {
             ));
         }
     }
-    let corners = CORNERS
-        .iter()
-        .find_map(|name| header.elements[face].properties.get(*name));
-    if !corners.is_some_and(|p| {
-        matches!(&p.data_type, PropertyType::List(_, of) if !matches!(of, ScalarType::Float | ScalarType::Double))
-    }) {
-        return Err(Malformed::new(
-            "no list of whole numbers `vertex_indices` in element `face`",
-            "faces that name their vertices",
-        ));
+    for face in surfaces {
+        let name = names[face];
+        if face < vertex {
+            return Err(Malformed::new(
+                format!("`{name}` before `vertex`"),
+                "vertices before the faces that name them",
+            ));
+        }
+        let properties = &header.elements[face].properties;
+        let mut lists = CORNERS.iter().filter_map(|name| properties.get(*name));
+        let corners = lists.next();
+        if lists.next().is_some() {
+            return Err(Malformed::new(
+                format!("both `vertex_indices` and `vertex_index` in element `{name}`"),
+                "one list of corners",
+            ));
+        }
+        if !corners.is_some_and(|p| {
+            matches!(&p.data_type, PropertyType::List(_, of) if !matches!(of, ScalarType::Float | ScalarType::Double))
+        }) {
+            return Err(Malformed::new(
+                format!("no list of whole numbers `vertex_indices` in element `{name}`"),
+                "faces that name their vertices",
+            ));
+        }
     }
     let mut needed = 0_u128;
     for element in header.elements.values() {
@@ -206,12 +215,7 @@ impl Payload<'_> {
 
     /// The next line of text that is not blank (or any, where blank is right).
     fn text_line(&mut self, blank: bool) -> Option<String> {
-        while !self.rest.is_empty() {
-            let end = self.rest.iter().position(|&byte| byte == b'\n');
-            let (line, rest) = match end {
-                Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
-                None => (self.rest, &[][..]),
-            };
+        while let Some((line, rest)) = lines::first(self.rest) {
             self.rest = rest;
             self.line += 1;
             if blank || !line.trim_ascii().is_empty() {
@@ -252,7 +256,7 @@ impl PropertyAccess for Vertex {
     }
 }
 
-/// A polygon's corners.
+/// The list of a polygon's corners, or of strips.
 struct Face(Vec<i64>);
 
 impl PropertyAccess for Face {
@@ -278,28 +282,46 @@ impl PropertyAccess for Face {
 }
 
 impl Face {
-    fn fan(&self, vertices: usize) -> Result<Vec<[u32; 3]>, Malformed> {
+    /// The corners, if they are vertices of the file.
+    fn corners(&self, vertices: usize) -> Result<Vec<u32>, Malformed> {
         if self.0.len() < 3 {
             return Err(Malformed::new(
                 format!("{} corners", self.0.len()),
                 "at least 3",
             ));
         }
-        let mut corners = Vec::with_capacity(self.0.len());
-        for &corner in &self.0 {
-            match u32::try_from(corner) {
-                Ok(known) if (known as usize) < vertices => corners.push(known),
-                _ => {
-                    return Err(Malformed::new(
-                        format!("vertex {corner} of {vertices}"),
-                        "a vertex of the file, counted from 0",
-                    ));
+        let corners = self.0.iter().map(|&corner| known(corner, vertices));
+        corners.collect()
+    }
+
+    /// Appends the triangles of strips with -1 between them. Every other triangle of a strip is walked the other way
+    /// round; a triangle with a repeated corner leads the strip elsewhere and is no part of the surface.
+    fn strips(&self, vertices: usize, triangles: &mut Vec<[u32; 3]>) -> Result<(), Malformed> {
+        let between = |corner: &i64| *corner == -1 || *corner == i64::from(u32::MAX);
+        for strip in self.0.split(between) {
+            let corners: Vec<u32> = strip
+                .iter()
+                .map(|&corner| known(corner, vertices))
+                .collect::<Result<_, _>>()?;
+            for (k, step) in corners.windows(3).enumerate() {
+                let [a, b, c] = [step[0], step[1], step[2]];
+                if a != b && b != c && c != a {
+                    triangles.push(if k % 2 == 0 { [a, b, c] } else { [b, a, c] });
                 }
             }
         }
-        Ok((2..corners.len())
-            .map(|k| [corners[0], corners[k - 1], corners[k]])
-            .collect())
+        Ok(())
+    }
+}
+
+/// A corner, if it is one of so many vertices.
+fn known(corner: i64, vertices: usize) -> Result<u32, Malformed> {
+    match u32::try_from(corner) {
+        Ok(known) if (known as usize) < vertices => Ok(known),
+        _ => Err(Malformed::new(
+            format!("vertex {corner} of {vertices}"),
+            "a vertex of the file, counted from 0",
+        )),
     }
 }
 

@@ -52,7 +52,7 @@ pub(super) fn close(mesh: &mut TriMesh, size: f64) -> Vec<ClosedHole> {
 
 /// The rims as loops of open sides, each in the order in which its triangles walk it. Where a rim
 /// meets itself in a vertex it is parted there; what does not come back to its start is left out.
-fn rims(open: &[Side], vertices: usize) -> Vec<Vec<Side>> {
+pub(super) fn rims(open: &[Side], vertices: usize) -> Vec<Vec<Side>> {
     let mut from: Vec<Side> = open.to_vec();
     from.sort_unstable_by_key(|side| (side.walked(), side.triangle));
     // The next side that leaves each vertex and is not on a rim or a way yet.

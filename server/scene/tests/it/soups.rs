@@ -21,6 +21,8 @@ fn build(mesh: &TriMesh, samples: usize) {
         Ok(tree) => tree,
         // Closed and not flat, but with no place inside that its own digits can tell from outside.
         Err(TreeBuildError::TooThin) => return,
+        // One that crosses itself, or that is thinner than so few spheres can follow.
+        Err(TreeBuildError::Volume { .. }) => return,
         Err(error) => panic!("a tree for what passed the check: {error}"),
     };
     for node in tree.nodes() {
@@ -120,7 +122,7 @@ proptest! {
         let bytes = to_stl(&mesh);
         survive(mesh, samples);
         let read = parse_mesh(bytes, std::path::Path::new("soup.stl"), Unit::Millimetre);
-        survive(read.expect("STL"), samples);
+        survive(read.expect("STL").mesh, samples);
     }
 
     #[test]

@@ -15,7 +15,9 @@ use sulcus_scene::build::{TreeOptions, build_weighted};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{LevelError, Sampling, Spread, TreeReport, ZoneError, measure};
 use sulcus_scene::load::Unit;
-use sulcus_scene::solid::read_solid;
+use sulcus_scene::repair::Asked;
+use sulcus_scene::size::Size;
+use sulcus_scene::solid::{Reading, read_solid};
 use sulcus_scene::zone::{Zone, importance};
 use sulcus_sessions::cli::sibling::find;
 
@@ -26,8 +28,8 @@ pub use zone::ZoneArg;
 /// Build a sphere tree for a mesh and measure its error, both ways and level by level.
 #[derive(Clone, Debug, Args)]
 #[command(
-    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer, written where the program sulcus-review is installed.",
-    after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
+    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nA mesh whose size is implausible for its kind is refused, and so is a tree that fills a volume much different from the mesh's.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer, written where the program sulcus-review is installed.",
+    after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree scan.stl --unit in --keep-largest --close-base\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
 )]
 pub struct TreeArgs {
     /// Closed surface: STL, OBJ or PLY; small faults are repaired and reported
@@ -35,9 +37,19 @@ pub struct TreeArgs {
     /// Finest level, 1 to 6; level L holds at most 8^L spheres
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=6))]
     pub levels: u8,
-    /// Unit of the file: mm or m
+    /// Unit of the file: mm, m or in (inches of 25.4 mm)
     #[arg(long, default_value = "mm")]
     pub unit: Unit,
+    /// Kind of thing, whose plausible sizes are known: tooth, tongue, arch (a jaw, or a gingiva of several teeth),
+    /// instrument, mouth (any of these) or any (every size from 0.5 to 500 mm)
+    #[arg(long, value_name = "KIND", default_value = "mouth")]
+    pub size: Size,
+    /// Keep the piece with the largest area and drop all others, as the crumbs of a scan
+    #[arg(long)]
+    pub keep_largest: bool,
+    /// Close the one flat opening of a scan without base by a lid
+    #[arg(long)]
+    pub close_base: bool,
     /// Build levels 1 and 2 through the volume, as a thing that deforms as a whole needs it
     #[arg(long)]
     pub deformable: bool,
@@ -75,6 +87,7 @@ struct Report<'a> {
     triangles: usize,
     volume_mm3: f64,
     repairs: &'a [String],
+    notes: &'a [String],
     #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     page: Option<PathBuf>,
     #[serde(serialize_with = "sulcus_program::path::text_or_null")]
@@ -87,13 +100,24 @@ struct Report<'a> {
 /// If the mesh cannot be read or is not a closed surface, a zone makes no sense, or the result cannot
 /// be written.
 pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
-    let solid = read_solid(&args.mesh, args.unit)?;
-    let (mesh, described) = (solid.mesh, solid.report);
+    let reading = Reading {
+        unit: args.unit,
+        size: args.size,
+        asked: Asked {
+            keep_largest: args.keep_largest,
+            close_base: args.close_base,
+        },
+    };
+    let solid = read_solid(&args.mesh, reading)?;
+    let (mesh, described, notes) = (solid.mesh, solid.report, solid.notes);
+    for note in &notes {
+        tell!("note: {note}");
+    }
     let repairs = solid.repairs.sentences();
     for repair in &repairs {
         tell!("repaired: {repair}");
     }
-    let zones = zone::zones(&args.zone, args.unit, &mesh, &args.mesh)?;
+    let zones = zone::zones(&args.zone, reading, &mesh, &args.mesh)?;
     let distance = MeshDistance::new(mesh);
     if let Some(out) = &args.out {
         // Minutes of building should not end at a folder that cannot be written.
@@ -166,6 +190,7 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
             triangles: described.triangles,
             volume_mm3: described.volume_mm3,
             repairs: &repairs,
+            notes: &notes,
             page,
             rerun,
         };

@@ -9,9 +9,10 @@ use sulcus_core::Vec3;
 use sulcus_program::PathText;
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::zone_patch;
-use sulcus_scene::load::Unit;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::solid::read_solid;
+use sulcus_scene::repair::Asked;
+use sulcus_scene::size::Size;
+use sulcus_scene::solid::{Reading, read_solid};
 use sulcus_scene::zone::{Region, Zone};
 
 /// Name of a zone that was given none.
@@ -104,13 +105,13 @@ fn positive(x: f64, what: &str) -> Result<(), String> {
 /// If the mesh that a zone is near to cannot be used, or a zone holds nothing of the mesh.
 pub(super) fn zones(
     arguments: &[ZoneArg],
-    unit: Unit,
+    reading: Reading,
     mesh: &TriMesh,
     file: &Path,
 ) -> anyhow::Result<Vec<Zone>> {
     let mut zones: Vec<Zone> = Vec::new();
     for argument in arguments {
-        let region = region(&argument.region, unit)?;
+        let region = region(&argument.region, reading)?;
         match zones.iter_mut().find(|zone| zone.name == argument.name) {
             Some(zone) => zone.regions.push(region),
             None => zones.push(Zone {
@@ -131,10 +132,19 @@ pub(super) fn zones(
     Ok(zones)
 }
 
-fn region(argument: &RegionArg, unit: Unit) -> anyhow::Result<Region> {
+fn region(argument: &RegionArg, reading: Reading) -> anyhow::Result<Region> {
     Ok(match argument {
         RegionArg::Near { file, within } => {
-            let other = read_solid(Path::new(file), unit).context("--zone near")?;
+            // Another mesh in the same unit, which may be of another kind.
+            let other = Reading {
+                size: match reading.size {
+                    Size::Any => Size::Any,
+                    _ => Size::Mouth,
+                },
+                asked: Asked::default(),
+                ..reading
+            };
+            let other = read_solid(Path::new(file), other).context("--zone near")?;
             Region::Near {
                 mesh: Arc::new(MeshDistance::new(other.mesh)),
                 within: 1e-3 * within,
