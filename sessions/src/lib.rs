@@ -20,6 +20,7 @@
 
 pub mod audit;
 mod bytes;
+mod cells;
 mod chain;
 pub mod channels;
 pub mod cli;
@@ -45,6 +46,7 @@ pub mod replay;
 pub mod row;
 mod scan;
 mod sentence;
+mod sheet;
 pub mod sizes;
 pub mod statement;
 mod storage;

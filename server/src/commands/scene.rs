@@ -7,6 +7,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use sulcus_core::Scene;
+use sulcus_core::displayable::too_stiff;
 use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, family};
 
 use crate::picture::{MOUTH, Still};
@@ -139,7 +140,11 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
             ..BuildOptions::default()
         }
     };
-    let compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
+    let mut compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
+    let too_stiff = too_stiff(&compiled.scene);
+    compiled.warnings.extend(too_stiff.iter().map(|coupling| {
+        format!("{coupling}; a graded session refuses it")
+    }));
     let bytes = compiled.scene.to_bytes()?;
     if let Some(out) = &out {
         std::fs::write(out, &bytes)

@@ -1,8 +1,10 @@
 //! The programs from outside, over real sockets and real files.
 
+mod couplings;
 mod demo;
 mod export;
 mod full_disk;
+mod hand_written;
 mod interrupt;
 mod kill;
 mod kills;
