@@ -316,11 +316,23 @@ mod tests {
             let expected = TypedError::DecimalComma { found, meant };
             assert_eq!(told, expected, "{line}");
         }
-        let told = parse("36 mb 4,5", &SCENE).expect_err("a decimal").to_string();
+        let told = parse("36 mb 4,5", &SCENE)
+            .expect_err("a decimal")
+            .to_string();
         assert!(told.contains("write `4.5`"), "{told}");
         // A comma beside a blank, a sign or a letter separates as before.
-        for line in ["36,mb,4,-1,b", "36, mb, 4, 2", "36 ,mb ,4 ,2", "36,mb,4,+2", "36 mb 4,,2"] {
-            assert_eq!(parse(line, &SCENE).map(|call| call.depth_mm), Ok(4), "{line}");
+        for line in [
+            "36,mb,4,-1,b",
+            "36, mb, 4, 2",
+            "36 ,mb ,4 ,2",
+            "36,mb,4,+2",
+            "36 mb 4,,2",
+        ] {
+            assert_eq!(
+                parse(line, &SCENE).map(|call| call.depth_mm),
+                Ok(4),
+                "{line}"
+            );
         }
     }
 
@@ -334,7 +346,9 @@ mod tests {
         let answers = |text: &str| -> Vec<Result<(u8, Option<i8>), String>> {
             let lines = text.lines().map(str::trim);
             let answer = |line| parse(line, &SCENE).map(|call| (call.depth_mm, call.recession_mm));
-            lines.map(|line| answer(line).map_err(|error| error.to_string())).collect()
+            lines
+                .map(|line| answer(line).map_err(|error| error.to_string()))
+                .collect()
         };
         let comma = answers(&file("comma.txt"));
         let taken: Vec<_> = comma.iter().map(|one| one.clone().ok()).collect();

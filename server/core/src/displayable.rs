@@ -47,7 +47,13 @@ impl fmt::Display for TooStiff {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (key, factor, unit, damping, of_damping) = if self.turns {
             let damping = DEVICE_SPIN_DAMPING;
-            ("stiffness_nmm_per_rad", 1e3, "N mm/rad", damping, "N m s/rad")
+            (
+                "stiffness_nmm_per_rad",
+                1e3,
+                "N mm/rad",
+                damping,
+                "N m s/rad",
+            )
         } else {
             ("stiffness_n_per_mm", 1e-3, "N/mm", DEVICE_DAMPING, "N s/m")
         };

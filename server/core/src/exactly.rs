@@ -333,7 +333,11 @@ struct List<'p, A> {
 impl<A> List<'_, A> {
     fn wrong_length<E: Error>(&self, expected: usize) -> E {
         let (place, found) = (self.place, self.taken);
-        let are = |kind| self.kinds.iter().all(|one| *one == kind || *one == Kind::Whole);
+        let are = |kind| {
+            self.kinds
+                .iter()
+                .all(|one| *one == kind || *one == Kind::Whole)
+        };
         let name = match (are(Kind::Decimal), found) {
             (true, 1) => "number",
             (true, _) => "numbers",

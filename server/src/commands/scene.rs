@@ -142,9 +142,11 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     };
     let mut compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
     let too_stiff = too_stiff(&compiled.scene);
-    compiled.warnings.extend(too_stiff.iter().map(|coupling| {
-        format!("{coupling}; a graded session refuses it")
-    }));
+    compiled.warnings.extend(
+        too_stiff
+            .iter()
+            .map(|coupling| format!("{coupling}; a graded session refuses it")),
+    );
     let bytes = compiled.scene.to_bytes()?;
     if let Some(out) = &out {
         std::fs::write(out, &bytes)

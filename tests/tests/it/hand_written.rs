@@ -13,12 +13,19 @@ const READERS: [&str; 3] = [
 /// TOML's own reader drops what a list has beyond its field's length. A file that is read past the exact reader would again.
 #[test]
 fn nothing_reads_toml_past_the_exact_reader() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the workspace");
     let (mut seen, mut found) = (0, Vec::new());
     for member in ["proto", "server", "client", "sessions", "tests"] {
         walk(&root.join(member), &mut |path, text| {
             seen += 1;
-            let reads = ["toml::from_str", "toml::from_slice", "toml::de", "toml::Deserializer"];
+            let reads = [
+                "toml::from_str",
+                "toml::from_slice",
+                "toml::de",
+                "toml::Deserializer",
+            ];
             if reads.iter().any(|call| text.contains(call)) {
                 let path = path.strip_prefix(root).expect("below it");
                 found.push(path.to_string_lossy().into_owned());

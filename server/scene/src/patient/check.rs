@@ -25,7 +25,12 @@ pub(super) fn patient(patient: &Patient) -> Checked {
     }
     let is_known = |fdi: &u8| LOWER.contains(fdi) || THIRD_MOLARS.contains(fdi);
     let upper = |fdi: &&u8| is_upper(**fdi) && !is_known(fdi);
-    let upper: Vec<String> = patient.missing.iter().filter(upper).map(u8::to_string).collect();
+    let upper: Vec<String> = patient
+        .missing
+        .iter()
+        .filter(upper)
+        .map(u8::to_string)
+        .collect();
     if let [teeth @ .., last] = upper.as_slice() {
         let teeth = match teeth {
             [] => last.clone(),

@@ -11,7 +11,8 @@ fn input(name: &str) -> PathBuf {
 
 fn patient(name: &str) -> Result<Patient, String> {
     let read = Patient::read(&input("patient").join(name));
-    read.map(|(patient, _)| patient).map_err(|error| error.to_string())
+    read.map(|(patient, _)| patient)
+        .map_err(|error| error.to_string())
 }
 
 fn parsed(text: &str) -> Result<Patient, String> {
@@ -35,21 +36,55 @@ fn a_chart_with_a_decimal_comma_is_refused_with_its_line() {
 
 #[test]
 fn every_list_of_a_chart_has_its_length() {
-    let with = |line: &str| parsed(&format!("name = \"a\"\n[[tooth]]\nfdi = 31\n[[tooth]]\nfdi = 36\n{line}\n"));
+    let with = |line: &str| {
+        parsed(&format!(
+            "name = \"a\"\n[[tooth]]\nfdi = 31\n[[tooth]]\nfdi = 36\n{line}\n"
+        ))
+    };
     for (line, words) in [
-        ("depth_mm.lingual = [5, 4]", "depth_mm.lingual: 2 numbers found, 3 expected"),
-        ("depth_mm = { buccal = [3, 2, 3], lingual = [3, 2, 3, 4] }", "depth_mm.lingual: 4 numbers found, 3 expected"),
-        ("recession_mm.buccal = [-1,5, 0, -1,5]", "recession_mm.buccal: 5 numbers found, 3 expected"),
-        ("recession_mm.lingual = []", "recession_mm.lingual: 0 numbers found, 3 expected"),
-        ("bleeding.buccal = [true, false, false, true]", "bleeding.buccal: 4 values found, 3 expected"),
-        ("depth_mm.buccal = [\n  5,5,\n  4,\n  4,\n]", "line 6 (`depth_mm.buccal = [`): depth_mm.buccal: 4 numbers"),
-        ("depth_mm.buccal = [5.5, 4.0, 4.0, 4.0]", "depth_mm.buccal: 4 numbers found, 3 expected"),
-        ("depth_mm = [[3, 2, 3], [3, 2, 3]]", "depth_mm: a list found"),
+        (
+            "depth_mm.lingual = [5, 4]",
+            "depth_mm.lingual: 2 numbers found, 3 expected",
+        ),
+        (
+            "depth_mm = { buccal = [3, 2, 3], lingual = [3, 2, 3, 4] }",
+            "depth_mm.lingual: 4 numbers found, 3 expected",
+        ),
+        (
+            "recession_mm.buccal = [-1,5, 0, -1,5]",
+            "recession_mm.buccal: 5 numbers found, 3 expected",
+        ),
+        (
+            "recession_mm.lingual = []",
+            "recession_mm.lingual: 0 numbers found, 3 expected",
+        ),
+        (
+            "bleeding.buccal = [true, false, false, true]",
+            "bleeding.buccal: 4 values found, 3 expected",
+        ),
+        (
+            "depth_mm.buccal = [\n  5,5,\n  4,\n  4,\n]",
+            "line 6 (`depth_mm.buccal = [`): depth_mm.buccal: 4 numbers",
+        ),
+        (
+            "depth_mm.buccal = [5.5, 4.0, 4.0, 4.0]",
+            "depth_mm.buccal: 4 numbers found, 3 expected",
+        ),
+        (
+            "depth_mm = [[3, 2, 3], [3, 2, 3]]",
+            "depth_mm: a list found",
+        ),
         ("furcation = [1, 2, 3]", "furcation: a list found"),
-        ("depth_mm.bucal = [3, 2, 3]", "unknown field `bucal`, expected `buccal` or `lingual`"),
+        (
+            "depth_mm.bucal = [3, 2, 3]",
+            "unknown field `bucal`, expected `buccal` or `lingual`",
+        ),
     ] {
         let said = with(line).expect_err(line);
-        assert!(said.starts_with("p.toml, line 6 ") && said.contains(words), "{said}");
+        assert!(
+            said.starts_with("p.toml, line 6 ") && said.contains(words),
+            "{said}"
+        );
     }
 }
 
@@ -63,16 +98,28 @@ fn third_molars_may_be_missing_and_upper_teeth_are_refused_by_name() {
     assert!(parsed("name = \"a\"\nmissing = [38, 38]").is_err());
     let said = patient("missing_both_jaws.toml").expect_err("the upper jaw");
     assert!(
-        said.ends_with("`missing` is 16 of the upper jaw, expected teeth of the lower jaw only so far"),
+        said.ends_with(
+            "`missing` is 16 of the upper jaw, expected teeth of the lower jaw only so far"
+        ),
         "{said}"
     );
-    for (missing, named) in [("21", "21"), ("46, 11, 12, 27", "11, 12 and 27"), ("55, 61", "55 and 61")] {
+    for (missing, named) in [
+        ("21", "21"),
+        ("46, 11, 12, 27", "11, 12 and 27"),
+        ("55, 61", "55 and 61"),
+    ] {
         let said = parsed(&format!("name = \"a\"\nmissing = [{missing}]")).expect_err(missing);
-        assert!(said.contains(&format!("`missing` is {named} of the upper jaw")), "{said}");
+        assert!(
+            said.contains(&format!("`missing` is {named} of the upper jaw")),
+            "{said}"
+        );
     }
     for nobodys in [0, 10, 19, 30, 39, 49, 71, 255] {
         let said = parsed(&format!("name = \"a\"\nmissing = [{nobodys}]")).expect_err("none");
-        assert!(said.contains(&format!("`missing` is {nobodys}, expected 31 to 37")), "{said}");
+        assert!(
+            said.contains(&format!("`missing` is {nobodys}, expected 31 to 37")),
+            "{said}"
+        );
     }
 }
 
@@ -104,14 +151,38 @@ fn a_scene_with_a_decimal_comma_is_refused_with_its_line() {
         let file = input("scene").join(name);
         let said = sulcus_scene::file::read(&file).expect_err(name).to_string();
         let text = std::fs::read_to_string(&file).expect("there");
-        let at = text.lines().position(|line| line.starts_with(key)).expect(key) + 1;
+        let at = text
+            .lines()
+            .position(|line| line.starts_with(key))
+            .expect(key)
+            + 1;
         assert!(at.abs_diff(line) < 3, "{name}: {at}");
-        assert!(said.contains(&format!("{name}, line {at} (`{key} = [")), "{said}");
-        let found = text.lines().nth(at - 1).expect("a line").matches(',').count() + 1;
-        assert!(said.contains(&format!("{key}: {found} numbers found, 3 expected")), "{said}");
+        assert!(
+            said.contains(&format!("{name}, line {at} (`{key} = [")),
+            "{said}"
+        );
+        let found = text
+            .lines()
+            .nth(at - 1)
+            .expect("a line")
+            .matches(',')
+            .count()
+            + 1;
+        assert!(
+            said.contains(&format!("{key}: {found} numbers found, 3 expected")),
+            "{said}"
+        );
     }
-    for name in ["pocket_k2.toml", "pocket_k5.toml", "pocket_k10.toml", "pocket_k20.toml"] {
-        assert!(sulcus_scene::file::read(&input("scene").join(name)).is_ok(), "{name}");
+    for name in [
+        "pocket_k2.toml",
+        "pocket_k5.toml",
+        "pocket_k10.toml",
+        "pocket_k20.toml",
+    ] {
+        assert!(
+            sulcus_scene::file::read(&input("scene").join(name)).is_ok(),
+            "{name}"
+        );
     }
 }
 
@@ -123,7 +194,11 @@ fn every_list_of_a_scene_has_its_length() {
         let own = |of: &str| if of == section { line } else { "" };
         let text = format!(
             "name = \"x\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\n{}\n{}\n[[object]]\nname = \"o\"\nkind = \"molar\"\n{}\n",
-            if line.starts_with("park_mm") { "" } else { "park_mm = [0, 0, 115]" },
+            if line.starts_with("park_mm") {
+                ""
+            } else {
+                "park_mm = [0, 0, 115]"
+            },
             own("tool"),
             own("object"),
         );
@@ -147,10 +222,15 @@ fn every_list_of_a_scene_has_its_length() {
             let said = scene(&format!("{list} = [{numbers}]")).expect_err(list);
             let key = list.split_once('|').expect("a section").1;
             let words = format!("{key}: {found} numbers found, {expected} expected");
-            assert!(said.starts_with("s.toml, line ") && said.contains(&words), "{said}");
+            assert!(
+                said.starts_with("s.toml, line ") && said.contains(&words),
+                "{said}"
+            );
         }
         let numbers = vec!["1"; expected].join(", ");
-        let said = scene(&format!("{list} = [{numbers}]")).err().unwrap_or_default();
+        let said = scene(&format!("{list} = [{numbers}]"))
+            .err()
+            .unwrap_or_default();
         assert!(!said.contains("numbers found"), "{list}: {said}");
     }
     let said = scene("tool|probe = [1, 2]").expect_err("a list");
@@ -170,7 +250,15 @@ fn every_list_of_springs_has_its_length() {
     };
     assert!(read("[1, 0, 0]", "[1, 1, 1, 0, 0, 0]").is_ok());
     let said = read("[1,5, 0, 0]", "[1, 1, 1, 0, 0, 0]").expect_err("four");
-    assert!(said.contains("springs.toml, line 5 (`[1,5, 0, 0]]`): nodes_mm[1]: 4 numbers found, 3 expected"), "{said}");
+    assert!(
+        said.contains(
+            "springs.toml, line 5 (`[1,5, 0, 0]]`): nodes_mm[1]: 4 numbers found, 3 expected"
+        ),
+        "{said}"
+    );
     let said = read("[1, 0, 0]", "[1, 1, 1, 0, 0, 0, 0]").expect_err("seven");
-    assert!(said.contains("n_per_mm: 7 numbers found, 6 expected"), "{said}");
+    assert!(
+        said.contains("n_per_mm: 7 numbers found, 6 expected"),
+        "{said}"
+    );
 }
