@@ -41,7 +41,10 @@ pub(crate) fn code(code: &str) -> String {
 
 /// The text of a cell that was written by [`text`], or by a person who marks text as spreadsheets do (`'007`, `="007"`).
 pub(crate) fn read(cell: &str) -> &str {
-    if let Some(text) = cell.strip_prefix("=\"").and_then(|rest| rest.strip_suffix('"')) {
+    if let Some(text) = cell
+        .strip_prefix("=\"")
+        .and_then(|rest| rest.strip_suffix('"'))
+    {
         return text;
     }
     cell.strip_prefix('\'')
@@ -56,7 +59,9 @@ fn is_misread(text: &str) -> bool {
     text.starts_with(formula)
         || shown.starts_with(formula)
         || is_number_or_date(shown)
-        || ["true", "false"].iter().any(|word| shown.eq_ignore_ascii_case(word))
+        || ["true", "false"]
+            .iter()
+            .any(|word| shown.eq_ignore_ascii_case(word))
         || shown.strip_prefix('\'').is_some_and(is_misread)
 }
 
@@ -85,13 +90,25 @@ mod tests {
     #[test]
     fn text_that_a_spreadsheet_would_change_is_marked_and_other_text_is_not() {
         for changed in [
-            "007", "7", "1e5", "12E34", "1.5", "1,5", "3-4", "2026-014", "1/2", "12:30", "10%", "mar1", "Dec-01", "1-may",
-            "sept2", "TRUE", "=1+1", "+1", "-1", "@sum", "\tx", "\rx", " =1", "＝1", "'007", "3 pm",
+            "007", "7", "1e5", "12E34", "1.5", "1,5", "3-4", "2026-014", "1/2", "12:30", "10%",
+            "mar1", "Dec-01", "1-may", "sept2", "TRUE", "=1+1", "+1", "-1", "@sum", "\tx", "\rx",
+            " =1", "＝1", "'007", "3 pm",
         ] {
             assert_eq!(text(changed), format!("'{changed}"));
         }
         for kept in [
-            "", "a7f3", "s-17, \"b\"", "S_7", "e5", "2026-11-24T10-00-00Z-bimanual.mcap", "1e5a", "'t Hooft", "7a", "maybe1", "tooth 36", "3p",
+            "",
+            "a7f3",
+            "s-17, \"b\"",
+            "S_7",
+            "e5",
+            "2026-11-24T10-00-00Z-bimanual.mcap",
+            "1e5a",
+            "'t Hooft",
+            "7a",
+            "maybe1",
+            "tooth 36",
+            "3p",
         ] {
             assert_eq!(text(kept), kept);
         }

@@ -56,7 +56,10 @@ pub(crate) fn read<const N: usize>(
             return rows(body, separator, &head, columns, above);
         }
         // The widest head is the likeliest to be cut where its writer meant it to be.
-        if seen.as_ref().is_none_or(|(_, widest)| head.len() > widest.len()) {
+        if seen
+            .as_ref()
+            .is_none_or(|(_, widest)| head.len() > widest.len())
+        {
             seen = Some((line, head));
         }
     }
@@ -89,8 +92,19 @@ fn decode(bytes: &[u8]) -> Result<String, SheetError> {
 
 /// The byte order of UTF-16 without a mark: most characters of a table have a zero in their high byte.
 fn utf_16(bytes: &[u8]) -> &'static Encoding {
-    let zeros = |at: usize| bytes.iter().skip(at).step_by(2).filter(|byte| **byte == 0).count();
-    if zeros(1) >= zeros(0) { UTF_16LE } else { UTF_16BE }
+    let zeros = |at: usize| {
+        bytes
+            .iter()
+            .skip(at)
+            .step_by(2)
+            .filter(|byte| **byte == 0)
+            .count()
+    };
+    if zeros(1) >= zeros(0) {
+        UTF_16LE
+    } else {
+        UTF_16BE
+    }
 }
 
 /// The same text with one kind of line end.
@@ -103,14 +117,20 @@ fn named_separator(text: &str) -> (Option<u8>, &str, u64) {
     let (first, below) = text.split_once('\n').unwrap_or((text, ""));
     let whole = first.trim_end_matches('"');
     let first = trimmed(first).trim_start_matches('"');
-    let Some(name) = first.get(..4).filter(|name| name.eq_ignore_ascii_case("sep=")) else {
+    let Some(name) = first
+        .get(..4)
+        .filter(|name| name.eq_ignore_ascii_case("sep="))
+    else {
         return (None, text, 0);
     };
     let separator = match first[name.len()..].trim_matches('"') {
         "\\t" => Some(b'\t'),
         // A tab at the end of the line was trimmed away as a blank.
         "" => whole.ends_with('\t').then_some(b'\t'),
-        rest => rest.bytes().next().filter(|byte| byte.is_ascii() && !b"\"\n".contains(byte)),
+        rest => rest
+            .bytes()
+            .next()
+            .filter(|byte| byte.is_ascii() && !b"\"\n".contains(byte)),
     };
     (separator, below, 1)
 }
@@ -126,11 +146,14 @@ fn records(body: &str, separator: u8) -> impl Iterator<Item = (u64, StringRecord
         .delimiter(separator)
         .from_reader(body.as_bytes());
     // Text is UTF-8 and rows may have any length: nothing is left that could fail.
-    reader.into_records().filter_map(Result::ok).filter_map(|record| {
-        let line = record.position().map_or(0, Position::line);
-        let says = record.iter().any(|cell| !trimmed(cell).is_empty());
-        says.then_some((line, record))
-    })
+    reader
+        .into_records()
+        .filter_map(Result::ok)
+        .filter_map(|record| {
+            let line = record.position().map_or(0, Position::line);
+            let says = record.iter().any(|cell| !trimmed(cell).is_empty());
+            says.then_some((line, record))
+        })
 }
 
 /// The first row that has anything in it.
@@ -149,7 +172,10 @@ fn columns<const N: usize>(head: &StringRecord, headings: [&str; N]) -> Option<[
     let mut found = [0; N];
     for (at, heading) in found.iter_mut().zip(headings) {
         let wanted = plain(heading);
-        let mut all = head.iter().enumerate().filter(|(_, cell)| plain(cell) == wanted);
+        let mut all = head
+            .iter()
+            .enumerate()
+            .filter(|(_, cell)| plain(cell) == wanted);
         *at = all.next()?.0;
         if all.next().is_some() {
             return None;
@@ -179,11 +205,16 @@ fn rows<const N: usize>(
         for (k, cell) in record.iter().map(trimmed).enumerate() {
             let heading = head.get(k).map_or("", trimmed);
             if !cell.is_empty() && heading.is_empty() {
-                let expected = "a heading over it, or quotation marks round a text with a separator in it";
+                let expected =
+                    "a heading over it, or quotation marks round a text with a separator in it";
                 return wrong("a cell", cell, expected);
             }
             if cell.contains('\n') {
-                return wrong("a cell", cell, "one line of text, and every quotation mark closed");
+                return wrong(
+                    "a cell",
+                    cell,
+                    "one line of text, and every quotation mark closed",
+                );
             }
         }
         let cells = columns.map(|at| trimmed(record.get(at).unwrap_or("")).to_owned());

@@ -140,7 +140,12 @@ impl Meshes {
 
     fn say(&mut self, seconds: f64, tick: u64, part: &str, file: &str) -> Result<(), ExportError> {
         self.csv
-            .write_record([&seconds.to_string(), &tick.to_string(), &*cells::text(part), file])
+            .write_record([
+                &seconds.to_string(),
+                &tick.to_string(),
+                &*cells::text(part),
+                file,
+            ])
             .map_err(|source| ExportError::write(&self.list, source))
     }
 

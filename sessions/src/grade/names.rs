@@ -55,7 +55,9 @@ impl Names {
         let length = std::fs::metadata(path).map_err(|error| unread(error.to_string()))?;
         if length.len() > MOST_BYTES {
             let found = length.len();
-            return Err(unread(format!("{found} bytes long, expected at most 16 MiB")));
+            return Err(unread(format!(
+                "{found} bytes long, expected at most 16 MiB"
+            )));
         }
         let bytes = std::fs::read(path).map_err(|error| unread(error.to_string()))?;
         Self::parse(&bytes, path)

@@ -128,13 +128,19 @@ fn what_is_wrong_is_named() {
             BIMANUAL,
             "[10.0, 32.0]",
             "[10.0, 32.0, 3.0]",
-            &["line 32", "probing.proximal_tilt_deg: 3 numbers found, 2 expected"],
+            &[
+                "line 32",
+                "probing.proximal_tilt_deg: 3 numbers found, 2 expected",
+            ],
         ),
         (
             BIMANUAL,
             "eye_mm = [150.0, -250.0, 80.0]",
             "eye_mm = [150,0, -250,0, 80,0]",
-            &["target.eye_mm: 6 numbers found, 3 expected", "written with a point"],
+            &[
+                "target.eye_mm: 6 numbers found, 3 expected",
+                "written with a point",
+            ],
         ),
         (
             BIMANUAL,

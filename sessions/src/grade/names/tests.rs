@@ -71,7 +71,10 @@ fn tables_are_read_as_spreadsheets_save_them() {
     let first = person("a7", "Test Person Ä");
     let second = person("b2", "Zweite, Person");
     for (file, people) in [
-        ("good.csv", vec![first.clone(), second.clone(), person("007", "Third")]),
+        (
+            "good.csv",
+            vec![first.clone(), second.clone(), person("007", "Third")],
+        ),
         ("bom.csv", vec![first.clone()]),
         ("caps.csv", vec![person("a7", "Test Person")]),
         ("cp1252.csv", vec![first.clone()]),
@@ -91,7 +94,13 @@ fn tables_are_read_as_spreadsheets_save_them() {
 #[test]
 fn every_separator_encoding_and_heading_gives_the_same_people() {
     let table = |separator: char, end: &str| {
-        let lines = ["Learner ID|Name|", "a7|Test Person Ä|", "'007|Dritte \"X\"|", "||", "||"];
+        let lines = [
+            "Learner ID|Name|",
+            "a7|Test Person Ä|",
+            "'007|Dritte \"X\"|",
+            "||",
+            "||",
+        ];
         let lines = lines.map(|line| line.replace('|', &separator.to_string()));
         lines.join(end)
     };
@@ -100,7 +109,11 @@ fn every_separator_encoding_and_heading_gives_the_same_people() {
     let expected = Names(people.into_iter().collect());
     for separator in [',', ';', '\t', '|'] {
         for end in ["\n", "\r\n", "\r"] {
-            for head in [String::new(), format!("sep={separator}{end}"), end.to_owned()] {
+            for head in [
+                String::new(),
+                format!("sep={separator}{end}"),
+                end.to_owned(),
+            ] {
                 let text = head + &table(separator, end);
                 let windows = encoding_rs::WINDOWS_1252.encode(&text).0.into_owned();
                 for bytes in [
@@ -118,7 +131,12 @@ fn every_separator_encoding_and_heading_gives_the_same_people() {
             }
         }
     }
-    for head in ["LEARNER_ID,NAME", "learner-id , name", "LearnerId,Name", "\"Learner ID\",\"Name\""] {
+    for head in [
+        "LEARNER_ID,NAME",
+        "learner-id , name",
+        "LearnerId,Name",
+        "\"Learner ID\",\"Name\"",
+    ] {
         let names = read(format!("{head}\na7,x\n")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(names.of("a7"), Some("x"), "{head}");
     }
@@ -129,7 +147,8 @@ fn every_separator_encoding_and_heading_gives_the_same_people() {
 
 #[test]
 fn ids_are_read_with_and_without_their_marks() {
-    let names = read("learner_id,name\n'007,A\n\"=\"\"1e5\"\"\",B\n'a9,C\nd1,'t Hooft\n").expect("a table");
+    let names =
+        read("learner_id,name\n'007,A\n\"=\"\"1e5\"\"\",B\n'a9,C\nd1,'t Hooft\n").expect("a table");
     let of = ["007", "1e5", "a9", "d1"].map(|id| names.of(id));
     assert_eq!(of, [Some("A"), Some("B"), Some("C"), Some("'t Hooft")]);
 }

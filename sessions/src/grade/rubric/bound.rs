@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use serde::Serialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
-use serde::ser::Serialize;
 
 /// A value, or a band of values where both sides count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
