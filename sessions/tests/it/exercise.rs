@@ -129,7 +129,7 @@ fn what_is_wrong_is_named() {
             "[10.0, 32.0]",
             "[10.0, 32.0, 3.0]",
             &[
-                "line 32",
+                "line 20",
                 "probing.proximal_tilt_deg: 3 numbers found, 2 expected",
             ],
         ),

@@ -6,8 +6,8 @@ use std::path::Path;
 /// which looks at single values of a table.
 const READERS: [&str; 3] = [
     "server/scene/src/file.rs",
-    "sessions/src/written.rs",
     "sessions/src/grade/patient.rs",
+    "sessions/src/written.rs",
 ];
 
 /// TOML's own reader drops what a list has beyond its field's length. A file that is read past the exact reader would again.
