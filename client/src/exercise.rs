@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use sulcus_cases::Case;
 use sulcus_cases::table::Driver;
 use sulcus_core::Scene;
+use sulcus_core::displayable::too_stiff;
 use sulcus_core::optimise::SolverKind;
 use sulcus_operator::bimanual::Bimanual;
 use sulcus_operator::crown::{Crown, CrownParams};
@@ -280,6 +281,12 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
             let script = script(&compiled.scene, &exercise, habit, asked.hand_seed)?;
             (compiled.scene, script, HandParams::default())
         };
+    let too_stiff = too_stiff(&scene);
+    let graded = hard.is_none() && Rubric::of(&exercise).is_some();
+    warnings.extend(too_stiff.iter().map(|coupling| match graded {
+        true => format!("{coupling}; the session is not graded"),
+        false => coupling.to_string(),
+    }));
     scene.params.solver = asked.solver;
     let scene_bytes = scene
         .to_bytes()

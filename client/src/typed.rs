@@ -27,6 +27,16 @@ pub enum TypedError {
     /// A word too many, or said before.
     #[error("`{0}` is left over, expected {FORM}")]
     LeftOver(String),
+    /// A comma within a number. Taken for a blank it would make two readings of one.
+    #[error(
+        "`{found}` has a comma between two digits: for a decimal write `{meant}`, for two numbers put a blank between them"
+    )]
+    DecimalComma {
+        /// The digits with their comma.
+        found: String,
+        /// The same as a decimal number.
+        meant: String,
+    },
     /// A value that cannot be.
     #[error(transparent)]
     Call(#[from] CallError),
@@ -38,12 +48,15 @@ pub enum TypedError {
 /// The reading in a line, about a tooth of `scene`: FDI number, site (`mb` or `mesiobuccal`, ...), depth in whole
 /// millimetres; then, in any order and only where called, recession in whole millimetres (negative: the margin lies above the
 /// cemento-enamel junction), `b` (bleeds) or `nb` (does not), and the furcation's grade as `f0` to `f3`. Blanks or commas
-/// between; capitals do not matter.
+/// between, but no comma alone between two digits; capitals do not matter.
 ///
 /// # Errors
 /// Says what is missing, left over, or impossible.
 pub fn parse(line: &str, scene: &Scene) -> Result<Call, TypedError> {
     let line = line.to_lowercase();
+    if let Some(error) = decimal_comma(&line) {
+        return Err(error);
+    }
     let mut words = line
         .split(|c: char| c.is_whitespace() || c == ',')
         .filter(|word| !word.is_empty());
@@ -67,6 +80,23 @@ pub fn parse(line: &str, scene: &Scene) -> Result<Call, TypedError> {
         data[key] = value;
     }
     Ok(Call::read(&data, scene)?)
+}
+
+/// The first number of a line that is written with a decimal comma.
+fn decimal_comma(line: &str) -> Option<TypedError> {
+    let is_part = |c: char| c.is_ascii_digit() || c == ',';
+    let runs = line.split(|c: char| !is_part(c));
+    let mut decimals = runs.filter_map(|run| {
+        let run = run.trim_matches(',');
+        let (whole, rest) = run.split_once(',')?;
+        // Two commas in a row have nothing between them: a word that was left out.
+        let share = rest.split(',').next().filter(|share| !share.is_empty())?;
+        Some(TypedError::DecimalComma {
+            found: run.to_owned(),
+            meant: format!("{whole}.{share}"),
+        })
+    });
+    decimals.next()
 }
 
 /// A whole number, or the word itself, which the call's own check then names.
@@ -266,6 +296,78 @@ mod tests {
         ] {
             let told = parse(line, &SCENE).expect_err(line).to_string();
             assert!(told.contains(words), "{line}: {told}");
+        }
+    }
+
+    /// `36 mb 4,5` was taken for a depth of 4 mm and a recession of 5 mm.
+    #[test]
+    fn a_decimal_comma_makes_no_two_readings_of_one() {
+        for (line, found, meant) in [
+            ("36 mb 4,5", "4,5", "4.5"),
+            ("36 db 3,5 -1 b", "3,5", "3.5"),
+            ("36 mb 5 -1,5", "1,5", "1.5"),
+            ("36,mb,10,25,b", "10,25", "10.25"),
+            ("36 mb 4,5mm", "4,5", "4.5"),
+            ("36 mb 1,2,3", "1,2,3", "1.2"),
+            ("36,5 mb 4", "36,5", "36.5"),
+            (", 36 mb 4,5,", "4,5", "4.5"),
+        ] {
+            let told = parse(line, &SCENE).expect_err(line);
+            let (found, meant) = (found.to_owned(), meant.to_owned());
+            let expected = TypedError::DecimalComma { found, meant };
+            assert_eq!(told, expected, "{line}");
+        }
+        let told = parse("36 mb 4,5", &SCENE)
+            .expect_err("a decimal")
+            .to_string();
+        assert!(told.contains("write `4.5`"), "{told}");
+        // A comma beside a blank, a sign or a letter separates as before.
+        for line in [
+            "36,mb,4,-1,b",
+            "36, mb, 4, 2",
+            "36 ,mb ,4 ,2",
+            "36,mb,4,+2",
+            "36 mb 4,,2",
+        ] {
+            assert_eq!(
+                parse(line, &SCENE).map(|call| call.depth_mm),
+                Ok(4),
+                "{line}"
+            );
+        }
+    }
+
+    /// What became of each line of a file of readings: the depth taken, or a word of the refusal.
+    #[test]
+    fn files_of_readings_give_each_line_its_own_answer() {
+        let file = |name: &str| {
+            let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/inputs/readings/");
+            std::fs::read_to_string(format!("{folder}{name}")).expect("an input")
+        };
+        let answers = |text: &str| -> Vec<Result<(u8, Option<i8>), String>> {
+            let lines = text.lines().map(str::trim);
+            let answer = |line| parse(line, &SCENE).map(|call| (call.depth_mm, call.recession_mm));
+            lines
+                .map(|line| answer(line).map_err(|error| error.to_string()))
+                .collect()
+        };
+        let comma = answers(&file("comma.txt"));
+        let taken: Vec<_> = comma.iter().map(|one| one.clone().ok()).collect();
+        assert_eq!(taken, [None, Some((2, None)), None], "{comma:?}");
+        let mixed = answers(&file("mixed.txt"));
+        let told = |k: usize| mixed[k].clone().expect_err("refused");
+        let taken: Vec<usize> = (0..mixed.len()).filter(|k| mixed[*k].is_ok()).collect();
+        assert_eq!(taken, [0, 1, 5, 9, 11], "{mixed:?}");
+        assert_eq!(mixed[9], Ok((4, Some(-1))));
+        for (k, words) in [
+            (3, "tooth is 19"),
+            (4, "depth_mm is \"4.5\""),
+            (6, "depth_mm is -1"),
+            (7, "depth_mm is \"5mm\""),
+            (8, "`b` is left over"),
+            (12, "tooth is 99"),
+        ] {
+            assert!(told(k).contains(words), "{k}: {}", told(k));
         }
     }
 

@@ -48,6 +48,7 @@
 
 pub mod audit;
 mod bytes;
+mod cells;
 mod chain;
 pub mod channels;
 pub mod cli;
@@ -75,6 +76,7 @@ pub mod replay;
 pub mod row;
 mod scan;
 mod sentence;
+mod sheet;
 pub mod sizes;
 pub mod statement;
 mod storage;

@@ -64,7 +64,8 @@ pub(crate) trait Written: DeserializeOwned {
             let found = format!("{} bytes long", text.len());
             return Self::wrong("text", found, "at most 64 KiB");
         }
-        toml::from_str(text).map_err(|error| Self::syntax(&error))
+        let read = toml::Deserializer::parse(text).and_then(sulcus_core::exactly);
+        read.map_err(|error| Self::syntax(&error))
     }
 
     /// From its file.

@@ -1,5 +1,6 @@
 //! A hand that holds a device: two springs, two dampers, a mass.
 
+use sulcus_core::displayable::{DEVICE_DAMPING, DEVICE_SPIN_DAMPING};
 use sulcus_core::math::{exp_rotation, log_rotation, normalised};
 use sulcus_core::{Pose, Vec3, Wrench};
 
@@ -14,10 +15,9 @@ pub struct HandParams {
     pub mass: f64,
     /// Moment of inertia about the device point, kg m2. Default 2e-4.
     pub inertia: f64,
-    /// The device's own damping, N s/m. Default 4: a device displays at most about
-    /// `2 b / T` of stiffness (Colgate and Schenkel 1997).
+    /// The device's own damping, N s/m. Default [`DEVICE_DAMPING`]: from it follows the stiffest coupling that is displayed.
     pub device_damping: f64,
-    /// The device's own damping in rotation, N m s/rad. Default 0.01.
+    /// The device's own damping in rotation, N m s/rad. Default [`DEVICE_SPIN_DAMPING`].
     pub device_spin_damping: f64,
     /// Stiffness of the grip, N/m. Default 300.
     pub grip: f64,
@@ -39,8 +39,8 @@ impl Default for HandParams {
             period_s: 1e-3,
             mass: 0.1,
             inertia: 2e-4,
-            device_damping: 4.0,
-            device_spin_damping: 0.01,
+            device_damping: DEVICE_DAMPING,
+            device_spin_damping: DEVICE_SPIN_DAMPING,
             grip: 300.0,
             grip_damping: 4.0,
             twist_grip: 2.0,

@@ -23,6 +23,8 @@
 pub mod blend;
 mod collide;
 pub mod contact;
+pub mod displayable;
+pub mod exactly;
 mod gaps;
 mod groups;
 mod haptic;
@@ -47,6 +49,7 @@ mod workspace;
 mod wrench;
 mod yielding;
 
+pub use exactly::exactly;
 pub use input::{RawPose, TickInput, ToolInput};
 pub use math::{Pose, Quat, Vec3, Wrench};
 pub use output::{TickOutput, ToolOutput};

@@ -333,17 +333,18 @@ pub fn parse(text: &str, file: &Path) -> Result<SceneFile, FileError> {
     Ok(scene)
 }
 
-/// Parses TOML; `file` is how messages call it.
+/// Parses TOML to the letter ([`sulcus_core::exactly`]); `file` is how messages call it.
 ///
 /// # Errors
-/// One sentence with file, line, what stands there and what was expected.
+/// One sentence with file, line, the text of the line and the text expected.
 pub(crate) fn from_toml<T: serde::de::DeserializeOwned>(
     text: &str,
     file: &Path,
 ) -> Result<T, FileError> {
-    toml::from_str(text).map_err(|error| {
-        let at = error.span().map_or(0, |span| span.start.min(text.len()));
-        let line = text[..at].matches('\n').count() + 1;
+    let read = toml::Deserializer::parse(text).and_then(sulcus_core::exactly);
+    read.map_err(|error| {
+        let at = error.span().map_or(0, |span| span.start);
+        let line = text.get(..at).unwrap_or(text).matches('\n').count() + 1;
         FileError::Syntax {
             file: file.to_owned(),
             line,

@@ -9,6 +9,8 @@ use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, Spring, StretchLaw}
 use sulcus_core::{SphereTree, Vec3};
 use sulcus_program::PathText;
 
+use crate::file::{FileError, from_toml};
+
 /// Farthest that a node may lie from the file's, mm.
 const SAME_MM: f64 = 1e-3;
 
@@ -54,8 +56,11 @@ pub enum SpringsError {
         source: std::io::Error,
     },
     /// It is not what such a file is.
+    #[error(transparent)]
+    Syntax(#[from] FileError),
+    /// It has no text.
     #[error("{}: {message}", file.shown())]
-    Syntax {
+    Unwritable {
         /// The file.
         file: PathBuf,
         /// What is wrong.
@@ -122,14 +127,7 @@ impl FittedSprings {
             file: file.to_owned(),
             source,
         })?;
-        toml::from_str(&text).map_err(|error| {
-            let at = error.span().map_or(0, |span| span.start.min(text.len()));
-            let line = text.get(..at).unwrap_or_default().matches('\n').count() + 1;
-            SpringsError::Syntax {
-                file: file.to_owned(),
-                message: format!("line {line}: {}", error.message().replace('\n', " ")),
-            }
-        })
+        Ok(from_toml(&text, file)?)
     }
 
     /// Writes a file.
@@ -137,7 +135,7 @@ impl FittedSprings {
     /// # Errors
     /// If it cannot be written.
     pub fn write(&self, file: &Path) -> Result<(), SpringsError> {
-        let text = toml::to_string(self).map_err(|error| SpringsError::Syntax {
+        let text = toml::to_string(self).map_err(|error| SpringsError::Unwritable {
             file: file.to_owned(),
             message: error.to_string(),
         })?;

@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket_text};
 use sulcus_core::Scene;
+use sulcus_core::displayable::too_stiff;
 use sulcus_program::{PathText, say, tell};
 use sulcus_scene::{
     BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text, family,
@@ -145,7 +146,13 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
             ..BuildOptions::default()
         }
     };
-    let compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
+    let mut compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
+    let too_stiff = too_stiff(&compiled.scene);
+    compiled.warnings.extend(
+        too_stiff
+            .iter()
+            .map(|coupling| format!("{coupling}; a graded session refuses it")),
+    );
     let bytes = compiled.scene.to_bytes()?;
     if let Some(out) = &out {
         std::fs::write(out, &bytes)

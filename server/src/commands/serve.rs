@@ -8,6 +8,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use sulcus_core::Scene;
+use sulcus_core::displayable::too_stiff;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::ticket::hex;
@@ -103,12 +104,19 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
             tell!("warning: exercise `{name}` wants {what}, which scene `{scene}` has not");
         }
     }
+    let (exercise, rubric) = recorded(asked.as_ref(), args.rubric.as_deref())?;
+    for coupling in too_stiff(&scene) {
+        if !rubric.is_empty() {
+            bail!("exercise `{}` is graded: {coupling}", exercise.name);
+        }
+        tell!("warning: {coupling}");
+    }
     let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
     config.patient = patient;
     config.station.clone_from(&args.station);
     config.learner.clone_from(&args.learner);
     config.mode = args.mode;
-    (config.exercise, config.rubric) = recorded(asked.as_ref(), args.rubric.as_deref())?;
+    (config.exercise, config.rubric) = (exercise, rubric);
     config.station_key.clone_from(&args.key);
     if let Some(budget_us) = args.detail_budget {
         config.detail = Detail::ByTime(Budget {

@@ -233,7 +233,7 @@ fn displacements_are_read_last_and_what_is_missing_is_said() {
     let params = ["--params", &springs.display().to_string()];
     assert!(evaluate(&params).contains("springs.toml"));
     std::fs::write(&springs, "young_kpa = \"soft\"").expect("written");
-    assert!(evaluate(&params).contains("springs.toml: line 1"));
+    assert!(evaluate(&params).contains("springs.toml, line 1"));
     let empty = "fitted = \"\"\nyoung_kpa = 100.0\npoisson = 0.49\nnodes_mm = [[0.0, 0.0, 0.0]]\nfixed = [0]\nspring = []\n";
     std::fs::write(&springs, empty).expect("written");
     std::fs::copy(folder.join("lateral_lin_1N.csv"), &table).expect("copied");

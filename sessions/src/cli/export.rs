@@ -22,6 +22,9 @@ pub(super) struct ExportArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Tables ticks.csv and events.csv (the default where no meshes are asked for)
+    ///
+    /// Columns of numbers hold numbers. Text that a spreadsheet would take for a number, a date or a formula begins with an apostrophe,
+    /// a hash always: a program that reads the tables drops a leading apostrophe.
     #[arg(long)]
     pub(super) csv: bool,
     /// A line of ticks.csv for every N ticks

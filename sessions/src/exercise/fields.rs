@@ -58,25 +58,3 @@ pub mod seed {
         }
     }
 }
-
-/// Lists of a fixed length: what is more is not left out in silence.
-pub mod exactly {
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer, const N: usize>(
-        numbers: &[f64; N],
-        to: S,
-    ) -> Result<S::Ok, S::Error> {
-        numbers.as_slice().serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
-        from: D,
-    ) -> Result<[f64; N], D::Error> {
-        let numbers = Vec::<f64>::deserialize(from)?;
-        <[f64; N]>::try_from(numbers).map_err(|numbers| {
-            D::Error::custom(format!("found {} numbers, expected {N}", numbers.len()))
-        })
-    }
-}

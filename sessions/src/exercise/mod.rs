@@ -66,11 +66,9 @@ pub struct Zones {
 pub struct ProbingTask {
     /// Least and greatest force on the floor at which a depth is read, N. Default 0.2 to 0.25, range 0.01 to 5. Source:
     /// clinical studies (Karayiannis 1992, Lang 1991).
-    #[serde(with = "fields::exactly")]
     pub force_n: [f64; 2],
     /// Least and greatest tilt at proximal sites, degrees: of the working end against the tooth's axis, into the col
     /// under the contact. Default 10 to 25, range 0 to 60. Source: 10 to 15 degrees are taught; wider for the teeth's own shape.
-    #[serde(with = "fields::exactly")]
     pub proximal_tilt_deg: [f64; 2],
     /// Largest tilt in the middle of a side, any way, degrees; at proximal sites the largest out of the col. Default 15,
     /// range 1 to 60; chosen.
@@ -97,7 +95,6 @@ pub struct Target {
     /// FDI number of the tooth.
     pub tooth: u8,
     /// The operator's eye, world axes, mm.
-    #[serde(with = "fields::exactly")]
     pub eye_mm: [f64; 3],
     /// Share of the target that must be free, 0.05 to 1.
     pub visible: f64,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{ExportError, create};
+use crate::cells;
 use crate::message::{Event, Level};
 use crate::occurrence::Occurrence;
 
@@ -70,10 +71,10 @@ impl EventTable {
                 seconds.to_string(),
                 event.time_unix_ns.to_string(),
                 level.to_owned(),
-                kind,
+                cells::text(&kind).into_owned(),
                 tick,
                 data,
-                text,
+                cells::text(&text).into_owned(),
             ])
             .map_err(|source| ExportError::write(&self.path, source))
     }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use sulcus_core::{DisplayMesh, DisplaySkin, Pose, Scene, TickOutput, Vec3, Workspace};
 
 use super::{ExportError, ExportOptions, MeshFormat, create, create_folder};
+use crate::cells;
 use crate::channels::{is_held, paths};
 
 pub(super) struct Meshes {
@@ -139,7 +140,12 @@ impl Meshes {
 
     fn say(&mut self, seconds: f64, tick: u64, part: &str, file: &str) -> Result<(), ExportError> {
         self.csv
-            .write_record([&seconds.to_string(), &tick.to_string(), part, file])
+            .write_record([
+                &seconds.to_string(),
+                &tick.to_string(),
+                &*cells::text(part),
+                file,
+            ])
             .map_err(|source| ExportError::write(&self.list, source))
     }
 

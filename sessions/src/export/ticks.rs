@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use sulcus_core::{Pose, Scene, TickOutput, ToolOutput, Vec3};
 
 use super::{ExportError, create};
+use crate::cells;
 use crate::channels::paths;
 use crate::occurrence::zone_name;
 use crate::row::Row;
@@ -125,7 +126,7 @@ impl TickTable {
             u8::from(input.paused).to_string(),
             input.force_limit_n.to_string(),
             input.detail.to_string(),
-            format!("{:016x}", output.hash),
+            cells::code(&format!("{:016x}", output.hash)),
         ] {
             line.push_field(&field);
         }
@@ -178,7 +179,7 @@ impl TickTable {
             return;
         };
         let object = self.objects.get(usize::from(reading.object));
-        line.push_field(object.map_or("", String::as_str));
+        line.push_field(&object.map_or("".into(), |name| cells::text(name)));
         line.push_field(&reading.around.to_degrees().to_string());
         line.push_field(&(reading.depth * 1e3).to_string());
         line.push_field(&reading.floor_force.to_string());

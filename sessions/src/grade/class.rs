@@ -4,6 +4,7 @@ use super::names::Names;
 use super::page::date;
 use super::report::Grade;
 use super::revision::Sidecar;
+use crate::cells;
 use crate::mode::Mode;
 
 /// As what a session is shown, and as what it was recorded.
@@ -112,6 +113,7 @@ pub fn number_attempts(sessions: &mut [Session]) {
 
 /// A table for spreadsheets: learner, attempt, score, every metric's value, and what an instructor said; then a row for each file
 /// that could not be read, with the reason. Names only where a key table is given.
+/// Text that a spreadsheet would misread begins with an apostrophe, a signer always.
 ///
 /// # Errors
 /// When a row cannot be written.
@@ -167,10 +169,10 @@ pub fn csv(
         let grade = &session.grade;
         let used = grade.rubric.as_ref();
         let latest = session.sidecar.as_ref().and_then(Sidecar::latest);
-        let mut row = vec![plain(&session.file), plain(&grade.learner_id)];
-        row.extend(names.map(|names| plain(names.of(&grade.learner_id).unwrap_or(""))));
+        let mut row = vec![cell(&session.file), cell(&grade.learner_id)];
+        row.extend(names.map(|names| cell(names.of(&grade.learner_id).unwrap_or(""))));
         row.extend([
-            plain(&grade.exercise),
+            cell(&grade.exercise),
             session.attempt.to_string(),
             session.shown.mode.to_string(),
             session
@@ -179,26 +181,26 @@ pub fn csv(
                 .map_or(String::new(), |mode| mode.to_string()),
             date(grade.started_unix_ns),
             grade.started_unix_ns.to_string(),
-            used.map_or(String::new(), |used| plain(&used.name)),
+            used.map_or(String::new(), |used| cell(&used.name)),
             used.map_or(String::new(), |used| used.version.to_string()),
             used.map_or(String::new(), |used| used.source.words().to_owned()),
             grade
                 .migrated
                 .as_ref()
                 .map_or(String::new(), |migrated| migrated.migration.from.to_owned()),
-            grade.signer.clone(),
+            cells::code(&grade.signer),
             grade.signer_trusted.to_string(),
             grade.gradable.to_string(),
-            grade.reason.as_deref().map_or(String::new(), plain),
+            grade.reason.as_deref().map_or(String::new(), cell),
             number(grade.score),
             truth(grade.passed),
             number(grade.pass_mark),
             number(session.self_score),
             number(latest.map(|said| said.score)),
             latest.map_or(String::new(), |said| said.passed.to_string()),
-            latest.map_or(String::new(), |said| plain(&said.at)),
-            latest.map_or(String::new(), |said| plain(&said.by)),
-            latest.map_or(String::new(), |said| plain(&said.reason)),
+            latest.map_or(String::new(), |said| cell(&said.at)),
+            latest.map_or(String::new(), |said| cell(&said.by)),
+            latest.map_or(String::new(), |said| cell(&said.reason)),
             number(session.counts().0),
             truth(session.counts().1),
         ]);
@@ -216,35 +218,23 @@ pub fn csv(
                 row[at] = what;
             }
         };
-        put("file", plain(file));
+        put("file", cell(file));
         put("gradable", "false".into());
-        put("reason", plain(why));
+        put("reason", cell(why));
         out.write_record(&row)?;
     }
     let bytes = out.into_inner().map_err(|error| error.into_error())?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Text that a spreadsheet does not take for a formula.
-fn plain(text: &str) -> String {
-    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
-        format!("'{text}")
-    } else {
-        text.to_owned()
-    }
+/// Text that a spreadsheet takes for text.
+fn cell(text: &str) -> String {
+    cells::text(text).into_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn text_that_a_spreadsheet_would_compute_is_text() {
-        for formula in ["=1+1", "+1", "-1", "@sum", "\tx", "\rx"] {
-            assert_eq!(plain(formula), format!("'{formula}"));
-        }
-        assert_eq!(plain("s-17, \"b\""), "s-17, \"b\"");
-    }
 
     #[test]
     fn a_file_that_cannot_be_read_has_a_row_with_the_reason() {

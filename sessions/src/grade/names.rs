@@ -6,14 +6,21 @@ use std::path::Path;
 
 use sulcus_program::PathText;
 
-/// Names by learner id. A CSV file with the columns `learner_id` and `name`.
+use crate::cells;
+use crate::sheet::{self, Row, SheetError};
+
+/// Largest key table that is read, bytes.
+const MOST_BYTES: u64 = 16 << 20;
+
+/// Names by learner id. A table with the columns `learner_id` and `name`, as spreadsheets save it: separated by commas, semicolons
+/// or tabs, in UTF-8, UTF-16 or Windows-1252.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names(BTreeMap<String, String>);
 
 /// Why a file is no key table.
 #[derive(Debug, thiserror::Error)]
 pub enum NamesError {
-    /// It cannot be read, or is no CSV.
+    /// It cannot be read, or is no text.
     #[error("key table `{path}`: {why}")]
     Read {
         /// The file.
@@ -33,7 +40,7 @@ pub enum NamesError {
         /// Value found.
         found: String,
         /// What it must be.
-        expected: &'static str,
+        expected: String,
     },
 }
 
@@ -47,41 +54,57 @@ impl Names {
             path: path.shown().to_string(),
             why,
         };
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(|error| unread(error.to_string()))?;
-        let header = reader
-            .headers()
-            .map_err(|error| unread(error.to_string()))?;
-        let column = |field: &'static str| {
-            let at = header.iter().position(|name| name == field);
-            let found: Vec<&str> = header.iter().collect();
-            at.ok_or_else(|| NamesError::Field {
-                path: path.shown().to_string(),
-                line: 1,
-                field: "header",
-                found: format!("`{}`", found.join(",").escape_debug()),
-                expected: "the columns `learner_id` and `name`",
-            })
-        };
-        let (id, name) = (column("learner_id")?, column("name")?);
-        let mut names = BTreeMap::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| unread(error.to_string()))?;
-            let wrong = |field, found: &str, expected| NamesError::Field {
-                path: path.shown().to_string(),
-                line: record.position().map_or(0, csv::Position::line),
+        let length = std::fs::metadata(path).map_err(|error| unread(error.to_string()))?;
+        if length.len() > MOST_BYTES {
+            let found = length.len();
+            return Err(unread(format!(
+                "{found} bytes long, expected at most 16 MiB"
+            )));
+        }
+        let bytes = std::fs::read(path).map_err(|error| unread(error.to_string()))?;
+        Self::parse(&bytes, path)
+    }
+
+    /// The key table in a file's bytes; `path` is how messages call it.
+    ///
+    /// # Errors
+    /// As [`Names::open`].
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, NamesError> {
+        let path = || path.shown().to_string();
+        let rows = sheet::read(bytes, ["learner_id", "name"]).map_err(|error| match error {
+            SheetError::Text(why) => NamesError::Read { path: path(), why },
+            SheetError::Line {
+                line,
                 field,
-                found: format!("`{}`", found.escape_debug()),
+                found,
                 expected,
+            } => NamesError::Field {
+                path: path(),
+                line,
+                field,
+                found,
+                expected,
+            },
+        })?;
+        let mut names = BTreeMap::new();
+        for Row { line, cells } in rows {
+            let [id, name] = &cells;
+            // An id has no apostrophe of its own.
+            let key = cells::read(id);
+            let key = key.strip_prefix('\'').unwrap_or(key);
+            let wrong = |expected: &str| NamesError::Field {
+                path: path(),
+                line,
+                field: "learner_id",
+                found: format!("`{}`", key.escape_debug()),
+                expected: expected.to_owned(),
             };
-            let (key, value) = (record.get(id).unwrap_or(""), record.get(name).unwrap_or(""));
             if key.is_empty() {
-                return Err(wrong("learner_id", key, "an opaque id"));
+                return Err(wrong("an opaque id"));
             }
-            if names.insert(key.to_owned(), value.to_owned()).is_some() {
-                return Err(wrong("learner_id", key, "each id once"));
+            let name = cells::read(name).trim().to_owned();
+            if names.insert(key.to_owned(), name).is_some() {
+                return Err(wrong("each id once"));
             }
         }
         Ok(Self(names))
@@ -107,40 +130,4 @@ impl Names {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn read(text: &str) -> Result<Names, NamesError> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("names.csv");
-        std::fs::write(&path, text).expect("written");
-        Names::open(&path)
-    }
-
-    #[test]
-    fn a_table_gives_names_and_a_bad_one_says_where() {
-        let names = read("name,learner_id\n\"Doe, A.\", a7f3\nRoe,b1\n").expect("a table");
-        assert_eq!(names.of("a7f3"), Some("Doe, A."));
-        assert_eq!(names.label("b1"), "Roe (b1)");
-        assert_eq!(names.label("c9"), "c9");
-        assert_eq!(names.label(""), "(no id)");
-        for (text, words) in [
-            (
-                "id,name\n1,x\n",
-                "line 1: header is `id,name`, expected the columns",
-            ),
-            (
-                "learner_id,name\na,x\n,y\n",
-                "line 3: learner_id is ``, expected an opaque id",
-            ),
-            (
-                "learner_id,name\na,x\na,y\n",
-                "line 3: learner_id is `a`, expected each id once",
-            ),
-        ] {
-            let said = read(text).expect_err("no table").to_string();
-            assert!(said.contains(words), "{said}");
-        }
-        assert!(Names::open(Path::new("no/such.csv")).is_err());
-    }
-}
+mod tests;

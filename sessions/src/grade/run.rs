@@ -1,6 +1,7 @@
 //! From a recording to its grade: one replay, and what is made of it.
 
 use sulcus_core::Scene;
+use sulcus_core::displayable::too_stiff;
 use sulcus_core::math::fmin;
 use sulcus_core::tissue::TissueModel;
 
@@ -206,6 +207,11 @@ pub fn finish(
     if let Err(error) = standard.rubric.fits(exercise) {
         graded.grade.gradable = false;
         graded.grade.reason = Some(error.to_string());
+        return Ok(graded);
+    }
+    if let Some(coupling) = too_stiff(scene).first() {
+        graded.grade.gradable = false;
+        graded.grade.reason = Some(coupling.to_string());
         return Ok(graded);
     }
     let set = &standard.rubric.settings;

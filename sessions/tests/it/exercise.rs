@@ -128,7 +128,25 @@ fn what_is_wrong_is_named() {
             BIMANUAL,
             "[10.0, 32.0]",
             "[10.0, 32.0, 3.0]",
-            &["proximal_tilt_deg", "found 3 numbers, expected 2"],
+            &[
+                "line 20",
+                "probing.proximal_tilt_deg: 3 numbers found, 2 expected",
+            ],
+        ),
+        (
+            BIMANUAL,
+            "eye_mm = [150.0, -250.0, 80.0]",
+            "eye_mm = [150,0, -250,0, 80,0]",
+            &[
+                "target.eye_mm: 6 numbers found, 3 expected",
+                "written with a point",
+            ],
+        ),
+        (
+            BIMANUAL,
+            "eye_mm = [150.0, -250.0, 80.0]",
+            "eye_mm = [150.0, -250.0]",
+            &["target.eye_mm: 2 numbers found, 3 expected"],
         ),
         (
             BIMANUAL,

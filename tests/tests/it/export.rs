@@ -85,7 +85,7 @@ fn tables_have_every_tick_and_meshes_are_where_the_tissue_was() {
     let mut deepest = 0.0f64;
     for (k, row) in rows.iter().enumerate() {
         assert_eq!(ticks["tick"][k], row.tick.to_string());
-        assert_eq!(ticks["hash"][k], format!("{:016x}", row.hash));
+        assert_eq!(ticks["hash"][k], format!("'{:016x}", row.hash));
         assert_eq!(ticks["probe_status"][k], row.status[0].to_string());
         if !ticks["probe_force_x_n"][k].is_empty() {
             for (c, column) in ["x", "y", "z"].into_iter().enumerate() {

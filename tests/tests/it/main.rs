@@ -1,10 +1,12 @@
 //! The programs from outside, over real sockets and real files.
 
 mod addresses;
+mod couplings;
 mod demo;
 mod export;
 mod folders;
 mod full_disk;
+mod hand_written;
 mod interrupt;
 mod kill;
 mod kills;

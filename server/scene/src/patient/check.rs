@@ -2,7 +2,7 @@
 
 use sulcus_core::tissue::gingiva::Site;
 
-use super::{LOWER, Patient, ToothChart};
+use super::{LOWER, Patient, THIRD_MOLARS, ToothChart};
 use crate::validate::{Checked, wrong};
 
 /// Deepest pocket, mm: as deep as the model's roots are laid out for.
@@ -10,13 +10,39 @@ const DEEPEST: f64 = 10.0;
 /// Most attachment loss, mm: below it begins the jaw.
 const MOST_LOSS: f64 = 9.0;
 
+/// Whether an FDI number is that of an upper tooth, permanent or deciduous.
+fn is_upper(fdi: u8) -> bool {
+    matches!(fdi / 10, 1 | 2) && (1..=8).contains(&(fdi % 10))
+        || matches!(fdi / 10, 5 | 6) && (1..=5).contains(&(fdi % 10))
+}
+
+/// What is wrong with upper teeth.
+const LOWER_ONLY: &str = "teeth of the lower jaw only so far";
+
 pub(super) fn patient(patient: &Patient) -> Checked {
     if patient.name.trim().is_empty() {
         return wrong("`name`".into(), "empty", "a name");
     }
+    let is_known = |fdi: &u8| LOWER.contains(fdi) || THIRD_MOLARS.contains(fdi);
+    let upper = |fdi: &&u8| is_upper(**fdi) && !is_known(fdi);
+    let upper: Vec<String> = patient
+        .missing
+        .iter()
+        .filter(upper)
+        .map(u8::to_string)
+        .collect();
+    if let [teeth @ .., last] = upper.as_slice() {
+        let teeth = match teeth {
+            [] => last.clone(),
+            teeth => format!("{} and {last}", teeth.join(", ")),
+        };
+        let found = format!("{teeth} of the upper jaw");
+        return wrong("`missing`".into(), found, LOWER_ONLY);
+    }
     for (k, fdi) in patient.missing.iter().enumerate() {
-        if !LOWER.contains(fdi) {
-            return wrong("`missing`".into(), fdi, "31 to 37 or 41 to 47");
+        if !is_known(fdi) {
+            let expected = "31 to 37 or 41 to 47, or a third molar (18, 28, 38, 48)";
+            return wrong("`missing`".into(), fdi, expected);
         }
         if patient.missing[..k].contains(fdi) {
             return wrong("`missing`".into(), format!("{fdi} twice"), "each once");
@@ -24,8 +50,12 @@ pub(super) fn patient(patient: &Patient) -> Checked {
     }
     for (k, tooth) in patient.teeth.iter().enumerate() {
         let fdi = tooth.fdi;
+        if is_upper(fdi) {
+            let found = format!("{fdi}, of the upper jaw");
+            return wrong("`fdi` of a [[tooth]]".into(), found, LOWER_ONLY);
+        }
         if !LOWER.contains(&fdi) {
-            let expected = "31 to 37 or 41 to 47 (a lower tooth without wisdom teeth)";
+            let expected = "31 to 37 or 41 to 47: the model has no third molars";
             return wrong("`fdi` of a [[tooth]]".into(), fdi, expected);
         }
         if patient.teeth[..k].iter().any(|earlier| earlier.fdi == fdi) {

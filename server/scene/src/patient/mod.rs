@@ -17,19 +17,24 @@
 //! furcation.buccal = 1                 # Hamp 1975: 0 to 3
 //! ```
 //!
-//! A tooth that is not named is there and healthy. Keys that are left out have a healthy tooth's values.
+//! A tooth that is not named is there and healthy. Keys that are left out, a side of a tooth among them, have a healthy tooth's
+//! values. Third molars may stand in `missing`: the model has none.
 
 mod check;
 mod generate;
+mod sides;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sulcus_core::tissue::gingiva::Site;
 
 use crate::file::FileError;
 
 pub use generate::{Condition, generate};
+pub use sides::Sides;
+
+/// FDI numbers of third molars. No mouth of this model has them.
+pub const THIRD_MOLARS: [u8; 4] = [18, 28, 38, 48];
 
 /// FDI numbers of the lower teeth that are modelled, from the right second molar round to the left one.
 pub const LOWER: [u8; 14] = [47, 46, 45, 44, 43, 42, 41, 31, 32, 33, 34, 35, 36, 37];
@@ -55,13 +60,13 @@ pub struct ToothChart {
     /// FDI number.
     pub fdi: u8,
     /// Probing depths, mm.
-    #[serde(default = "healthy_depth")]
+    #[serde(default = "healthy_depth", deserialize_with = "sides::depth")]
     pub depth_mm: Sides<f64>,
     /// How far the margin lies below the cemento-enamel junction, mm; negative above it.
-    #[serde(default = "healthy_recession")]
+    #[serde(default = "healthy_recession", deserialize_with = "sides::recession")]
     pub recession_mm: Sides<f64>,
     /// Whether a site bleeds after light probing.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "sides::bleeding")]
     pub bleeding: Sides<bool>,
     /// How inflamed the gingiva is, 0 to 1: inflamed tissue is softer.
     #[serde(default)]
@@ -72,37 +77,6 @@ pub struct ToothChart {
     /// Mobility by Miller, 0 to 3. For the chart: teeth do not move here.
     #[serde(default)]
     pub mobility: u8,
-}
-
-/// Values of the six sites, each side mesio-, mid-, disto-.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sides<T> {
-    /// On the cheek's (the lip's) side.
-    pub buccal: [T; 3],
-    /// On the tongue's side.
-    pub lingual: [T; 3],
-}
-
-impl<T: Copy> Sides<T> {
-    /// The value of one site.
-    pub fn of(&self, site: Site) -> T {
-        self.round()[site as usize]
-    }
-
-    /// All six in the order of [`Site::ALL`], round the tooth.
-    pub fn round(&self) -> [T; 6] {
-        let ([mb, b, db], [ml, l, dl]) = (self.buccal, self.lingual);
-        [mb, b, db, dl, l, ml]
-    }
-
-    /// From the order of [`Site::ALL`].
-    pub fn from_round([mb, b, db, dl, l, ml]: [T; 6]) -> Self {
-        Self {
-            buccal: [mb, b, db],
-            lingual: [ml, l, dl],
-        }
-    }
 }
 
 /// Furcation of a lower molar (Hamp 1975): 0 none, 1 under 3 mm in, 2 more but not through, 3 through.

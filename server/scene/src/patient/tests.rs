@@ -33,8 +33,8 @@ fn what_cannot_be_is_said_with_tooth_site_value_and_range() {
             "`name` is empty, expected a name",
         ),
         (
-            "name = \"a\"\nmissing = [38]\n".to_owned(),
-            "`missing` is 38, expected 31 to 37 or 41 to 47",
+            "name = \"a\"\nmissing = [39]\n".to_owned(),
+            "`missing` is 39, expected 31 to 37 or 41 to 47",
         ),
         (
             "name = \"a\"\nmissing = [36, 36]\n".to_owned(),
@@ -46,7 +46,19 @@ fn what_cannot_be_is_said_with_tooth_site_value_and_range() {
         ),
         (
             "name = \"a\"\n[[tooth]]\nfdi = 16\n".to_owned(),
-            "`fdi` of a [[tooth]] is 16",
+            "`fdi` of a [[tooth]] is 16, of the upper jaw, expected teeth of the lower jaw only so far",
+        ),
+        (
+            "name = \"a\"\n[[tooth]]\nfdi = 38\n".to_owned(),
+            "`fdi` of a [[tooth]] is 38, expected 31 to 37 or 41 to 47: the model has no third molars",
+        ),
+        (
+            "name = \"a\"\nmissing = [11, 46, 25]\n".to_owned(),
+            "`missing` is 11 and 25 of the upper jaw, expected teeth of the lower jaw only so far",
+        ),
+        (
+            tooth("depth_mm = [[3, 2, 3], [3, 2, 3]]"),
+            "depth_mm: a list found",
         ),
         (
             tooth("depth_mm = { buccal = [3, 12, 3], lingual = [3, 2, 3] }"),

@@ -2,6 +2,7 @@
 
 mod broken_meshes;
 mod gingiva;
+mod hand_written;
 mod mesh_files;
 mod meshes;
 mod mouth;

@@ -34,6 +34,9 @@ pub(super) struct GradeArgs {
     #[arg(long, value_name = "DIR")]
     html: Option<PathBuf>,
     /// Write a table of all sessions into this file
+    ///
+    /// Text that a spreadsheet would take for a number, a date or a formula, such as the id 007 or 1e5, begins with an apostrophe, a
+    /// signer's key always: a program that reads the table drops a leading apostrophe.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Grade by this rubric instead of the recording's own; the output says so
@@ -50,6 +53,9 @@ pub(super) struct GradeArgs {
     #[arg(long)]
     truth: bool,
     /// Key table with the columns learner_id and name: names go onto pages and into the CSV, and nowhere else
+    ///
+    /// A table as spreadsheets save it: cells separated by commas, semicolons or tabs; UTF-8, UTF-16 or Windows-1252. Ids may begin with
+    /// the apostrophe that marks text.
     #[arg(long, value_name = "FILE")]
     names: Option<PathBuf>,
     /// How pages number teeth

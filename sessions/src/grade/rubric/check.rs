@@ -263,6 +263,21 @@ mod tests {
                 "[0.3, 0.25], expected the lower bound",
             ),
             (
+                "force_n = [0.1, 0.25]",
+                "force_n = [0,1, 0,25]",
+                "settings.force_n: 4 numbers found, 2 expected; a decimal is written with a point",
+            ),
+            (
+                "target = [-0.4, 0.4]",
+                "target = [-0,4, 0,4]",
+                "target: 4 numbers found, 2 expected",
+            ),
+            (
+                "target = [-0.4, 0.4]",
+                "target = \"none\"",
+                "expected a number, or a list of two numbers",
+            ),
+            (
                 "reached_mm = 0",
                 "reached_mm = 9",
                 "settings.reached_mm is 9",

@@ -29,9 +29,8 @@
 //! why = "tissue was damaged"
 //! ```
 
+mod bound;
 mod check;
-
-use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -39,24 +38,7 @@ use super::definitions::{self, Definition};
 use crate::exercise::{Exercise, Kind};
 use crate::written::{Written, WrittenError};
 
-/// A value, or a band of values where both sides count.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Bound {
-    /// One value; which side is better is known from the other bound.
-    One(f64),
-    /// From and to.
-    Band([f64; 2]),
-}
-
-impl fmt::Display for Bound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::One(x) => write!(f, "{x}"),
-            Self::Band([a, b]) => write!(f, "{a} to {b}"),
-        }
-    }
-}
+pub use bound::Bound;
 
 /// Settings of the measurement itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,224 @@
+//! A table as spreadsheets save it: decoded, cut into cells, its columns found by their headings.
+//!
+//! Excel's "CSV" is separated by commas or, where a decimal has a comma, by semicolons, and is encoded in Windows-1252. Its
+//! "CSV UTF-8" begins with a byte-order mark; its "Unicode text" is UTF-16 with tabs. Some programs put a line `sep=;` first.
+//! Saved tables have empty rows and columns at their ends, and people write headings with capitals and blanks.
+
+use csv::{Position, ReaderBuilder, StringRecord};
+use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
+
+/// Separators of cells.
+const SEPARATORS: [u8; 4] = *b",;\t|";
+
+/// A row of the columns that were asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Row<const N: usize> {
+    /// Line in the file, from 1.
+    pub line: u64,
+    /// Text of the cells, without blanks at the ends.
+    pub cells: [String; N],
+}
+
+/// Why a file is no such table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum SheetError {
+    /// The bytes are no text.
+    Text(String),
+    /// The text of a line is not as it must be.
+    Line {
+        /// Line, from 1.
+        line: u64,
+        /// Part of it.
+        field: &'static str,
+        /// What stands there.
+        found: String,
+        /// What it must be.
+        expected: String,
+    },
+}
+
+/// The rows of a table that have anything in them: of each the cells under `headings`.
+///
+/// # Errors
+/// The line, what was found there and what was expected.
+pub(crate) fn read<const N: usize>(
+    bytes: &[u8],
+    headings: [&str; N],
+) -> Result<Vec<Row<N>>, SheetError> {
+    let text = lines_of(&decode(bytes)?);
+    let (named, body, above) = named_separator(&text);
+    let mut seen: Option<(u64, StringRecord)> = None;
+    for separator in named.into_iter().chain(SEPARATORS) {
+        let Some((line, head)) = head(body, separator) else {
+            continue;
+        };
+        if let Some(columns) = columns(&head, headings) {
+            return rows(body, separator, &head, columns, above);
+        }
+        // The widest head is the likeliest to be cut where its writer meant it to be.
+        if seen
+            .as_ref()
+            .is_none_or(|(_, widest)| head.len() > widest.len())
+        {
+            seen = Some((line, head));
+        }
+    }
+    let (line, head) = seen.unwrap_or_default();
+    let cells: Vec<&str> = head.iter().map(trimmed).collect();
+    Err(SheetError::Line {
+        line: line.max(1) + above,
+        field: "header",
+        found: format!("`{}`", cells.join(",").escape_debug()),
+        expected: format!(
+            "the columns {}, each once, separated by commas, semicolons or tabs",
+            headings.map(|name| format!("`{name}`")).join(" and ")
+        ),
+    })
+}
+
+/// The text that bytes stand for: by their byte-order mark, else as UTF-16, UTF-8 or Windows-1252, the first that they can be.
+fn decode(bytes: &[u8]) -> Result<String, SheetError> {
+    let (encoding, bytes) = match Encoding::for_bom(bytes) {
+        Some((encoding, mark)) => (encoding, &bytes[mark..]),
+        None if bytes.contains(&0) => (utf_16(bytes), bytes),
+        None if std::str::from_utf8(bytes).is_ok() => (encoding_rs::UTF_8, bytes),
+        None => (WINDOWS_1252, bytes),
+    };
+    let text = encoding.decode_without_bom_handling_and_without_replacement(bytes);
+    text.map(|text| text.into_owned()).ok_or_else(|| {
+        SheetError::Text(format!("the bytes are not {} throughout", encoding.name()))
+    })
+}
+
+/// The byte order of UTF-16 without a mark: most characters of a table have a zero in their high byte.
+fn utf_16(bytes: &[u8]) -> &'static Encoding {
+    let zeros = |at: usize| {
+        bytes
+            .iter()
+            .skip(at)
+            .step_by(2)
+            .filter(|byte| **byte == 0)
+            .count()
+    };
+    if zeros(1) >= zeros(0) {
+        UTF_16LE
+    } else {
+        UTF_16BE
+    }
+}
+
+/// The same text with one kind of line end.
+fn lines_of(text: &str) -> String {
+    text.replace("\r\n", "\n").replace('\r', "\n")
+}
+
+/// The separator of a first line such as `sep=;`, the text below that line, and the number of lines above the text.
+fn named_separator(text: &str) -> (Option<u8>, &str, u64) {
+    let (first, below) = text.split_once('\n').unwrap_or((text, ""));
+    let whole = first.trim_end_matches('"');
+    let first = trimmed(first).trim_start_matches('"');
+    let Some(name) = first
+        .get(..4)
+        .filter(|name| name.eq_ignore_ascii_case("sep="))
+    else {
+        return (None, text, 0);
+    };
+    let separator = match first[name.len()..].trim_matches('"') {
+        "\\t" => Some(b'\t'),
+        // A tab at the end of the line was trimmed away as a blank.
+        "" => whole.ends_with('\t').then_some(b'\t'),
+        rest => rest
+            .bytes()
+            .next()
+            .filter(|byte| byte.is_ascii() && !b"\"\n".contains(byte)),
+    };
+    (separator, below, 1)
+}
+
+fn trimmed(cell: &str) -> &str {
+    cell.trim_matches(|c: char| c.is_whitespace() || c == '\u{feff}' || c == '\u{200b}')
+}
+
+fn records(body: &str, separator: u8) -> impl Iterator<Item = (u64, StringRecord)> {
+    let reader = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator)
+        .from_reader(body.as_bytes());
+    // Text is UTF-8 and rows may have any length: nothing is left that could fail.
+    reader
+        .into_records()
+        .filter_map(Result::ok)
+        .filter_map(|record| {
+            let line = record.position().map_or(0, Position::line);
+            let says = record.iter().any(|cell| !trimmed(cell).is_empty());
+            says.then_some((line, record))
+        })
+}
+
+/// The first row that has anything in it.
+fn head(body: &str, separator: u8) -> Option<(u64, StringRecord)> {
+    records(body, separator).next()
+}
+
+/// A heading without what people write differently: capitals, blanks, `_`, `-`.
+fn plain(heading: &str) -> String {
+    let letters = heading.chars().filter(|c| c.is_alphanumeric());
+    letters.flat_map(char::to_lowercase).collect()
+}
+
+/// Where the headings stand; none unless each is there once.
+fn columns<const N: usize>(head: &StringRecord, headings: [&str; N]) -> Option<[usize; N]> {
+    let mut found = [0; N];
+    for (at, heading) in found.iter_mut().zip(headings) {
+        let wanted = plain(heading);
+        let mut all = head
+            .iter()
+            .enumerate()
+            .filter(|(_, cell)| plain(cell) == wanted);
+        *at = all.next()?.0;
+        if all.next().is_some() {
+            return None;
+        }
+    }
+    Some(found)
+}
+
+fn rows<const N: usize>(
+    body: &str,
+    separator: u8,
+    head: &StringRecord,
+    columns: [usize; N],
+    above: u64,
+) -> Result<Vec<Row<N>>, SheetError> {
+    let mut all = Vec::new();
+    for (line, record) in records(body, separator).skip(1) {
+        let line = line + above;
+        let wrong = |field, found: &str, expected: &str| {
+            Err(SheetError::Line {
+                line,
+                field,
+                found: format!("`{}`", found.escape_debug()),
+                expected: expected.to_owned(),
+            })
+        };
+        for (k, cell) in record.iter().map(trimmed).enumerate() {
+            let heading = head.get(k).map_or("", trimmed);
+            if !cell.is_empty() && heading.is_empty() {
+                let expected =
+                    "a heading over it, or quotation marks round a text with a separator in it";
+                return wrong("a cell", cell, expected);
+            }
+            if cell.contains('\n') {
+                return wrong(
+                    "a cell",
+                    cell,
+                    "one line of text, and every quotation mark closed",
+                );
+            }
+        }
+        let cells = columns.map(|at| trimmed(record.get(at).unwrap_or("")).to_owned());
+        all.push(Row { line, cells });
+    }
+    Ok(all)
+}
