@@ -23,7 +23,7 @@ where
     D: Deserializer<'de>,
     T: serde::Deserialize<'de>,
 {
-    T::deserialize(Watched::new(from, &Place::ROOT))
+    T::deserialize(Watched::new(from, &Place::root()))
 }
 
 /// Kinds of values, as far as messages tell them apart.
@@ -50,11 +50,13 @@ struct Place<'p> {
 }
 
 impl<'p> Place<'p> {
-    const ROOT: Self = Self {
-        parent: None,
-        step: Step::Root,
-        kind: Cell::new(Kind::Other),
-    };
+    fn root() -> Self {
+        Self {
+            parent: None,
+            step: Step::Root,
+            kind: Cell::new(Kind::Other),
+        }
+    }
 
     fn below(parent: &'p Place<'p>, step: Step) -> Self {
         Self {

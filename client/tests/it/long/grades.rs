@@ -10,7 +10,7 @@ use crate::grades::{PROBING, WHOLE_TOOTH, all_must_hold};
 /// Performs an exercise with the habits for every seed, on two threads.
 fn hands(exercise: &str, habits: &[Habit], seeds: std::ops::RangeInclusive<u64>) {
     let seeds = Mutex::new(seeds);
-    let next = || seeds.lock().unwrap().next();
+    let next = || seeds.lock().expect("no hand panicked").next();
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
