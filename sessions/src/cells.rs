@@ -78,7 +78,7 @@ fn is_number_or_date(text: &str) -> bool {
         "" => true,
         "e" => first.is_some_and(|c| c.is_ascii_digit() || c == '.'),
         "am" | "pm" | "a" | "p" => text.contains(' ') || text.contains(':'),
-        _ => MONTHS.iter().any(|month| is_month(month)),
+        _ => MONTHS.iter().any(is_month),
     }
 }
 
