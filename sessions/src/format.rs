@@ -5,7 +5,7 @@
 //! that raises it says here what is different and what becomes of older files:
 //!
 //! - A version that is *read as the present one*: its tick gives the same bits. Version 4 is such a one: its exact messages are
-//!   encoded otherwise, and each channel names its encoding ([`Layout`]).
+//!   encoded otherwise, and each channel names its encoding (`Layout`).
 //! - A version that is *migrated*: its inputs are run again by the present tick, from the first snapshot to the end. The replay
 //!   may then differ, never far ([`CLOSE`]), and a grade rests on it and says so. A replay does not go on from later snapshots, only
 //!   compares them: an older number in a header must not buy a grade with states that no hand ever brought about.

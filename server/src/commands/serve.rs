@@ -27,7 +27,7 @@ use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerH
     after_long_help = "Examples:\n  sulcus-server serve\n  sulcus-server serve --listen 0.0.0.0:4433 --scene crown.toml --recordings /srv/recordings\n  sulcus-server serve --certificate-out server.der --json | jq -r .ticket    (the first line is the address, the last the summaries)\n\nLate ticks: grant real-time scheduling with `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or raise `ulimit -r` and `ulimit -l`."
 )]
 pub struct ServeArgs {
-    /// UDP address to listen on, or a name; 0.0.0.0 or [::]: any address of this machine; port 0: any free one
+    /// UDP address to listen on, or a name; `0.0.0.0` or `[::]`: any address of this machine; port 0: any free one
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:4433")]
     pub listen: String,
     /// Scene file (TOML) or compiled scene (.scene); default: the exercise's own
