@@ -4,6 +4,7 @@ use anyhow::Context;
 use sulcus_cases::table::Driver;
 use sulcus_client::exercise;
 use sulcus_client::progress::Steps;
+use sulcus_core::optimise::SolverKind;
 use sulcus_core::{Scene, TickInput};
 use sulcus_operator::{HandParams, Operator};
 use sulcus_scene::BuiltIn;
@@ -58,7 +59,7 @@ macro_rules! hard {
     };
 }
 
-const EXERCISES: [Entry; 6] = [
+const EXERCISES: [Entry; 7] = [
     exercise("crown", || built_in(BuiltIn::Crown), 20.0),
     exercise("probing", || built_in(BuiltIn::Pocket), 20.0),
     exercise("retraction", || built_in(BuiltIn::Tongue), 20.0),
@@ -72,6 +73,10 @@ const EXERCISES: [Entry; 6] = [
         name: "crown-2khz",
         ..exercise("crown", fast, 10.0)
     },
+    Entry {
+        name: "crown-judged",
+        ..exercise("crown", judged, 10.0)
+    },
 ];
 
 const HARD: [Entry; 8] = hard![
@@ -79,11 +84,11 @@ const HARD: [Entry; 8] = hard![
 ];
 
 /// All recordings.
-pub const ENTRIES: [&Entry; 14] = {
-    let mut all = [&EXERCISES[0]; 14];
+pub const ENTRIES: [&Entry; 15] = {
+    let mut all = [&EXERCISES[0]; 15];
     let mut k = 0;
-    while k < 14 {
-        all[k] = if k < 6 { &EXERCISES[k] } else { &HARD[k - 6] };
+    while k < 15 {
+        all[k] = if k < 7 { &EXERCISES[k] } else { &HARD[k - 7] };
         k += 1;
     }
     all
@@ -109,6 +114,13 @@ fn built_in(which: BuiltIn) -> anyhow::Result<Scene> {
 fn fast() -> anyhow::Result<Scene> {
     let mut scene = built_in(BuiltIn::Crown)?;
     scene.params.rate_hz = 2000;
+    Ok(scene)
+}
+
+/// The crown with Clarabel in the tick.
+fn judged() -> anyhow::Result<Scene> {
+    let mut scene = built_in(BuiltIn::Crown)?;
+    scene.params.solver = SolverKind::Clarabel;
     Ok(scene)
 }
 

@@ -4,7 +4,7 @@
 //! # What is there
 //! `tests/corpus/*.mcap`, each under 300 kB: a second or so of each exercise (`crown`, `probing`, `retraction`, `bimanual`), one with an
 //! instructor's and the network's commands (`commands`: pause, limit of force, skipped ticks, a stale and an absent
-//! tool), one at two thousand ticks a second (`crown-2khz`), and hard cases (`hard-...`). They begin with a snapshot in mid-exercise. Their scenes are those of the exercises without what the tick
+//! tool), one at two thousand ticks a second (`crown-2khz`), one with Clarabel in the tick (`crown-judged`), and hard cases (`hard-...`). They begin with a snapshot in mid-exercise. Their scenes are those of the exercises without what the tick
 //! does not read, and of the mouth one tooth with its gingiva and the tongue.
 //!
 //! What can be graded carries its rubric, and has its grade beside it (`NAME.grade.json`): years later it is the same. In
@@ -34,11 +34,12 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_sessions::*;
 
 /// Names of the files, without their extension.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 15] = [
     "bimanual",
     "commands",
     "crown",
     "crown-2khz",
+    "crown-judged",
     "hard-infeasible",
     "hard-nan-poses",
     "hard-peg-in-hole",
@@ -51,7 +52,7 @@ const NAMES: [&str; 14] = [
     "retraction",
 ];
 /// Those of them that can be graded.
-const GRADED: [&str; 4] = ["commands", "crown", "crown-2khz", "probing"];
+const GRADED: [&str; 5] = ["commands", "crown", "crown-2khz", "crown-judged", "probing"];
 /// Recordings of the present format by an earlier program: without a sum over what viewers read, a rubric, the tick's source.
 const BEFORE: [&str; 2] = ["hard-wedge", "probing"];
 /// Largest file, bytes.

@@ -13,7 +13,7 @@ use sulcus_sessions::channels::v1;
 pub struct Channel {
     pub schema: String,
     pub times_ns: Vec<u64>,
-    /// What the messages hold: points, transforms, contacts; wrenches with a force in them; bytes of the exact record.
+    /// Number of messages by content: points, transforms, contacts; wrenches with a force; bytes of the exact record.
     pub inner: u64,
     pub clouds: Vec<PointCloud>,
     pub poses: Vec<PoseInFrame>,
