@@ -4,7 +4,7 @@
 //! Contacts of the shaft are smooth: each pushes across the shaft alone, and has a moment about the tip. The floor pushes along
 //! the tooth's axis at the tip, without a moment.
 
-use sulcus_core::{Pose, Wrench};
+use sulcus_core::{Pose, Vec3, Wrench};
 
 use super::strokes::Stroke;
 use super::{FEEL, KEEP, MOST_ASIDE, Tour};
@@ -14,6 +14,10 @@ use super::{FEEL, KEEP, MOST_ASIDE, Tour};
 const LEVER: f64 = 2e-3;
 /// How fast the hand gives way to what pushes the probe across its shaft, m/(N s): with a grip of 300 N/m within 70 ms.
 const YIELD: f64 = 0.05;
+/// Sine of the angle from the mesial or distal midline, below which the hand does not give way towards the midline.
+const NEAR_MIDLINE: f64 = 0.1;
+/// Largest share of the force along the probe that a hand takes for a wall's push on a shaft in a col.
+const MOST_WALL: f64 = 0.25;
 
 /// Push of a deep pocket's walls over the square of the wall's area (depth times the tooth's radius), N/m^4. A probe that leans
 /// over a bulging crown is pushed the more against a root that flares. (Of 210 readings at depths of 7 mm: 0.10 +-0.04 N in
@@ -32,11 +36,23 @@ impl Tour {
         let reads = self.returning && matches!(self.stroke, Stroke::Down | Stroke::Read(..));
         if reads && self.seen > 0.0 {
             // A light grip: pressed against tooth or wall the tip bears more than the hand feels.
-            let up = self.path().place(self.around, self.depth, self.tilt).up;
+            let up = self.up(graphic);
             let across = wrench.force - up * wrench.force.dot(&up);
-            self.yielded += across * (YIELD * self.dt);
-            let most = MOST_ASIDE / self.yielded.norm().max(MOST_ASIDE);
-            self.yielded *= most;
+            // Not over the col's midline: there the tip would be in a zone of the other side.
+            let along = self
+                .path()
+                .tooth()
+                .axis
+                .cross(&self.path().outward(self.at));
+            let into_col = along * (-self.at.signum() * libm::cos(self.at).signum());
+            let is_near = libm::fabs(libm::sin(self.at)) < NEAR_MIDLINE;
+            let held = if is_near {
+                across.dot(&into_col).max(0.0)
+            } else {
+                0.0
+            };
+            self.yielded += (across - into_col * held) * (YIELD * self.dt);
+            self.yielded *= MOST_ASIDE / self.yielded.norm().max(MOST_ASIDE);
         } else {
             self.yielded *= 1.0 - KEEP * self.dt;
         }
@@ -50,18 +66,25 @@ impl Tour {
         self.force - share * WALLS * wall * wall
     }
 
+    /// Unit vector up along the working end: as it is seen, else as it is meant.
+    fn up(&self, graphic: Option<&Pose>) -> Vec3 {
+        match graphic {
+            Some(graphic) => -(graphic.orientation * self.tool.tip_axis),
+            None => self.path().place(self.around, self.depth, self.tilt).up,
+        }
+    }
+
     /// Push of the floor along the tooth's axis, newtons.
     fn load_on_floor(&self, wrench: &Wrench, graphic: Option<&Pose>) -> f64 {
         let axis = self.path().tooth().axis;
-        let up = self.path().place(self.around, self.depth, self.tilt).up;
+        let up = self.up(graphic);
         // Across the shaft nothing but the shaft's own contacts is felt: along it the floor alone, by the cosine of the lean.
         let along = wrench.force.dot(&up) / up.dot(&axis).max(0.5);
         let Some(graphic) = graphic.filter(|_| self.seen > 0.0) else {
             return along;
         };
         let tip = graphic.transform(&self.tool.tip);
-        let from = tip - self.path().tooth().origin;
-        let outward = (from - axis * from.dot(&axis)).normalize();
+        let outward = self.path().outward(self.at);
         let moment = wrench.torque + (graphic.position - tip).cross(&wrench.force);
         let bent = moment.dot(&axis.cross(&outward));
         // Push of the shaft's contact down along the tooth's axis.
@@ -69,7 +92,7 @@ impl Tour {
         let sine = libm::sin(self.at);
         let side = sine * sine;
         let at_side = wrench.force.dot(&axis) + down;
-        let in_col = along + down.min(0.0);
+        let in_col = along + down.min(0.0).max(-MOST_WALL * along.max(0.0));
         side * at_side + (1.0 - side) * in_col
     }
 }

@@ -23,16 +23,37 @@ fn hands(exercise: &str, habits: &[Habit], seeds: std::ops::RangeInclusive<u64>)
 }
 
 #[test]
-fn every_habit_of_ten_hands_is_named_and_costs() {
-    if long::selected("habits-of-hands-1-to-10") {
-        hands(WHOLE_TOOTH, &PROBING, 1..=10);
+fn every_habit_of_hands_one_to_four_is_named_and_costs() {
+    if long::selected("habits-of-hands-1-to-4") {
+        hands(WHOLE_TOOTH, &PROBING, 1..=4);
     }
 }
 
 #[test]
-fn every_habit_of_ten_more_hands_is_named_and_costs() {
-    if long::selected("habits-of-hands-11-to-20") {
-        hands(WHOLE_TOOTH, &PROBING, 11..=20);
+fn every_habit_of_hands_five_to_eight_is_named_and_costs() {
+    if long::selected("habits-of-hands-5-to-8") {
+        hands(WHOLE_TOOTH, &PROBING, 5..=8);
+    }
+}
+
+#[test]
+fn every_habit_of_hands_nine_to_twelve_is_named_and_costs() {
+    if long::selected("habits-of-hands-9-to-12") {
+        hands(WHOLE_TOOTH, &PROBING, 9..=12);
+    }
+}
+
+#[test]
+fn every_habit_of_hands_thirteen_to_sixteen_is_named_and_costs() {
+    if long::selected("habits-of-hands-13-to-16") {
+        hands(WHOLE_TOOTH, &PROBING, 13..=16);
+    }
+}
+
+#[test]
+fn every_habit_of_hands_seventeen_to_twenty_is_named_and_costs() {
+    if long::selected("habits-of-hands-17-to-20") {
+        hands(WHOLE_TOOTH, &PROBING, 17..=20);
     }
 }
 

@@ -1,8 +1,6 @@
 //! The crown exercise in closed loop: what must hold of every tick, each checked from a computation
 //! that shares nothing with the tick's own.
 
-use std::path::PathBuf;
-
 use sulcus_cases::{Measures, Observer};
 use sulcus_core::math::norm;
 use sulcus_core::optimise::SolverKind;
@@ -13,9 +11,9 @@ use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::blend::{BlendOptions, calibrate};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::{BuildOptions, compile_default, compile_file, default_cache_dir};
+use sulcus_scene::{BuildOptions, compile_default, default_cache_dir};
 
-fn options() -> BuildOptions {
+pub fn options() -> BuildOptions {
     BuildOptions {
         cache: default_cache_dir(),
         ..BuildOptions::default()
@@ -53,7 +51,7 @@ fn blended(mut scene: Scene, level: u8) -> Scene {
 }
 
 /// Performs the exercise and checks each tick's own books on the way.
-fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
+pub fn perform(scene: &Scene, seconds: f64, seed: u64) -> Measures {
     let crown = Crown::new(
         scene,
         None,
@@ -143,7 +141,7 @@ fn check_books(
     );
 }
 
-fn assert_good(what: &str, m: &Measures) {
+pub fn assert_good(what: &str, m: &Measures) {
     println!(
         "{what}: contact {} of {}, residual {:.4} um, jump {:.3} mm, force step {:.3} N, buzz {:.5} N, coupling {:.3} %, exhausted {}, raw {:.2} N",
         m.contact_ticks,
@@ -211,23 +209,4 @@ fn with_the_judge_in_the_tick() {
     let mut scene = molar();
     scene.params.solver = SolverKind::Clarabel;
     assert_good("molar, Clarabel", &perform(&scene, 5.0, 5));
-}
-
-#[test]
-fn on_a_real_tooth() {
-    let Some(mesh) = sulcus_support::data("meshes/tooth_36_first_molar.stl") else {
-        return;
-    };
-    let folder = std::env::temp_dir().join(format!("sulcus-real-tooth-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("temporary folder");
-    let file: PathBuf = folder.join("real.toml");
-    let text = format!(
-        "name = \"real tooth\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\nlevel = 3\nlevels = 4\npark_mm = [3.0, 21.0, 125.0]\n\
-         [[object]]\nname = \"tooth 36\"\nfdi = 36\nmesh = {mesh:?}\nunit = \"mm\"\nlevel = 3\nlevels = 4\ntissue = \"rigid\"\n"
-    );
-    std::fs::write(&file, text).expect("scene file");
-    let compiled =
-        compile_file(&file, &options(), &|_, _| {}).expect("a real tooth is a good mesh");
-    std::fs::remove_dir_all(&folder).expect("temporary folder");
-    assert_good("real tooth 36", &perform(&compiled.scene, 8.0, 36));
 }

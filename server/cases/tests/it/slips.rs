@@ -1,6 +1,8 @@
 //! A tour whose tip slips out of the pocket, in a mouth of a few lines: a level floor under the margin, felt where it is met. What
 //! tissue does is not the question here, but what the hand makes of it.
 
+use std::sync::LazyLock;
+
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{Pose, Scene, Vec3, Wrench};
 use sulcus_operator::Shown;
@@ -10,8 +12,13 @@ use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_scene::{BuildOptions, compile_text};
 
-/// Two teeth with a probe.
+/// Two teeth with a probe, compiled once.
 fn scene() -> Scene {
+    static SCENE: LazyLock<Scene> = LazyLock::new(compiled);
+    SCENE.clone()
+}
+
+fn compiled() -> Scene {
     let text = r#"
 name = "two teeth"
 [mouth]
@@ -102,8 +109,10 @@ fn act(
             place.outward * slip.outwards + axis.cross(&place.outward) * slip.along + axis * under;
         let mut shown = Shown::NOTHING;
         shown.graphics[0] = Some(Pose::new(hand.position + off, hand.orientation));
+        // Along the probe: nothing pushes across it.
+        let up = -(hand.orientation * scene.tools[0].tip_axis);
         shown.wrenches[0] = Wrench {
-            force: place.up * (STIFFNESS * under),
+            force: up * (STIFFNESS * under),
             torque: Vec3::zeros(),
         };
         tour.feel(&Felt {

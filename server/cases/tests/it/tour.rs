@@ -1,5 +1,7 @@
 //! The simulated operator probes whole teeth of a generated patient: well, and badly in named ways.
 
+use std::sync::LazyLock;
+
 use sulcus_cases::mouth::{examine, mouth};
 use sulcus_cases::toured::{Read, Toured, perform};
 use sulcus_core::Scene;
@@ -15,6 +17,11 @@ const TOOTH: u8 = 36;
 
 /// The teeth 35 to 37 of a patient, with a probe: proximal depths well above the mid ones.
 fn part() -> Scene {
+    static SCENE: LazyLock<Scene> = LazyLock::new(compiled);
+    SCENE.clone()
+}
+
+fn compiled() -> Scene {
     let text = r#"
 name = "part of a mouth"
 [mouth]

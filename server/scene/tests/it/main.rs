@@ -3,6 +3,7 @@
 mod broken_meshes;
 mod gingiva;
 mod hand_written;
+mod long;
 mod mesh_files;
 mod meshes;
 mod mouth;

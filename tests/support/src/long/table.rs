@@ -63,24 +63,74 @@ pub const LONG: &[Long] = &[
         4.0,
     ),
     long(
-        "habits-of-hands-1-to-10",
-        "Every probing habit of ten hands costs 15 points and is named by its own metric.",
-        5.0,
-    ),
-    long(
         "whole-mouths",
         "The good operator reads every floor of two whole mouths and stays outside of every tooth.",
         3.0,
     ),
     long(
-        "habits-of-hands-11-to-20",
-        "Every probing habit of ten more hands costs 15 points and is named by its own metric.",
-        5.0,
+        "habits-of-hands-1-to-4",
+        "Every probing habit of four hands costs 15 points and is named by its own metric.",
+        4.0,
+    ),
+    long(
+        "habits-of-hands-5-to-8",
+        "Every probing habit of four hands costs 15 points and is named by its own metric.",
+        4.0,
+    ),
+    long(
+        "habits-of-hands-9-to-12",
+        "Every probing habit of four hands costs 15 points and is named by its own metric.",
+        4.0,
+    ),
+    long(
+        "habits-of-hands-13-to-16",
+        "Every probing habit of four hands costs 15 points and is named by its own metric.",
+        4.0,
+    ),
+    long(
+        "habits-of-hands-17-to-20",
+        "Every probing habit of four hands costs 15 points and is named by its own metric.",
+        4.0,
     ),
     long(
         "a-tongue-let-go-by-five-hands",
         "A tongue let go by five hands costs 15 points and is named by its own metric.",
         1.5,
+    ),
+    long(
+        "real-arch",
+        "On the meshes of a real arch a probe opens a pocket, reads it and is never inside a tooth.",
+        2.0,
+    ),
+    long(
+        "real-tooth",
+        "The crown of a real molar is explored as smoothly as a parametric one.",
+        0.5,
+    ),
+    long(
+        "real-parts",
+        "Trees of real teeth, gingivae, tongues and instruments meet their bounds at their finest level.",
+        2.0,
+    ),
+    long(
+        "pocket-walls",
+        "The wall of a pocket is as stiff at level 4 as at level 3.",
+        1.5,
+    ),
+    long(
+        "neo-hookean-reference",
+        "Large displacements of a tongue are the reference's at every vertex.",
+        2.0,
+    ),
+    long(
+        "every-habit-replays",
+        "A session with any habit replays bit for bit and differs from the good one's.",
+        2.0,
+    ),
+    long(
+        "light-hands",
+        "No good hand of ten, or of three with a mirror, is told that it presses too hard.",
+        4.0,
     ),
     long(
         "replay-is-faster-than-the-session",

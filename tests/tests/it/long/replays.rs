@@ -1,9 +1,10 @@
-//! The speed of a replay, against the session's own duration.
+//! Sessions with every habit, and the speed of a replay against the session's own duration.
 
+use sulcus_operator::Habit;
 use sulcus_support::long;
 use sulcus_tests::Place;
 
-use crate::replays::{perform, replay};
+use crate::replays::{act_and_replay, perform, replay};
 
 #[test]
 fn a_replay_is_many_times_as_fast_as_the_session() {
@@ -23,5 +24,12 @@ fn a_replay_is_many_times_as_fast_as_the_session() {
         });
         let best = factors.into_iter().fold(0.0, f64::max);
         assert!(best >= least, "{exercise}: {factors:?}, expected {least}");
+    }
+}
+
+#[test]
+fn every_habit_acts_and_replays() {
+    if long::selected("every-habit-replays") {
+        act_and_replay(&Habit::ALL);
     }
 }

@@ -4,4 +4,7 @@ mod hard_cases;
 mod passivity;
 mod random_poses;
 mod rates;
+mod real_arch;
+mod real_tooth;
 mod tour;
+mod wall;

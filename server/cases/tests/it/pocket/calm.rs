@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket};
 use sulcus_core::{TickInput, Vec3};
 use sulcus_operator::script::{OneTool, smoothstep};
 use sulcus_operator::{HandParams, Operator, Shown};
@@ -10,8 +11,8 @@ use super::run::{Run, SITES, go_in, model, scene_with, way};
 
 #[test]
 fn turning_in_pockets_of_four_widths_is_calm() {
-    for width in ["0.4", "0.5", "0.65", "0.8"] {
-        let scene = scene_with(&[("width_mm = 0.4", &format!("width_mm = {width}"))]);
+    for width in POCKET_WIDTHS {
+        let scene = pocket(width);
         for (degrees, depth) in SITES {
             let way = way(&scene, degrees, depth);
             let mut run = Run::new(&scene);

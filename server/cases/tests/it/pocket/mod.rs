@@ -4,5 +4,4 @@ mod calm;
 mod limits;
 mod reading;
 mod release;
-mod run;
-mod wall;
+pub mod run;

@@ -2,7 +2,9 @@
 
 use sulcus_core::Scene;
 
-use super::run::{Run, SITES, go_in, model, scene_with, way};
+use sulcus_support::long;
+
+use crate::pocket::run::{Run, SITES, go_in, model, scene_with, way};
 
 /// Stiffness of the wall at a site, N/m: force over the way of the tip when a probe that cannot turn is pushed against it, and
 /// no tooth is in its way. From 0.3 to 0.9 mm deep: no first touch, no edge. Mean over three places 4 degrees apart: at one
@@ -46,6 +48,9 @@ fn wall_stiffness(with_tooth: &Scene, (degrees, depth): (f64, f64), level: u8) -
 
 #[test]
 fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
+    if !long::selected("pocket-walls") {
+        return;
+    }
     let mut scene = scene_with(&[("levels = 3", "levels = 4")]);
     let mut stiffness = [0.0; 2];
     for (degrees, depth) in [SITES[0], SITES[3], SITES[4]] {
@@ -77,6 +82,9 @@ fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
 
 #[test]
 fn the_wall_alone_is_as_stiff_at_level_4_as_at_level_3() {
+    if !long::selected("pocket-walls") {
+        return;
+    }
     let scene = scene_with(&[("levels = 3", "levels = 4")]);
     let pairs = SITES.map(|site| [3, 4].map(|level| mean_wall_stiffness(&scene, site, level)));
     for ((degrees, _), [three, four]) in SITES.iter().zip(&pairs) {

@@ -12,6 +12,7 @@ use sulcus_operator::script::smoothstep;
 use sulcus_operator::{Hand, HandParams, present};
 use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::parametric::Probe;
+use sulcus_support::long;
 
 use stroll::Stroll;
 
@@ -20,6 +21,9 @@ const FLOOR: f64 = 1e-3;
 
 #[test]
 fn the_pocket_of_tooth_36_is_found_by_sounding_the_meshes() {
+    if !long::selected("real-arch") {
+        return;
+    }
     let Some(scene) = scene::scene() else { return };
     let gingiva = scene::gingiva(scene);
     let sink = gingiva.params.sink();
@@ -45,6 +49,9 @@ fn the_pocket_of_tooth_36_is_found_by_sounding_the_meshes() {
 
 #[test]
 fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
+    if !long::selected("real-arch") {
+        return;
+    }
     let Some(scene) = scene::scene() else { return };
     let teeth = [36, 35, 37].map(|fdi| (fdi, scene::mesh(scene::file_of(fdi)).expect("a tooth")));
     let meshes: Vec<&MeshDistance> = teeth.iter().map(|(_, mesh)| mesh).collect();
@@ -130,6 +137,9 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
 /// An explorer of the SOFA tutorial on tooth 36 alone: a tool from a mesh, one that no exercise uses.
 #[test]
 fn an_explorer_from_a_mesh_rests_on_the_crown_and_is_never_inside() {
+    if !long::selected("real-arch") {
+        return;
+    }
     let Some(scene) = scene::explorer() else {
         return;
     };

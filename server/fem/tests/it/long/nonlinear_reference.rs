@@ -3,9 +3,13 @@
 use crate::common::{TONGUE, load, off, reference};
 use sulcus_fem::files::read_mesh;
 use sulcus_fem::{NewtonOptions, solve_neo_hookean};
+use sulcus_support::long;
 
 #[test]
 fn neo_hookean_cases_are_those_of_the_reference_at_every_vertex() {
+    if !long::selected("neo-hookean-reference") {
+        return;
+    }
     let Some(folder) = reference() else { return };
     let mesh = read_mesh(&folder).expect("a mesh");
     let n = mesh.nodes.len();
