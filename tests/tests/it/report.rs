@@ -21,8 +21,8 @@ fn list<'a>(of: &'a Value, name: &str) -> &'a Vec<Value> {
     list.unwrap_or_else(|| panic!("no list `{name}`"))
 }
 
-#[test]
-fn a_quick_report_writes_its_page_and_its_numbers_and_all_holds() {
+/// A quick report writes its page and its numbers, and all in it holds.
+pub fn quick_report_is_whole() {
     let place = Place::new();
     let report = ["report", "--quick", "--json", "--out", "found"];
     let found = place.run(Program::Server, &report).ok().json();

@@ -128,6 +128,11 @@ pub const LONG: &[Long] = &[
         2.0,
     ),
     long(
+        "quick-report",
+        "`sulcus-server report --quick` measures every part, writes page and numbers, and every case holds.",
+        3.0,
+    ),
+    long(
         "light-hands",
         "No good hand of ten, or of three with a mirror, is told that it presses too hard.",
         4.0,
