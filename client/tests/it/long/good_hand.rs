@@ -9,7 +9,7 @@ fn ten_good_hands_probe_lightly() {
     if long::selected("light-hands") {
         std::thread::scope(|scope| {
             scope.spawn(|| reads_lightly("probing", 3, 2..=10));
-            scope.spawn(|| reads_lightly("bimanual", 9, 2..=4));
+            scope.spawn(|| reads_lightly("bimanual", 9, 1..=3));
         });
     }
 }

@@ -9,7 +9,6 @@ mod pocket;
 mod printed;
 mod random_poses;
 mod rates;
-mod real_tongue;
 mod ripple;
 mod shapes;
 mod slips;

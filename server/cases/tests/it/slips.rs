@@ -28,7 +28,7 @@ teeth = [35, 36]
 name = "probe"
 kind = "periodontal_probe"
 level = 2
-levels = 2
+levels = 4
 park_mm = [0.0, 0.0, 140.0]
 "#;
     let path = "two.toml".as_ref();

@@ -195,4 +195,4 @@ fn of_parts(
 }
 
 #[cfg(test)]
-mod tests;
+mod long;

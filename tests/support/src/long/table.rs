@@ -108,6 +108,11 @@ pub const LONG: &[Long] = &[
         0.5,
     ),
     long(
+        "real-tongue",
+        "A mirror presses a tongue made from a scan aside, and the tongue comes back.",
+        1.0,
+    ),
+    long(
         "real-parts",
         "Trees of real teeth, gingivae, tongues and instruments meet their bounds at their finest level.",
         2.0,
@@ -126,6 +131,11 @@ pub const LONG: &[Long] = &[
         "every-habit-replays",
         "A session with any habit replays bit for bit and differs from the good one's.",
         2.0,
+    ),
+    long(
+        "paper-in-short",
+        "Every number that the paper prints stands beside a measured one, and the measured ones agree among themselves.",
+        1.0,
     ),
     long(
         "quick-report",

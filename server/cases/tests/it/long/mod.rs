@@ -5,6 +5,7 @@ mod passivity;
 mod random_poses;
 mod rates;
 mod real_arch;
+mod real_tongue;
 mod real_tooth;
 mod tour;
 mod wall;

@@ -7,6 +7,7 @@ use sulcus_cases::table::Driver;
 use sulcus_cases::{Case, find, run};
 use sulcus_operator::retraction::{Retraction, RetractionParams};
 use sulcus_scene::{BuildOptions, compile_text};
+use sulcus_support::long;
 
 const SCENE: &str = r#"
 name = "real tongue"
@@ -40,6 +41,9 @@ fn mesh() -> PathBuf {
 
 #[test]
 fn the_mirror_presses_a_real_tongue_aside_and_lets_it_come_back() {
+    if !long::selected("real-tongue") {
+        return;
+    }
     if sulcus_support::data("meshes/tongue.stl").is_none() {
         return;
     }
