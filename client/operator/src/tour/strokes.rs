@@ -17,7 +17,7 @@ const HOLD: f64 = 12.0;
 /// Fastest that the handle swings while the tip is in a pocket, m/s.
 const HANDLE_SPEED: f64 = 50e-3;
 /// Speed at which the hand gives way to a floor that comes up, m/s.
-const GIVE: f64 = 8e-3;
+const GIVE: f64 = 12e-3;
 /// How fast a way up ends, 1/s.
 const NEAR: f64 = 40.0;
 /// Correction of the press by the force missing, m/(N s): slower than the tremor, faster than a reading.
