@@ -70,9 +70,12 @@ fn count(grade: &Grade, finding: Finding) -> usize {
         .count()
 }
 
+/// A grade that the first test to ask for it computes.
+type Shared = Arc<OnceLock<Grade>>;
+
 /// The grade of the good hand, who passes. Tests share it.
 fn good(exercise: &str, seed: u64) -> Grade {
-    static GOOD: Mutex<BTreeMap<(String, u64), Arc<OnceLock<Grade>>>> = Mutex::new(BTreeMap::new());
+    static GOOD: Mutex<BTreeMap<(String, u64), Shared>> = Mutex::new(BTreeMap::new());
     let entry = {
         let mut all = GOOD.lock().unwrap();
         let entry = all.entry((exercise.to_owned(), seed)).or_default();
