@@ -147,7 +147,7 @@ pub fn script(
     let task = &exercise.probing;
     let mut params = TourParams {
         duration,
-        force: task.force_n[0] + 0.15 * (task.force_n[1] - task.force_n[0]),
+        force: task.force_n[0] + 0.3 * (task.force_n[1] - task.force_n[0]),
         advance: task.step_mm * 1e-3,
         ..TourParams::default()
     };

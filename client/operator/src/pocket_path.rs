@@ -144,11 +144,6 @@ impl PocketPath {
         (around, self.gingiva.margin_at(around) - height)
     }
 
-    /// Unit vector away from the tooth's axis at an angle.
-    pub fn outward(&self, around: f64) -> Vec3 {
-        self.wall.outward(around)
-    }
-
     /// Distance from the tooth's axis to the middle of the tip's ball where it touches the tooth.
     pub fn radius(&self, around: f64, depth: f64) -> f64 {
         let height = self.gingiva.margin_at(around) - depth + self.tip;

@@ -4,7 +4,6 @@
 //! The hand goes by what it feels and the eye by what it sees: neither knows how deep a pocket is. The path is laid on the
 //! teeth's own spheres, and the margin is what is seen of the gingiva.
 
-mod sense;
 mod strokes;
 
 use std::f64::consts::{PI, TAU};
@@ -82,8 +81,6 @@ pub struct Tour {
     tilt: f64,
     /// How far the hand means the tip to be aside of there, radians, to make up for what pushes it aside.
     aside: f64,
-    /// Displacement by which the hand gives way across the probe while it reads, metres, world.
-    yielded: Vec3,
     /// How far along the tooth the tip is seen from where the hand means it to be, and how far out from where it lies on the
     /// tooth, metres.
     beside: f64,
@@ -93,7 +90,7 @@ pub struct Tour {
     again: u8,
     /// Where to go on once the floor is felt again, after the tip had slipped out.
     resumes: Option<f64>,
-    /// Load on the floor that the hand infers from the wrench on the probe, newtons; a deep wall's push is in it.
+    /// What resists the way in along the probe, newtons.
     force: f64,
     /// Where the eye sees the tip below the margin.
     seen: f64,
@@ -157,7 +154,6 @@ impl Tour {
             depth: -ABOVE,
             tilt: 0.0,
             aside: 0.0,
-            yielded: Vec3::zeros(),
             beside: 0.0,
             away: 0.0,
             waited: 0.0,
@@ -213,14 +209,14 @@ impl Tour {
 
     /// Where the hand means to be in and at the pocket.
     fn meant(&self) -> Pose {
+        let off = Vec3::zeros();
         // Never over to the other side of the tooth, where the shaft leans the other way.
         let side = self.around.signum();
         let around = side * (side * (self.around + self.aside)).clamp(MIDLINE, PI - MIDLINE);
         // As high as where it means the tip to be: aside of there the margin is another.
         let gingiva = self.path().gingiva();
         let rise = gingiva.margin_at(around) - gingiva.margin_at(self.around);
-        let place = self.depth + rise;
-        self.path().pose(around, place, self.tilt, self.yielded)
+        self.path().pose(around, self.depth + rise, self.tilt, off)
     }
 
     /// Over the crown at an angle; `times` as far as usual.
@@ -272,9 +268,10 @@ impl Script for Tour {
             self.break_off();
         }
         if self.now[0] < self.insertions.len() {
-            let graphic = felt.shown.graphics[self.slot].as_ref();
-            self.sense(&felt.shown.wrenches[self.slot], graphic);
-            if let Some(graphic) = graphic {
+            let place = self.path().place(self.around, self.depth, self.tilt);
+            let along = felt.shown.wrenches[self.slot].force.dot(&place.up);
+            self.force += (along - self.force) * (self.dt / FEEL);
+            if let Some(graphic) = &felt.shown.graphics[self.slot] {
                 (self.at, self.seen) = self.path().seen(&graphic.transform(&self.tool.tip));
                 // The floor slopes; the hand keeps the tip where it means to be.
                 let turned = self.at - self.around;

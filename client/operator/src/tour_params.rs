@@ -37,9 +37,9 @@ impl Visit {
 pub struct TourParams {
     /// When the hand is to be out of the mouth, done or not, seconds. Default: when it is done.
     pub duration: f64,
-    /// Force on the floor at which a depth is read, newtons. Default 0.207: 0.20 to 0.25 N are taught.
+    /// Force on the floor at which a depth is read, newtons. Default 0.205: 0.20 to 0.25 N are taught.
     pub force: f64,
-    /// Force at which a walking stroke turns back, newtons. Default 0.155: the floor is felt, not pressed.
+    /// Force at which a walking stroke turns back, newtons. Default 0.14: the floor is felt, not pressed.
     pub turn_force: f64,
     /// Speed of the first way down, m/s. Default 6 mm/s.
     pub insert_speed: f64,
@@ -79,8 +79,8 @@ impl Default for TourParams {
     fn default() -> Self {
         Self {
             duration: f64::INFINITY,
-            force: 0.207,
-            turn_force: 0.155,
+            force: 0.205,
+            turn_force: 0.14,
             insert_speed: 6e-3,
             walk_speed: 9e-3,
             bob_speed: 12e-3,

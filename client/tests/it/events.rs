@@ -69,7 +69,7 @@ fn count(all: &[Occurrence], kind: &str) -> usize {
 #[test]
 fn a_session_in_virtual_time_tells_what_its_replay_tells() {
     let folder = tempfile::tempdir().unwrap();
-    let mut prepared = prepared(15.0, 3);
+    let mut prepared = prepared(12.0, 3);
     let key = StationKey::from_seed([7; 32]);
     let ran = lockstep::run(&mut prepared, 3, folder.path(), key, &Steps).unwrap();
     let recording = Recording::open(&ran.recording).unwrap();
@@ -82,7 +82,7 @@ fn a_session_in_virtual_time_tells_what_its_replay_tells() {
     let recorded = Exercise::recorded(&recording.header().exercise);
     assert_eq!(
         (recorded.name.as_str(), recorded.seed, recorded.duration_s),
-        ("probing", Some(3), 15.0)
+        ("probing", Some(3), 12.0)
     );
     // The floor is felt where it is, by the deepest visit of each site: one that only crosses its border is shallower.
     let mut chart: std::collections::BTreeMap<String, f64> = std::collections::BTreeMap::new();

@@ -2,7 +2,6 @@
 
 mod common;
 mod events;
-mod good_hand;
 mod grades;
 mod heavy_hand;
 mod levels;

@@ -17,13 +17,18 @@ const HOLD: f64 = 12.0;
 /// Fastest that the handle swings while the tip is in a pocket, m/s.
 const HANDLE_SPEED: f64 = 50e-3;
 /// Speed at which the hand gives way to a floor that comes up, m/s.
-const GIVE: f64 = 12e-3;
+const GIVE: f64 = 8e-3;
 /// How fast a way up ends, 1/s.
 const NEAR: f64 = 40.0;
 /// Correction of the press by the force missing, m/(N s): slower than the tremor, faster than a reading.
 const CORRECTION: f64 = 0.05;
 /// A reading counts while the force is so near to what is meant, share.
 const STEADY: f64 = 0.15;
+/// What the walls of a pocket push a probe back with, over the square of how much wall there is (depth times the tooth's radius),
+/// N/m^4: a hand presses so much harder. A probe that leans over a bulging crown is pushed the more against a root that flares. (Of 210
+/// readings beside depths of 7 mm: 0.10 +-0.04 N at 7 mm in molars, 0.05 in premolars and 0.02 in incisors, 0.01 N at 2 mm. What was
+/// felt on the way down, before the floor, said nothing about it.)
+const WALLS: f64 = 1.1e8;
 /// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
 const CAUGHT: f64 = 3.0;
 /// A tip this far out from where it lies on the tooth is no longer between tooth and gingiva, metres.
@@ -82,6 +87,13 @@ impl Tour {
             .max(ceiling)
     }
 
+    /// What the hand takes for the floor's push, newtons.
+    fn floor_force(&self) -> f64 {
+        let depth = self.seen.max(0.0);
+        let wall = depth * self.path().radius(self.at, depth);
+        self.force - WALLS * wall * wall
+    }
+
     /// One millisecond of the stroke under way.
     pub(super) fn go_on(&mut self) {
         let p = self.params;
@@ -131,13 +143,8 @@ impl Tour {
                 let step = step * self.paced(step * way.signum(), 0.0);
                 // The walls lift the tip; where the floor comes up it is let be lifted.
                 let hit = self.force > p.turn_force;
-                // (The more it feels the less it presses a tip that was lifted down again: where a wall lifts it over a ridge the
-                // floor comes up sooner than the hand could give way.)
-                let room = (1.0 - self.force / p.turn_force).clamp(0.0, 1.0);
                 let pull = if hit {
                     -GIVE
-                } else if self.seen < held {
-                    room * HOLD * (held - self.seen)
                 } else {
                     HOLD * (held - self.seen)
                 };

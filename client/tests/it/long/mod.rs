@@ -1,4 +1,3 @@
 //! Proofs of minutes: see the table of long proofs in `sulcus-support`.
 
-mod good_hand;
 mod grades;

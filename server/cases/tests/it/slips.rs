@@ -109,10 +109,8 @@ fn act(
             place.outward * slip.outwards + axis.cross(&place.outward) * slip.along + axis * under;
         let mut shown = Shown::NOTHING;
         shown.graphics[0] = Some(Pose::new(hand.position + off, hand.orientation));
-        // Along the probe: nothing pushes across it.
-        let up = -(hand.orientation * scene.tools[0].tip_axis);
         shown.wrenches[0] = Wrench {
-            force: up * (STIFFNESS * under),
+            force: place.up * (STIFFNESS * under),
             torque: Vec3::zeros(),
         };
         tour.feel(&Felt {

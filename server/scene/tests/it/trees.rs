@@ -113,7 +113,7 @@ fn a_skeleton_has_nodes_through_the_depth_and_children_at_the_surface_only() {
 fn importance_brings_spheres_to_where_it_is_high() {
     let mesh = ellipsoid(Vec3::new(6e-3, 4e-3, 2.5e-3), 4);
     let options = TreeOptions {
-        samples: 6_000,
+        samples: 20_000,
         ..to_level(3)
     };
     let weighted = build_weighted(

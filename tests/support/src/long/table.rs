@@ -98,9 +98,19 @@ pub const LONG: &[Long] = &[
         1.5,
     ),
     long(
-        "real-arch",
-        "On the meshes of a real arch a probe opens a pocket, reads it and is never inside a tooth.",
-        2.0,
+        "real-arch-sounded",
+        "Sounding the meshes of a real arch finds the pocket that the data describes.",
+        0.7,
+    ),
+    long(
+        "real-arch-probed",
+        "On a real arch a probe opens a pocket, reads it, walks, and is never inside a tooth.",
+        1.0,
+    ),
+    long(
+        "real-arch-explored",
+        "On a real arch an explorer made from a mesh rests on the crown and is never inside.",
+        0.4,
     ),
     long(
         "real-tooth",
@@ -113,13 +123,43 @@ pub const LONG: &[Long] = &[
         1.0,
     ),
     long(
-        "real-parts",
-        "Trees of real teeth, gingivae, tongues and instruments meet their bounds at their finest level.",
-        2.0,
+        "tree-of-a-real-tooth",
+        "The tree of a real molar meets its bounds at levels 3 and 4.",
+        0.8,
     ),
     long(
-        "pocket-walls",
-        "The wall of a pocket is as stiff at level 4 as at level 3.",
+        "tree-of-a-real-probe",
+        "The tree of a probe from a mesh meets its bounds.",
+        0.4,
+    ),
+    long(
+        "tree-of-a-real-mirror",
+        "The tree of a mirror from a mesh meets its bounds.",
+        0.4,
+    ),
+    long(
+        "tree-of-a-real-tongue",
+        "The tree of a real tongue with a skeleton meets its bounds.",
+        0.4,
+    ),
+    long(
+        "tree-of-a-real-pocket",
+        "The tree of a real gingiva fits the walls of the pocket and leaves it open.",
+        1.2,
+    ),
+    long(
+        "pocket-wall-and-tooth",
+        "The wall of a pocket beside its tooth is as stiff at level 4 as at level 3.",
+        0.8,
+    ),
+    long(
+        "pocket-wall-alone",
+        "The wall of a pocket alone is as stiff at level 4 as at level 3.",
+        0.8,
+    ),
+    long(
+        "turning-in-wider-pockets",
+        "A probe that turns in pockets of 0.5, 0.65 and 0.8 mm neither buzzes nor steps.",
         1.5,
     ),
     long(
@@ -141,11 +181,6 @@ pub const LONG: &[Long] = &[
         "quick-report",
         "`sulcus-server report --quick` measures every part, writes page and numbers, and every case holds.",
         3.0,
-    ),
-    long(
-        "light-hands",
-        "No good hand of ten, or of three with a mirror, is told that it presses too hard.",
-        4.0,
     ),
     long(
         "replay-is-faster-than-the-session",

@@ -8,4 +8,5 @@ mod real_arch;
 mod real_tongue;
 mod real_tooth;
 mod tour;
+mod turning;
 mod wall;

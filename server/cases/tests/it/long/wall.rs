@@ -48,7 +48,7 @@ fn wall_stiffness(with_tooth: &Scene, (degrees, depth): (f64, f64), level: u8) -
 
 #[test]
 fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
-    if !long::selected("pocket-walls") {
+    if !long::selected("pocket-wall-and-tooth") {
         return;
     }
     let mut scene = scene_with(&[("levels = 3", "levels = 4")]);
@@ -82,7 +82,7 @@ fn the_wall_is_as_stiff_at_level_4_as_at_level_3() {
 
 #[test]
 fn the_wall_alone_is_as_stiff_at_level_4_as_at_level_3() {
-    if !long::selected("pocket-walls") {
+    if !long::selected("pocket-wall-alone") {
         return;
     }
     let scene = scene_with(&[("levels = 3", "levels = 4")]);

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket};
 use sulcus_core::{TickInput, Vec3};
 use sulcus_operator::script::{OneTool, smoothstep};
 use sulcus_operator::{HandParams, Operator, Shown};
@@ -10,9 +9,14 @@ use sulcus_operator::{HandParams, Operator, Shown};
 use super::run::{Run, SITES, go_in, model, scene_with, way};
 
 #[test]
-fn turning_in_pockets_of_four_widths_is_calm() {
-    for width in POCKET_WIDTHS {
-        let scene = pocket(width);
+fn turning_in_the_narrowest_pocket_is_calm() {
+    turning_is_calm(&["0.4"]);
+}
+
+/// Turns a probe at every site of the shipped scene with pockets of these widths, millimetres, at the prescribed depths.
+pub fn turning_is_calm(widths: &[&str]) {
+    for width in widths {
+        let scene = scene_with(&[("width_mm = 0.4", &format!("width_mm = {width}"))]);
         for (degrees, depth) in SITES {
             let way = way(&scene, degrees, depth);
             let mut run = Run::new(&scene);

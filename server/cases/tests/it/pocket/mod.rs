@@ -1,6 +1,6 @@
 //! A probe in the pocket of one molar, through the whole tick: depths, forces, turning, release.
 
-mod calm;
+pub mod calm;
 mod limits;
 mod reading;
 mod release;

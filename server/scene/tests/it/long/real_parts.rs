@@ -11,7 +11,7 @@ const WALLS_MAX_MM: f64 = 0.15;
 
 #[test]
 fn a_real_tooth_meets_its_bounds() {
-    if !long::selected("real-parts") {
+    if !long::selected("tree-of-a-real-tooth") {
         return;
     }
     assert_part(
@@ -23,7 +23,7 @@ fn a_real_tooth_meets_its_bounds() {
 
 #[test]
 fn a_real_probe_meets_its_bounds() {
-    if !long::selected("real-parts") {
+    if !long::selected("tree-of-a-real-probe") {
         return;
     }
     assert_part("probe", 3, &[(3, 0.01, 0.05, 0.15)]);
@@ -31,7 +31,7 @@ fn a_real_probe_meets_its_bounds() {
 
 #[test]
 fn a_mirror_meets_its_bounds() {
-    if !long::selected("real-parts") {
+    if !long::selected("tree-of-a-real-mirror") {
         return;
     }
     // A disc two millimetres thick: the spheres of its faces leave a cavity, which nothing can touch.
@@ -40,7 +40,7 @@ fn a_mirror_meets_its_bounds() {
 
 #[test]
 fn a_tongue_with_a_skeleton_meets_its_bounds() {
-    if !long::selected("real-parts") {
+    if !long::selected("tree-of-a-real-tongue") {
         return;
     }
     assert_part("tongue", 3, &[(3, 0.10, 0.60, 0.80)]);
@@ -48,7 +48,7 @@ fn a_tongue_with_a_skeleton_meets_its_bounds() {
 
 #[test]
 fn pocket_walls_fit_and_leave_the_pocket_open() {
-    if !long::selected("real-parts") {
+    if !long::selected("tree-of-a-real-pocket") {
         return;
     }
     let part = crate::meshes::part("pocket patch");

@@ -21,7 +21,7 @@ const FLOOR: f64 = 1e-3;
 
 #[test]
 fn the_pocket_of_tooth_36_is_found_by_sounding_the_meshes() {
-    if !long::selected("real-arch") {
+    if !long::selected("real-arch-sounded") {
         return;
     }
     let Some(scene) = scene::scene() else { return };
@@ -49,7 +49,7 @@ fn the_pocket_of_tooth_36_is_found_by_sounding_the_meshes() {
 
 #[test]
 fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
-    if !long::selected("real-arch") {
+    if !long::selected("real-arch-probed") {
         return;
     }
     let Some(scene) = scene::scene() else { return };
@@ -137,7 +137,7 @@ fn a_probe_opens_the_pocket_reads_walks_and_is_never_inside_a_tooth() {
 /// An explorer of the SOFA tutorial on tooth 36 alone: a tool from a mesh, one that no exercise uses.
 #[test]
 fn an_explorer_from_a_mesh_rests_on_the_crown_and_is_never_inside() {
-    if !long::selected("real-arch") {
+    if !long::selected("real-arch-explored") {
         return;
     }
     let Some(scene) = scene::explorer() else {
