@@ -165,7 +165,7 @@ pub const LONG: &[Long] = &[
     long(
         "neo-hookean-reference",
         "Large displacements of a tongue are the reference's at every vertex.",
-        2.0,
+        3.0,
     ),
     long(
         "every-habit-replays",
