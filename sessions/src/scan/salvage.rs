@@ -5,7 +5,7 @@ use mcap::records::op;
 use super::pass::{Pass, State};
 use super::unpack::exact;
 use crate::gap::{self, Gap};
-use crate::message::{Message, Topic};
+use crate::message::{MAX_TICK, Message, Topic};
 use crate::read::{ReadError, Recording};
 use crate::verify::Verifier;
 use crate::walk::{self, Framed, Walk};
@@ -91,10 +91,12 @@ impl Pass<'_> {
         }
     }
 
-    /// Notes a gap behind which nothing exact follows; none where the session's end is there.
+    /// Notes a gap behind which nothing exact follows.
     pub fn close_at_end(&mut self) {
         let state = &mut self.state;
-        if let Some(open) = state.open.take().filter(|_| state.facts.end.is_none()) {
+        let open = state.open.take();
+        // Behind the session's end nothing exact is missing.
+        if let Some(open) = open.filter(|_| state.facts.end.is_none()) {
             push(state, open);
         }
     }
@@ -116,6 +118,10 @@ pub(super) fn close(message: &Message, state: &mut State) {
             state.facts.rows + state.facts.snapshots > 0,
         ),
         Message::Snapshot { tick, .. } => (*tick, state.facts.rows > 0),
+        // Nothing follows the last statement: what is missing before it is known from the tick that it covers.
+        Message::Signed(signed) if signed.statement.end.is_some() && state.open.is_some() => {
+            (signed.statement.tick.min(MAX_TICK), state.messages > 0)
+        }
         _ => return,
     };
     let open = state.open.take();

@@ -409,6 +409,34 @@ fn gaps_that_a_note_makes_up_buy_nothing() {
     }
 }
 
+#[test]
+fn ticks_missing_between_the_last_row_kept_and_the_last_statement_are_a_gap() {
+    let mut bytes = recorded_every(4_000, 400);
+    let chunks = records_of(&bytes, op::CHUNK);
+    // The last statement has a chunk of its own.
+    let [.., third, second, last] = &chunks[..] else {
+        panic!("{} chunks", chunks.len())
+    };
+    let (middle, end) = (third.start + third.len() / 2, second.end);
+    assert!(end < last.start);
+    bytes[middle..end].fill(0);
+    let bad = Recording::salvage_bytes(bytes).unwrap();
+    let kept = bad.facts().rows;
+    assert!(bad.facts().end.is_some() && kept < 4_000);
+    let (whole, lost) = recover_to(&bad, Vec::new(), &mut |_| {}).unwrap();
+    assert_eq!(lost.ticks, Some(4_000 - kept));
+    let again = Recording::from_bytes(whole).unwrap();
+    let [gap] = again.gaps() else {
+        panic!("{:?}", again.gaps())
+    };
+    assert_eq!((gap.from_tick, gap.to_tick), (Some(kept + 1), Some(4_000)));
+    let report = replayed(&again);
+    assert!(
+        report.identical && report.chain_ok && !report.gradable,
+        "{report:?}"
+    );
+}
+
 /// The file with a recovery's note that lists these gaps.
 fn with_note(bytes: &[u8], gaps: &str) -> Vec<u8> {
     let string = |text: &str| [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
