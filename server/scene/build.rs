@@ -18,9 +18,21 @@ const FILES: [&str; 3] = [
     "../core/src/skin.rs",
 ];
 
+/// Sources of compiled scenes: those, and all else of the core, whose defaults and checks a scene is made by.
+const SCENES: [&str; 3] = ["src", "../fem/src", "../core/src"];
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut files: Vec<PathBuf> = FILES.iter().map(PathBuf::from).collect();
-    for folder in BUILDERS {
+    let builders = hash_of(&BUILDERS, &FILES)?;
+    println!("cargo::rustc-env=SULCUS_BUILDER_SOURCE={builders}");
+    let scenes = hash_of(&SCENES, &[])?;
+    println!("cargo::rustc-env=SULCUS_SCENE_SOURCE={scenes}");
+    Ok(())
+}
+
+/// Hash of all Rust files under these folders and of these files, hexadecimal.
+fn hash_of(folders: &[&str], files: &[&str]) -> Result<String, Box<dyn Error>> {
+    let mut files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
+    for folder in folders {
         list(Path::new(folder), &mut files)?;
     }
     files.sort();
@@ -33,9 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             hasher.update(part);
         }
     }
-    let hash = hasher.finalize().to_hex();
-    println!("cargo::rustc-env=SULCUS_BUILDER_SOURCE={}", &hash[..32]);
-    Ok(())
+    Ok(hasher.finalize().to_hex()[..32].to_owned())
 }
 
 /// All Rust files under a folder.

@@ -131,6 +131,10 @@ pub fn calibrate(
             blending.insets[id] = insets[id];
         }
     }
+    // Where no level is blended the tree is a plain one, as it is when it comes from the cache.
+    if blending.lengths.iter().all(|length| *length == 0.0) {
+        return Ok(tree.clone());
+    }
     tree.clone().with_blending(blending)
 }
 

@@ -68,6 +68,35 @@ pub fn kept_or_built(
     Ok(tree)
 }
 
+/// Notes that what was kept under a key is still used: [`prune`] deletes what was not used for the longest time.
+pub(crate) fn used(dir: &Path, what: &str, key: &blake3::Hash) -> std::io::Result<()> {
+    let file = std::fs::File::options()
+        .append(true)
+        .open(path(dir, what, key))?;
+    file.set_modified(std::time::SystemTime::now())
+}
+
+/// Deletes files of a kind, but for the `most` that were used last.
+pub(crate) fn prune(dir: &Path, what: &str, most: usize) -> std::io::Result<()> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(dir)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let ours = name
+            .strip_prefix(what)
+            .is_some_and(|rest| rest.starts_with('-'));
+        if ours && name.ends_with(".bin") {
+            files.push((entry.metadata()?.modified()?, entry.path()));
+        }
+    }
+    files.sort();
+    let surplus = files.len().saturating_sub(most);
+    files[..surplus]
+        .iter()
+        .try_for_each(|(_, file)| std::fs::remove_file(file))
+}
+
 /// Hash of the sources of all builders: a program of other sources finds none of the files of this one.
 const SOURCES: &str = env!("SULCUS_BUILDER_SOURCE");
 

@@ -10,6 +10,7 @@ use crate::build::TreeBuildError;
 use crate::built_in::{BuiltIn, compile_built_in};
 use crate::cache;
 use crate::check::MeshError;
+use crate::compiled_cache;
 use crate::file::{self, FileError, SceneFile};
 use crate::load::LoadError;
 use crate::organ::OrganError;
@@ -192,6 +193,28 @@ fn compile(
     options: &BuildOptions,
     progress: &dyn Fn(&str, f64),
 ) -> Result<Compiled, BuildError> {
+    let dir = options.cache.as_deref().filter(|_| !options.anew);
+    let key = compiled_cache::key(text, path, options);
+    if let Some(kept) = dir.and_then(|dir| compiled_cache::load(dir, &key)) {
+        progress("done", 1.0);
+        return Ok(kept);
+    }
+    let (compiled, cacheable) = compile_anew(source, text, path, options, progress)?;
+    if let Some(dir) = dir.filter(|_| cacheable) {
+        // A scene that cannot be kept is compiled again next time; trees, which go to the same folder, say so.
+        let _ = compiled_cache::store(dir, &key, &compiled);
+    }
+    Ok(compiled)
+}
+
+/// Compiles without the cache of compiled scenes; also gives whether the scene may be cached.
+fn compile_anew(
+    source: &SceneFile,
+    text: &str,
+    path: &Path,
+    options: &BuildOptions,
+    progress: &dyn Fn(&str, f64),
+) -> Result<(Compiled, bool), BuildError> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(text.as_bytes());
     // (Teeth are counted as if all were there.)
@@ -207,6 +230,7 @@ fn compile(
         progress,
         hasher,
         warnings: Vec::new(),
+        cacheable: true,
         parts,
         done: 0,
     };
@@ -227,7 +251,7 @@ fn compile(
         seed = entry.patient.is_none().then_some(asked);
     }
     let source_hash = compiler.hasher.finalize().to_hex().to_string();
-    let mut warnings = compiler.warnings;
+    let (cacheable, mut warnings) = (compiler.cacheable, compiler.warnings);
     if objects.is_empty() {
         warnings.push(format!(
             "{}: there is no [[object]], so there is nothing to touch",
@@ -247,13 +271,14 @@ fn compile(
     })?;
     parked_outside(&scene, path)?;
     progress("done", 1.0);
-    Ok(Compiled {
+    let compiled = Compiled {
         scene,
         warnings,
         source_hash,
         patient,
         seed,
-    })
+    };
+    Ok((compiled, cacheable))
 }
 
 /// Every tool must wait outside of everything, or its first way would begin in penetration.

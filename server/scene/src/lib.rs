@@ -14,6 +14,7 @@ pub mod carry;
 pub mod check;
 mod cluster;
 pub mod compile;
+mod compiled_cache;
 pub mod distance;
 mod edges;
 pub mod error;

@@ -1,6 +1,6 @@
 //! Tools and objects of a scene, one at a time: mesh, check, tree or cached tree, place.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sulcus_core::math::exp_rotation;
 use sulcus_core::tissue::TissueModel;
@@ -38,11 +38,19 @@ pub(crate) struct Compiler<'a> {
     pub progress: &'a dyn Fn(&str, f64),
     pub hasher: blake3::Hasher,
     pub warnings: Vec<String>,
+    /// Whether the compiled scene may be cached: it is made from its own text alone, and no remark in it is one of this run.
+    pub cacheable: bool,
     pub parts: usize,
     pub done: usize,
 }
 
 impl Compiler<'_> {
+    /// Where `file` lies that the scene file names: relative to the scene file. Every file that a scene is made from is named to this.
+    pub(crate) fn beside(&mut self, file: &Path) -> PathBuf {
+        self.cacheable = false;
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
     pub fn tool(&mut self, entry: &ToolEntry) -> Result<Tool, BuildError> {
         // What is written on it goes beside its name.
         let written = match entry.kind {
@@ -158,18 +166,19 @@ impl Compiler<'_> {
                 TissueModel::Rigid
             }
             TissueEntry::SurfaceCompliance => {
-                let options = entry.surface.clone().unwrap_or_default();
-                let folder = self.path.parent().unwrap_or(Path::new(""));
+                let mut options = entry.surface.clone().unwrap_or_default();
+                options.elements = options.elements.map(|file| self.beside(&file));
                 let (done, parts) = (self.done as f64, self.parts as f64);
                 let step = |stage: &str, share: f64| {
                     (self.progress)(&format!("{part}: {stage}"), (done - 1.0 + share) / parts);
                 };
                 let kept = self.options.cache.as_deref();
-                let mut made =
-                    organ(&tree, &mesh, &options, folder, kept, &step).map_err(|source| {
+                let mut made = organ(&tree, &mesh, &options, Path::new(""), kept, &step).map_err(
+                    |source| {
                         let part = part.clone();
                         BuildError::Organ { part, source }
-                    })?;
+                    },
+                )?;
                 for x in &made.compliance {
                     self.hasher.update(&x.to_bits().to_le_bytes());
                 }
@@ -185,7 +194,7 @@ impl Compiler<'_> {
                     BuildError::Skeleton { part, source }
                 })?;
                 if let Some(file) = &options.springs_file {
-                    let file = self.path.parent().unwrap_or(Path::new("")).join(file);
+                    let file = self.beside(file);
                     FittedSprings::read(&file)
                         .and_then(|s| s.put_into(&mut made, &tree, options.springs_young_kpa))
                         .map_err(|source| {
@@ -296,11 +305,7 @@ impl Compiler<'_> {
         reading: Reading,
     ) -> Result<TriMesh, BuildError> {
         // The file was checked to name both.
-        let file = self
-            .path
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join(mesh.unwrap_or(Path::new("")));
+        let file = self.beside(mesh.unwrap_or(Path::new("")));
         let solid = read_solid(&file, reading)?;
         for sentence in solid.repairs.sentences().into_iter().chain(solid.notes) {
             self.warnings
@@ -365,6 +370,7 @@ impl Compiler<'_> {
                 if let Some(dir) = self.options.cache.as_deref()
                     && let Err(error) = cache::store(dir, &key, &tree)
                 {
+                    self.cacheable = false;
                     self.warnings.push(format!(
                             "{}: cannot keep the built tree there ({error}), so it is built again next time",
                             dir.shown()

@@ -26,13 +26,10 @@ const FAR: (f64, f64) = (1.5e-3, 5e-3);
 
 impl Compiler<'_> {
     /// The mesh of a tooth of the file, in the world.
-    fn tooth(&self, entry: &ObjectEntry) -> Result<TriMesh, BuildError> {
+    fn tooth(&mut self, entry: &ObjectEntry) -> Result<TriMesh, BuildError> {
         let place = Vec3::from(entry.translate_mm) * 1e-3;
         let mesh = match (&entry.molar, &entry.mesh) {
-            (_, Some(mesh)) => {
-                let folder = self.path.parent().unwrap_or(std::path::Path::new(""));
-                read_solid(&folder.join(mesh), entry.reading())?.mesh
-            }
+            (_, Some(mesh)) => read_solid(&self.beside(mesh), entry.reading())?.mesh,
             (molar, None) => molar.clone().unwrap_or_default().mesh(),
         };
         Ok(mesh.placed(1.0, place))

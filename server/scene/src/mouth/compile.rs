@@ -31,8 +31,8 @@ pub(crate) struct MouthParts {
 impl Compiler<'_> {
     /// Makes the teeth and gingivae of a mouth; where no patient is named, of the one that `seed` generates.
     pub fn mouth(&mut self, entry: &MouthEntry, seed: u64) -> Result<MouthParts, BuildError> {
-        let folder = self.path.parent().unwrap_or(std::path::Path::new(""));
-        let (patient, text) = patient(entry, seed, folder)?;
+        let file = entry.patient.as_ref().map(|file| self.beside(file));
+        let (patient, text) = patient(file.as_deref(), entry.condition, seed)?;
         self.hasher.update(text.as_bytes());
         let wanted = |fdi: &u8| entry.teeth.as_ref().is_none_or(|teeth| teeth.contains(fdi));
         let charts: Vec<ToothChart> = LOWER
@@ -66,7 +66,7 @@ impl Compiler<'_> {
                 }
             })
         });
-        objects.push(self.jaw(&arch)?);
+        objects.push(self.jaw(arch)?);
         for tooth in arch
             .iter()
             .filter(|tooth| patient.missing.contains(&tooth.fdi))

@@ -8,7 +8,8 @@ mod faces;
 mod gingiva;
 
 use std::f64::consts::FRAC_PI_2;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
@@ -101,8 +102,14 @@ impl Standing {
     }
 }
 
-/// All lower teeth in the order of [`LOWER`]. The right side's shapes are the left side's.
-pub(crate) fn standing() -> Vec<Standing> {
+/// All lower teeth in the order of [`LOWER`], made once per process.
+pub(crate) fn standing() -> &'static [Standing] {
+    static STANDING: LazyLock<Vec<Standing>> = LazyLock::new(stand);
+    &STANDING
+}
+
+/// Makes all lower teeth. The right side's shapes are the left side's.
+fn stand() -> Vec<Standing> {
     let teeth: Vec<Tooth> = (31..=37).filter_map(Tooth::lower).collect();
     let shapes: Vec<(Tooth, TriMesh, Sections, [Vec3; 2])> =
         crate::parallel::map(teeth.len(), |k| {
@@ -169,7 +176,7 @@ const LEAST_WALL: f64 = 0.05;
 /// The first site for which there is no room.
 pub fn check(patient: &Patient) -> Result<(), NoRoom> {
     let entry = MouthEntry::default();
-    let mut all = standing();
+    let mut all = standing().to_vec();
     all.retain(|tooth| patient.tooth(tooth.fdi).is_some());
     for (k, tooth) in all.iter().enumerate() {
         if let Some(chart) = patient.tooth(tooth.fdi) {
@@ -291,16 +298,16 @@ pub(crate) fn meet(collars: &mut [Collar], all: &[Standing]) {
     }
 }
 
-/// The patient that an entry names, or generates from `seed`, with its file's text.
+/// The patient of `file`, else the one that `seed` generates, with its file's text.
 pub(crate) fn patient(
-    entry: &MouthEntry,
+    file: Option<&Path>,
+    condition: Condition,
     seed: u64,
-    folder: &std::path::Path,
 ) -> Result<(Patient, String), crate::file::FileError> {
-    match &entry.patient {
-        Some(file) => Patient::read(&folder.join(file)),
+    match file {
+        Some(file) => Patient::read(file),
         None => {
-            let patient = crate::patient::generate(seed, entry.condition);
+            let patient = crate::patient::generate(seed, condition);
             let text = patient.to_toml();
             Ok((patient, text))
         }

@@ -1,7 +1,7 @@
 //! Scene files compiled: what comes out, what is refused, what the cache does.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sulcus_core::{Scene, Vec3};
 use sulcus_scene::built_in::BuiltIn;
@@ -208,6 +208,88 @@ fn a_tool_parked_inside_something_is_refused_and_an_empty_scene_is_remarked() {
     );
 }
 
+fn files(dir: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(dir).expect("cache");
+    entries.map(|entry| entry.expect("entry").path()).collect()
+}
+
+/// Those of `files` whose names begin with `kind`.
+fn kept_as(files: &[PathBuf], kind: &str) -> Vec<PathBuf> {
+    let name = |file: &&PathBuf| {
+        file.file_name()
+            .is_some_and(|name| name.to_string_lossy().starts_with(kind))
+    };
+    files.iter().filter(name).cloned().collect()
+}
+
+#[test]
+fn a_compiled_scene_is_found_by_its_text_and_options_alone_and_never_with_a_file() {
+    let dir = with_ball(&icosphere(0.002, 2));
+    let cache = dir.path().join("cache");
+    let options = |deepest| BuildOptions {
+        cache: Some(cache.clone()),
+        deepest: Some(deepest),
+        ..BuildOptions::default()
+    };
+    let scenes = || kept_as(&files(&cache), "scene-").len();
+    let compile = |text: &str, options: &BuildOptions| {
+        compile_text(text, Path::new("a.toml"), options, &|_, _| ()).expect("compiles")
+    };
+    let crown = BuiltIn::Crown.text();
+    compile(crown, &options(1));
+    assert_eq!(scenes(), 1);
+    // A comment changes nothing but the hash of the source.
+    let remarked = format!("# of mine\n{crown}");
+    let (mine, first) = (compile(&remarked, &options(1)), compile(crown, &options(1)));
+    assert_eq!(scenes(), 2);
+    assert!(mine.scene.objects == first.scene.objects);
+    assert_ne!(mine.source_hash, first.source_hash);
+    assert!(compile(crown, &options(2)).scene.objects != first.scene.objects);
+    assert_eq!(scenes(), 3);
+    compile(
+        crown,
+        &BuildOptions {
+            anew: true,
+            ..options(1)
+        },
+    );
+    assert_eq!(scenes(), 3);
+    // The mesh's file may change while the text stays.
+    let file = dir.path().join("ball.toml");
+    fs::write(&file, BALL).expect("written");
+    let ball = |expected| {
+        let ball = compile_file(&file, &options(1), &|_, _| ()).expect("compiles");
+        assert_eq!(scenes(), expected);
+        ball.source_hash
+    };
+    let small = ball(3);
+    fs::write(dir.path().join("ball.stl"), to_stl(&icosphere(0.003, 2))).expect("written");
+    assert_ne!(ball(3), small);
+}
+
+#[test]
+fn of_compiled_scenes_those_used_last_stay_in_the_cache() {
+    let dir = tempfile::tempdir().expect("temporary directory");
+    let options = BuildOptions {
+        cache: Some(dir.path().to_owned()),
+        deepest: Some(1),
+        ..BuildOptions::default()
+    };
+    let compile = |k: usize| {
+        let text = format!("# {k}\n{}", BuiltIn::Crown.text());
+        compile_text(&text, Path::new("a.toml"), &options, &|_, _| ()).expect("compiles");
+    };
+    compile(0);
+    let first = kept_as(&files(dir.path()), "scene-").remove(0);
+    for k in 1..40 {
+        compile(k);
+        compile(0);
+    }
+    let scenes = kept_as(&files(dir.path()), "scene-");
+    assert_eq!(scenes.len(), 32);
+    assert!(scenes.contains(&first));
+}
+
 #[test]
 fn a_scene_from_the_cache_is_the_same_scene() {
     let dir = tempfile::tempdir().expect("temporary directory");
@@ -218,23 +300,26 @@ fn a_scene_from_the_cache_is_the_same_scene() {
         ..BuildOptions::default()
     };
     let built = compile_default(&options, &|_, _| ()).expect("compiles");
-    let kept: Vec<_> = fs::read_dir(&cache)
-        .expect("cache")
-        .map(|entry| entry.expect("entry").path())
-        .collect();
-    assert_eq!(kept.len(), 2, "one tree for each part");
+    let kept = files(&cache);
+    assert_eq!(kept.len(), 3, "one tree for each part, and the scene");
     let stages = std::cell::RefCell::new(String::new());
-    let taken = compile_default(&options, &|stage, _| stages.borrow_mut().push_str(stage))
-        .expect("compiles");
-    assert_eq!(built, taken);
+    let again = || {
+        stages.borrow_mut().clear();
+        compile_default(&options, &|stage, _| stages.borrow_mut().push_str(stage))
+    };
+    assert_eq!(again().expect("compiles"), built);
+    assert_eq!(*stages.borrow(), "done", "the scene was read whole");
+    // From the trees alone.
+    fs::remove_file(&kept_as(&kept, "scene-")[0]).expect("removed");
+    assert_eq!(again().expect("compiles"), built);
     assert!(
-        !stages.borrow().contains("inscribed"),
-        "nothing was built: {}",
+        stages.borrow().len() > 10 && !stages.borrow().contains("inscribed"),
+        "no tree was built: {}",
         stages.borrow()
     );
     // Damaged files are built again, and replaced.
     for file in &kept {
-        fs::write(file, b"not a tree").expect("written");
+        fs::write(file, b"neither tree nor scene").expect("written");
     }
     assert_eq!(
         compile_default(&options, &|_, _| ()).expect("compiles"),

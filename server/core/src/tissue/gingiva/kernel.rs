@@ -100,11 +100,22 @@ impl Falloff {
             next: 0,
         };
         if n <= WHOLE {
-            for i in 0..n {
-                falloff.keep(i);
-            }
+            falloff.keep_all();
         }
         falloff
+    }
+
+    /// Keeps all rows. Entries are the same bits both ways: each is computed once.
+    fn keep_all(&mut self) {
+        let n = self.places.len();
+        for i in 0..n {
+            (self.slots[i], self.holders[i]) = (i as u32, i as u32);
+            for j in i..n {
+                let entry = self.compute(i, j);
+                self.rows[i * n + j] = entry;
+                self.rows[j * n + i] = entry;
+            }
+        }
     }
 
     fn compute(&self, i: usize, j: usize) -> f64 {

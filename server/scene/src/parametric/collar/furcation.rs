@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn where_the_entrance_is_covered_nothing_is_laid_out() {
-        let mut collar = collars(&standing(), 36).swap_remove(2);
+        let mut collar = collars(standing(), 36).swap_remove(2);
         collar.sulcus.depths = [2.0; 6];
         assert!(between_roots(&collar).is_empty());
     }
