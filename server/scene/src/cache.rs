@@ -269,4 +269,33 @@ mod tests {
         std::fs::write(path(dir.path(), TREE, &other), &good).expect("written");
         assert_eq!(load(dir.path(), &other), None);
     }
+
+    #[test]
+    fn files_that_were_used_last_stay() {
+        let dir = tempfile::tempdir().expect("temporary directory");
+        let key = |k: u8| blake3::hash(&[k]);
+        let there = |k: u8| load_bytes(dir.path(), "x", &key(k)).is_some();
+        let at = |k: u8, seconds| {
+            let file = std::fs::File::options()
+                .append(true)
+                .open(path(dir.path(), "x", &key(k)));
+            let time = std::time::SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds);
+            file.and_then(|file| file.set_modified(time))
+                .expect("a time");
+        };
+        for k in 0..6 {
+            store_bytes(dir.path(), "x", &key(k), &[k]).expect("stored");
+            at(k, 1000 + u64::from(k));
+        }
+        // Another kind, and a name that begins alike.
+        store_bytes(dir.path(), "y", &key(0), b"y").expect("stored");
+        store_bytes(dir.path(), "xx", &key(0), b"xx").expect("stored");
+        used(dir.path(), "x", &key(0)).expect("noted");
+        prune(dir.path(), "x", 3).expect("pruned");
+        assert_eq!(
+            [0, 1, 2, 3, 4, 5].map(there),
+            [true, false, false, false, true, true]
+        );
+        assert_eq!(std::fs::read_dir(dir.path()).expect("files").count(), 5);
+    }
 }

@@ -125,4 +125,4 @@ fn judged(
 }
 
 #[cfg(test)]
-mod tests;
+mod long;

@@ -24,6 +24,7 @@ name = "two teeth"
 [mouth]
 seed = 1
 teeth = [35, 36]
+tooth_levels = 3
 [[tool]]
 name = "probe"
 kind = "periodontal_probe"

@@ -28,6 +28,7 @@ name = "part of a mouth"
 condition = "periodontitis"
 seed = 1
 teeth = [35, 36, 37]
+tooth_levels = 3
 [[tool]]
 name = "probe"
 kind = "periodontal_probe"

@@ -1,7 +1,6 @@
 //! Finite elements against exact answers and references.
 
 mod common;
-mod condense;
 mod convergence;
 mod exact;
 mod long;

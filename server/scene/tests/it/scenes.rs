@@ -268,29 +268,6 @@ fn a_compiled_scene_is_found_by_its_text_and_options_alone_and_never_with_a_file
 }
 
 #[test]
-fn of_compiled_scenes_those_used_last_stay_in_the_cache() {
-    let dir = tempfile::tempdir().expect("temporary directory");
-    let options = BuildOptions {
-        cache: Some(dir.path().to_owned()),
-        deepest: Some(1),
-        ..BuildOptions::default()
-    };
-    let compile = |k: usize| {
-        let text = format!("# {k}\n{}", BuiltIn::Crown.text());
-        compile_text(&text, Path::new("a.toml"), &options, &|_, _| ()).expect("compiles");
-    };
-    compile(0);
-    let first = kept_as(&files(dir.path()), "scene-").remove(0);
-    for k in 1..40 {
-        compile(k);
-        compile(0);
-    }
-    let scenes = kept_as(&files(dir.path()), "scene-");
-    assert_eq!(scenes.len(), 32);
-    assert!(scenes.contains(&first));
-}
-
-#[test]
 fn a_scene_from_the_cache_is_the_same_scene() {
     let dir = tempfile::tempdir().expect("temporary directory");
     let cache = dir.path().join("not/yet/there");

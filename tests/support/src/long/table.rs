@@ -168,6 +168,31 @@ pub const LONG: &[Long] = &[
         3.0,
     ),
     long(
+        "slow-variants-of-hard-cases",
+        "Wider pockets, a pocket at rest and the organ at other speeds and stiffnesses hold every bound.",
+        1.0,
+    ),
+    long(
+        "printed-in-the-narrow-pocket",
+        "The method as printed buzzes and throws the probe about in a pocket where the coupled one is calm.",
+        0.6,
+    ),
+    long(
+        "fitted-skeleton",
+        "Springs fitted to cases of their own meet the unseen linear ones, which others do not.",
+        1.0,
+    ),
+    long(
+        "condensed-against-finer-elements",
+        "Condensed elements of the built-in tongue come near to finer ones, and springs do not.",
+        0.6,
+    ),
+    long(
+        "condensed-real-tongue",
+        "A condensed real tongue is as near to linear and neo-Hookean elements as it must be.",
+        0.7,
+    ),
+    long(
         "every-habit-replays",
         "A session with any habit replays bit for bit and differs from the good one's.",
         2.0,

@@ -2,6 +2,7 @@
 
 mod hard_cases;
 mod passivity;
+mod printed;
 mod random_poses;
 mod rates;
 mod real_arch;

@@ -202,7 +202,7 @@ mod tests {
     fn a_probe_goes_in_between_the_roots_as_far_as_the_degree_says() {
         let all = standing();
         for fdi in [36, 37, 46] {
-            for (degree, collar) in collars(&all, fdi).iter().enumerate() {
+            for (degree, collar) in collars(all, fdi).iter().enumerate() {
                 let packed = pack(collar);
                 for entrance in &collar.entrances {
                     let open = Open::new(collar, entrance);

@@ -11,6 +11,9 @@ fn size(png: &[u8]) -> (u32, u32) {
 
 #[test]
 fn condensed_elements_come_near_to_finer_ones_and_springs_do_not() {
+    if !sulcus_support::long::selected("condensed-against-finer-elements") {
+        return;
+    }
     let tongue = Tongue::built_in(&|_, _| ()).expect("the built-in tongue");
     let references = tongue.references(true, &|_, _| ()).expect("an equilibrium");
     let [reference] = &references[..] else {

@@ -1,0 +1,3 @@
+//! Proofs of minutes: see the table of long proofs in `sulcus-support`.
+
+mod tissue;
