@@ -7,15 +7,16 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_scene::compile::compile_text;
 use sulcus_scene::{BuildOptions, BuiltIn};
 
-/// Builds a text, no deeper than level 2, which is quick.
+/// Builds a text, with the trees that the program brings along.
 fn build(text: &str) -> Result<Scene, String> {
-    let options = BuildOptions {
-        deepest: Some(2),
-        ..BuildOptions::default()
-    };
-    compile_text(text, Path::new("my.toml"), &options, &|_, _| {})
-        .map(|compiled| compiled.scene)
-        .map_err(|error| error.to_string())
+    compile_text(
+        text,
+        Path::new("my.toml"),
+        &BuildOptions::default(),
+        &|_, _| {},
+    )
+    .map(|compiled| compiled.scene)
+    .map_err(|error| error.to_string())
 }
 
 fn tongue(tissue: &str, table: &str) -> Result<Scene, String> {

@@ -228,7 +228,7 @@ fn a_compiled_scene_is_found_by_its_text_and_options_alone_and_never_with_a_file
     let cache = dir.path().join("cache");
     let options = |deepest| BuildOptions {
         cache: Some(cache.clone()),
-        deepest: Some(deepest),
+        deepest,
         ..BuildOptions::default()
     };
     let scenes = || kept_as(&files(&cache), "scene-").len();
@@ -236,21 +236,24 @@ fn a_compiled_scene_is_found_by_its_text_and_options_alone_and_never_with_a_file
         compile_text(text, Path::new("a.toml"), options, &|_, _| ()).expect("compiles")
     };
     let crown = BuiltIn::Crown.text();
-    compile(crown, &options(1));
+    compile(crown, &options(None));
     assert_eq!(scenes(), 1);
     // A comment changes nothing but the hash of the source.
     let remarked = format!("# of mine\n{crown}");
-    let (mine, first) = (compile(&remarked, &options(1)), compile(crown, &options(1)));
+    let (mine, first) = (
+        compile(&remarked, &options(None)),
+        compile(crown, &options(None)),
+    );
     assert_eq!(scenes(), 2);
     assert!(mine.scene.objects == first.scene.objects);
     assert_ne!(mine.source_hash, first.source_hash);
-    assert!(compile(crown, &options(2)).scene.objects != first.scene.objects);
+    assert!(compile(crown, &options(Some(1))).scene.objects != first.scene.objects);
     assert_eq!(scenes(), 3);
     compile(
         crown,
         &BuildOptions {
             anew: true,
-            ..options(1)
+            ..options(Some(1))
         },
     );
     assert_eq!(scenes(), 3);
@@ -258,7 +261,7 @@ fn a_compiled_scene_is_found_by_its_text_and_options_alone_and_never_with_a_file
     let file = dir.path().join("ball.toml");
     fs::write(&file, BALL).expect("written");
     let ball = |expected| {
-        let ball = compile_file(&file, &options(1), &|_, _| ()).expect("compiles");
+        let ball = compile_file(&file, &options(Some(1)), &|_, _| ()).expect("compiles");
         assert_eq!(scenes(), expected);
         ball.source_hash
     };

@@ -148,6 +148,16 @@ pub const LONG: &[Long] = &[
         1.2,
     ),
     long(
+        "trees-of-parametric-instruments",
+        "The trees of the parametric probe and mirror meet their bounds.",
+        0.4,
+    ),
+    long(
+        "importance-of-places",
+        "A tree has more spheres where places count more.",
+        0.4,
+    ),
+    long(
         "pocket-wall-and-tooth",
         "The wall of a pocket beside its tooth is as stiff at level 4 as at level 3.",
         0.8,
