@@ -1,3 +1,4 @@
 //! Proofs of minutes: see the table of long proofs in `sulcus-support`.
 
+mod good_hand;
 mod grades;

@@ -98,6 +98,11 @@ pub const LONG: &[Long] = &[
         1.5,
     ),
     long(
+        "light-hands",
+        "On eight patients more than half of the good operator's readings are at 0.20 to 0.23 N, and he is told of a heavy hand once a session at most.",
+        3.0,
+    ),
+    long(
         "real-arch-sounded",
         "Sounding the meshes of a real arch finds the pocket that the data describes.",
         0.7,
