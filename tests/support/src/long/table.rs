@@ -99,7 +99,7 @@ pub const LONG: &[Long] = &[
     ),
     long(
         "light-hands",
-        "On eight patients more than half of the good operator's readings are at 0.20 to 0.23 N, and he is told of a heavy hand once a session at most.",
+        "In eight mouths more than half of the good operator's readings are at 0.20 to 0.23 N, and few are heavier or lighter than 0.15 to 0.25 N.",
         3.0,
     ),
     long(
