@@ -26,10 +26,10 @@ const CORRECTION: f64 = 0.05;
 const READ_SPEED: f64 = 0.4;
 /// A reading counts while the force is so near to what is meant, share.
 const STEADY: f64 = 0.15;
-/// What the walls of a pocket push a probe back with, per depth below [`DEEP`] and per square of the tooth's radius, N/m^3. A probe that
-/// leans over a bulging crown is pushed the more against a root that flares. (Of 60 readings between two molars: 0.01 +-0.01 N at
-/// 4 mm, 0.05 +-0.02 N at 5 mm, 0.07 +-0.03 N at 6 mm, 0.11 N at 7 mm.)
-const WALLS: f64 = 1.42e6;
+/// Push of a pocket's walls on a probe, per depth below [`DEEP`], N/m: a hand presses so much harder. A probe that leans over a bulging
+/// crown is pushed against a root that flares. (Of 60 readings between two molars: 0.01 +-0.01 N at 4 mm, 0.05 +-0.02 N at 5 mm,
+/// 0.07 +-0.03 N at 6 mm, 0.11 N at 7 mm; of 10 beside premolars and incisors 0.05 N at 5 mm.)
+const WALLS: f64 = 30.0;
 /// Depth from which the walls push, between teeth, and how much deeper in the middle of a side, metres.
 const DEEP: f64 = 3.3e-3;
 const DEEPER: f64 = 1e-3;
@@ -98,9 +98,9 @@ impl Tour {
     fn floor_force(&self) -> f64 {
         let depth = self.seen.max(0.0);
         let place = self.path().place(self.around, self.depth, self.tilt);
-        let (sine, radius) = (libm::sin(self.at), self.path().radius(self.at, depth));
+        let sine = libm::sin(self.at);
         let side = sine * sine;
-        let walls = WALLS * radius * radius * (depth - DEEP - DEEPER * side).max(0.0);
+        let walls = WALLS * (depth - DEEP - DEEPER * side).max(0.0);
         let tooth = AGAINST_TOOTH * (0.5 + 0.5 * side) * place.up.dot(&place.outward).max(0.0);
         let upright = place.up.dot(&self.path().tooth().axis).max(0.5);
         (self.force - walls - tooth) / upright
