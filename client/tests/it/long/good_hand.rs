@@ -98,6 +98,6 @@ fn a_good_hand_reads_lightly_in_mouths_that_it_was_not_tuned_on() {
         10 * heavy <= reads.len() && 10 * light <= reads.len(),
         "{reads:?}"
     );
-    // A guard against getting worse, not a claim: 6, 6 and 15 times on three sets of eight patients.
+    // A guard against getting worse, not a claim: 19 times when it was written.
     assert!(told <= 3 * sessions.len(), "told {told} times");
 }
