@@ -8,7 +8,7 @@ use sulcus_core::Scene;
 use crate::cache;
 use crate::compile::{BuildOptions, Compiled};
 
-/// What the files of compiled scenes are called.
+/// Prefix of the file names of compiled scenes.
 const SCENE: &str = "scene";
 /// Compiled scenes that are kept; a whole mouth takes 10 MB.
 const MOST: usize = 32;

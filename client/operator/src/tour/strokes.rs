@@ -94,7 +94,7 @@ impl Tour {
             .max(ceiling)
     }
 
-    /// What the hand takes for the floor's push along the tooth's axis, newtons.
+    /// Load on the floor along the tooth's axis as the hand infers it, newtons.
     fn floor_force(&self) -> f64 {
         let depth = self.seen.max(0.0);
         let place = self.path().place(self.around, self.depth, self.tilt);

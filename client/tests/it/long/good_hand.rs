@@ -14,7 +14,7 @@ const READ: usize = 1000;
 /// Seeds of patient and hand.
 const SEEDS: std::ops::RangeInclusive<u64> = 401..=408;
 
-/// What one session of *bimanual* shows: mean load on the floor of each reading, newtons, and how often the hand was told that it is
+/// Mean load on the floor of each reading of one session of *bimanual*, newtons, and the number of times that the hand was told that it is
 /// too heavy.
 fn performed(seed: u64) -> (Vec<f64>, usize) {
     let asked = Asked {

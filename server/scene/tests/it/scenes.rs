@@ -213,7 +213,7 @@ fn files(dir: &Path) -> Vec<PathBuf> {
     entries.map(|entry| entry.expect("entry").path()).collect()
 }
 
-/// Those of `files` whose names begin with `kind`.
+/// The files among `files` whose names begin with `kind`.
 fn kept_as(files: &[PathBuf], kind: &str) -> Vec<PathBuf> {
     let name = |file: &&PathBuf| {
         file.file_name()
