@@ -90,7 +90,7 @@ pub struct Tour {
     again: u8,
     /// Where to go on once the floor is felt again, after the tip had slipped out.
     resumes: Option<f64>,
-    /// What resists the way in along the probe, newtons.
+    /// Resistance that the hand feels along the probe, newtons.
     force: f64,
     /// Where the eye sees the tip below the margin.
     seen: f64,
