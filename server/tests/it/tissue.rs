@@ -25,18 +25,18 @@ pub fn geometry_of(folder: &Path, to: &Path) {
     }
 }
 
+/// Output of `tissue evaluate` for a model as it is shipped, on the reference cases in the folder `fem`.
+pub fn evaluated(fem: &str, model: &str) -> serde_json::Value {
+    json(&tissue(&[
+        "evaluate", "--fem", fem, "--model", model, "--json",
+    ]))
+}
+
 #[test]
 fn the_surface_compliance_meets_all_cases_linear_and_not() {
     let Some(folder) = reference() else { return };
     let fem = folder.display().to_string();
-    let judged = json(&tissue(&[
-        "evaluate",
-        "--fem",
-        &fem,
-        "--model",
-        "surface_compliance",
-        "--json",
-    ]));
+    let judged = evaluated(&fem, "surface_compliance");
     assert_eq!(judged["model"], "surface_compliance");
     let cases = judged["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 18);

@@ -8,7 +8,7 @@ use sulcus_scene::{BuildOptions, compile_file};
 use sulcus_support::long;
 
 use crate::common::{json, number, text};
-use crate::tissue::{geometry_of, reference, tissue};
+use crate::tissue::{evaluated, geometry_of, reference, tissue};
 
 #[test]
 fn fitted_to_its_own_cases_a_skeleton_meets_the_unseen_linear_ones() {
@@ -41,17 +41,7 @@ fn fitted_to_its_own_cases_a_skeleton_meets_the_unseen_linear_ones() {
         "--out",
         &page.display().to_string(),
     ]));
-    let shipped = json(&tissue(&[
-        "evaluate", "--fem", &fem, "--model", "skeleton", "--json",
-    ]));
-    let printed = json(&tissue(&[
-        "evaluate",
-        "--fem",
-        &fem,
-        "--model",
-        "printed_skeleton",
-        "--json",
-    ]));
+    let [shipped, printed] = ["skeleton", "printed_skeleton"].map(|model| evaluated(&fem, model));
     assert_eq!(judged["model"], "skeleton");
     let cases = judged["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 18);
