@@ -12,9 +12,15 @@ fuzz_target!(|bytes: &[u8]| {
         assert_eq!(wrench.to_bytes().expect("encodes"), bytes);
     }
     if let Ok(message) = frame::decode::<ClientMessage>(bytes) {
-        assert_eq!(&frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..], bytes);
+        assert_eq!(
+            &frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..],
+            bytes
+        );
     }
     if let Ok(message) = frame::decode::<ServerMessage>(bytes) {
-        assert_eq!(&frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..], bytes);
+        assert_eq!(
+            &frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..],
+            bytes
+        );
     }
 });

@@ -2,7 +2,7 @@
 //! compile and ask, too). Start from real ones:
 //!
 //! ```text
-//! cargo fuzz run read -- -max_len=300000 tests/corpus   (in `sessions`; copy the folder first, libFuzzer adds to it)
+//! cargo fuzz run --features fuzzer read -- -max_len=300000 tests/corpus   (in `sessions`; copy the folder first, libFuzzer adds to it)
 //! ```
 #![no_main]
 

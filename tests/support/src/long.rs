@@ -8,7 +8,7 @@
 const SELECT: &str = "SULCUS_LONG";
 
 /// Longest slice, minutes on two cores. A proof longer than that is a slice of its own.
-pub const SLICE_MINUTES: f64 = 8.0;
+pub const SLICE_MINUTES: f64 = 6.0;
 
 /// A proof that takes minutes.
 #[derive(Clone, Copy, Debug, PartialEq)]
