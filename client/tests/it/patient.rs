@@ -4,7 +4,7 @@
 use sulcus_client::demo::{check, lockstep};
 use sulcus_client::exercise::{self, Asked};
 use sulcus_client::progress::Steps;
-use sulcus_scene::patient::{Condition, generate};
+use sulcus_scene::anatomy::patient::{Condition, generate};
 use sulcus_sessions::{Recording, StationKey};
 
 #[test]

@@ -13,9 +13,9 @@ use sulcus_cases::timing::{Percentiles, cpu_ns, time};
 use sulcus_core::{NoProbe, Vec3};
 use sulcus_operator::HandParams;
 use sulcus_operator::crown::{Crown, CrownParams};
-use sulcus_scene::blend::{BlendOptions, blend_error, calibrate};
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::tree::blend::{BlendOptions, blend_error, calibrate};
 use sulcus_scene::{BuildOptions, compile_default};
 
 fn cpu_us() -> f64 {

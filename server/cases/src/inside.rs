@@ -2,10 +2,10 @@
 
 use sulcus_core::math::norm;
 use sulcus_core::{DisplayMesh, Object, Pose, Tool, Vec3};
-use sulcus_scene::blend::blend_error;
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::level_error;
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::tree::blend::blend_error;
 
 /// Points on a tool, in balls within balls: most of them are never looked at.
 #[derive(Clone, Debug)]
@@ -149,7 +149,7 @@ pub fn allowed_inside(
 #[cfg(test)]
 mod tests {
     use sulcus_core::math::exp_rotation;
-    use sulcus_scene::shapes::{cuboid, icosphere};
+    use sulcus_scene::mesh::shapes::{cuboid, icosphere};
 
     use super::*;
 

@@ -8,8 +8,8 @@ use sulcus_operator::bimanual::Bimanual;
 use sulcus_operator::habit::Habit;
 use sulcus_operator::retraction::RetractionParams;
 use sulcus_operator::tour_params::{TourParams, Visit};
-use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::parametric::Probe;
+use sulcus_scene::instruments::Probe;
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
 
 use crate::inside::{Points, allowed_inside, solid_of};

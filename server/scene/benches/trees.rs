@@ -11,8 +11,8 @@ mod meshes;
 
 use std::time::Instant;
 
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{Sampling, measure};
+use sulcus_scene::mesh::distance::MeshDistance;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();

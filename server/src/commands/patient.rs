@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use sulcus_program::{PathText, say};
-use sulcus_scene::mouth;
-use sulcus_scene::patient::{Condition, LOWER, Patient, Sides, ToothChart, generate};
+use sulcus_scene::anatomy::mouth;
+use sulcus_scene::anatomy::patient::{Condition, LOWER, Patient, Sides, ToothChart, generate};
 
 /// Make and check patient files: what a mouth's pockets are like, site by site.
 #[derive(Clone, Debug, Args)]

@@ -10,9 +10,8 @@ use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket_text};
 use sulcus_core::Scene;
 use sulcus_core::displayable::too_stiff;
 use sulcus_program::{PathText, say, tell};
-use sulcus_scene::{
-    BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text, family,
-};
+use sulcus_scene::compile::family;
+use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text};
 
 use crate::picture::{MOUTH, Still};
 

@@ -7,7 +7,7 @@ use sulcus_core::math::{fmax, fmin};
 use sulcus_core::{Sphere, Vec3};
 use sulcus_program::PathText;
 use sulcus_scene::error::{surface_error, zone_patch};
-use sulcus_scene::zone::Zone;
+use sulcus_scene::tree::zone::Zone;
 
 use super::{LevelErrors, Subject};
 use crate::picture::{

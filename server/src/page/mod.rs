@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use sulcus_core::{Sphere, SphereTree};
 use sulcus_program::PathText;
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{TreeReport, surface_error, surface_points};
-use sulcus_scene::zone::Zone;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::tree::zone::Zone;
 
 pub(crate) use scale::Scale;
 

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use sulcus_core::Vec3;
 use sulcus_program::PathText;
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::Scale;
 use super::html::{STYLE, escaped};

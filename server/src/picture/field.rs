@@ -52,8 +52,8 @@ fn within(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use sulcus_scene::distance::MeshDistance;
-    use sulcus_scene::shapes::icosphere;
+    use sulcus_scene::mesh::distance::MeshDistance;
+    use sulcus_scene::mesh::shapes::icosphere;
 
     use super::super::camera::{Camera, SIDES};
     use super::super::raster::draw_mesh;

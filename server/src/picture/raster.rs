@@ -2,7 +2,7 @@
 
 use sulcus_core::math::{fmax, fmin};
 use sulcus_core::{Sphere, Vec3};
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::camera::{Camera, pixels};
 use super::image::Image;
@@ -195,7 +195,7 @@ impl Fragments {
 
 #[cfg(test)]
 mod tests {
-    use sulcus_scene::shapes::icosphere;
+    use sulcus_scene::mesh::shapes::icosphere;
 
     use super::super::camera::SIDES;
     use super::*;

@@ -1,8 +1,8 @@
 //! A scene as it looks at rest: all display meshes in one picture.
 
 use sulcus_core::{DisplayMesh, Scene, Vec3};
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::camera::{Camera, Side};
 use super::image::Image;

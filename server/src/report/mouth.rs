@@ -8,7 +8,7 @@ use sulcus_cases::mouth::{PROBED, hands, mouth};
 use sulcus_cases::record;
 use sulcus_core::{MAX_TOOLS, Object, Scene, TickInput};
 use sulcus_operator::HandParams;
-use sulcus_scene::blend::{BlendError, blend_error};
+use sulcus_scene::tree::blend::{BlendError, blend_error};
 
 use super::shipped::SEED;
 use super::times::Times;

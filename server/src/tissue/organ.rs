@@ -11,12 +11,12 @@ use sulcus_core::{DisplaySkin, SphereTree, Vec3};
 use sulcus_fem::TetMesh;
 use sulcus_fem::files::read_mesh;
 use sulcus_program::PathText;
-use sulcus_scene::build::TreeOptions;
-use sulcus_scene::cache::kept_or_built;
-use sulcus_scene::check::check;
+use sulcus_scene::compile::cache::kept_or_built;
 use sulcus_scene::default_cache_dir;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::skeleton::{SkeletonOptions, skeleton_held};
+use sulcus_scene::mesh::check::check;
+use sulcus_scene::organ::skeleton::{SkeletonOptions, skeleton_held};
+use sulcus_scene::tree::build::TreeOptions;
 
 /// Finest level of the tree, the one in contact.
 pub(crate) const LEVEL: u8 = 3;

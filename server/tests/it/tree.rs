@@ -5,8 +5,8 @@ use std::process::{Command, Output};
 
 use crate::common::{json, number, text};
 use sulcus_core::Vec3;
-use sulcus_scene::load::to_stl;
-use sulcus_scene::shapes::{cuboid, ellipsoid};
+use sulcus_scene::mesh::load::to_stl;
+use sulcus_scene::mesh::shapes::{cuboid, ellipsoid};
 
 /// The program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_sulcus-server");

@@ -5,7 +5,7 @@ use std::path::Path;
 /// Sources that may name the reader of TOML: the two ways to [`sulcus_core::exactly`], and the reader of a recording's patient,
 /// which looks at single values of a table.
 const READERS: [&str; 3] = [
-    "server/scene/src/file.rs",
+    "server/scene/src/file/mod.rs",
     "sessions/src/grade/patient.rs",
     "sessions/src/written.rs",
 ];

@@ -8,9 +8,9 @@ use sulcus_core::output::status;
 use sulcus_core::{NoProbe, Scene, State, TickInput, Vec3, Workspace, tick};
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator, Shown};
-use sulcus_scene::blend::{BlendOptions, calibrate};
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::tree::blend::{BlendOptions, calibrate};
 use sulcus_scene::{BuildOptions, compile_default, default_cache_dir};
 
 pub fn options() -> BuildOptions {

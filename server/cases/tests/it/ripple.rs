@@ -3,8 +3,8 @@
 use sulcus_cases::ripple::{Shape, slide};
 use sulcus_cases::scenes;
 use sulcus_core::NoProbe;
-use sulcus_scene::blend::{BlendOptions, blend_error, calibrate};
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::tree::blend::{BlendOptions, blend_error, calibrate};
 
 /// Largest rms (per cent) and median error of direction (degrees), 1 mm deep, and largest mean error of
 /// the blended surface (millimetres), level by level.

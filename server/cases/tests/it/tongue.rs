@@ -11,10 +11,11 @@ use sulcus_core::{
 };
 use sulcus_operator::present;
 use sulcus_operator::script::smoothstep;
-use sulcus_scene::built_in::{BuiltIn, compile_built_in};
+use sulcus_scene::BuildOptions;
+use sulcus_scene::compile::built_in::{BuiltIn, compile_built_in};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::turned::turned;
-use sulcus_scene::{BuildOptions, skeleton};
+use sulcus_scene::mesh::turned::turned;
+use sulcus_scene::organ::skeleton;
 
 /// Height of the tongue's back over its underside where the mirror presses, metres.
 const BACK: f64 = 0.0305;

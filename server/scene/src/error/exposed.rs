@@ -10,9 +10,9 @@ use sulcus_core::{Sphere, Vec3};
 use super::largest::{Examined, Largest, largest};
 use super::patch::{Place, SAME};
 use super::union::{Cover, Union};
-use crate::distance::MeshDistance;
+use crate::mesh::distance::MeshDistance;
+use crate::mesh::shapes::icosphere;
 use crate::parallel;
-use crate::shapes::icosphere;
 
 /// A point of the exposed surface.
 pub(super) struct ExposedPoint {

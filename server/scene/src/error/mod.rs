@@ -24,9 +24,9 @@ use serde::Serialize;
 use sulcus_core::math::{fmax, fmin};
 use sulcus_core::{Sphere, SphereTree, Vec3};
 
-use crate::distance::MeshDistance;
+use crate::mesh::distance::MeshDistance;
 use crate::parallel;
-use crate::zone::Zone;
+use crate::tree::zone::Zone;
 use columns::Columns;
 pub(crate) use columns::union_volume;
 use exposed::{Cells, ExposedPoint};

@@ -3,9 +3,9 @@
 use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, norm};
 
-use crate::distance::MeshDistance;
 use crate::mesh::TriMesh;
-use crate::zone::Zone;
+use crate::mesh::distance::MeshDistance;
+use crate::tree::zone::Zone;
 
 /// Triangles across the border are cut until they are this much smaller than the mesh.
 const FINEST: f64 = 1e-3;

@@ -7,7 +7,7 @@ use super::largest::{Examined, Largest, largest};
 use super::patch::{disc, quarters};
 use super::union::Union;
 use crate::mesh::TriMesh;
-use crate::zone::Zone;
+use crate::tree::zone::Zone;
 
 /// A point of a surface and the area that it stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]

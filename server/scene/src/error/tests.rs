@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::shapes::{cuboid, icosphere};
-use crate::zone::Region;
+use crate::mesh::shapes::{cuboid, icosphere};
+use crate::tree::zone::Region;
 
 fn ball(x: f64, y: f64, z: f64, radius: f64) -> Sphere {
     Sphere {

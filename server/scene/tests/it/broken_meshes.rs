@@ -1,11 +1,11 @@
 //! Meshes that are not solids are refused, with numbers and places.
 
 use sulcus_core::Vec3;
-use sulcus_scene::check::check;
-use sulcus_scene::load::{Unit, to_stl};
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::check::check;
+use sulcus_scene::mesh::load::{Unit, to_stl};
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
 use sulcus_scene::read_solid;
-use sulcus_scene::shapes::{cuboid, icosphere};
 
 fn message(mesh: &TriMesh) -> String {
     check(mesh, "tooth.stl").expect_err("broken").to_string()
@@ -60,7 +60,7 @@ fn large_holes_are_counted_measured_and_placed() {
         ),
         "{said}"
     );
-    let sulcus_scene::check::MeshError::Open {
+    let sulcus_scene::mesh::check::MeshError::Open {
         edges, openings, ..
     } = check(&mesh, "x").expect_err("open")
     else {
@@ -250,7 +250,7 @@ fn every_mesh_of_the_data_needs_no_repair() {
     for file in std::fs::read_dir(&dir).expect("a folder") {
         let file = file.expect("entry").path();
         if file.extension().is_some_and(|extension| extension == "stl") {
-            let loaded = sulcus_scene::load::load_mesh(&file, Unit::Millimetre)
+            let loaded = sulcus_scene::mesh::load::load_mesh(&file, Unit::Millimetre)
                 .expect("readable")
                 .mesh;
             match read_solid(&file, Unit::Millimetre) {

@@ -7,11 +7,11 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Gingiva;
 use sulcus_core::{Object, Scene, Vec3};
 use sulcus_scene::BuiltIn;
-use sulcus_scene::check::check;
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::anatomy::first_gingiva::SITES_DEG;
+use sulcus_scene::anatomy::{Collar, Molar, Pocket};
 use sulcus_scene::file::{FileError, parse};
-use sulcus_scene::parametric::gingiva::SITES_DEG;
-use sulcus_scene::parametric::{Collar, Molar, Pocket};
+use sulcus_scene::mesh::check::check;
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::{BuildOptions, compile_file};
 
 /// The shipped scene, built once for all tests.

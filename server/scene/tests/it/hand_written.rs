@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use sulcus_scene::patient::{Patient, healthy_depth, healthy_recession};
-use sulcus_scene::springs::FittedSprings;
+use sulcus_scene::anatomy::patient::{Patient, healthy_depth, healthy_recession};
+use sulcus_scene::organ::springs::FittedSprings;
 
 fn input(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/inputs")).join(name)

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
-use sulcus_scene::load::{LoadError, Unit, load_mesh, parse_mesh, to_stl};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::repair::repair;
-use sulcus_scene::shapes::{cuboid, icosphere};
+use sulcus_scene::mesh::load::{LoadError, Unit, load_mesh, parse_mesh, to_stl};
+use sulcus_scene::mesh::repair::repair;
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
 
 fn parse(bytes: impl Into<Vec<u8>>, name: &str) -> Result<TriMesh, LoadError> {
     parse_mesh(bytes.into(), Path::new(name), Unit::Millimetre).map(|loaded| loaded.mesh)

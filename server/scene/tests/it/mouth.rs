@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{Object, Scene, Vec3};
-use sulcus_scene::patient::{Condition, LOWER, Patient, generate};
+use sulcus_scene::anatomy::patient::{Condition, LOWER, Patient, generate};
 use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in};
 
 fn mouth(seed: u64) -> Compiled {
@@ -221,20 +221,20 @@ fn a_margin_without_room_for_a_papilla_is_refused_with_tooth_and_site() {
         "{error}"
     );
     let patient = Patient::read(&folder.path().join("p.toml")).expect("in range");
-    let checked = sulcus_scene::mouth::check(&patient.0).expect_err("no room");
+    let checked = sulcus_scene::anatomy::mouth::check(&patient.0).expect_err("no room");
     assert!(error.ends_with(&checked.to_string()), "{error} / {checked}");
 }
 
 #[test]
 fn a_sulcus_shallower_than_a_reading_sinks_is_refused_with_tooth_and_site() {
     let mut patient = Patient::healthy("shallow");
-    let mut chart = sulcus_scene::patient::ToothChart::healthy(33);
+    let mut chart = sulcus_scene::anatomy::patient::ToothChart::healthy(33);
     chart.depth_mm.lingual[1] = 0.5;
     patient.teeth = vec![chart];
     // As firm as healthy tissue it has a wall of 0.05 mm; inflamed none.
-    assert_eq!(sulcus_scene::mouth::check(&patient), Ok(()));
+    assert_eq!(sulcus_scene::anatomy::mouth::check(&patient), Ok(()));
     patient.teeth[0].inflammation = 1.0;
-    let error = sulcus_scene::mouth::check(&patient).expect_err("no wall");
+    let error = sulcus_scene::anatomy::mouth::check(&patient).expect_err("no wall");
     let told = error.to_string();
     assert!(
         told.contains("`depth_mm` of tooth 33, lingual is 0.5, expected at least 0.95"),

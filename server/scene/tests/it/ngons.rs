@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use sulcus_core::Vec3;
 use sulcus_core::math::exp_rotation;
-use sulcus_scene::build::{TreeBuildError, TreeOptions, build_tree};
-use sulcus_scene::check::{MeshReport, check};
-use sulcus_scene::filled::filled;
-use sulcus_scene::load::{Unit, load_mesh, parse_mesh};
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::check::{MeshReport, check};
+use sulcus_scene::mesh::load::{Unit, load_mesh, parse_mesh};
+use sulcus_scene::mesh::repair::repair;
 use sulcus_scene::read_solid;
-use sulcus_scene::repair::repair;
+use sulcus_scene::tree::build::{TreeBuildError, TreeOptions, build_tree};
+use sulcus_scene::tree::filled::filled;
 
 /// A file of the inputs of `tests/inputs`.
 pub(crate) fn input(name: &str) -> PathBuf {

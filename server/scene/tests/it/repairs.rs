@@ -2,12 +2,12 @@
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
-use sulcus_scene::check::{MeshError, MeshReport, check};
-use sulcus_scene::load::{Unit, to_stl};
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::check::{MeshError, MeshReport, check};
+use sulcus_scene::mesh::load::{Unit, to_stl};
+use sulcus_scene::mesh::repair::{Repairs, SMALL_HOLE_SHARE, WELD_SHARE, repair};
+use sulcus_scene::mesh::shapes::{cuboid, ellipsoid, icosphere};
 use sulcus_scene::read_solid;
-use sulcus_scene::repair::{Repairs, SMALL_HOLE_SHARE, WELD_SHARE, repair};
-use sulcus_scene::shapes::{cuboid, ellipsoid, icosphere};
 
 /// Repairs, and expects a solid of the same volume within a share.
 fn mended(mesh: &TriMesh, like: &TriMesh, share: f64) -> (MeshReport, Repairs) {
@@ -45,7 +45,7 @@ fn a_good_mesh_comes_back_bit_by_bit() {
     for mesh in [
         tooth(),
         cuboid(Vec3::repeat(0.01)),
-        sulcus_scene::parametric::Molar::default().mesh(),
+        sulcus_scene::anatomy::Molar::default().mesh(),
     ] {
         let (same, repairs) = repair(mesh.clone());
         assert!(same == mesh);

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use sulcus_core::Vec3;
 use sulcus_core::math::exp_rotation;
-use sulcus_scene::check::{MeshError, check};
-use sulcus_scene::load::{Unit, to_stl};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::repair::{Asked, repair, repair_as};
-use sulcus_scene::shapes::{cuboid, icosphere};
-use sulcus_scene::solid::{Reading, Solid, SolidError, read_solid};
+use sulcus_scene::mesh::check::{MeshError, check};
+use sulcus_scene::mesh::load::{Unit, to_stl};
+use sulcus_scene::mesh::repair::{Asked, repair, repair_as};
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
+use sulcus_scene::mesh::solid::{Reading, Solid, SolidError, read_solid};
 
 use crate::ngons::input;
 

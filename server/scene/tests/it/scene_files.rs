@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sulcus_scene::file::{FileError, parse};
-use sulcus_scene::parametric::{Marking, Probe};
+use sulcus_scene::instruments::{Marking, Probe};
 
 fn good() -> &'static str {
     sulcus_scene::BuiltIn::Crown.text()

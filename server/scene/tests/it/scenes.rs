@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use sulcus_core::{Scene, Vec3};
-use sulcus_scene::built_in::BuiltIn;
-use sulcus_scene::load::to_stl;
+use sulcus_scene::compile::built_in::BuiltIn;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::shapes::icosphere;
+use sulcus_scene::mesh::load::to_stl;
+use sulcus_scene::mesh::shapes::icosphere;
 use sulcus_scene::{BuildOptions, Compiled, compile_default, compile_file, compile_text};
 
 fn quick() -> BuildOptions {

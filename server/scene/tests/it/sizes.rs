@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use sulcus_core::Vec3;
-use sulcus_scene::load::{Unit, to_stl};
-use sulcus_scene::shapes::ellipsoid;
-use sulcus_scene::size::Size;
-use sulcus_scene::solid::{Reading, read_solid};
+use sulcus_scene::mesh::load::{Unit, to_stl};
+use sulcus_scene::mesh::shapes::ellipsoid;
+use sulcus_scene::mesh::size::Size;
+use sulcus_scene::mesh::solid::{Reading, read_solid};
 use sulcus_scene::{BuildOptions, compile_text};
 
 use crate::ngons::input;

@@ -3,12 +3,12 @@
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
-use sulcus_scene::build::{TreeBuildError, TreeOptions, build_tree};
-use sulcus_scene::check::check;
-use sulcus_scene::load::{Unit, parse_mesh, to_stl};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::repair::repair;
-use sulcus_scene::shapes::{cuboid, icosphere};
+use sulcus_scene::mesh::check::check;
+use sulcus_scene::mesh::load::{Unit, parse_mesh, to_stl};
+use sulcus_scene::mesh::repair::repair;
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
+use sulcus_scene::tree::build::{TreeBuildError, TreeOptions, build_tree};
 
 /// Builds a small tree; that it does not panic is the test, that it is whole comes with it.
 fn build(mesh: &TriMesh, samples: usize) {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use sulcus_scene::load::{Unit, load_mesh, parse_mesh};
 use sulcus_scene::mesh::TriMesh;
+use sulcus_scene::mesh::load::{Unit, load_mesh, parse_mesh};
 
 use crate::ngons::input;
 

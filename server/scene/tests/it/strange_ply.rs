@@ -4,10 +4,10 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
-use sulcus_scene::load::{Loaded, Unit, load_mesh, parse_mesh};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::repair::repair;
-use sulcus_scene::shapes::{cuboid, icosphere};
+use sulcus_scene::mesh::load::{Loaded, Unit, load_mesh, parse_mesh};
+use sulcus_scene::mesh::repair::repair;
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
 
 use crate::ngons::input;
 

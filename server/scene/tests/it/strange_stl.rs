@@ -4,9 +4,9 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
-use sulcus_scene::load::{Loaded, Unit, load_mesh, parse_mesh, to_stl};
+use sulcus_scene::mesh::load::{Loaded, Unit, load_mesh, parse_mesh, to_stl};
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
 use sulcus_scene::read_solid;
-use sulcus_scene::shapes::{cuboid, icosphere};
 
 use crate::ngons::input;
 

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::anatomy::sulcus::{Sounded, Sulcus, SulcusError};
+use sulcus_scene::anatomy::{Collar, Molar, Pocket};
 use sulcus_scene::file::{FileError, parse};
-use sulcus_scene::load::to_stl;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::parametric::{Collar, Molar, Pocket};
-use sulcus_scene::sulcus::{Sounded, Sulcus, SulcusError};
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::load::to_stl;
 use sulcus_scene::{BuildOptions, compile_file};
 
 /// How much higher than the prescribed depth a drawn floor lies, metres.

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use sulcus_core::Vec3;
 use sulcus_fem::{Elastic, Factored, TetMesh};
-use sulcus_scene::check::check;
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::anatomy::Tongue;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::parametric::Tongue;
-use sulcus_scene::shapes::{cuboid, icosphere};
-use sulcus_scene::tetrahedra::{TetraError, boundary, dihedral_angles, hold, tetrahedra};
+use sulcus_scene::mesh::check::check;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::shapes::{cuboid, icosphere};
+use sulcus_scene::organ::tetrahedra::{TetraError, boundary, dihedral_angles, hold, tetrahedra};
 
 /// Over all ways to be cut; see the lattice's own test.
 const ANGLES: [f64; 2] = [10.5, 163.8];
@@ -110,7 +110,7 @@ fn blocks(xs: &[f64], ys: &[f64], cells: &[[usize; 2]], z: f64) -> TriMesh {
             }
         }
     }
-    sulcus_scene::repair::repair(all).0
+    sulcus_scene::mesh::repair::repair(all).0
 }
 
 fn turned(mut mesh: TriMesh, axis: Vec3, angle: f64) -> TriMesh {

@@ -6,10 +6,10 @@ use std::path::Path;
 use sulcus_core::Scene;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::skeleton::Skeleton;
-use sulcus_scene::build::{TreeOptions, build_tree};
-use sulcus_scene::built_in::BuiltIn;
-use sulcus_scene::parametric::Tongue;
-use sulcus_scene::skeleton::{SkeletonError, SkeletonOptions, skeleton};
+use sulcus_scene::anatomy::Tongue;
+use sulcus_scene::compile::built_in::BuiltIn;
+use sulcus_scene::organ::skeleton::{SkeletonError, SkeletonOptions, skeleton};
+use sulcus_scene::tree::build::{TreeOptions, build_tree};
 use sulcus_scene::{BuildOptions, Compiled, compile_file};
 
 fn compile(text: &str) -> Result<Compiled, String> {

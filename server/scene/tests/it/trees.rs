@@ -4,12 +4,12 @@
 use std::sync::Mutex;
 
 use sulcus_core::{SphereTree, Vec3};
-use sulcus_scene::build::{TreeBuildError, TreeOptions, build_tree};
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::anatomy::Molar;
 use sulcus_scene::error::level_error;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::parametric::Molar;
-use sulcus_scene::shapes::{ellipsoid, icosphere};
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::shapes::{ellipsoid, icosphere};
+use sulcus_scene::tree::build::{TreeBuildError, TreeOptions, build_tree};
 
 pub fn tree(mesh: &TriMesh, options: &TreeOptions) -> SphereTree {
     build_tree(mesh, options, &|_, _| ()).expect("a tree")

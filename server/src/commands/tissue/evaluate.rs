@@ -11,10 +11,10 @@ use sulcus_core::tissue::surface::SurfaceParams;
 use sulcus_fem::CondenseOptions;
 use sulcus_program::{PathText, say};
 use sulcus_scene::default_cache_dir;
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::organ::skeleton::SkeletonOptions;
+use sulcus_scene::organ::springs::FittedSprings;
 use sulcus_scene::organ::{condensed, skin};
-use sulcus_scene::skeleton::SkeletonOptions;
-use sulcus_scene::springs::FittedSprings;
 
 use super::Model;
 use crate::commands::scene::Narrator;

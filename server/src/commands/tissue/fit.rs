@@ -7,9 +7,9 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use sulcus_fem::{Elastic, Factored};
 use sulcus_program::{PathText, say};
-use sulcus_scene::load::to_obj;
-use sulcus_scene::skeleton::SkeletonOptions;
-use sulcus_scene::springs::FittedSprings;
+use sulcus_scene::mesh::load::to_obj;
+use sulcus_scene::organ::skeleton::SkeletonOptions;
+use sulcus_scene::organ::springs::FittedSprings;
 
 use crate::commands::scene::Narrator;
 use crate::tissue::fit::{Example, Fit, Freedom};

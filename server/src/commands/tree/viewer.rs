@@ -7,10 +7,10 @@ use std::process::{Command, Stdio};
 use anyhow::Context as _;
 use sulcus_core::Vec3;
 use sulcus_program::PathText;
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::surface_error;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::repair::repair;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::repair::repair;
 use sulcus_view::{LevelPicture, TreePicture};
 
 use crate::page::{LevelErrors, Subject};
@@ -114,7 +114,7 @@ fn cut_in_four(mesh: &TriMesh) -> TriMesh {
 
 #[cfg(test)]
 mod tests {
-    use sulcus_scene::shapes::cuboid;
+    use sulcus_scene::mesh::shapes::cuboid;
 
     use super::*;
 

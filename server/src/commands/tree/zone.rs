@@ -7,13 +7,13 @@ use std::sync::Arc;
 use anyhow::{Context, bail};
 use sulcus_core::Vec3;
 use sulcus_program::PathText;
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::zone_patch;
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::repair::Asked;
-use sulcus_scene::size::Size;
-use sulcus_scene::solid::{Reading, read_solid};
-use sulcus_scene::zone::{Region, Zone};
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::repair::Asked;
+use sulcus_scene::mesh::size::Size;
+use sulcus_scene::mesh::solid::{Reading, read_solid};
+use sulcus_scene::tree::zone::{Region, Zone};
 
 /// Name of a zone that was given none.
 const UNNAMED: &str = "zone";

@@ -4,10 +4,10 @@ use sulcus_cases::ripple::{Shape, forced, slide};
 use sulcus_cases::scenes;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, NoProbe, Object, SphereTree};
-use sulcus_scene::blend::{BlendOptions, calibrate};
-use sulcus_scene::build::{TreeOptions, build_tree};
-use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::shapes;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::shapes;
+use sulcus_scene::tree::blend::{BlendOptions, calibrate};
+use sulcus_scene::tree::build::{TreeOptions, build_tree};
 
 use super::answers::Answers;
 

@@ -1,7 +1,7 @@
 //! A model's shape under a load beside that of the finite elements, as one picture that explains itself.
 
 use sulcus_core::Vec3;
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::reference::Reference;
 use crate::picture::text::{INK, extent, write};

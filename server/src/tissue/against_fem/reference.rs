@@ -8,8 +8,8 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Object, Vec3};
 use sulcus_fem::{Elastic, Factored, NewtonOptions, NewtonProgress, solve_neo_hookean};
 use sulcus_program::PathText;
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::file::{ObjectEntry, ObjectKind, parse};
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::organ::{SurfaceOptions, elements};
 use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in};
 

@@ -1,7 +1,7 @@
 use sulcus_core::math::Mat3;
 use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, Spring, StretchLaw};
-use sulcus_scene::skeleton::SkeletonOptions;
-use sulcus_scene::turned::turned;
+use sulcus_scene::mesh::turned::turned;
+use sulcus_scene::organ::skeleton::SkeletonOptions;
 
 use super::*;
 use crate::tissue::cases::cases;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sulcus_core::tissue::TissueModel;
-use sulcus_scene::springs::FittedSprings;
+use sulcus_scene::organ::springs::FittedSprings;
 use sulcus_scene::{BuildOptions, compile_file};
 use sulcus_support::long;
 

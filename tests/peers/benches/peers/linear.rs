@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use sulcus_core::Vec3;
 use sulcus_fem::{Elastic, Factored, TetMesh};
-use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::tetrahedra::{hold, tetrahedra};
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::organ::tetrahedra::{hold, tetrahedra};
 
 use crate::block::{self, CAPSULE, EDGES, POISSON, PRESS, YOUNG};
 use crate::capsule::{HALF, STIFFNESS};

@@ -7,9 +7,9 @@ use std::rc::Rc;
 
 use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder, TriMeshFlags};
 use sulcus_core::{Pose, Quat, Scene as Compiled, Vec3};
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::anatomy::Tooth;
 use sulcus_scene::error::level_error;
-use sulcus_scene::parametric::Tooth;
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::{BuildOptions, compile_text};
 
 use crate::TICK_S;

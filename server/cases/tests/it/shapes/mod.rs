@@ -10,9 +10,9 @@ use sulcus_cases::ripple::{Shape, forced};
 use sulcus_cases::scenes::{self, TIP_BELOW_DEVICE};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Scene, SphereTree, Tool, Vec3};
-use sulcus_scene::build::{BUILDER_VERSION, TreeOptions, build_tree};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::shapes;
+use sulcus_scene::mesh::shapes;
+use sulcus_scene::tree::build::{BUILDER_VERSION, TreeOptions, build_tree};
 
 /// A closed cylinder about the x axis: `around` sectors, rows as long as a sector is wide.
 pub fn cylinder(radius: f64, half_length: f64, around: u32) -> TriMesh {
@@ -98,7 +98,7 @@ pub fn tree(name: &str, mesh: &TriMesh, levels: u8) -> SphereTree {
     {
         return kept.objects[0].tree.clone();
     }
-    sulcus_scene::check::check(mesh, name).expect("a good mesh");
+    sulcus_scene::mesh::check::check(mesh, name).expect("a good mesh");
     let tree = build_tree(mesh, &options, &|_, _| ()).expect("a good mesh");
     let kept = scenes::scene(name, vec![object(name, tree.clone(), levels)]);
     std::fs::write(&file, kept.to_bytes().expect("small")).expect("build directory");

@@ -1,8 +1,8 @@
 //! Trees of the parametric instruments, and of a mesh some of whose places count more than others.
 
 use sulcus_core::{SphereTree, Vec3};
-use sulcus_scene::build::{TreeOptions, build_weighted};
-use sulcus_scene::shapes::ellipsoid;
+use sulcus_scene::mesh::shapes::ellipsoid;
+use sulcus_scene::tree::build::{TreeOptions, build_weighted};
 use sulcus_support::long;
 
 use crate::trees::{assert_part, to_level, tree};

@@ -1,7 +1,7 @@
 //! Trees of real teeth, a gingiva, a tongue and instruments against their meshes, at the finest level.
 
-use sulcus_scene::distance::MeshDistance;
 use sulcus_scene::error::{Sampling, measure};
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_support::long;
 
 use crate::trees::assert_part;

@@ -7,13 +7,14 @@
 use std::sync::Arc;
 
 use sulcus_core::{SphereTree, Vec3};
-use sulcus_scene::build::{TreeOptions, build_weighted};
-use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::load::Unit;
+use sulcus_scene::anatomy::Molar;
+use sulcus_scene::instruments::{Mirror, Probe};
 use sulcus_scene::mesh::TriMesh;
-use sulcus_scene::parametric::{Mirror, Molar, Probe};
-use sulcus_scene::solid::read_solid;
-use sulcus_scene::zone::{Region, Zone, importance};
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::load::Unit;
+use sulcus_scene::mesh::solid::read_solid;
+use sulcus_scene::tree::build::{TreeOptions, build_weighted};
+use sulcus_scene::tree::zone::{Region, Zone, importance};
 
 /// How many times more the pocket's walls count; the largest error is held to one over the sixth root of it.
 const WALL_WEIGHT: f64 = 8000.0;

@@ -10,8 +10,8 @@ use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{NoProbe, Pose, State, TickInput, ToolInput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::script::smoothstep;
 use sulcus_operator::{Hand, HandParams, present};
-use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::parametric::Probe;
+use sulcus_scene::instruments::Probe;
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_support::long;
 
 use stroll::Stroll;

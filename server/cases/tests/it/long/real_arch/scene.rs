@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Gingiva;
 use sulcus_core::{Scene, Vec3};
-use sulcus_scene::distance::MeshDistance;
-use sulcus_scene::load::Unit;
+use sulcus_scene::mesh::distance::MeshDistance;
+use sulcus_scene::mesh::load::Unit;
 use sulcus_scene::{BuildOptions, compile_text, read_solid};
 
 /// Files of the teeth, with their FDI numbers.

@@ -5,7 +5,7 @@ use sulcus_cases::pocket::Way;
 use sulcus_core::math::exp_rotation;
 use sulcus_core::tissue::gingiva::ToothFrame;
 use sulcus_core::{Scene, Vec3};
-use sulcus_scene::distance::MeshDistance;
+use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::scene::gingiva;
 

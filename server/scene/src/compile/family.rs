@@ -1,0 +1,49 @@
+//! Trees that the program brings along: of the built-in scenes, teeth above all, which take minutes to build and are the
+//! same for every patient, and of the pockets of the hard cases.
+//!
+//! The file is made by `sulcus-server scene family` and holds what the cache would: each tree under the hash of everything that
+//! makes it. A shape that was changed since has another hash, is not found, and is built; a test says so.
+
+use std::path::Path;
+
+use sulcus_core::SphereTree;
+
+use crate::compile::cache;
+
+static FAMILY: &[u8] = include_bytes!("../../../scenes/family.bin");
+
+/// The tree of a key, if it is in the family.
+pub(crate) fn find(key: &blake3::Hash) -> Option<SphereTree> {
+    let mut rest = FAMILY;
+    while let Some((length, more)) = rest.split_at_checked(8) {
+        let length = u64::from_le_bytes(length.try_into().ok()?);
+        let (file, more) = more.split_at_checked(usize::try_from(length).ok()?)?;
+        if let Some(content) = cache::content(file, key) {
+            return cache::decode(content);
+        }
+        rest = more;
+    }
+    None
+}
+
+/// The bytes of a family: all trees in a cache's folder, in the order of their keys.
+///
+/// # Errors
+/// When the folder or a file in it cannot be read.
+pub fn pack(dir: &Path) -> std::io::Result<Vec<u8>> {
+    let mut files: Vec<_> = std::fs::read_dir(dir)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<Result<_, _>>()?;
+    files.retain(|file| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("tree-") && name.ends_with(".bin")
+    });
+    let mut trees: Vec<Vec<u8>> = files.iter().map(std::fs::read).collect::<Result<_, _>>()?;
+    trees.sort_by(|a, b| cache::key_of(a).cmp(&cache::key_of(b)));
+    let mut packed = Vec::new();
+    for bytes in trees {
+        packed.extend((bytes.len() as u64).to_le_bytes());
+        packed.extend(bytes);
+    }
+    Ok(packed)
+}

@@ -1,0 +1,10 @@
+//! Instruments from a handful of numbers: periodontal probe and mouth mirror.
+
+pub mod marking;
+pub mod mirror;
+pub mod probe;
+mod tube;
+
+pub use marking::Marking;
+pub use mirror::Mirror;
+pub use probe::Probe;

@@ -1,0 +1,143 @@
+//! From an implicit function to a closed mesh: naive surface nets (Gibson 1998) on a regular grid,
+//! every vertex then moved onto the zero set along the gradient.
+
+use sulcus_core::Vec3;
+
+use crate::mesh::TriMesh;
+
+/// Meshes `{f = 0}` inside the box `low..high` with grid edge `cell`; `f` is negative inside and
+/// must be positive on the whole border of the box. Any unit of length.
+pub fn polygonise(f: &(dyn Fn(&Vec3) -> f64 + Sync), low: Vec3, high: Vec3, cell: f64) -> TriMesh {
+    let n: [usize; 3] =
+        std::array::from_fn(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
+    let stride = [1, n[0], n[0] * n[1]];
+    let at = |i: usize, j: usize, k: usize| i + j * stride[1] + k * stride[2];
+    let place = |i: usize, j: usize, k: usize| low + Vec3::new(i as f64, j as f64, k as f64) * cell;
+    // One slice of the grid per work item; the order of results does not depend on threads.
+    let values: Vec<f64> = crate::parallel::map(n[2], |k| {
+        let mut slice = Vec::with_capacity(stride[2]);
+        for j in 0..n[1] {
+            slice.extend((0..n[0]).map(|i| f(&place(i, j, k))));
+        }
+        slice
+    })
+    .concat();
+
+    let mut mesh = TriMesh::default();
+    let mut vertex_of = vec![u32::MAX; values.len()];
+    for k in 0..n[2] - 1 {
+        for j in 0..n[1] - 1 {
+            for i in 0..n[0] - 1 {
+                if let Some(inner) = cell_vertex(&values, at(i, j, k), &stride) {
+                    vertex_of[at(i, j, k)] = mesh.vertices.len() as u32;
+                    mesh.vertices.push(place(i, j, k) + inner * cell);
+                }
+            }
+        }
+    }
+    mesh.vertices =
+        crate::parallel::map(mesh.vertices.len(), |v| project(f, mesh.vertices[v], cell));
+    for k in 1..n[2] - 1 {
+        for j in 1..n[1] - 1 {
+            for i in 1..n[0] - 1 {
+                let here = at(i, j, k);
+                for axis in 0..3 {
+                    let inside = values[here] < 0.0;
+                    if inside == (values[here + stride[axis]] < 0.0) {
+                        continue;
+                    }
+                    // The four cells around this grid edge, counter-clockwise about the axis.
+                    let (u, v) = (stride[(axis + 1) % 3], stride[(axis + 2) % 3]);
+                    let mut quad = [here - u - v, here - v, here, here - u].map(|c| vertex_of[c]);
+                    if !inside {
+                        quad.reverse();
+                    }
+                    add_quad(&mut mesh, quad);
+                }
+            }
+        }
+    }
+    mesh
+}
+
+/// Mean of the crossings on the edges of a cell, in cell coordinates; none without a crossing.
+fn cell_vertex(values: &[f64], corner: usize, stride: &[usize; 3]) -> Option<Vec3> {
+    let offset =
+        |c: usize| (c & 1) * stride[0] + (c >> 1 & 1) * stride[1] + (c >> 2 & 1) * stride[2];
+    let (mut sum, mut count) = (Vec3::zeros(), 0_u32);
+    for from in 0..8_usize {
+        for axis in (0..3).filter(|axis| from & (1 << axis) == 0) {
+            let to = from | (1 << axis);
+            let (a, b) = (values[corner + offset(from)], values[corner + offset(to)]);
+            if (a < 0.0) != (b < 0.0) {
+                let mut crossing = Vec3::from_fn(|row, _| (from >> row & 1) as f64);
+                crossing[axis] = a / (a - b);
+                sum += crossing;
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// A few Newton steps onto the zero set, none longer than half a cell.
+fn project(f: &dyn Fn(&Vec3) -> f64, start: Vec3, cell: f64) -> Vec3 {
+    let step = cell * 1e-3;
+    let mut p = start;
+    for _ in 0..4 {
+        let slope = Vec3::from_fn(|axis, _| {
+            let mut shift = Vec3::zeros();
+            shift[axis] = step;
+            (f(&(p + shift)) - f(&(p - shift))) / (2.0 * step)
+        });
+        let steepness = slope.norm_squared();
+        if steepness < 1e-6 {
+            break;
+        }
+        let mut newton = slope * (-f(&p) / steepness);
+        let length = newton.norm();
+        if length > 0.25 * cell {
+            newton *= 0.25 * cell / length;
+        }
+        p += newton;
+    }
+    // Beyond its own neighbourhood a vertex would fold the mesh.
+    if (p - start).norm() > 0.6 * cell {
+        start
+    } else {
+        p
+    }
+}
+
+/// Two triangles, cut along the shorter diagonal.
+fn add_quad(mesh: &mut TriMesh, quad: [u32; 4]) {
+    let [a, b, c, d] = quad;
+    let p = quad.map(|v| mesh.vertices[v as usize]);
+    if (p[0] - p[2]).norm_squared() <= (p[1] - p[3]).norm_squared() {
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    } else {
+        mesh.triangles.extend([[a, b, d], [b, c, d]]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ball_and_a_ring_come_out_closed_outward_and_in_place() {
+        let ball = |p: &Vec3| p.norm() - 0.005;
+        let mesh = polygonise(&ball, Vec3::repeat(-0.006), Vec3::repeat(0.006), 0.0004);
+        let report = crate::mesh::check::check(&mesh, "ball").expect("closed");
+        assert_eq!(report.genus, 0);
+        assert!(mesh.vertices.iter().all(|v| ball(v).abs() < 1e-9));
+        let ring = |p: &Vec3| ((p.x * p.x + p.y * p.y).sqrt() - 0.004).hypot(p.z) - 0.0015;
+        let mesh = polygonise(&ring, Vec3::repeat(-0.006), Vec3::repeat(0.006), 0.0004);
+        assert_eq!(
+            crate::mesh::check::check(&mesh, "ring")
+                .expect("closed")
+                .genus,
+            1
+        );
+    }
+}

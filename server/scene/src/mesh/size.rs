@@ -1,0 +1,148 @@
+//! Plausible sizes: mesh files name no unit, and a wrong one shows in the size alone.
+
+use serde::{Deserialize, Serialize};
+
+use crate::mesh::check::PLAUSIBLE_SIZE_M;
+use crate::mesh::edges::Length;
+use crate::mesh::load::Unit;
+
+/// The kind of thing that a mesh is of, which says how large it can be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Size {
+    /// A tooth or its crown.
+    Tooth,
+    /// A tongue or another organ that deforms as a whole.
+    Tongue,
+    /// A jaw, or a gingiva of several teeth.
+    Arch,
+    /// An instrument, or the part of it that touches.
+    Instrument,
+    /// Anything in a mouth.
+    #[default]
+    Mouth,
+    /// Anything at all: only what the computation cannot cope with is refused.
+    Any,
+}
+
+impl Size {
+    /// All kinds, in the order in which messages name them.
+    pub const ALL: [Size; 6] = [
+        Size::Tooth,
+        Size::Tongue,
+        Size::Arch,
+        Size::Instrument,
+        Size::Mouth,
+        Size::Any,
+    ];
+
+    /// Smallest and largest plausible length of the longest edge of the bounding box, mm. A human tooth is 17 to 30 mm
+    /// long and a scanned crown at least 5 mm; a tongue is 70 mm long, a mandible 100 mm, a probe 170 mm, and the working end
+    /// of an instrument a few millimetres.
+    pub fn range_mm(self) -> (f64, f64) {
+        match self {
+            Size::Tooth => (4.0, 45.0),
+            Size::Tongue => (20.0, 150.0),
+            Size::Arch => (12.0, 200.0),
+            Size::Instrument => (4.0, 300.0),
+            Size::Mouth => (4.0, 300.0),
+            Size::Any => (PLAUSIBLE_SIZE_M.0 * 1e3, PLAUSIBLE_SIZE_M.1 * 1e3),
+        }
+    }
+
+    /// The kind in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Size::Tooth => "tooth",
+            Size::Tongue => "tongue",
+            Size::Arch => "arch",
+            Size::Instrument => "instrument",
+            Size::Mouth => "mouth",
+            Size::Any => "any",
+        }
+    }
+
+    /// The kind in a sentence.
+    fn described(self) -> &'static str {
+        match self {
+            Size::Tooth => "a tooth",
+            Size::Tongue => "a tongue",
+            Size::Arch => "a jaw or gingiva",
+            Size::Instrument => "an instrument",
+            Size::Mouth => "anything in a mouth",
+            Size::Any => "a mesh",
+        }
+    }
+
+    /// Whether this size of a bounding box (mm) is plausible.
+    pub fn holds(self, size_mm: f64) -> bool {
+        let (low, high) = self.range_mm();
+        // The edge of a box that was scaled from its limit is still within.
+        (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&size_mm)
+    }
+}
+
+impl std::str::FromStr for Size {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Size::ALL
+            .into_iter()
+            .find(|size| size.name() == text)
+            .ok_or_else(|| {
+                let names = Size::ALL.map(|size| format!("`{}`", size.name()));
+                format!("size is `{text}`, expected one of {}", names.join(", "))
+            })
+    }
+}
+
+/// The range that was expected, for a message.
+pub(crate) fn expected(size: Size) -> String {
+    let (low, high) = size.range_mm();
+    match size {
+        Size::Any => format!("{low} to {high} mm"),
+        _ => format!("{low} to {high} mm for {}", size.described()),
+    }
+}
+
+/// The units that would make a size plausible, for a message; `read_in` is none for a mesh that is from no file.
+pub(crate) fn advice(size_mm: f64, size: Size, read_in: Option<Unit>) -> String {
+    // The numbers of a mesh that is from no file may be anything: millimetres taken for metres, or the other way round.
+    let read = |unit: Unit| {
+        read_in.unwrap_or(match unit {
+            Unit::Millimetre => Unit::Metre,
+            _ => Unit::Millimetre,
+        })
+    };
+    let tries = Unit::ALL.into_iter().filter(|unit| read_in != Some(*unit));
+    let fits: Vec<(Unit, f64)> = tries
+        .map(|unit| (unit, size_mm * unit.metres() / read(unit).metres()))
+        .filter(|(_, mm)| size.holds(*mm))
+        .collect();
+    let mut said = if fits.is_empty() {
+        let names: Vec<&str> = Unit::ALL.iter().map(|unit| unit.plural()).collect();
+        let (last, first) = names.split_last().unwrap_or((&"", &[]));
+        format!(
+            "neither {} nor {last} make a plausible size of it{}",
+            first.join(", "),
+            read_in.map_or(String::new(), |unit| format!(
+                " (it was read in {})",
+                unit.plural()
+            ))
+        )
+    } else {
+        let each = fits.iter().map(|(unit, mm)| {
+            let (name, symbol) = (unit.plural(), unit.symbol());
+            format!(
+                "in {name} it would be {} mm, so say `unit = \"{symbol}\"` in a scene file or `--unit {symbol}` on the command line",
+                Length(*mm)
+            )
+        });
+        each.collect::<Vec<_>>().join("; ")
+    };
+    if size != Size::Any && Size::Any.holds(size_mm) {
+        said.push_str(
+            "; if the size is meant, say `size = \"any\"` in a scene file or `--size any` on the command line",
+        );
+    }
+    said
+}
