@@ -12,11 +12,7 @@ const BUILDERS: [&str; 5] = [
     "../core/src/tree",
 ];
 /// Files beside those folders.
-const FILES: [&str; 3] = [
-    "../core/src/blend.rs",
-    "../core/src/tree.rs",
-    "../core/src/skin.rs",
-];
+const FILES: [&str; 2] = ["../core/src/scene/skin.rs", "../core/src/tree.rs"];
 
 /// Sources of compiled scenes: those, and all else of the core, whose defaults and checks a scene is made by.
 const SCENES: [&str; 3] = ["src", "../fem/src", "../core/src"];

@@ -1,7 +1,7 @@
 //! A hand that holds a device: two springs, two dampers, a mass.
 
-use sulcus_core::displayable::{DEVICE_DAMPING, DEVICE_SPIN_DAMPING};
 use sulcus_core::math::{exp_rotation, log_rotation, normalised};
+use sulcus_core::scene::displayable::{DEVICE_DAMPING, DEVICE_SPIN_DAMPING};
 use sulcus_core::{Pose, Vec3, Wrench};
 
 use crate::tremor::Tremor;

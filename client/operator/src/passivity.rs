@@ -8,7 +8,7 @@
 //! may well come back as a turn; each hand has its own.
 
 use sulcus_core::math::{fmax, fmin, log_rotation, norm};
-use sulcus_core::params::ParamError;
+use sulcus_core::scene::params::ParamError;
 use sulcus_core::{Pose, Vec3, Wrench};
 
 /// How the controller damps.

@@ -21,46 +21,31 @@
 //! No friction, no gravity, tools do not collide with each other.
 
 pub mod blend;
-mod collide;
 pub mod contact;
-pub mod displayable;
 pub mod exactly;
-mod gaps;
-mod groups;
-mod haptic;
 pub mod input;
 pub mod math;
-mod metric;
 pub mod optimise;
 pub mod output;
-pub mod params;
-mod pass;
 mod rows;
 pub mod scene;
-mod settle;
-pub mod skin;
-pub mod stage;
 pub mod state;
-mod substep;
 pub mod tick;
 pub mod tissue;
 pub mod tree;
-mod workspace;
-mod wrench;
-mod yielding;
 
 pub use exactly::exactly;
 pub use input::{RawPose, TickInput, ToolInput};
 pub use math::{Pose, Quat, Vec3, Wrench};
 pub use output::{TickOutput, ToolOutput};
-pub use params::Params;
+pub use scene::params::Params;
+pub use scene::skin::DisplaySkin;
 pub use scene::{DisplayMesh, Object, Scene, SceneError, Tool};
-pub use skin::DisplaySkin;
-pub use stage::{NoProbe, Stage, StageProbe};
 pub use state::State;
+pub use tick::stage::{NoProbe, Stage, StageProbe};
 pub use tick::tick;
+pub use tick::workspace::Workspace;
 pub use tree::{Blending, Node, Sphere, SphereTree, TreeError};
-pub use workspace::Workspace;
 
 /// Most tools one scene can hold: one for each hand.
 pub const MAX_TOOLS: usize = 2;

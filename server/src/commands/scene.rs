@@ -8,7 +8,7 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket_text};
 use sulcus_core::Scene;
-use sulcus_core::displayable::too_stiff;
+use sulcus_core::scene::displayable::too_stiff;
 use sulcus_program::{PathText, say, tell};
 use sulcus_scene::compile::family;
 use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text};

@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use sulcus_core::Scene;
-use sulcus_core::displayable::too_stiff;
+use sulcus_core::scene::displayable::too_stiff;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::ticket::hex;

@@ -1,8 +1,8 @@
 //! From a recording to its grade: one replay, and what is made of it.
 
 use sulcus_core::Scene;
-use sulcus_core::displayable::too_stiff;
 use sulcus_core::math::fmin;
+use sulcus_core::scene::displayable::too_stiff;
 use sulcus_core::tissue::TissueModel;
 
 use super::advice::advice;

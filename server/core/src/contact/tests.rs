@@ -196,7 +196,7 @@ fn brute_force(scene: &Scene, query: &Query, out: &mut ContactList) {
 fn stepped(pose: &mut Pose, size: f64, random: &mut Random) {
     pose.position += random.vector(size);
     let turn = exp_rotation(&random.vector(20.0 * size));
-    pose.orientation = crate::haptic::renormalised(&(turn * pose.orientation));
+    pose.orientation = crate::tick::haptic::renormalised(&(turn * pose.orientation));
 }
 
 #[test]

@@ -6,7 +6,8 @@ use crate::grade::hands::Moment;
 use crate::grade::sites::Finding;
 use crate::grade::test_help::{SET, empty_scene, standing, zone};
 use sulcus_core::Vec3;
-use sulcus_core::tissue::gingiva::Site::{self, *};
+use sulcus_core::tissue::gingiva::Site;
+use sulcus_core::tissue::gingiva::Site::*;
 
 /// Values of a session made by hand.
 struct By {

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use super::{TissueError, wrong};
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, norm};
-use crate::params::within;
+use crate::scene::params::within;
 use crate::tree::SphereTree;
 
 pub use params::GingivaParams;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::params::within;
+use crate::scene::params::within;
 use crate::tissue::TissueError;
 
 /// Parameters of a gingiva, SI units.

@@ -4,7 +4,7 @@ use super::{Gingiva, GingivaParams, MEMORY};
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, fmax};
 use crate::output::{ForceZone, PocketReading};
-use crate::params::within;
+use crate::scene::params::within;
 use crate::tissue::Hands;
 
 /// What is remembered of one tool: floor force (N), zone (0 to 3), whether the zone was entered in this tick.

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::Gingiva;
-use crate::params::within;
+use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 
 /// Least and greatest half width of a proximal zone, degrees.

@@ -7,7 +7,7 @@ use super::load::for_each_press;
 use super::ranged;
 use crate::MAX_TOOLS;
 use crate::math::{Vec3, fmax, norm};
-use crate::params::within;
+use crate::scene::params::within;
 use crate::tissue::gingiva::Gingiva;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError, largest_difference};
 use crate::tree::SphereTree;

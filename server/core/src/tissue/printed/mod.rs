@@ -44,7 +44,7 @@ pub use skeleton::{PenaltyMeter, PrintedSkeleton};
 pub use whole::as_printed;
 
 use super::{TissueError, wrong};
-use crate::params::within;
+use crate::scene::params::within;
 
 /// Checks one number against its range.
 fn ranged(

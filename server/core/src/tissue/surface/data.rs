@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::masters::Masters;
-use crate::params::within;
+use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 

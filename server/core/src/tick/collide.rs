@@ -5,8 +5,8 @@ use crate::blend::reach;
 use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
 use crate::math::fmax;
 use crate::state::State;
-use crate::substep::{place, posed};
-use crate::workspace::Workspace;
+use crate::tick::substep::{place, posed};
+use crate::tick::workspace::Workspace;
 
 /// How far a pass looks, and with how much of the reach of blended surfaces.
 #[derive(Clone, Copy, Debug)]

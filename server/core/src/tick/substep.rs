@@ -5,24 +5,24 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
-use crate::collide::{Fits, collide};
 use crate::contact::{Distance, Overflow, PosedTool, SMALLEST_PREDICTION};
-use crate::gaps::true_gaps;
-use crate::haptic::{renormalised, twist};
 use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
-use crate::metric::Metric;
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
 use crate::output::status;
-use crate::pass::Pass;
+use crate::rows::metric::Metric;
 use crate::rows::{bend, group_contacts, keep_smallest_gaps, write_lines};
-use crate::settle::Settle;
-use crate::stage::{Stage, StageProbe};
 use crate::state::State;
+use crate::tick::collide::{Fits, collide};
+use crate::tick::gaps::true_gaps;
+use crate::tick::haptic::{renormalised, twist};
+use crate::tick::pass::Pass;
+use crate::tick::settle::Settle;
+use crate::tick::stage::{Stage, StageProbe};
+use crate::tick::workspace::Workspace;
+use crate::tick::yielding::{fill_tissue, yield_target};
 use crate::tick::{Held, hands};
-use crate::workspace::Workspace;
-use crate::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
 /// How much farther each pass of a tick looks at least than the one before, and how far at most for that

@@ -1,15 +1,17 @@
 //! What each row of a pass is about: a contact, or on a blended object a place of its surface; and how such
 //! a surface bends there.
 
+pub(crate) mod metric;
+
 use std::ops::Range;
 
 use crate::Scene;
 use crate::blend::{Group, Groups, Line, Pair, Written, hollowness};
 use crate::contact::{Contact, Distance};
 use crate::math::{Vec3, fmin, norm};
-use crate::metric::Metric;
-use crate::pass::Pass;
-use crate::workspace::Workspace;
+use crate::rows::metric::Metric;
+use crate::tick::pass::Pass;
+use crate::tick::workspace::Workspace;
 
 /// Blended gap up to which a surface is taken to be touched, metres.
 const TOUCHING: f64 = 2e-6;

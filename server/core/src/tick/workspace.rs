@@ -7,12 +7,12 @@ use crate::contact::{Contact, ContactList, Predictor, Work};
 use crate::input::TickInput;
 use crate::math::{Pose, Vec3, Wrench};
 use crate::optimise::{Problem, Solution, active_set::ActiveSet};
-use crate::pass::Pass;
 use crate::scene::Scene;
 use crate::state::State;
+use crate::tick::pass::Pass;
+use crate::tick::yielding::Yielding;
 use crate::tissue::{Site, SiteLoad, TissueModel};
 use crate::tree::Sphere;
-use crate::yielding::Yielding;
 
 /// Scratch of a tick, sized when the scene loads. What outlives a tick in it saves work and never
 /// shows in a result: a fresh one gives the same bits.

@@ -4,12 +4,12 @@ use crate::blend::Line;
 use crate::contact::soft::SoftNeighbours;
 use crate::contact::{ContactList, ContactsFull, Distance, PosedTool, Predictor};
 use crate::math::{Vec3, fmax};
-use crate::pass::Pass;
 use crate::rows::runs;
 use crate::state::State;
+use crate::tick::pass::Pass;
+use crate::tick::workspace::Workspace;
 use crate::tissue::{Gram, Hands, Tissue, refit};
 use crate::tree::Node;
-use crate::workspace::Workspace;
 use crate::{MAX_TOOLS, Scene};
 
 /// An object that can yield, in a workspace.

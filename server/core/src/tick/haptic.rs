@@ -4,7 +4,7 @@ use crate::Tool;
 use crate::input::RawPose;
 use crate::math::{Pose, Quat, Vec3, Wrench, exp_rotation, log_rotation, norm, normalised};
 use crate::output::status;
-use crate::params::Params;
+use crate::scene::params::Params;
 use crate::state::ToolState;
 
 /// A twist beyond this no longer raises the torque, radians.

@@ -3,12 +3,16 @@
 //! A compiled scene is bytes: built and hashed offline, validated once on load, carried by every
 //! recording.
 
+pub mod displayable;
+pub mod params;
+pub mod skin;
+
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, fmax, fmin, norm};
-use crate::params::{ParamError, Params, within};
+use crate::scene::params::{ParamError, Params, within};
 use crate::tissue::{TissueError, TissueModel};
 use crate::tree::SphereTree;
 

@@ -5,7 +5,7 @@ mod tissues;
 pub use tissues::Tissues;
 
 use crate::math::{Pose, Vec3, Wrench, norm, normalised};
-use crate::params::within;
+use crate::scene::params::within;
 use crate::{MAX_TOOLS, Scene};
 
 /// What outlives a tick of one tool.

@@ -3,11 +3,11 @@
 use crate::blend::Pair;
 use crate::contact::{Contact, Distance, centre};
 use crate::math::{Mat3, Vec3, fmin, norm};
-use crate::pass::Pass;
 use crate::rows::{lever, runs};
 use crate::state::State;
-use crate::substep::Reached;
-use crate::workspace::Workspace;
+use crate::tick::pass::Pass;
+use crate::tick::substep::Reached;
+use crate::tick::workspace::Workspace;
 use crate::{MAX_TOOLS, Scene};
 
 /// Smallest true gap of each tool and of all after a motion of at most `moved`: of the spheres, or where they

@@ -3,7 +3,7 @@
 
 use crate::math::{Vec3, Wrench, fmin, norm};
 use crate::output::status;
-use crate::params::Params;
+use crate::scene::params::Params;
 
 /// What bears on the wrench besides the contacts.
 #[derive(Clone, Copy, Debug)]

@@ -16,12 +16,12 @@
 //! shows later.
 
 use crate::MAX_TOOLS;
-use crate::pass::Pass;
-use crate::stage::{Stage, StageProbe};
 use crate::state::State;
-use crate::substep::{Asked, Reached, Run, Shared};
 use crate::tick::hands;
-use crate::workspace::Workspace;
+use crate::tick::pass::Pass;
+use crate::tick::stage::{Stage, StageProbe};
+use crate::tick::substep::{Asked, Reached, Run, Shared};
+use crate::tick::workspace::Workspace;
 
 /// Moves the tools in the slots `present` (ascending), and all that yields, as far as this tick allows.
 pub(crate) fn advance<P: StageProbe>(

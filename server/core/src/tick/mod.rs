@@ -1,21 +1,33 @@
 //! The tick itself: input in, wrench out, state forward.
 
+mod collide;
+mod gaps;
+mod groups;
+pub(crate) mod haptic;
+pub(crate) mod pass;
+mod settle;
+pub mod stage;
+mod substep;
+pub(crate) mod workspace;
+mod wrench;
+mod yielding;
+
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
-use crate::groups::advance;
-use crate::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::input::TickInput;
 use crate::math::{Pose, Vec3, Wrench, fclamp, fmax, log_rotation, norm};
 use crate::output::{PocketReading, TickOutput, ToolOutput, status};
-use crate::pass::Pass;
 use crate::scene::Scene;
-use crate::stage::{Stage, StageProbe};
 use crate::state::State;
-use crate::substep::{Asked, Reached, Wanted};
+use crate::tick::groups::advance;
+use crate::tick::haptic::{kept_axis, sanitise, twist, wrench_at_device};
+use crate::tick::pass::Pass;
+use crate::tick::stage::{Stage, StageProbe};
+use crate::tick::substep::{Asked, Reached, Wanted};
+use crate::tick::workspace::Workspace;
+use crate::tick::wrench::{Conditions, limited};
 use crate::tissue::{Hand, Hands, SiteLoad};
-use crate::workspace::Workspace;
-use crate::wrench::{Conditions, limited};
 
 /// Time without a usable pose after which the tool counts as stale, seconds: the watchdog's.
 const BAD_STALE_S: f64 = 0.05;
