@@ -7,8 +7,8 @@
 //! stays as it is. (Root balls say nothing here: a probe's handle makes its ball as large as the mouth. The bound is found by a
 //! descent into both trees that ends where the pair's balls are small beside their distance.)
 
-use super::dual::reach_of;
-use super::predictor::{Lever, Posed, PosedTool, Predictor};
+use super::posed::{Lever, Posed, PosedTool, reach_of};
+use super::predictor::Predictor;
 use super::{Distance, spread};
 use crate::blend::reach;
 use crate::math::{Mat3, Vec3, fmax, fmin, norm};

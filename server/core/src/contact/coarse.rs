@@ -7,11 +7,13 @@
 
 use super::neighbours::ROUNDING;
 use super::packs::{Felt, Packs};
-use super::predictor::{Lever, Posed, PosedTool, levers};
-use super::soft::TURN;
+use super::posed::{Lever, Posed, PosedTool, levers};
 use crate::math::{Vec3, fmax};
-use crate::scene::Tool;
+use crate::scene::tool::Tool;
 use crate::tree::{Node, Sphere};
+
+/// Turn of the tool that a list of soft spheres allows for: largest Frobenius norm of a difference of rotation matrices.
+pub(super) const TURN: f64 = 1.7e-2;
 
 /// A tool's families, in its own frame, each sphere grown by how far a turn of [`TURN`] can move it.
 #[derive(Debug)]

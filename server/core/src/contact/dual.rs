@@ -1,6 +1,6 @@
 //! The plain traversal: two trees at once, the larger node opened first.
 
-use super::predictor::{Lever, Posed, PosedTool};
+use super::posed::{Lever, Posed, PosedTool, reach_of};
 use super::{ContactList, ContactsFull, Distance};
 use crate::tree::Node;
 
@@ -75,14 +75,4 @@ pub(super) fn traverse(
         }
     }
     Ok(())
-}
-
-/// What culling must allow for: a shape node only itself, an inner node all below it.
-#[inline]
-pub(crate) fn reach_of(node: &Node, is_shape: bool) -> f64 {
-    if is_shape {
-        node.contact_radius
-    } else {
-        node.bound_radius
-    }
 }

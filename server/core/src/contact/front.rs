@@ -5,9 +5,9 @@
 //! without a branch that depends on what a test says, so that one test need not wait for the one before: on a molar
 //! of 32,000 spheres a list takes a quarter less time than by a traversal that keeps a stack.
 
-use super::dual::{STACK, reach_of};
+use super::dual::STACK;
 use super::packs::{Felt, Packs};
-use super::predictor::{Lever, Posed, PosedTool};
+use super::posed::{Lever, Posed, PosedTool, reach_of};
 use crate::tree::MAX_CHILDREN;
 
 /// Most pairs of a front.

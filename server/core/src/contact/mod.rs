@@ -16,13 +16,16 @@ mod dual;
 mod front;
 mod neighbours;
 mod packs;
+mod posed;
 mod predictor;
 pub(crate) mod soft;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use dual::{STACK, reach_of};
-pub use predictor::{PosedTool, Predictor, Work};
+pub(crate) use dual::STACK;
+pub use posed::PosedTool;
+pub(crate) use posed::reach_of;
+pub use predictor::{Predictor, Work};
 
 use crate::math::{Mat3, Pose, Vec3};
 use crate::tissue::Site;

@@ -8,7 +8,7 @@
 
 use super::front::Search;
 use super::packs::{Felt, Packs};
-use super::predictor::{Lever, Posed, PosedTool};
+use super::posed::{Lever, Posed, PosedTool};
 use super::{ContactList, ContactsFull, Distance, spread};
 use crate::math::{Mat3, Vec3, fclamp, fmax, norm};
 use crate::tree::Node;

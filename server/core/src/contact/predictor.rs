@@ -4,26 +4,11 @@ use super::dual::{STACK, traverse};
 use super::front::Search;
 use super::neighbours::{CAPACITY, Neighbours};
 use super::packs::Packs;
-use super::{Contact, ContactList, ContactsFull, Distance, centre};
+use super::posed::{Lever, Posed, PosedTool, levers};
+use super::{ContactList, ContactsFull, Distance};
 use crate::MAX_TOOLS;
-use crate::math::{Mat3, Pose, Vec3, norm};
 use crate::scene::Scene;
-use crate::tree::{Node, Sphere};
-
-/// A tree at a pose: what one side of a query needs.
-#[derive(Clone, Copy, Debug)]
-pub struct PosedTool<'a> {
-    /// Nodes in the tool's frame.
-    pub nodes: &'a [Node],
-    /// `world_from_tool`.
-    pub pose: &'a Pose,
-    /// Level in contact.
-    pub level: u8,
-    /// Working point in the tool's frame.
-    pub working_point: &'a Vec3,
-    /// Tool slot.
-    pub slot: u8,
-}
+use crate::tree::Node;
 
 /// What contact prediction did since the workspace was made: counts, so the same on every machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,18 +44,6 @@ pub struct Predictor {
     plain: bool,
 }
 
-/// A tool's spheres in world axes, as far as they are needed.
-#[derive(Debug)]
-pub(super) struct Posed {
-    pub rotation: Mat3,
-    pub position: Vec3,
-    pub working_point: Vec3,
-    centres: Vec<Vec3>,
-    /// Pass in which the centre was filled.
-    stamps: Vec<u32>,
-    pass: u32,
-}
-
 impl Predictor {
     /// Contact prediction for `scene`: rigid objects are taken to stay as they are.
     pub fn new(scene: &Scene) -> Self {
@@ -98,14 +71,7 @@ impl Predictor {
         let tool_nodes = scene.tools.iter().map(|tool| tool.tree.nodes().len()).max();
         let tool_nodes = tool_nodes.unwrap_or(0);
         Self {
-            posed: Posed {
-                rotation: Mat3::identity(),
-                position: Vec3::zeros(),
-                working_point: Vec3::zeros(),
-                centres: vec![Vec3::zeros(); tool_nodes],
-                stamps: vec![0; tool_nodes],
-                pass: 0,
-            },
+            posed: Posed::with_capacity(tool_nodes),
             stack: Vec::with_capacity(STACK),
             packs,
             neighbours,
@@ -143,15 +109,7 @@ impl Predictor {
 
     /// Begins the queries of one tool at one pose.
     pub fn begin(&mut self, tool: &PosedTool<'_>) {
-        let posed = &mut self.posed;
-        posed.rotation = tool.pose.orientation.to_rotation_matrix().into_inner();
-        posed.position = tool.pose.position;
-        posed.working_point = centre(&posed.rotation, tool.pose, tool.working_point);
-        posed.pass = posed.pass.wrapping_add(1);
-        if posed.pass == 0 {
-            posed.stamps.fill(0);
-            posed.pass = 1;
-        }
+        self.posed.begin(tool);
     }
 
     /// Appends every pair of contact spheres of `tool`, the one that [`Predictor::begin`] was called with,
@@ -202,81 +160,4 @@ impl Predictor {
         let within = (d, self.levers[t].as_slice());
         traverse(tool, &mut self.posed, object, within, counted, out)
     }
-}
-
-impl Posed {
-    /// World centre of a node of the tool. Always inlined: a result that comes back through memory piece by piece
-    /// cannot be read as a whole without a stall.
-    #[inline(always)]
-    pub fn centre_of(&mut self, tool: &PosedTool<'_>, node: u32) -> Vec3 {
-        let at = node as usize;
-        if self.stamps[at] == self.pass {
-            return self.centres[at];
-        }
-        let centre = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
-        self.stamps[at] = self.pass;
-        self.centres[at] = centre;
-        centre
-    }
-
-    /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
-    #[inline(always)]
-    pub fn contact(
-        &self,
-        tool: &PosedTool<'_>,
-        (object, o, sphere): (u16, u32, &Sphere),
-        (t, at): (u32, &Vec3),
-        d: f64,
-    ) -> Option<Contact> {
-        let between = at - sphere.centre;
-        let reach = tool.nodes[t as usize].contact_radius + sphere.radius;
-        let squared = between.dot(&between);
-        if squared >= (reach + d) * (reach + d) {
-            return None;
-        }
-        let distance = squared.sqrt();
-        // Concentric spheres have no normal: any direction is as good, take up.
-        let normal = if distance > 1e-12 {
-            between / distance
-        } else {
-            Vec3::z()
-        };
-        Some(Contact {
-            tool: tool.slot,
-            object,
-            object_sphere: o,
-            tool_sphere: t,
-            normal,
-            gap: distance - reach,
-            arm: at - self.working_point,
-        })
-    }
-}
-
-/// Distance of a tool's node from the working point, metres.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lever {
-    /// Of its centre.
-    pub own: f64,
-    /// Of the farthest centre that can be below it.
-    pub below: f64,
-}
-
-impl Lever {
-    /// The one that counts when the node is the shape, or stands for those below it.
-    #[inline]
-    pub fn of(&self, is_shape: bool) -> f64 {
-        if is_shape { self.own } else { self.below }
-    }
-}
-
-pub(super) fn levers(tool: &crate::scene::Tool) -> Vec<Lever> {
-    let lever = |node: &Node| {
-        let own = norm(&(node.centre - tool.working_point));
-        Lever {
-            own,
-            below: own + node.bound_radius,
-        }
-    };
-    tool.tree.nodes().iter().map(lever).collect()
 }

@@ -4,20 +4,19 @@
 //! As `neighbours` has them for what is rigid, but down to the single spheres, whose centres are asked of the
 //! tissue's model in every pass: only those in the list, and no tree is brought to the shape meanwhile.
 
-use super::coarse::CoarseSearch;
+use super::coarse::{CoarseSearch, TURN};
 use super::neighbours::{CAPACITY, slack};
 use super::packs::Packs;
-use super::predictor::{Posed, PosedTool, Predictor};
+use super::posed::{Posed, PosedTool};
+use super::predictor::Predictor;
 use super::{ContactList, ContactsFull, Distance, spread};
 use crate::math::{Mat3, Vec3, norm};
-use crate::scene::Tool;
+use crate::scene::tool::Tool;
 use crate::tissue::Tissue;
 use crate::tree::Node;
 
 /// Motion of tool and tissue together that a list allows for, metres, times its [`spread`].
 const TRANSLATION: f64 = 2.6e-4;
-/// Turn of the tool that a list allows for: largest Frobenius norm of a difference of rotation matrices.
-pub(super) const TURN: f64 = 1.7e-2;
 
 /// A list and what it holds for.
 #[derive(Debug)]

@@ -6,7 +6,7 @@
 //! step is changed: at its end, where the step is nothing, the forces are those of the coupling.
 
 use crate::math::{Mat3, Vec3, norm};
-use crate::scene::Tool;
+use crate::scene::tool::Tool;
 
 /// Share of the force, and newtons, up to which what the bend adds does not count.
 const SETTLED: (f64, f64) = (2e-3, 2e-5);

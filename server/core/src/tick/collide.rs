@@ -5,7 +5,7 @@ use crate::blend::reach;
 use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
 use crate::math::fmax;
 use crate::state::State;
-use crate::tick::substep::{place, posed};
+use crate::tick::posing::{place, posed};
 use crate::tick::workspace::Workspace;
 
 /// How far a pass looks, and with how much of the reach of blended surfaces.

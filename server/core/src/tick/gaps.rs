@@ -6,7 +6,7 @@ use crate::math::{Mat3, Vec3, fmin, norm};
 use crate::rows::{lever, runs};
 use crate::state::State;
 use crate::tick::pass::Pass;
-use crate::tick::substep::Reached;
+use crate::tick::request::Reached;
 use crate::tick::workspace::Workspace;
 use crate::{MAX_TOOLS, Scene};
 

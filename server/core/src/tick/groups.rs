@@ -17,10 +17,10 @@
 
 use crate::MAX_TOOLS;
 use crate::state::State;
-use crate::tick::hands;
 use crate::tick::pass::Pass;
+use crate::tick::request::{Asked, Reached, Shared, hands};
 use crate::tick::stage::{Stage, StageProbe};
-use crate::tick::substep::{Asked, Reached, Run, Shared};
+use crate::tick::substep::Run;
 use crate::tick::workspace::Workspace;
 
 /// Moves the tools in the slots `present` (ascending), and all that yields, as far as this tick allows.

@@ -1,10 +1,10 @@
 //! What the hand asks for: the haptic pose made safe, and the way from the graphic tool to it.
 
-use crate::Tool;
 use crate::input::RawPose;
 use crate::math::{Pose, Quat, Vec3, Wrench, exp_rotation, log_rotation, norm, normalised};
 use crate::output::status;
 use crate::scene::params::Params;
+use crate::scene::tool::Tool;
 use crate::state::ToolState;
 
 /// A twist beyond this no longer raises the torque, radians.

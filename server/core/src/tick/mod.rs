@@ -5,6 +5,8 @@ mod gaps;
 mod groups;
 pub(crate) mod haptic;
 pub(crate) mod pass;
+mod posing;
+pub(crate) mod request;
 mod settle;
 pub mod stage;
 mod substep;
@@ -16,18 +18,18 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
 use crate::input::TickInput;
-use crate::math::{Pose, Vec3, Wrench, fclamp, fmax, log_rotation, norm};
+use crate::math::{Vec3, Wrench, fclamp, fmax, log_rotation, norm};
 use crate::output::{PocketReading, TickOutput, ToolOutput, status};
 use crate::scene::Scene;
 use crate::state::State;
 use crate::tick::groups::advance;
 use crate::tick::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::tick::pass::Pass;
+use crate::tick::request::{Asked, Held, Reached, Wanted, hands, held};
 use crate::tick::stage::{Stage, StageProbe};
-use crate::tick::substep::{Asked, Reached, Wanted};
 use crate::tick::workspace::Workspace;
 use crate::tick::wrench::{Conditions, limited};
-use crate::tissue::{Hand, Hands, SiteLoad};
+use crate::tissue::SiteLoad;
 
 /// Time without a usable pose after which the tool counts as stale, seconds: the watchdog's.
 const BAD_STALE_S: f64 = 0.05;
@@ -111,28 +113,6 @@ pub fn tick<P: StageProbe>(
         tick: state.tick,
         hash: state.hash,
         tools: outputs,
-    }
-}
-
-/// Haptic poses of the hands that hold something, by slot.
-pub(crate) type Held = [Option<Pose>; MAX_TOOLS];
-
-fn held(present: &[usize], wanted: &[Wanted; MAX_TOOLS]) -> Held {
-    std::array::from_fn(|t| present.contains(&t).then(|| wanted[t].haptic))
-}
-
-pub(crate) fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {
-    let objects = scene.objects.len();
-    Hands {
-        tools: std::array::from_fn(|t| {
-            held[t].map(|haptic| Hand {
-                tool: &scene.tools[t],
-                haptic,
-                graphic: state.tools[t].graphic,
-                loads: &state.loads[t * objects..(t + 1) * objects],
-            })
-        }),
-        detail,
     }
 }
 

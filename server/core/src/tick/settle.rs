@@ -11,7 +11,7 @@
 use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, fclamp, fmax, fmin, norm};
 use crate::state::State;
-use crate::tick::substep::Asked;
+use crate::tick::request::Asked;
 use crate::tick::workspace::Workspace;
 
 /// Share per millisecond, on top, of what the coupling of a tool that is behind its hand has and the tool does not bear yet: where substeps

@@ -5,8 +5,8 @@
 //! prediction distance, so nothing is passed through between two passes at any speed: the
 //! continuous collision detection that the paper left open.
 
-use crate::contact::{Distance, Overflow, PosedTool, SMALLEST_PREDICTION};
-use crate::math::{Pose, Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
+use crate::math::{Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
@@ -18,11 +18,12 @@ use crate::tick::collide::{Fits, collide};
 use crate::tick::gaps::true_gaps;
 use crate::tick::haptic::{renormalised, twist};
 use crate::tick::pass::Pass;
+use crate::tick::posing::{place, posed};
+use crate::tick::request::{Asked, Reached, Shared, Wanted, hands};
 use crate::tick::settle::Settle;
 use crate::tick::stage::{Stage, StageProbe};
 use crate::tick::workspace::Workspace;
 use crate::tick::yielding::{fill_tissue, yield_target};
-use crate::tick::{Held, hands};
 use crate::{MAX_TOOLS, Scene};
 
 /// How much farther each pass of a tick looks at least than the one before, and how far at most for that
@@ -33,48 +34,6 @@ const WIDEST: f64 = 5e-5;
 /// no more may be done than was looked for. Measured with the mirror on the tongue: at 1 three ticks of four took a second pass,
 /// at 4 rows cost what passes save.
 const YIELDS: f64 = 2.5;
-
-/// What the group asks for, per tool slot.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted {
-    /// Haptic pose.
-    pub haptic: Pose,
-    /// How far the hand moved the working point in this tick, metres.
-    pub moved: f64,
-    /// How far it turned, radians.
-    pub turned: f64,
-}
-
-/// How it went, per tool slot.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached {
-    pub status: u16,
-    pub substeps: u8,
-    pub rows: u16,
-    pub active: u16,
-    pub min_gap: f64,
-    pub converged: bool,
-}
-
-impl Reached {
-    pub(crate) const NOTHING: Reached = Reached {
-        status: 0,
-        substeps: 0,
-        rows: 0,
-        active: 0,
-        min_gap: f64::INFINITY,
-        converged: true,
-    };
-}
-
-/// What a tick is about, beside its state.
-#[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
-    pub scene: &'a Scene,
-    pub wanted: &'a [Wanted; MAX_TOOLS],
-    pub held: &'a Held,
-    pub detail: u8,
-}
 
 /// One group of tools in a tick.
 pub(crate) struct Run<'a> {
@@ -98,10 +57,6 @@ pub(crate) struct Run<'a> {
     reached: [Reached; MAX_TOOLS],
     settle: Settle,
 }
-
-/// Another group has a tissue that this one needs.
-#[derive(Debug)]
-pub(crate) struct Shared;
 
 impl<'a> Run<'a> {
     pub fn new(asked: &Asked<'_>, state: &State, ws: &Workspace, group: &'a [usize]) -> Self {
@@ -379,22 +334,6 @@ fn own(ws: &mut Workspace, slot: usize, first: usize) -> Result<(), Shared> {
             Ok(())
         }
     }
-}
-
-pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
-    let tool = &scene.tools[t];
-    PosedTool {
-        nodes: tool.tree.nodes(),
-        pose: &state.tools[t].graphic,
-        level: tool.level,
-        working_point: &tool.working_point,
-        slot: t as u8,
-    }
-}
-
-/// Which of the workspace's passes a group uses: its first tool's.
-pub(crate) fn place(group: &[usize]) -> usize {
-    group.first().copied().unwrap_or(0)
 }
 
 /// Steps per tool: translation of the working point (metres) and rotation vector (radians).

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, Wrench, fmax};
 use crate::output::PocketReading;
-use crate::scene::Tool;
+use crate::scene::tool::Tool;
 use crate::tree::{Sphere, SphereTree};
 use printed::{PrintedGingiva, PrintedSkeleton, ReadyGingiva, ReadySkeleton};
 

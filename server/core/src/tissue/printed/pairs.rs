@@ -3,7 +3,7 @@
 
 use crate::contact::{STACK, reach_of};
 use crate::math::{Pose, Vec3};
-use crate::scene::Tool;
+use crate::scene::tool::Tool;
 use crate::tree::Node;
 
 /// Calls `visit(tissue node, tool node)` for every pair of contact spheres of `tool` at `pose`, grown by `d`

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::masters::Masters;
+use super::masters::{Masters, SURFACE_CARRIERS};
 use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
@@ -11,8 +11,6 @@ use crate::tree::SphereTree;
 pub const MAX_MASTERS: usize = 256;
 /// Most cells of the large-displacement term.
 pub const MAX_CELLS: usize = 64;
-/// Masters that carry a sphere.
-pub const SURFACE_CARRIERS: usize = 8;
 
 /// An organ condensed to its surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

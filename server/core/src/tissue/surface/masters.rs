@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::data::SURFACE_CARRIERS;
 use crate::math::{Vec3, fmax, norm};
+
+/// Masters that carry a sphere.
+pub const SURFACE_CARRIERS: usize = 8;
 
 /// Masters: those that move, then those that are held, which only make what is near them stay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

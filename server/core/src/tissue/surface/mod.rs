@@ -33,9 +33,7 @@ mod stress;
 #[cfg(test)]
 mod tests;
 
-pub use data::{
-    Cells, MAX_CELLS, MAX_MASTERS, SURFACE_CARRIERS, SurfaceCompliance, SurfaceParams, SurfaceSkin,
-};
-pub use masters::Masters;
+pub use data::{Cells, MAX_CELLS, MAX_MASTERS, SurfaceCompliance, SurfaceParams, SurfaceSkin};
+pub use masters::{Masters, SURFACE_CARRIERS};
 pub(in crate::tissue) use ready::Ready;
 pub use stress::quadratic_stress;

@@ -1,0 +1,143 @@
+//! A tool at a pose: its spheres in world axes, as far as a query needs them, and their levers.
+
+use super::{Contact, centre};
+use crate::math::{Mat3, Pose, Vec3, norm};
+use crate::tree::{Node, Sphere};
+
+/// A tree at a pose: what one side of a query needs.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedTool<'a> {
+    /// Nodes in the tool's frame.
+    pub nodes: &'a [Node],
+    /// `world_from_tool`.
+    pub pose: &'a Pose,
+    /// Level in contact.
+    pub level: u8,
+    /// Working point in the tool's frame.
+    pub working_point: &'a Vec3,
+    /// Tool slot.
+    pub slot: u8,
+}
+
+/// A tool's spheres in world axes, as far as they are needed.
+#[derive(Debug)]
+pub(super) struct Posed {
+    pub rotation: Mat3,
+    pub position: Vec3,
+    pub working_point: Vec3,
+    centres: Vec<Vec3>,
+    /// Pass in which the centre was filled.
+    stamps: Vec<u32>,
+    pass: u32,
+}
+
+impl Posed {
+    /// Room for the spheres of a tool with so many nodes.
+    pub fn with_capacity(nodes: usize) -> Self {
+        Self {
+            rotation: Mat3::identity(),
+            position: Vec3::zeros(),
+            working_point: Vec3::zeros(),
+            centres: vec![Vec3::zeros(); nodes],
+            stamps: vec![0; nodes],
+            pass: 0,
+        }
+    }
+
+    /// Begins the queries of one tool at one pose.
+    pub fn begin(&mut self, tool: &PosedTool<'_>) {
+        self.rotation = tool.pose.orientation.to_rotation_matrix().into_inner();
+        self.position = tool.pose.position;
+        self.working_point = centre(&self.rotation, tool.pose, tool.working_point);
+        self.pass = self.pass.wrapping_add(1);
+        if self.pass == 0 {
+            self.stamps.fill(0);
+            self.pass = 1;
+        }
+    }
+
+    /// World centre of a node of the tool. Always inlined: a result that comes back through memory piece by piece
+    /// cannot be read as a whole without a stall.
+    #[inline(always)]
+    pub fn centre_of(&mut self, tool: &PosedTool<'_>, node: u32) -> Vec3 {
+        let at = node as usize;
+        if self.stamps[at] == self.pass {
+            return self.centres[at];
+        }
+        let centre = centre(&self.rotation, tool.pose, &tool.nodes[at].centre);
+        self.stamps[at] = self.pass;
+        self.centres[at] = centre;
+        centre
+    }
+
+    /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
+    #[inline(always)]
+    pub fn contact(
+        &self,
+        tool: &PosedTool<'_>,
+        (object, o, sphere): (u16, u32, &Sphere),
+        (t, at): (u32, &Vec3),
+        d: f64,
+    ) -> Option<Contact> {
+        let between = at - sphere.centre;
+        let reach = tool.nodes[t as usize].contact_radius + sphere.radius;
+        let squared = between.dot(&between);
+        if squared >= (reach + d) * (reach + d) {
+            return None;
+        }
+        let distance = squared.sqrt();
+        // Concentric spheres have no normal: any direction is as good, take up.
+        let normal = if distance > 1e-12 {
+            between / distance
+        } else {
+            Vec3::z()
+        };
+        Some(Contact {
+            tool: tool.slot,
+            object,
+            object_sphere: o,
+            tool_sphere: t,
+            normal,
+            gap: distance - reach,
+            arm: at - self.working_point,
+        })
+    }
+}
+
+/// Distance of a tool's node from the working point, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lever {
+    /// Of its centre.
+    pub own: f64,
+    /// Of the farthest centre that can be below it.
+    pub below: f64,
+}
+
+impl Lever {
+    /// The one that counts when the node is the shape, or stands for those below it.
+    #[inline]
+    pub fn of(&self, is_shape: bool) -> f64 {
+        if is_shape { self.own } else { self.below }
+    }
+}
+
+pub(super) fn levers(tool: &crate::scene::tool::Tool) -> Vec<Lever> {
+    let lever = |node: &Node| {
+        let own = norm(&(node.centre - tool.working_point));
+        Lever {
+            own,
+            below: own + node.bound_radius,
+        }
+    };
+    tool.tree.nodes().iter().map(lever).collect()
+}
+
+/// What culling must allow for: a shape node only itself, an inner node all below it.
+#[inline]
+pub(crate) fn reach_of(node: &Node, is_shape: bool) -> f64 {
+    if is_shape {
+        node.contact_radius
+    } else {
+        node.bound_radius
+    }
+}
