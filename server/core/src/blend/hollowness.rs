@@ -1,6 +1,6 @@
 //! How a blended surface bends inwards, which a pass has to know beside its slope.
 
-use super::{Line, Member};
+use super::{ContactRow, Member};
 use crate::contact::Contact;
 use crate::math::{Mat3, fmax};
 
@@ -13,7 +13,7 @@ const NO_ANGLE: f64 = 1e-13;
 /// sphere's place, 1/m. The covariance of the normals over the blend length, less the
 /// roundness of the spheres; not zero in grooves and pits only.
 pub(crate) fn hollowness(
-    line: &Line,
+    line: &ContactRow,
     members: &[Member],
     contacts: &[Contact],
     blend: f64,

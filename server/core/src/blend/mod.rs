@@ -123,7 +123,7 @@ pub(crate) struct Member {
 
 /// One row of the problem.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
+pub(crate) struct ContactRow {
     /// The contact that it is about, in a blended row its seed: tells tool, object and arm.
     pub contact: u32,
     /// Gap, metres.
@@ -137,7 +137,7 @@ pub(crate) struct Line {
     pub members: u32,
 }
 
-impl Line {
+impl ContactRow {
     /// The row of a hard contact.
     #[inline]
     pub fn hard(index: usize, contact: &Contact) -> Self {
@@ -154,7 +154,7 @@ impl Line {
 /// Where rows are written.
 pub(crate) struct Written<'a> {
     /// The rows.
-    pub lines: &'a mut Vec<Line>,
+    pub contact_rows: &'a mut Vec<ContactRow>,
     /// The members of all of them.
     pub members: &'a mut Vec<Member>,
 }
@@ -342,17 +342,17 @@ impl Blender {
         // By gap, then by contact: which rows imply which depends on nothing else.
         self.pairs
             .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
-        let (lines, members) = (written.lines.len(), written.members.len());
+        let (contact_rows, members) = (written.contact_rows.len(), written.members.len());
         let mut room = limit;
         while !self.seeds(smallest, blend, room, written) {
             if room <= SMALLEST_PREDICTION {
                 return (0.0, least);
             }
             // At least the farthest of those that took up the room must go.
-            let farthest = written.lines[lines..]
+            let farthest = written.contact_rows[contact_rows..]
                 .iter()
                 .fold(0.0, |most, line| fmax(most, line.gap));
-            written.lines.truncate(lines);
+            written.contact_rows.truncate(contact_rows);
             written.members.truncate(members);
             room = fmax(fmin(SHORTER * room, farthest), SMALLEST_PREDICTION);
         }
@@ -443,7 +443,7 @@ impl Blender {
                     weight: *share,
                 });
             written.members.extend(members);
-            written.lines.push(Line {
+            written.contact_rows.push(ContactRow {
                 contact: seed.contact,
                 gap,
                 normal,

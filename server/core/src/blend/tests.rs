@@ -22,21 +22,30 @@ fn pairs(at: &Vec3, spheres: &[(Vec3, f64)]) -> Blender {
     blender
 }
 
-fn rows(at: &Vec3, spheres: &[(Vec3, f64)], blend: f64, limit: f64) -> Vec<(Line, Vec<Member>)> {
-    let (lines, members, _) = written(&mut pairs(at, spheres), blend, limit);
-    let of = |line: &Line| members[line.first as usize..][..line.members as usize].to_vec();
-    lines.iter().map(|line| (*line, of(line))).collect()
+fn rows(
+    at: &Vec3,
+    spheres: &[(Vec3, f64)],
+    blend: f64,
+    limit: f64,
+) -> Vec<(ContactRow, Vec<Member>)> {
+    let (contact_rows, members, _) = written(&mut pairs(at, spheres), blend, limit);
+    let of = |line: &ContactRow| members[line.first as usize..][..line.members as usize].to_vec();
+    contact_rows.iter().map(|line| (*line, of(line))).collect()
 }
 
 /// Rows, their members, and what the blender says of them.
-fn written(blender: &mut Blender, blend: f64, limit: f64) -> (Vec<Line>, Vec<Member>, (f64, f64)) {
-    let (mut lines, mut members) = (Vec::new(), Vec::new());
+fn written(
+    blender: &mut Blender,
+    blend: f64,
+    limit: f64,
+) -> (Vec<ContactRow>, Vec<Member>, (f64, f64)) {
+    let (mut contact_rows, mut members) = (Vec::new(), Vec::new());
     let mut here = Written {
-        lines: &mut lines,
+        contact_rows: &mut contact_rows,
         members: &mut members,
     };
     let said = blender.rows(blend, limit, &mut here);
-    (lines, members, said)
+    (contact_rows, members, said)
 }
 
 /// Smallest blended gap over all seeds, straight from the definition.
@@ -132,7 +141,7 @@ fn the_walls_of_a_groove_keep_rows_of_their_own() {
     spheres.extend(plate(&turned(-0.7), 1e-3, 2.5e-4));
     let at = Vec3::new(0.0, 0.0, 4e-4);
     let rows = rows(&at, &spheres, 3e-5, 1e-3);
-    let tilt = |line: &Line| line.normal.x / norm(&line.normal);
+    let tilt = |line: &ContactRow| line.normal.x / norm(&line.normal);
     for side in [1.0, -1.0] {
         assert!(
             rows.iter()
@@ -226,8 +235,8 @@ proptest! {
         blend in 1e-6..2e-4_f64) {
         let (at, by) = (Vec3::new(at.0, at.1, at.2), Vec3::new(by.0, by.1, by.2));
         let spheres: Vec<_> = places.iter().map(|p| (Vec3::new(p.0, p.1, p.2), p.3)).collect();
-        let (lines, _, (room, least)) = written(&mut pairs(&at, &spheres), blend, limit);
-        let any = lines.iter().any(|line| line.gap < limit);
+        let (contact_rows, _, (room, least)) = written(&mut pairs(&at, &spheres), blend, limit);
+        let any = contact_rows.iter().any(|line| line.gap < limit);
         prop_assert!(room <= limit);
         prop_assert!(least <= smallest(&at, &spheres, blend));
         prop_assert!(least - norm(&by) <= smallest(&(at + by), &spheres, blend));
@@ -256,10 +265,11 @@ fn more_walls_than_there_is_room_for_are_told() {
     // So thin that neighbours on the circle are walls of their own.
     let blend = 2e-6;
     for (count, all) in [(MAX_SEEDS, true), (MAX_SEEDS + 1, false)] {
-        let (lines, _, (room, _)) = written(&mut pairs(&Vec3::zeros(), &walls(count)), blend, 1e-5);
+        let (contact_rows, _, (room, _)) =
+            written(&mut pairs(&Vec3::zeros(), &walls(count)), blend, 1e-5);
         assert_eq!(room == 1e-5, all, "{count} walls: {room}");
         // Where there is no room for those within the limit, there is for all those within a shorter one.
-        let within = lines.iter().filter(|line| line.gap < room).count();
+        let within = contact_rows.iter().filter(|line| line.gap < room).count();
         assert!(
             within <= MAX_SEEDS && (!all || within == MAX_SEEDS),
             "{count} walls"
@@ -268,6 +278,6 @@ fn more_walls_than_there_is_room_for_are_told() {
     // Nearer only: fewer walls, and room for all of them.
     let near = walls(MAX_SEEDS + 1);
     let at = Vec3::new(3e-6, 0.0, 0.0);
-    let (lines, _, (room, _)) = written(&mut pairs(&at, &near), blend, -1e-6);
-    assert!(room == -1e-6 && !lines.is_empty() && lines.len() < MAX_SEEDS);
+    let (contact_rows, _, (room, _)) = written(&mut pairs(&at, &near), blend, -1e-6);
+    assert!(room == -1e-6 && !contact_rows.is_empty() && contact_rows.len() < MAX_SEEDS);
 }

@@ -254,7 +254,8 @@ impl ContactSolver for ActiveSet {
         let mut alone = !blocks;
         self.block.clear();
         if blocks {
-            self.block.extend(problem.first.iter().map(|&i| i as usize));
+            self.block
+                .extend(problem.warm_start.iter().map(|&i| i as usize));
         }
         loop {
             if self.block.is_empty() {

@@ -143,7 +143,7 @@ impl Part {
         Problem {
             rows: &self.rows,
             tissue: all.tissue.map(|_| &*self.tissue),
-            first: &[],
+            warm_start: &[],
             ..*all
         }
     }

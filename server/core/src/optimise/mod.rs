@@ -56,7 +56,7 @@ pub struct Problem<'a> {
     pub contact_compliance: f64,
     /// Rows that bore load when a problem like this was solved a moment ago: where a solver may begin. Does
     /// not change where it ends.
-    pub first: &'a [u32],
+    pub warm_start: &'a [u32],
     /// Iteration cap.
     pub max_iterations: usize,
 }

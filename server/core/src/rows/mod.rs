@@ -6,11 +6,11 @@ pub(crate) mod metric;
 use std::ops::Range;
 
 use crate::Scene;
-use crate::blend::{Group, Groups, Line, Pair, Written, hollowness};
+use crate::blend::{ContactRow, Group, Groups, Pair, Written, hollowness};
 use crate::contact::{Contact, Distance};
 use crate::math::{Vec3, fmin, norm};
 use crate::rows::metric::Metric;
-use crate::tick::pass::Pass;
+use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 
 /// Blended gap up to which a surface is taken to be touched, metres.
@@ -37,10 +37,10 @@ pub(crate) fn runs<T>(
 }
 
 /// Sorts the contacts with blended objects by what is summed together; to be done once for a list of contacts.
-pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, first: usize) {
-    let Pass {
+pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, index: usize) {
+    let Substep {
         contacts, groups, ..
-    } = &mut ws.passes[first];
+    } = &mut ws.substeps[index];
     groups.clear();
     let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
@@ -57,21 +57,21 @@ pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, first: usize) {
 /// Writes what each row within `d` is about: a contact, or on a blended object a seed with its members. In the
 /// order of the contacts' objects; tool sphere by tool sphere on a blended one. Returns the share of `d` within which every tool
 /// sphere had room for all of its rows, 1 as a rule. The list of contacts reaches farther than `d` where that was `narrowed` since.
-pub(crate) fn write_lines(
+pub(crate) fn write_rows(
     scene: &Scene,
     ws: &mut Workspace,
-    first: usize,
+    index: usize,
     (d, narrowed): (Distance, bool),
 ) -> f64 {
-    let Pass {
+    let Substep {
         contacts,
-        lines,
+        contact_rows,
         members,
         groups,
         ..
-    } = &mut ws.passes[first];
+    } = &mut ws.substeps[index];
     let blender = &mut ws.blender;
-    lines.clear();
+    contact_rows.clear();
     members.clear();
     let (mut share, mut next) = (1.0, 0);
     let contacts = contacts.as_slice();
@@ -85,7 +85,7 @@ pub(crate) fn write_lines(
                 !narrowed || contact.gap <= d.at(norm(&contact.arm))
             };
             let hard = run.filter(near);
-            lines.extend(hard.map(|index| Line::hard(index, &contacts[index])));
+            contact_rows.extend(hard.map(|index| ContactRow::hard(index, &contacts[index])));
             continue;
         }
         let nodes = scene.objects[k].tree.nodes();
@@ -110,7 +110,7 @@ pub(crate) fn write_lines(
                 blender.push(Pair::new(index, gap, contact.normal, distance));
             }
             let mut written = Written {
-                lines: &mut *lines,
+                contact_rows: &mut *contact_rows,
                 members: &mut *members,
             };
             let (room, least) = blender.rows(blend, d, &mut written);
@@ -122,21 +122,21 @@ pub(crate) fn write_lines(
 }
 
 /// Leaves out the rows with the largest gaps until `most` are left; false when all were kept.
-pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, first: usize, most: usize) -> bool {
-    let lines = &mut ws.passes[first].lines;
-    if lines.len() <= most {
+pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, index: usize, most: usize) -> bool {
+    let contact_rows = &mut ws.substeps[index].contact_rows;
+    if contact_rows.len() <= most {
         return false;
     }
     ws.gaps.clear();
-    ws.gaps.extend(lines.iter().map(|line| line.gap));
+    ws.gaps.extend(contact_rows.iter().map(|row| row.gap));
     let (below, limit, _) = ws.gaps.select_nth_unstable_by(most, f64::total_cmp);
     let limit = *limit;
     // Of those as far as the first that has no room, the first ones stay.
     let mut room = most - below.iter().filter(|gap| **gap < limit).count();
-    lines.retain(|line| {
-        let tie = line.gap == limit && room > 0;
+    contact_rows.retain(|row| {
+        let tie = row.gap == limit && room > 0;
         room -= usize::from(tie);
-        line.gap < limit || tie
+        row.gap < limit || tie
     });
     true
 }
@@ -150,29 +150,35 @@ pub(crate) fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64
 /// Adds to the metric of tool `t` how the surfaces that it presses on bend inwards, times the press. In
 /// a groove rounder than the press is deep, passes that know only the slope turn to and fro for ever; with
 /// the bend they are Newton's and settle in two or three. Changes the way, not where it ends.
-pub(crate) fn bend(scene: &Scene, pass: &Pass, t: usize, stretch: &Vec3, metric: &mut Metric) {
-    let contacts = pass.contacts.as_slice();
+pub(crate) fn bend(
+    scene: &Scene,
+    substep: &Substep,
+    t: usize,
+    stretch: &Vec3,
+    metric: &mut Metric,
+) {
+    let contacts = substep.contacts.as_slice();
     let stiffness = scene.tools[t].stiffness_n_per_m;
-    let touching = |line: &&Line| {
-        let contact = &contacts[line.contact as usize];
-        line.members > 0
+    let touching = |row: &&ContactRow| {
+        let contact = &contacts[row.contact as usize];
+        row.members > 0
             && usize::from(contact.tool) == t
-            && line.gap <= TOUCHING
-            && line.normal.dot(stretch) < 0.0
+            && row.gap <= TOUCHING
+            && row.normal.dot(stretch) < 0.0
     };
     // Each row counts the whole press: where several share it that is too much, and steps are shorter than they
     // might be; shared out evenly it was too little in a groove, and ticks there did not converge.
-    for line in pass.lines.iter().filter(touching) {
-        let contact = &contacts[line.contact as usize];
-        let press = -stiffness * line.normal.dot(stretch);
-        let first = line.first as usize;
-        let members = &pass.members[first..first + line.members as usize];
+    for row in substep.contact_rows.iter().filter(touching) {
+        let contact = &contacts[row.contact as usize];
+        let press = -stiffness * row.normal.dot(stretch);
+        let first = row.first as usize;
+        let members = &substep.members[first..first + row.members as usize];
         let blend = scene.blend_of(usize::from(contact.object));
         // No bend is sharper than that of two opposite normals.
         if press / blend < LEAST_BEND * stiffness {
             continue;
         }
-        let hollow = hollowness(line, members, contacts, blend) * press;
+        let hollow = hollowness(row, members, contacts, blend) * press;
         if hollow.trace() > LEAST_BEND * stiffness {
             metric.add(&hollow, &contact.arm);
         }

@@ -26,7 +26,7 @@ const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Most rows of a problem where something yields, both tools' together: the matrix of compliances is dense.
 /// All of them can bear load, and enter one by one: more would take more iterations than a tick has.
 const MAX_TISSUE_ROWS: usize = 256;
-/// Contacts that the list of a scene with blended surfaces can hold for each of `max_rows`.
+/// Contacts that the list of a scene with blended surfaces can hold for each of `max_contacts`.
 const CONTACTS_PER_ROW: usize = 4;
 /// Largest compiled scene that is read, bytes.
 const MAX_SCENE_BYTES: usize = 256 << 20;
@@ -154,7 +154,7 @@ impl Scene {
 
     /// Contacts that one tool's list can hold. A blended row has many.
     pub(crate) fn most_contacts(&self) -> usize {
-        let rows = usize::from(self.params.max_rows);
+        let rows = usize::from(self.params.max_contacts);
         let blended = (0..self.objects.len()).any(|k| self.blend_of(k) > 0.0);
         if blended {
             rows * CONTACTS_PER_ROW
@@ -172,7 +172,7 @@ impl Scene {
     /// than its dense matrix has room for.
     pub(crate) fn most_rows(&self) -> usize {
         if self.yields() {
-            usize::from(self.params.max_rows).min(MAX_TISSUE_ROWS)
+            usize::from(self.params.max_contacts).min(MAX_TISSUE_ROWS)
         } else {
             self.most_contacts() * self.tools.len()
         }

@@ -43,7 +43,7 @@ pub struct Params {
     /// Contacts that each tool's list can hold (four times as many where surfaces are blended, whose rows have
     /// many each). Default 1024, range 16..4096; where something yields a problem holds at most 256 rows (its
     /// matrix is dense). Where more sphere pairs are close the tick looks less far ahead.
-    pub max_rows: u16,
+    pub max_contacts: u16,
     /// Whether trees that were calibrated for it are touched as one smooth surface, blended from their
     /// spheres ([`crate::blend`]); otherwise every sphere is touched as it is. Default true. Without, a tick
     /// on a tooth takes a third to a tenth of the time, and the spheres are felt as ripple: measured on the
@@ -85,7 +85,7 @@ impl Default for Params {
             contact_compliance: 1e-8,
             solver: SolverKind::ActiveSet,
             max_iterations: 400,
-            max_rows: 1024,
+            max_contacts: 1024,
             blend: true,
             max_hand_speed: 10.0,
             max_hand_spin: 100.0,
@@ -210,9 +210,9 @@ impl Params {
                 "10 to 10000",
             ),
             (
-                "max_rows",
-                f64::from(self.max_rows),
-                within(f64::from(self.max_rows), 16.0, 4096.0),
+                "max_contacts",
+                f64::from(self.max_contacts),
+                within(f64::from(self.max_contacts), 16.0, 4096.0),
                 "16 to 4096",
             ),
             (

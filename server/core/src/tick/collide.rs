@@ -5,7 +5,7 @@ use crate::blend::reach;
 use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
 use crate::math::fmax;
 use crate::state::State;
-use crate::tick::posing::{place, posed};
+use crate::tick::posed::{posed, substep_of};
 use crate::tick::workspace::Workspace;
 
 /// How far a pass looks, and with how much of the reach of blended surfaces.
@@ -37,11 +37,11 @@ pub(crate) fn collide(
         yielding,
         slots,
         zeros,
-        passes,
+        substeps,
         levers,
         ..
     } = ws;
-    let contacts = &mut passes[place(group)].contacts;
+    let contacts = &mut substeps[substep_of(group)].contacts;
     'again: loop {
         let overflow = if d.base > SMALLEST_PREDICTION || d.turn > 0.0 {
             Overflow::Stop

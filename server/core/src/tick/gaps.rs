@@ -5,8 +5,8 @@ use crate::contact::{Contact, Distance, centre};
 use crate::math::{Mat3, Vec3, fmin, norm};
 use crate::rows::{lever, runs};
 use crate::state::State;
-use crate::tick::pass::Pass;
-use crate::tick::request::Reached;
+use crate::tick::request::ToolOutcome;
+use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 use crate::{MAX_TOOLS, Scene};
 
@@ -16,13 +16,13 @@ pub(crate) fn true_gaps(
     scene: &Scene,
     state: &State,
     ws: &mut Workspace,
-    first: usize,
+    index: usize,
     (d, gone): (Distance, Distance),
-    reached: &mut [Reached; MAX_TOOLS],
+    outcomes: &mut [ToolOutcome; MAX_TOOLS],
 ) -> f64 {
-    let Pass {
+    let Substep {
         contacts, groups, ..
-    } = &ws.passes[first];
+    } = &ws.substeps[index];
     let contacts = contacts.as_slice();
     let rotations: [Mat3; MAX_TOOLS] = std::array::from_fn(|t| {
         let graphic = &state.tools[t].graphic;
@@ -33,7 +33,7 @@ pub(crate) fn true_gaps(
             continue;
         }
         for contact in &contacts[run] {
-            let least = &mut reached[usize::from(contact.tool)].min_gap;
+            let least = &mut outcomes[usize::from(contact.tool)].min_gap;
             let rotation = &rotations[usize::from(contact.tool)];
             *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
         }
@@ -48,7 +48,7 @@ pub(crate) fn true_gaps(
         let (t, k) = (usize::from(group.tool), usize::from(group.object));
         let (object, blend) = (&scene.objects[k], scene.blend_of(k));
         let lever = lever(group, groups, contacts);
-        let limit = fmin(reached[t].min_gap, d.at(lever));
+        let limit = fmin(outcomes[t].min_gap, d.at(lever));
         if group.is_clear_of(limit, blend, gone.at(lever)) {
             continue;
         }
@@ -71,10 +71,10 @@ pub(crate) fn true_gaps(
         }
         let gap = blender.least(blend, limit);
         if gap < limit {
-            reached[t].min_gap = gap;
+            outcomes[t].min_gap = gap;
         }
     }
-    reached
+    outcomes
         .iter()
         .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
 }

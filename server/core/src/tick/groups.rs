@@ -1,7 +1,7 @@
 //! Which tools share a problem, and what becomes of a tissue that no tool is near.
 //!
 //! Tools that touch nothing in common that yields know nothing of each other: each has a problem of its own, with its own
-//! passes, in six unknowns. Where both come near one tissue they share one problem in twelve, for the tissue goes to one target, the
+//! substeps, in six unknowns. Where both come near one tissue they share one problem in twelve, for the tissue goes to one target, the
 //! answer to all loads.
 //!
 //! A tissue belongs to the group whose tools it is near in this tick:
@@ -17,33 +17,33 @@
 
 use crate::MAX_TOOLS;
 use crate::state::State;
-use crate::tick::pass::Pass;
-use crate::tick::request::{Asked, Reached, Shared, hands};
+use crate::tick::group_solve::GroupSolve;
+use crate::tick::request::{TickRequest, TissueConflict, ToolOutcome, hands};
 use crate::tick::stage::{Stage, StageProbe};
-use crate::tick::substep::Run;
+use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 
 /// Moves the tools in the slots `present` (ascending), and all that yields, as far as this tick allows.
 pub(crate) fn advance<P: StageProbe>(
-    asked: &Asked<'_>,
+    request: &TickRequest<'_>,
     state: &mut State,
     ws: &mut Workspace,
     present: &[usize],
     probe: &mut P,
-) -> [Reached; MAX_TOOLS] {
+) -> [ToolOutcome; MAX_TOOLS] {
     if present.len() > 1 && !ws.together {
         remember(state, ws);
         let mut groups = [&present[..0]; MAX_TOOLS];
         for (group, one) in groups.iter_mut().zip(present.chunks(1)) {
             *group = one;
         }
-        match solve(asked, state, ws, &groups[..present.len()], probe) {
-            Ok(reached) => return reached,
-            Err(Shared) => begin_anew(asked, state, ws),
+        match solve(request, state, ws, &groups[..present.len()], probe) {
+            Ok(outcomes) => return outcomes,
+            Err(TissueConflict) => begin_anew(request, state, ws),
         }
     }
     // One group has all it needs.
-    solve(asked, state, ws, &[present], probe).unwrap_or([Reached::NOTHING; MAX_TOOLS])
+    solve(request, state, ws, &[present], probe).unwrap_or([ToolOutcome::NOTHING; MAX_TOOLS])
 }
 
 /// Solves each group's problem.
@@ -51,32 +51,32 @@ pub(crate) fn advance<P: StageProbe>(
 /// # Errors
 /// When two groups need one tissue.
 fn solve<P: StageProbe>(
-    asked: &Asked<'_>,
+    request: &TickRequest<'_>,
     state: &mut State,
     ws: &mut Workspace,
     groups: &[&[usize]],
     probe: &mut P,
-) -> Result<[Reached; MAX_TOOLS], Shared> {
+) -> Result<[ToolOutcome; MAX_TOOLS], TissueConflict> {
     probe.begin(Stage::Collide);
     ws.owners.fill(None);
     let group = |k: usize| groups.get(k).filter(|group| !group.is_empty());
-    let mut runs: [Option<Run<'_>>; MAX_TOOLS] =
-        std::array::from_fn(|k| group(k).map(|group| Run::new(asked, state, ws, group)));
-    for run in runs.iter_mut().flatten() {
-        run.claim(asked, state, ws)?;
+    let mut solves: [Option<GroupSolve<'_>>; MAX_TOOLS] =
+        std::array::from_fn(|k| group(k).map(|group| GroupSolve::new(request, state, ws, group)));
+    for group_solve in solves.iter_mut().flatten() {
+        group_solve.claim_tissues(request, state, ws)?;
     }
     relax(ws);
-    for run in runs.iter_mut().flatten() {
-        run.look(asked, state, ws, probe)?;
+    for group_solve in solves.iter_mut().flatten() {
+        group_solve.predict_contacts(request, state, ws, probe)?;
     }
-    let mut reached = [Reached::NOTHING; MAX_TOOLS];
-    for mut run in runs.into_iter().flatten() {
-        while run.go(asked, state, ws, probe) {
-            run.look(asked, state, ws, probe)?;
+    let mut outcomes = [ToolOutcome::NOTHING; MAX_TOOLS];
+    for mut group_solve in solves.into_iter().flatten() {
+        while group_solve.solve_and_step(request, state, ws, probe) {
+            group_solve.predict_contacts(request, state, ws, probe)?;
         }
-        run.finish(ws, &mut reached);
+        group_solve.finish(ws, &mut outcomes);
     }
-    Ok(reached)
+    Ok(outcomes)
 }
 
 /// What no tool is near goes to where it would be without contact.
@@ -100,17 +100,17 @@ fn remember(state: &State, ws: &mut Workspace) {
 }
 
 /// Everything as it was when the tick began.
-fn begin_anew(asked: &Asked<'_>, state: &mut State, ws: &mut Workspace) {
+fn begin_anew(request: &TickRequest<'_>, state: &mut State, ws: &mut Workspace) {
     let (poses, loads) = &ws.before;
     for (pose, tool) in poses.iter().zip(&mut state.tools) {
         tool.graphic = *pose;
     }
     state.loads.copy_from_slice(loads);
-    ws.passes.iter_mut().for_each(Pass::clear);
-    let hands = hands(asked.scene, state, asked.held, asked.detail);
+    ws.substeps.iter_mut().for_each(Substep::clear);
+    let hands = hands(request.scene, state, request.held, request.detail);
     for &slot in &ws.awake {
         let yielding = &mut ws.yielding[slot];
-        let moved = yielding.ask(state, slot, &hands);
+        let moved = yielding.evaluate(state, slot, &hands);
         ws.broad.object_moved(yielding.object, moved);
     }
 }

@@ -2,14 +2,14 @@
 
 mod collide;
 mod gaps;
+mod group_solve;
 mod groups;
 pub(crate) mod haptic;
-pub(crate) mod pass;
-mod posing;
+mod posed;
 pub(crate) mod request;
 mod settle;
 pub mod stage;
-mod substep;
+pub(crate) mod substep;
 pub(crate) mod workspace;
 mod wrench;
 mod yielding;
@@ -24,9 +24,9 @@ use crate::scene::Scene;
 use crate::state::State;
 use crate::tick::groups::advance;
 use crate::tick::haptic::{kept_axis, sanitise, twist, wrench_at_device};
-use crate::tick::pass::Pass;
-use crate::tick::request::{Asked, Held, Reached, Wanted, hands, held};
+use crate::tick::request::{Held, TickRequest, ToolGoal, ToolOutcome, hands, held};
 use crate::tick::stage::{Stage, StageProbe};
+use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 use crate::tick::wrench::{Conditions, limited};
 use crate::tissue::SiteLoad;
@@ -48,11 +48,11 @@ pub fn tick<P: StageProbe>(
     probe.begin(Stage::Prepare);
     let ticks = 1 + u64::from(input.skipped);
     state.tick = state.tick.saturating_add(ticks);
-    ws.passes.iter_mut().for_each(Pass::clear);
+    ws.substeps.iter_mut().for_each(Substep::clear);
 
     let tools = scene.tools.len();
     let mut bits = [0u16; MAX_TOOLS];
-    let mut wanted = [Wanted {
+    let mut goals = [ToolGoal {
         haptic: state.tools[0].haptic,
         moved: 0.0,
         turned: 0.0,
@@ -73,7 +73,7 @@ pub fn tick<P: StageProbe>(
         let moved =
             haptic.transform(&tool.working_point) - last.haptic.transform(&tool.working_point);
         let turned = log_rotation(&(haptic.orientation * last.haptic.orientation.inverse()));
-        wanted[t] = Wanted {
+        goals[t] = ToolGoal {
             haptic,
             moved: norm(&moved),
             turned: norm(&turned),
@@ -82,15 +82,15 @@ pub fn tick<P: StageProbe>(
         n_present += 1;
     }
 
-    let held = held(&present[..n_present], &wanted);
+    let held = held(&present[..n_present], &goals);
     begin(scene, state, ws, &held, input.detail);
-    let asked = Asked {
+    let request = TickRequest {
         scene,
-        wanted: &wanted,
+        goals: &goals,
         held: &held,
         detail: input.detail,
     };
-    let reached = advance(&asked, state, ws, &present[..n_present], probe);
+    let outcomes = advance(&request, state, ws, &present[..n_present], probe);
 
     probe.begin(Stage::Apply);
     let (readings, fault) = commit(scene, state, ws, &held, input.detail);
@@ -99,7 +99,7 @@ pub fn tick<P: StageProbe>(
         if fault {
             bits[t] |= status::FAULT;
         }
-        outputs[t] = finish_tool(scene, state, input, t, bits[t], &wanted[t], &reached[t]);
+        outputs[t] = finish_tool(scene, state, input, t, bits[t], &goals[t], &outcomes[t]);
         outputs[t].pocket = readings[t];
     }
 
@@ -126,7 +126,7 @@ fn begin(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: 
         }
         let moved = yielding.begin(state, slot, &hands);
         ws.broad.object_moved(yielding.object, moved);
-        if yielding.was_asked() {
+        if yielding.is_evaluated() {
             ws.awake.push(slot);
         }
     }
@@ -152,11 +152,15 @@ fn commit(
         }
         ws.tick_loads.clear();
         // What no tool came near bears nothing.
-        let pass = ws.owners[slot].map(|owner| &ws.passes[owner]);
-        let answered = pass.is_none_or(|pass| pass.applied.is_some());
-        if let Some(pass) = pass {
-            let part = applied(pass, (&state.loads, scene.objects.len()), yielding.object);
-            let ours = pass.loaded().filter(|(contact, load)| {
+        let substep = ws.owners[slot].map(|owner| &ws.substeps[owner]);
+        let answered = substep.is_none_or(|substep| substep.applied.is_some());
+        if let Some(substep) = substep {
+            let part = applied(
+                substep,
+                (&state.loads, scene.objects.len()),
+                yielding.object,
+            );
+            let ours = substep.loaded().filter(|(contact, load)| {
                 usize::from(contact.object) == yielding.object && *load > 0.0
             });
             ws.tick_loads.extend(ours.map(|(contact, load)| SiteLoad {
@@ -207,26 +211,30 @@ fn commit(
 
 /// Share of the last pass's loads on an object that each tool puts on it: all, unless the pass went a share of its step only. Then
 /// the load is between that of the tick before and the pass's, and what of it lies along the pass's is on the tissue.
-fn applied(pass: &Pass, (loads, objects): (&[Wrench], usize), object: usize) -> [f64; MAX_TOOLS] {
-    let share = pass.applied.unwrap_or(0.0);
+fn applied(
+    substep: &Substep,
+    (loads, objects): (&[Wrench], usize),
+    object: usize,
+) -> [f64; MAX_TOOLS] {
+    let share = substep.applied.unwrap_or(0.0);
     if share == 1.0 {
         return [1.0; MAX_TOOLS];
     }
-    let mut asked = [Vec3::zeros(); MAX_TOOLS];
-    for (contact, load) in pass.loaded() {
+    let mut request = [Vec3::zeros(); MAX_TOOLS];
+    for (contact, load) in substep.loaded() {
         if usize::from(contact.object) == object {
-            asked[usize::from(contact.tool)] -= contact.normal * fmax(load, 0.0);
+            request[usize::from(contact.tool)] -= contact.normal * fmax(load, 0.0);
         }
     }
     std::array::from_fn(|t| {
-        let squared = asked[t].dot(&asked[t]);
+        let squared = request[t].dot(&request[t]);
         if squared == 0.0 {
             return share;
         }
         let borne = loads
             .get(t * objects + object)
-            .map_or(0.0, |load| load.force.dot(&asked[t]));
-        // Never more than the pass asked for: its shape is made for that.
+            .map_or(0.0, |load| load.force.dot(&request[t]));
+        // Never more than the pass request for: its shape is made for that.
         fclamp(borne / squared, 0.0, 1.0)
     })
 }
@@ -238,23 +246,23 @@ fn finish_tool(
     input: &TickInput,
     t: usize,
     mut bits: u16,
-    wanted: &Wanted,
-    reached: &Reached,
+    goal: &ToolGoal,
+    outcome: &ToolOutcome,
 ) -> ToolOutput {
     let (tool, slot, objects) = (&scene.tools[t], &input.tools[t], scene.objects.len());
     let loads = &mut state.loads[t * objects..(t + 1) * objects];
     let kept = &mut state.tools[t];
     let present = bits & status::ABSENT == 0;
-    bits |= reached.status;
+    bits |= outcome.status;
     if present {
         let mut sum = Wrench::ZERO;
         for load in loads.iter() {
             sum.force += load.force;
             sum.torque += load.torque;
         }
-        kept.raw = wrench_at_device(&sum, tool, &kept.graphic, &wanted.haptic);
+        kept.raw = wrench_at_device(&sum, tool, &kept.graphic, &goal.haptic);
         if twist(
-            &wanted.haptic.orientation,
+            &goal.haptic.orientation,
             &kept.graphic.orientation,
             &kept.twist_axis,
         )
@@ -263,11 +271,11 @@ fn finish_tool(
             bits |= status::TWIST_SATURATED;
         }
         kept.twist_axis = kept_axis(
-            &wanted.haptic.orientation,
+            &goal.haptic.orientation,
             &kept.graphic.orientation,
             &kept.twist_axis,
         );
-        kept.haptic = wanted.haptic;
+        kept.haptic = goal.haptic;
     } else {
         // Nobody holds it: it loads nothing, while the last wrench ramps out.
         loads.fill(Wrench::ZERO);
@@ -312,11 +320,11 @@ fn finish_tool(
         graphic: kept.graphic,
         haptic: kept.haptic,
         status: bits,
-        substeps: reached.substeps,
-        rows: reached.rows,
-        active: reached.active,
-        min_gap: reached.min_gap,
-        converged: reached.converged,
+        substeps: outcome.substeps,
+        rows: outcome.rows,
+        active: outcome.active,
+        min_gap: outcome.min_gap,
+        converged: outcome.converged,
         pocket: None,
     }
 }

@@ -1,4 +1,4 @@
-//! What a tick is asked for and how it went: the vocabulary of its stages.
+//! What a tick is request for and how it went: the vocabulary of its stages.
 
 use crate::math::Pose;
 use crate::state::State;
@@ -7,7 +7,7 @@ use crate::{MAX_TOOLS, Scene};
 
 /// What the group asks for, per tool slot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted {
+pub(crate) struct ToolGoal {
     /// Haptic pose.
     pub haptic: Pose,
     /// How far the hand moved the working point in this tick, metres.
@@ -18,7 +18,7 @@ pub(crate) struct Wanted {
 
 /// How it went, per tool slot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached {
+pub(crate) struct ToolOutcome {
     pub status: u16,
     pub substeps: u8,
     pub rows: u16,
@@ -27,8 +27,8 @@ pub(crate) struct Reached {
     pub converged: bool,
 }
 
-impl Reached {
-    pub(crate) const NOTHING: Reached = Reached {
+impl ToolOutcome {
+    pub(crate) const NOTHING: ToolOutcome = ToolOutcome {
         status: 0,
         substeps: 0,
         rows: 0,
@@ -40,22 +40,22 @@ impl Reached {
 
 /// What a tick is about, beside its state.
 #[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct TickRequest<'a> {
     pub scene: &'a Scene,
-    pub wanted: &'a [Wanted; MAX_TOOLS],
+    pub goals: &'a [ToolGoal; MAX_TOOLS],
     pub held: &'a Held,
     pub detail: u8,
 }
 
 /// Another group has a tissue that this one needs.
 #[derive(Debug)]
-pub(crate) struct Shared;
+pub(crate) struct TissueConflict;
 
 /// Haptic poses of the hands that hold something, by slot.
 pub(crate) type Held = [Option<Pose>; MAX_TOOLS];
 
-pub(crate) fn held(present: &[usize], wanted: &[Wanted; MAX_TOOLS]) -> Held {
-    std::array::from_fn(|t| present.contains(&t).then(|| wanted[t].haptic))
+pub(crate) fn held(present: &[usize], goals: &[ToolGoal; MAX_TOOLS]) -> Held {
+    std::array::from_fn(|t| present.contains(&t).then(|| goals[t].haptic))
 }
 
 pub(crate) fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {

@@ -11,7 +11,7 @@
 use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, fclamp, fmax, fmin, norm};
 use crate::state::State;
-use crate::tick::request::Asked;
+use crate::tick::request::TickRequest;
 use crate::tick::workspace::Workspace;
 
 /// Share per millisecond, on top, of what the coupling of a tool that is behind its hand has and the tool does not bear yet: where substeps
@@ -25,10 +25,10 @@ pub(crate) struct Settle {
 }
 
 impl Settle {
-    pub fn new(asked: &Asked<'_>, state: &State, ws: &Workspace, group: &[usize]) -> Self {
+    pub fn new(request: &TickRequest<'_>, state: &State, ws: &Workspace, group: &[usize]) -> Self {
         let mut most = [f64::INFINITY; MAX_TOOLS];
         for &t in group {
-            let (tool, kept) = (&asked.scene.tools[t], &state.tools[t]);
+            let (tool, kept) = (&request.scene.tools[t], &state.tools[t]);
             // First touch takes what it takes.
             if !kept.entered || kept.raw.force == Vec3::zeros() {
                 continue;
@@ -36,22 +36,22 @@ impl Settle {
             let at = |pose: &Pose| pose.transform(&tool.working_point);
             let spring = (at(&kept.graphic) - at(&kept.haptic)) * tool.stiffness_n_per_m;
             let behind = norm(&(spring - kept.raw.force));
-            let wanted = &asked.wanted[t];
-            let hand = wanted.moved + wanted.turned * ws.levers[t];
-            let params = &asked.scene.params;
+            let goal = &request.goals[t];
+            let hand = goal.moved + goal.turned * ws.levers[t];
+            let params = &request.scene.params;
             let more = params.tick_ms() * fmax(params.max_settle_step, CATCH_UP * behind);
             most[t] = tool.stiffness_n_per_m * hand + more;
         }
         Self {
             most,
-            objects: asked.scene.objects.len(),
+            objects: request.scene.objects.len(),
         }
     }
 
     /// Share of a pass's step after which the first of the group's forces has changed by as much as it may; 1 where none does.
     pub fn share(&self, state: &State, ws: &Workspace, group: &[usize]) -> f64 {
         let mut share = 1.0;
-        let pass = &ws.passes[group.first().copied().unwrap_or(0)];
+        let substep = &ws.substeps[group.first().copied().unwrap_or(0)];
         let objects = self.objects;
         for &t in group {
             let most = self.most[t];
@@ -62,7 +62,7 @@ impl Settle {
             let now = state.loads[t * objects..(t + 1) * objects]
                 .iter()
                 .fold(Vec3::zeros(), |sum, load| sum + load.force);
-            let ours = pass.loaded().filter(|(c, _)| usize::from(c.tool) == t);
+            let ours = substep.loaded().filter(|(c, _)| usize::from(c.tool) == t);
             let target = ours.fold(Vec3::zeros(), |sum, (contact, lambda)| {
                 sum - contact.normal * fmax(lambda, 0.0)
             });

@@ -1,484 +1,131 @@
-//! One group of tools brought to where it can go: predict, optimise, move, look again, until the step is small and every
-//! true gap is closed to rounding. Which tools are a group, and which tissues belong to it, is said in `groups`.
-//!
-//! The trust region holds the motion of the graphic tool plus that of the tissue under the
-//! prediction distance, so nothing is passed through between two passes at any speed: the
-//! continuous collision detection that the paper left open.
+//! One pass of a tick: contacts, the problem made of them, and its answer.
 
-use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
-use crate::math::{Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
-use crate::optimise::{
-    ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
-};
-use crate::output::status;
-use crate::rows::metric::Metric;
-use crate::rows::{bend, group_contacts, keep_smallest_gaps, write_lines};
-use crate::state::State;
-use crate::tick::collide::{Fits, collide};
-use crate::tick::gaps::true_gaps;
-use crate::tick::haptic::{renormalised, twist};
-use crate::tick::pass::Pass;
-use crate::tick::posing::{place, posed};
-use crate::tick::request::{Asked, Reached, Shared, Wanted, hands};
-use crate::tick::settle::Settle;
-use crate::tick::stage::{Stage, StageProbe};
-use crate::tick::workspace::Workspace;
-use crate::tick::yielding::{fill_tissue, yield_target};
-use crate::{MAX_TOOLS, Scene};
+use crate::blend::{ContactRow, Groups, MAX_SEEDS, Member};
+use crate::contact::{Contact, ContactList, Overflow};
+use crate::optimise::{ProblemRow, Solution};
 
-/// How much farther each pass of a tick looks at least than the one before, and how far at most for that
-/// reason alone, metres: farther than its own motion a pass only lists more rows.
-const WIDENING: f64 = 6.0;
-const WIDEST: f64 = 5e-5;
-/// How much farther the first pass looks where something yields: that moves, too, about as far as the tool, and of both
-/// no more may be done than was looked for. Measured with the mirror on the tongue: at 1 three ticks of four took a second pass,
-/// at 4 rows cost what passes save.
-const YIELDS: f64 = 2.5;
+/// Gap under which a row is taken to have borne load at the end of the last tick, metres: what touched then has none,
+/// and the tick begins where that one ended.
+const TOUCHING: f64 = 1e-6;
 
-/// One group of tools in a tick.
-pub(crate) struct Run<'a> {
-    /// Slots, ascending.
-    group: &'a [usize],
-    /// Which of the workspace's passes it uses.
-    first: usize,
-    /// Farthest that a sphere of a tool is from its working point, metres.
-    longest: f64,
-    /// Prediction distance per metre of motion.
-    gain: f64,
-    /// Prediction distance of this pass, and what the next ones look at least.
-    d: Distance,
-    floor: f64,
-    /// What the list of contacts had room for, once it was full: the next pass is near there, and finding it out anew costs more than
-    /// all the rest.
-    fits: Option<Fits>,
-    passes: u8,
-    status: u16,
-    converged: bool,
-    reached: [Reached; MAX_TOOLS],
-    settle: Settle,
+/// Contacts, problem and answer of the last pass of one group of tools.
+#[derive(Debug)]
+pub(crate) struct Substep {
+    pub contacts: ContactList,
+    /// What each row is about.
+    pub contact_rows: Vec<ContactRow>,
+    /// Contacts of blended objects by tool sphere.
+    pub groups: Groups,
+    /// Members of the blended rows, row by row.
+    pub members: Vec<Member>,
+    pub rows: Vec<ProblemRow>,
+    /// What each contact bears, newtons: its row's multiplier, or its shares of those of blended rows.
+    pub shares: Vec<f64>,
+    pub solution: Solution,
+    /// Keys of the contacts whose rows bore load in the tick's last pass, sorted.
+    pub bearing: Vec<(u16, u32, u8, u32)>,
+    /// Rows of these contacts in this pass; in a tick's first pass, which knows of no other, those that touch.
+    pub warm_start: Vec<u32>,
+    /// Compliance of the tissue in the rows' directions, row by row; none in a scene where nothing yields.
+    pub gram: Vec<f64>,
+    /// Whether it belongs to this pass.
+    pub tissue: bool,
+    /// Places in [`Workspace::yielding`] of the tissues that this group's tools came near in this tick.
+    pub tissues: Vec<usize>,
+    /// Share of its answer that was applied; none where the solver had no usable one.
+    pub applied: Option<f64>,
 }
 
-impl<'a> Run<'a> {
-    pub fn new(asked: &Asked<'_>, state: &State, ws: &Workspace, group: &'a [usize]) -> Self {
-        let params = &asked.scene.params;
-        let mut run = Self {
-            group,
-            first: group.first().copied().unwrap_or(0),
-            longest: group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t])),
-            gain: params.predict_gain * YIELDS,
-            d: Distance::from(0.0),
-            floor: params.predict_min,
-            fits: None,
-            passes: 0,
-            status: 0,
-            converged: false,
-            reached: [Reached::NOTHING; MAX_TOOLS],
-            settle: Settle::new(asked, state, ws, group),
-        };
-        run.d = run.first_distance(asked);
-        run
-    }
-
-    /// How far the first pass looks.
-    fn first_distance(&self, asked: &Asked<'_>) -> Distance {
-        let moved = self.group.iter().map(|&t| asked.wanted[t].moved);
-        let turned = self.group.iter().map(|&t| asked.wanted[t].turned);
-        let most = |all: f64, one| fmax(all, one);
-        self.distance(asked, moved.fold(0.0, most), turned.fold(0.0, most))
-    }
-
-    /// How far a pass looks that may move by `moved` (metres) and turn by `turned`. A turn moves spheres by their levers: what
-    /// is near the tip need not look as far as the shaft.
-    fn distance(&self, asked: &Asked<'_>, moved: f64, turned: f64) -> Distance {
-        let params = &asked.scene.params;
-        let base = fclamp(
-            self.gain * moved + params.predict_bias,
-            self.floor,
-            params.predict_max,
-        );
-        let most = (params.predict_max - base) / fmax(self.longest, 1e-9);
-        Distance {
-            base,
-            turn: fmin(params.predict_gain * turned, most),
+impl Substep {
+    /// Room for so many rows, and so many that share a dense matrix.
+    pub fn with_capacity(
+        (rows, dense): (usize, usize),
+        blended: bool,
+        tool_nodes: usize,
+        tissues: usize,
+    ) -> Self {
+        Self {
+            contacts: ContactList::with_capacity(rows),
+            contact_rows: Vec::with_capacity(rows),
+            groups: Groups::with_capacity(if blended { rows } else { 0 }, tool_nodes),
+            members: Vec::with_capacity(if blended { rows * MAX_SEEDS } else { 0 }),
+            shares: Vec::with_capacity(rows),
+            rows: Vec::with_capacity(rows),
+            solution: Solution::with_capacity(rows),
+            bearing: Vec::with_capacity(rows),
+            warm_start: Vec::with_capacity(rows),
+            gram: vec![0.0; dense * dense],
+            tissue: false,
+            tissues: Vec::with_capacity(tissues),
+            applied: Some(1.0),
         }
     }
 
-    /// Takes over every tissue out of its rest that a tool is near enough to look at in the first pass, or that could come
-    /// back onto a tool at once.
-    ///
-    /// # Errors
-    /// When another group has it.
-    pub fn claim(
-        &mut self,
-        asked: &Asked<'_>,
-        state: &State,
-        ws: &mut Workspace,
-    ) -> Result<(), Shared> {
-        let scene = asked.scene;
-        for &t in self.group {
-            if ws.awake.is_empty() {
-                break;
+    pub fn clear(&mut self) {
+        self.applied = Some(1.0);
+        self.contacts.begin(0, Overflow::Stop);
+        self.contact_rows.clear();
+        self.groups.clear();
+        self.members.clear();
+        self.rows.clear();
+        self.shares.clear();
+        self.solution.lambda.clear();
+        self.bearing.clear();
+        self.tissue = false;
+        self.tissues.clear();
+    }
+
+    /// Remembers which contacts' rows bear load.
+    pub fn note_bearing(&mut self) {
+        self.bearing.clear();
+        let contacts = self.contacts.as_slice();
+        let loads = self.contact_rows.iter().zip(&self.solution.lambda);
+        let bearing = loads.filter(|(_, load)| **load > 0.0);
+        self.bearing
+            .extend(bearing.map(|(row, _)| contacts[row.contact as usize].key()));
+        self.bearing.sort_unstable();
+    }
+
+    /// Finds the rows with which the solver begins: of the contacts that bore load in the last pass, or in a tick's first
+    /// that touch already.
+    pub fn find_bearing(&mut self) {
+        self.warm_start.clear();
+        if self.bearing.is_empty() {
+            let contact_rows = self.contact_rows.iter().enumerate();
+            let touching = contact_rows.filter(|(_, row)| row.gap < TOUCHING);
+            self.warm_start.extend(touching.map(|(i, _)| i as u32));
+            return;
+        }
+        let contacts = self.contacts.as_slice();
+        for (i, row) in self.contact_rows.iter().enumerate() {
+            let key = contacts[row.contact as usize].key();
+            if self.bearing.binary_search(&key).is_ok() {
+                self.warm_start.push(i as u32);
             }
-            let posed = posed(scene, state, t);
-            ws.predictor.begin(&posed);
-            for at in 0..ws.awake.len() {
-                let Workspace {
-                    predictor,
-                    broad,
-                    yielding,
-                    slots,
-                    zeros,
-                    awake,
-                    owners,
-                    any,
-                    levers,
-                    ..
-                } = &mut *ws;
-                let slot = awake[at];
-                let (object, relaxing) = (yielding[slot].object, yielding[slot].relaxing);
-                if yielding[slot].still || owners[slot] == Some(self.first) {
-                    continue;
-                }
-                let d = Distance {
-                    base: fmax(self.d.base, relaxing / scene.params.trust),
-                    turn: self.d.turn,
-                };
-                let displaced =
-                    |k: usize| slots[k].map_or(0.0, |slot| yielding[slot].displaced(zeros));
-                let near = broad.near(scene, predictor, &posed, (d, levers[t]), displaced);
-                if near.binary_search(&(object as u16)).is_err() {
-                    continue;
-                }
-                any.begin(1, Overflow::Stop);
-                let found = yielding[slot].predict(scene, predictor, &posed, d, any);
-                if found.is_err() || !any.as_slice().is_empty() {
-                    own(ws, slot, self.first)?;
+        }
+    }
+
+    /// Each contact with its load.
+    pub fn loaded(&self) -> impl Iterator<Item = (&Contact, f64)> {
+        self.contacts
+            .as_slice()
+            .iter()
+            .zip(self.shares.iter().copied())
+    }
+
+    /// Shares the multipliers out among the contacts.
+    pub fn share_out(&mut self) {
+        self.shares.clear();
+        self.shares.resize(self.contacts.as_slice().len(), 0.0);
+        for (row, lambda) in self.contact_rows.iter().zip(&self.solution.lambda) {
+            if row.members == 0 {
+                self.shares[row.contact as usize] = *lambda;
+            } else if *lambda > 0.0 {
+                let first = row.first as usize;
+                for member in &self.members[first..first + row.members as usize] {
+                    self.shares[member.contact as usize] += member.weight * lambda;
                 }
             }
-        }
-        if ws.passes[self.first].tissues.is_empty() {
-            self.gain = asked.scene.params.predict_gain;
-            self.d = self.first_distance(asked);
-        }
-        Ok(())
-    }
-
-    /// Predicts the contacts of the next pass, and takes over every tissue among them.
-    ///
-    /// # Errors
-    /// When another group has one.
-    pub fn look<P: StageProbe>(
-        &mut self,
-        asked: &Asked<'_>,
-        state: &State,
-        ws: &mut Workspace,
-        probe: &mut P,
-    ) -> Result<(), Shared> {
-        let (scene, first) = (asked.scene, self.first);
-        self.passes += 1;
-        probe.begin(Stage::Collide);
-        if let Some(fits) = self.fits {
-            self.d.base = fmin(self.d.base, 2.0 * fits.d.base);
-            self.d.turn = fmin(self.d.turn, 2.0 * fits.d.turn);
-        }
-        let share = self.fits.map_or(1.0, |fits| fits.share);
-        let (found, mut cut) = collide(scene, state, ws, self.group, (self.d, share));
-        self.d = found.d;
-        group_contacts(scene, ws, first);
-        // What has no room for its rows looks less far, as a full list of contacts does; the list itself serves again.
-        let mut narrowed = false;
-        loop {
-            // (The rows of who had room reach farther then, which is no harm.)
-            let room = write_lines(scene, ws, first, (self.d, narrowed));
-            if room < 1.0 {
-                cut = true;
-                self.d = self.d.shortened(room, self.longest);
-            }
-            if ws.passes[first].lines.len() <= scene.most_rows() {
-                break;
-            }
-            (cut, narrowed) = (true, true);
-            if self.d.at(self.longest) <= SMALLEST_PREDICTION {
-                keep_smallest_gaps(ws, first, scene.most_rows());
-                break;
-            }
-            self.d = self.d.shorter(self.longest);
-        }
-        if cut {
-            self.status |= status::CONTACTS_FULL;
-            self.fits = Some(Fits { d: self.d, ..found });
-        }
-        let mut next = 0;
-        while let Some(contact) = ws.passes[first].contacts.as_slice().get(next) {
-            let object = contact.object;
-            let rest = &ws.passes[first].contacts.as_slice()[next..];
-            next += rest.partition_point(|contact| contact.object == object);
-            let Some(slot) = ws.slots[usize::from(object)] else {
-                continue;
-            };
-            own(ws, slot, first)?;
-            let yielding = &mut ws.yielding[slot];
-            if !yielding.was_asked() {
-                let hands = hands(scene, state, asked.held, asked.detail);
-                let moved = yielding.ask(state, slot, &hands);
-                ws.broad.object_moved(yielding.object, moved);
-                ws.awake.push(slot);
-            }
-        }
-        Ok(())
-    }
-
-    /// Solves the pass and moves; whether another look is due.
-    pub fn go<P: StageProbe>(
-        &mut self,
-        asked: &Asked<'_>,
-        state: &mut State,
-        ws: &mut Workspace,
-        probe: &mut P,
-    ) -> bool {
-        let (scene, first) = (asked.scene, self.first);
-        let params = &scene.params;
-        probe.begin(Stage::Optimise);
-        let target = optimise(scene, state, ws, self.group, asked.wanted);
-        let Some(Answer {
-            steps: step,
-            settled,
-        }) = target
-        else {
-            // An unusable answer is never applied: pose and load stay as they are.
-            self.status |= status::SOLVER_FAILED;
-            ws.passes[first].applied = None;
-            return false;
-        };
-        let tissue_motion = yield_target(ws, first);
-        let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
-        for &t in self.group {
-            let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
-            (moved, turned) = (fmax(moved, v), fmax(turned, w));
-            motion = fmax(motion, v + w * ws.levers[t]);
-            // Motion and allowance both grow linearly with the lever: what holds at both ends holds between.
-            for lever in [0.0, ws.levers[t]] {
-                let (motion, allowed) = (v + w * lever, params.trust * self.d.at(lever));
-                if motion > allowed {
-                    share = fmin(share, allowed / motion);
-                }
-            }
-        }
-        let eased = self.settle.share(state, ws, self.group);
-        let settling = eased < share;
-        let share = fmin(share, eased);
-        apply(scene, state, ws, self.group, &step, share);
-        ws.passes[first].applied = Some(share);
-        // What turns about the working point moves a little farther than its lever says.
-        let gone = Distance {
-            base: 1.01 * share * moved,
-            turn: 1.01 * share * turned,
-        };
-        for tool in &mut self.reached {
-            tool.min_gap = f64::INFINITY;
-        }
-        let deepest = true_gaps(scene, state, ws, first, (self.d, gone), &mut self.reached);
-        let free = ws.passes[first].contacts.as_slice().is_empty();
-        let small = motion <= params.converged_step || free;
-        if share == 1.0 && small && settled && deepest >= -params.converged_gap {
-            self.converged = true;
-            return false;
-        }
-        if settling && deepest >= -params.converged_gap {
-            self.status |= status::SETTLING;
-            self.converged = true;
-            return false;
-        }
-        // A tick that needs many passes must not be held by how little each of them sees.
-        self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
-        self.d = self.distance(asked, moved * (1.0 - share), turned * (1.0 - share));
-        self.passes < params.max_substeps
-    }
-
-    /// How it went, for the tools of the group.
-    pub fn finish(mut self, ws: &Workspace, all: &mut [Reached; MAX_TOOLS]) {
-        let failed = self.status & status::SOLVER_FAILED != 0;
-        if !self.converged && !failed {
-            self.status |= status::EXHAUSTED;
-        }
-        let pass = &ws.passes[self.first];
-        for &t in self.group {
-            let ours = || {
-                let loads = pass.rows.iter().zip(&pass.solution.lambda);
-                loads.filter(|(row, _)| usize::from(row.tool) == t)
-            };
-            let reached = &mut self.reached[t];
-            reached.rows = ours().count() as u16;
-            // Multipliers that were not applied load nothing.
-            reached.active = if failed {
-                0
-            } else {
-                ours().filter(|(_, load)| **load > 0.0).count() as u16
-            };
-            reached.status = self.status;
-            reached.substeps = self.passes;
-            reached.converged = self.converged;
-            all[t] = *reached;
-        }
-    }
-}
-
-/// Notes that the tissue in `slot` belongs to the group that uses the pass `first`.
-fn own(ws: &mut Workspace, slot: usize, first: usize) -> Result<(), Shared> {
-    match ws.owners[slot] {
-        Some(owner) if owner == first => Ok(()),
-        Some(_) => Err(Shared),
-        None => {
-            ws.owners[slot] = Some(first);
-            ws.passes[first].tissues.push(slot);
-            Ok(())
-        }
-    }
-}
-
-/// Steps per tool: translation of the working point (metres) and rotation vector (radians).
-type Steps = [(Vec3, Vec3); MAX_TOOLS];
-
-/// Builds and solves the problem of this pass; `None` when the answer is unusable.
-fn optimise(
-    scene: &Scene,
-    state: &State,
-    ws: &mut Workspace,
-    group: &[usize],
-    wanted: &[Wanted; MAX_TOOLS],
-) -> Option<Answer> {
-    let first = place(group);
-    let mut free_step = [0.0; UNKNOWNS];
-    let mut metrics = [Metric::UNIT; MAX_TOOLS];
-    for &t in group {
-        let (tool, now) = (&scene.tools[t], &state.tools[t]);
-        let v = wanted[t].haptic.transform(&tool.working_point)
-            - now.graphic.transform(&tool.working_point);
-        let (w, _) = twist(
-            &wanted[t].haptic.orientation,
-            &now.graphic.orientation,
-            &now.twist_axis,
-        );
-        let mut metric = Metric::of(tool);
-        bend(scene, &ws.passes[first], t, &v, &mut metric);
-        let free = metric.scaled_free_step(&v, &w);
-        free_step[6 * t..6 * t + 6].copy_from_slice(&free);
-        metrics[t] = metric;
-    }
-    let pass = &mut ws.passes[first];
-    pass.rows.clear();
-    for line in &pass.lines {
-        let contact = &pass.contacts.as_slice()[line.contact as usize];
-        let t = usize::from(contact.tool);
-        let a = metrics[t].scaled_row(&line.normal, &contact.arm.cross(&line.normal));
-        let bias = line.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
-        pass.rows.push(ProblemRow {
-            a,
-            tool: contact.tool,
-            bias,
-        });
-    }
-    let tissue = fill_tissue(ws, first);
-    if tissue {
-        ws.passes[first].find_bearing();
-    }
-    let Pass {
-        rows,
-        solution,
-        gram,
-        first: begin,
-        ..
-    } = &mut ws.passes[first];
-    let problem = Problem {
-        rows,
-        tissue: tissue.then(|| &gram[..rows.len() * rows.len()]),
-        contact_compliance: scene.params.contact_compliance,
-        first: if tissue { begin } else { &[] },
-        max_iterations: usize::from(scene.params.max_iterations),
-    };
-    match scene.params.solver {
-        SolverKind::ActiveSet => ws.active_set.solve(&problem, solution),
-        SolverKind::Clarabel => Clarabel.solve(&problem, solution),
-    }
-    let solved = solution.status == SolveStatus::Solved;
-    let y = solution.y;
-    ws.passes[first].share_out();
-    if tissue && solved {
-        ws.passes[first].note_bearing();
-    }
-    if !solved {
-        return None;
-    }
-    let mut answer = Answer {
-        steps: [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS],
-        settled: true,
-    };
-    for &t in group {
-        let y: [f64; 6] = std::array::from_fn(|k| free_step[6 * t + k] + y[6 * t + k]);
-        let (v, w) = metrics[t].step(&y);
-        answer.steps[t] = (v, w);
-        answer.settled &= metrics[t].settled(&v, &w);
-    }
-    let finite = answer
-        .steps
-        .iter()
-        .all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
-    finite.then_some(answer)
-}
-
-/// What a pass found.
-struct Answer {
-    steps: Steps,
-    /// Whether the forces are those of the coupling, not of the bent metric.
-    settled: bool,
-}
-
-/// Moves tools, tissue and loads by the same share of the step.
-fn apply(
-    scene: &Scene,
-    state: &mut State,
-    ws: &mut Workspace,
-    group: &[usize],
-    steps: &Steps,
-    share: f64,
-) {
-    for &slot in &ws.passes[place(group)].tissues {
-        let yielding = &mut ws.yielding[slot];
-        let moved = yielding.advance(share);
-        ws.broad.object_moved(yielding.object, moved);
-    }
-    let objects = scene.objects.len();
-    for &t in group {
-        let (v, w) = steps[t];
-        let tool = &scene.tools[t];
-        let graphic = &mut state.tools[t].graphic;
-        let at = graphic.transform(&tool.working_point) + v * share;
-        graphic.orientation = renormalised(&(exp_rotation(&(w * share)) * graphic.orientation));
-        graphic.position = at - graphic.orientation * tool.working_point;
-
-        // Loads on the objects about the working point first, then about the world's origin.
-        let targets = &mut ws.loads[t * objects..(t + 1) * objects];
-        targets.fill(Wrench::ZERO);
-        for (contact, lambda) in ws.passes[place(group)].loaded() {
-            if usize::from(contact.tool) == t && lambda > 0.0 {
-                let force = contact.normal * -lambda;
-                let load = &mut targets[usize::from(contact.object)];
-                load.force += force;
-                load.torque += contact.arm.cross(&force);
-            }
-        }
-        for (load, target) in state.loads[t * objects..(t + 1) * objects]
-            .iter_mut()
-            .zip(&*targets)
-        {
-            if *target == Wrench::ZERO && *load == Wrench::ZERO {
-                // (Of one sign, so that it takes no room.)
-                *load = Wrench::ZERO;
-                continue;
-            }
-            let target = target.moved(&at);
-            load.force += (target.force - load.force) * share;
-            load.torque += (target.torque - load.torque) * share;
         }
     }
 }

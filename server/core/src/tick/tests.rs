@@ -284,7 +284,7 @@ fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
     let mut plate = ball(0.01, TissueModel::Rigid);
     plate.tree = SphereTree::over_leaves(&spheres).expect("valid");
     let mut scene = scene(vec![plate]);
-    scene.params.max_rows = 16;
+    scene.params.max_contacts = 16;
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut full = false;
     for k in 0..300 {

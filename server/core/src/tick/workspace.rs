@@ -9,7 +9,7 @@ use crate::math::{Pose, Vec3, Wrench};
 use crate::optimise::{Problem, Solution, active_set::ActiveSet};
 use crate::scene::Scene;
 use crate::state::State;
-use crate::tick::pass::Pass;
+use crate::tick::substep::Substep;
 use crate::tick::yielding::Yielding;
 use crate::tissue::{Site, SiteLoad, TissueModel};
 use crate::tree::Sphere;
@@ -22,7 +22,7 @@ pub struct Workspace {
     /// What each tool can come near at all.
     pub(crate) broad: Broad,
     /// Per tool, or in the first tool's place where both share one problem.
-    pub(crate) passes: [Pass; MAX_TOOLS],
+    pub(crate) substeps: [Substep; MAX_TOOLS],
     pub(crate) active_set: ActiveSet,
     pub(crate) blender: Blender,
     /// Cores of each object's nodes; none where it is not blended.
@@ -36,7 +36,7 @@ pub struct Workspace {
     pub(crate) yielding: Vec<Yielding>,
     /// For each object its place in `yielding`.
     pub(crate) slots: Vec<Option<usize>>,
-    /// Places in `yielding` of what was asked in this tick: all that is not at rest, or has a tool near.
+    /// Places in `yielding` of what was request in this tick: all that is not at rest, or has a tool near.
     pub(crate) awake: Vec<usize>,
     /// Whose pass each of `yielding` belongs to in this tick.
     pub(crate) owners: Vec<Option<usize>>,
@@ -84,8 +84,8 @@ impl Workspace {
         Self {
             predictor: Predictor::new(scene),
             broad: Broad::new(scene),
-            passes: std::array::from_fn(|_| {
-                Pass::with_capacity(sizes, blended, tool_nodes, tissues)
+            substeps: std::array::from_fn(|_| {
+                Substep::with_capacity(sizes, blended, tool_nodes, tissues)
             }),
             blender: Blender::with_capacity(if blended { rows } else { 0 }),
             cores: (0..scene.objects.len()).map(|k| cores(scene, k)).collect(),
@@ -122,7 +122,7 @@ impl Workspace {
     /// an audit wants to know. A load is the multiplier of the contact's row; on a blended surface
     /// the sum of its shares in the rows' multipliers. Normals times loads add up to the wrench.
     pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
-        self.passes.iter().flat_map(Pass::loaded)
+        self.substeps.iter().flat_map(Substep::loaded)
     }
 
     /// The last problem of each tool (or of both together) and its answer, for an independent solver to
@@ -130,18 +130,19 @@ impl Workspace {
     pub fn last_problems(&self, scene: &Scene) -> impl Iterator<Item = (Problem<'_>, &Solution)> {
         let contact_compliance = scene.params.contact_compliance;
         let max_iterations = usize::from(scene.params.max_iterations);
-        let solved =
-            |pass: &&Pass| !pass.rows.is_empty() && pass.solution.lambda.len() == pass.rows.len();
-        self.passes.iter().filter(solved).map(move |pass| {
-            let m = pass.rows.len();
+        let solved = |substep: &&Substep| {
+            !substep.rows.is_empty() && substep.solution.lambda.len() == substep.rows.len()
+        };
+        self.substeps.iter().filter(solved).map(move |substep| {
+            let m = substep.rows.len();
             let problem = Problem {
-                rows: &pass.rows,
-                tissue: pass.tissue.then(|| &pass.gram[..m * m]),
+                rows: &substep.rows,
+                tissue: substep.tissue.then(|| &substep.gram[..m * m]),
                 contact_compliance,
-                first: &[],
+                warm_start: &[],
                 max_iterations,
             };
-            (problem, &pass.solution)
+            (problem, &substep.solution)
         })
     }
 

@@ -1,12 +1,12 @@
 //! Tissue in a tick: where it is, its part of the problem, and where it goes under the answer.
 
-use crate::blend::Line;
+use crate::blend::ContactRow;
 use crate::contact::soft::SoftNeighbours;
 use crate::contact::{ContactList, ContactsFull, Distance, PosedTool, Predictor};
 use crate::math::{Vec3, fmax};
 use crate::rows::runs;
 use crate::state::State;
-use crate::tick::pass::Pass;
+use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 use crate::tissue::{Gram, Hands, Tissue, refit};
 use crate::tree::Node;
@@ -28,9 +28,9 @@ pub(crate) struct Yielding {
     to_target: f64,
     /// Whether it is at rest, would stay there and is not touched: then it costs nothing.
     pub still: bool,
-    /// Whether the model was asked in this tick: not while the state is at rest and nobody comes near.
-    asked: bool,
-    /// Whether it must be asked in any case.
+    /// Whether the model was request in this tick: not while the state is at rest and nobody comes near.
+    request: bool,
+    /// Whether it must be request in any case.
     goes_by_hands: bool,
     /// How far its spheres would go to the free configuration, metres.
     pub relaxing: f64,
@@ -60,7 +60,7 @@ impl Yielding {
                 target: vec![0.0; len],
                 to_target: 0.0,
                 still: true,
-                asked: false,
+                request: false,
                 relaxing: 0.0,
                 nodes: nodes.to_vec(),
                 fitted: false,
@@ -77,33 +77,33 @@ impl Yielding {
     /// Whether a tick with `state` in slot `slot` may leave it alone, as the one before did.
     #[inline]
     pub fn may_sleep(&self, state: &State, slot: usize) -> bool {
-        !self.asked && !self.goes_by_hands && state.tissue.at_rest(slot)
+        !self.request && !self.goes_by_hands && state.tissue.at_rest(slot)
     }
 
     /// Where it is as a tick begins; returns how far its spheres moved from where this workspace had them, metres.
     pub fn begin(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
         if self.goes_by_hands || !state.tissue.at_rest(slot) {
-            return self.ask(state, slot, hands);
+            return self.evaluate(state, slot, hands);
         }
         // (An unasked one has been put to rest before.)
-        if !self.asked {
+        if !self.request {
             return 0.0;
         }
         std::mem::swap(&mut self.shape, &mut self.target);
         self.shape.fill(0.0);
         self.free.fill(0.0);
-        (self.still, self.asked, self.fitted, self.relaxing) = (true, false, false, 0.0);
+        (self.still, self.request, self.fitted, self.relaxing) = (true, false, false, 0.0);
         self.model.motion(&self.target, &self.shape)
     }
 
     /// Asks the model where it is and would be; returns how far its spheres moved from where this workspace had them.
-    pub fn ask(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
+    pub fn evaluate(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
         std::mem::swap(&mut self.shape, &mut self.target);
         let state = state.tissue.of(slot);
         self.still = self
             .model
             .free_step(state, hands, &mut self.shape, &mut self.free);
-        (self.asked, self.fitted) = (true, false);
+        (self.request, self.fitted) = (true, false);
         self.relaxing = if self.still {
             0.0
         } else {
@@ -112,9 +112,9 @@ impl Yielding {
         self.model.motion(&self.target, &self.shape)
     }
 
-    /// Whether the model was asked in this tick.
-    pub fn was_asked(&self) -> bool {
-        self.asked
+    /// Whether the model was request in this tick.
+    pub fn is_evaluated(&self) -> bool {
+        self.request
     }
 
     /// How far any sphere is from where it rests, metres; `zeros` are as many as a configuration has, or more.
@@ -214,17 +214,17 @@ impl Yielding {
 
 /// The tissue's part of the problem: compliance and the way from the free shape. False when
 /// nothing touched yields.
-pub(crate) fn fill_tissue(ws: &mut Workspace, first: usize) -> bool {
-    let Pass {
+pub(crate) fn fill_tissue(ws: &mut Workspace, index: usize) -> bool {
+    let Substep {
         contacts,
-        lines,
+        contact_rows,
         rows,
         tissue,
         gram,
         ..
-    } = &mut ws.passes[first];
+    } = &mut ws.substeps[index];
     let contacts = contacts.as_slice();
-    let about = |line: &Line| &contacts[line.contact as usize];
+    let about = |row: &ContactRow| &contacts[row.contact as usize];
     let slot_of = |object: u16| ws.slots[usize::from(object)];
     let mut touched = runs(contacts, |contact| contact.object);
     *tissue = touched.any(|run| slot_of(contacts[run.start].object).is_some());
@@ -233,14 +233,17 @@ pub(crate) fn fill_tissue(ws: &mut Workspace, first: usize) -> bool {
     }
     let m = rows.len();
     gram[..m * m].fill(0.0);
-    for run in runs(lines, |line| about(line).object) {
-        let Some(slot) = slot_of(about(&lines[run.start]).object) else {
+    for run in runs(contact_rows, |row| about(row).object) {
+        let Some(slot) = slot_of(about(&contact_rows[run.start]).object) else {
             continue;
         };
         let yielding = &mut ws.yielding[slot];
         ws.sites.clear();
-        ws.sites
-            .extend(lines[run.clone()].iter().map(|line| about(line).site()));
+        ws.sites.extend(
+            contact_rows[run.clone()]
+                .iter()
+                .map(|row| about(row).site()),
+        );
         yielding
             .model
             .add_gram(&ws.sites, &mut Gram::new(gram, m, run.start));
@@ -250,8 +253,8 @@ pub(crate) fn fill_tissue(ws: &mut Workspace, first: usize) -> bool {
         }
         // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
         let mut last = (None, Vec3::zeros());
-        for (row, line) in rows[run.clone()].iter_mut().zip(&lines[run]) {
-            let contact = about(line);
+        for (problem_row, row) in rows[run.clone()].iter_mut().zip(&contact_rows[run]) {
+            let contact = about(row);
             // Rows of one sphere stand together.
             if last.0 != Some(contact.object_sphere) {
                 let mut centre = [Vec3::zeros(); 2];
@@ -261,7 +264,7 @@ pub(crate) fn fill_tissue(ws: &mut Workspace, first: usize) -> bool {
                 model.centres(&yielding.free, &id, std::slice::from_mut(free));
                 last = (Some(contact.object_sphere), *now - *free);
             }
-            row.bias += contact.normal.dot(&last.1);
+            problem_row.bias += contact.normal.dot(&last.1);
         }
     }
     true
@@ -269,18 +272,18 @@ pub(crate) fn fill_tissue(ws: &mut Workspace, first: usize) -> bool {
 
 /// Finds the configurations of the group's tissues under the multipliers; returns the largest motion to there, which each
 /// tissue keeps for [`Yielding::advance`].
-pub(crate) fn yield_target(ws: &mut Workspace, first: usize) -> f64 {
-    let pass = &ws.passes[first];
+pub(crate) fn yield_target(ws: &mut Workspace, index: usize) -> f64 {
+    let substep = &ws.substeps[index];
     let mut motion = 0.0;
-    for &slot in &pass.tissues {
+    for &slot in &substep.tissues {
         let yielding = &mut ws.yielding[slot];
         let object = yielding.object;
         ws.sites.clear();
         ws.site_loads.clear();
         // Contacts are sorted by object.
-        let contacts = pass.contacts.as_slice();
+        let contacts = substep.contacts.as_slice();
         let begin = contacts.partition_point(|contact| usize::from(contact.object) < object);
-        let ours = contacts.iter().zip(&pass.shares).skip(begin);
+        let ours = contacts.iter().zip(&substep.shares).skip(begin);
         for (contact, load) in ours.take_while(|ours| usize::from(ours.0.object) == object) {
             ws.sites.push(contact.site());
             ws.site_loads.push(*load);

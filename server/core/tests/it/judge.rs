@@ -165,7 +165,7 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
             rows: &rows,
             tissue: compliance.as_deref(),
             contact_compliance,
-            first: &[],
+            warm_start: &[],
             max_iterations: usize::from(Params::default().max_iterations),
         };
         own.solve(&problem, &mut ours);
@@ -225,7 +225,7 @@ fn rows_that_are_added_as_they_are_violated_end_where_all_of_them_do() {
             rows: &rows,
             tissue: compliance.as_deref(),
             contact_compliance: 1e-7,
-            first: &[],
+            warm_start: &[],
             max_iterations: 0,
         };
         AllRows.solve(&problem, &mut all);
@@ -254,7 +254,7 @@ fn an_iteration_limit_is_said_and_not_an_answer() {
         rows: &rows,
         tissue: None,
         contact_compliance: 1e-7,
-        first: &[],
+        warm_start: &[],
         max_iterations: 1,
     };
     let (mut solver, mut solution) = (ActiveSet::with_capacity(64), Solution::with_capacity(64));
@@ -282,7 +282,7 @@ fn numbers_that_are_not_finite_give_no_answer() {
                     rows: &rows,
                     tissue: (place == 2).then_some(&soft),
                     contact_compliance: 1e-7,
-                    first: &[],
+                    warm_start: &[],
                     max_iterations: 100,
                 };
                 let mut own = ActiveSet::with_capacity(m);
@@ -306,7 +306,7 @@ fn one_row_has_the_answer_on_paper() {
         rows: &rows,
         tissue: None,
         contact_compliance: 1e-7,
-        first: &[],
+        warm_start: &[],
         max_iterations: 100,
     };
     let mut solution = Solution::with_capacity(1);

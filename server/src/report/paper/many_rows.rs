@@ -83,7 +83,7 @@ fn timed(solver: &mut dyn ContactSolver, soft: Option<&[f64]>, problems: usize) 
                 rows: &rows,
                 tissue: soft,
                 contact_compliance: 1e-8,
-                first: &[],
+                warm_start: &[],
                 max_iterations: 4000,
             };
             let begin = cpu_ns();

@@ -16,6 +16,6 @@ pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTo
 }
 
 /// Which of the workspace's passes a group uses: its first tool's.
-pub(crate) fn place(group: &[usize]) -> usize {
+pub(crate) fn substep_of(group: &[usize]) -> usize {
     group.first().copied().unwrap_or(0)
 }
