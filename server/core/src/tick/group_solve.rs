@@ -77,7 +77,7 @@ impl<'a> GroupSolve<'a> {
             substeps: 0,
             status: 0,
             converged: false,
-            outcomes: [ToolOutcome::NOTHING; MAX_TOOLS],
+            outcomes: [ToolOutcome::FREE; MAX_TOOLS],
             settle: Settle::new(request, state, ws, group),
         };
         solve.d = solve.first_distance(request);

@@ -1,19 +1,17 @@
-//! Which tools share a problem, and what becomes of a tissue that no tool is near.
+//! Groups of tools that share one problem, and relaxation of tissues without a tool nearby.
 //!
-//! Tools that touch nothing in common that yields know nothing of each other: each has a problem of its own, with its own
-//! substeps, in six unknowns. Where both come near one tissue they share one problem in twelve, for the tissue goes to one target, the
-//! answer to all loads.
+//! Tools without a common yielding tissue are independent: each has its own substeps, with six unknowns. Tools near one
+//! tissue share one problem with twelve unknowns, because the tissue has one target shape under all loads.
 //!
-//! A tissue belongs to the group whose tools it is near in this tick:
-//! - Out of its rest, when the tick begins: to the tool that comes closer to it than a first pass on tissue looks, or than it
-//!   could come back by itself within the tick. One that no tool is so near relaxes at once, all the way, before the
-//!   tools move: it cannot meet one.
-//! - Else, from the first pass on whose list of contacts has one with it.
+//! A tissue belongs to the group whose tools are near it in this tick:
+//! - A tissue out of its rest shape is claimed at the start of the tick. The claiming tool is within the prediction
+//!   distance of a first substep, or within the distance that the tissue can return by itself in the tick. A tissue
+//!   without a claim relaxes at once, before any tool moves.
+//! - A tissue at rest is claimed by the first substep whose contact list contains it.
 //!
-//! Where both tools claim one, be it in a late pass, the tick is begun anew with both in one problem: poses, loads and shapes as
-//! they were. All of this goes by distances of spheres, so it does not depend on what a workspace remembers. First
-//! all claims are made, then all first lists, and only then the first problem is solved: a common tissue hardly ever
-//! shows later.
+//! When both tools claim one tissue, even in a late substep, the tick restarts from its initial poses, loads and shapes
+//! with both tools in one problem. All claims come first, then the first contact lists of all groups, then the first
+//! solve: a late conflict is rare. Claims depend on distances of spheres alone, never on cached values.
 
 use crate::MAX_TOOLS;
 use crate::state::State;
@@ -23,7 +21,7 @@ use crate::tick::stage::{Stage, StageProbe};
 use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 
-/// Moves the tools in the slots `present` (ascending), and all that yields, as far as this tick allows.
+/// Advances the tools in the slots `present` (ascending) and all tissues by one tick.
 pub(crate) fn advance<P: StageProbe>(
     request: &TickRequest<'_>,
     state: &mut State,
@@ -42,14 +40,14 @@ pub(crate) fn advance<P: StageProbe>(
             Err(TissueConflict) => begin_anew(request, state, ws),
         }
     }
-    // One group has all it needs.
-    solve(request, state, ws, &[present], probe).unwrap_or([ToolOutcome::NOTHING; MAX_TOOLS])
+    // A single group has no rival for a tissue: a conflict here is a fault of the program.
+    solve(request, state, ws, &[present], probe).unwrap_or([ToolOutcome::IMPOSSIBLE; MAX_TOOLS])
 }
 
-/// Solves each group's problem.
+/// Runs the substeps of every group.
 ///
 /// # Errors
-/// When two groups need one tissue.
+/// Two groups claim one tissue.
 fn solve<P: StageProbe>(
     request: &TickRequest<'_>,
     state: &mut State,
@@ -69,7 +67,7 @@ fn solve<P: StageProbe>(
     for group_solve in solves.iter_mut().flatten() {
         group_solve.predict_contacts(request, state, ws, probe)?;
     }
-    let mut outcomes = [ToolOutcome::NOTHING; MAX_TOOLS];
+    let mut outcomes = [ToolOutcome::FREE; MAX_TOOLS];
     for mut group_solve in solves.into_iter().flatten() {
         while group_solve.solve_and_step(request, state, ws, probe) {
             group_solve.predict_contacts(request, state, ws, probe)?;
@@ -79,7 +77,7 @@ fn solve<P: StageProbe>(
     Ok(outcomes)
 }
 
-/// What no tool is near goes to where it would be without contact.
+/// Moves every tissue without an owner to its shape without contact.
 fn relax(ws: &mut Workspace) {
     for &slot in &ws.awake {
         let yielding = &mut ws.yielding[slot];
@@ -90,7 +88,7 @@ fn relax(ws: &mut Workspace) {
     }
 }
 
-/// Keeps what a tick changes before it is known to be right.
+/// Saves graphic poses and loads, which a restart of the tick restores.
 fn remember(state: &State, ws: &mut Workspace) {
     let (poses, loads) = &mut ws.before;
     for (pose, tool) in poses.iter_mut().zip(&state.tools) {
@@ -99,7 +97,7 @@ fn remember(state: &State, ws: &mut Workspace) {
     loads.copy_from_slice(&state.loads);
 }
 
-/// Everything as it was when the tick began.
+/// Restores poses, loads and shapes of the start of the tick.
 fn begin_anew(request: &TickRequest<'_>, state: &mut State, ws: &mut Workspace) {
     let (poses, loads) = &ws.before;
     for (pose, tool) in poses.iter().zip(&mut state.tools) {

@@ -1,4 +1,21 @@
-//! The tick itself: input in, wrench out, state forward.
+//! One haptic tick: input in, wrench out, state forward.
+//!
+//! Boxes of the flowchart in the paper's Fig. 2, and the functions that implement them:
+//!
+//! | Fig. 2 | equations | here |
+//! |---|---|---|
+//! | configuration of the haptic tool | | `haptic::sanitise` |
+//! | deformation without contact (our addition) | 1, 4, 5 | `begin_tissues`, `Yielding::evaluate`, `Tissue::free_step` |
+//! | collision detection, contact prediction | section 3.2 | `GroupSolve::predict_contacts`, `collide`, `Predictor::predict` |
+//! | optimisation, with the compliance of the tissue inside | 18 to 20 | `GroupSolve::solve_and_step`, `optimise`, `ActiveSet::solve` |
+//! | spring-sphere skeleton | 1 to 10 | `yield_target`, `Tissue::apply` of `tissue::skeleton` and `tissue::surface` |
+//! | local deformation of the gingiva | 11 to 16 | `yield_target`, `Tissue::apply` of `tissue::gingiva` |
+//! | update of the sphere tree | 17 | `Yielding::refit`, `tissue::refit` |
+//! | force and torque | 18 | `finish_tool`, `wrench_at_device`, `wrench::limited` |
+//!
+//! A tick repeats collision detection, optimisation, deformation and tree update in *substeps* until the step has reached
+//! its goal. `groups` decides which tools share one problem, `group_solve` runs the substeps of one group, `commit_tissues`
+//! stores the final shapes in the state. `tissue::printed` implements the equations as printed, for comparison.
 
 mod collide;
 mod gaps;
@@ -31,13 +48,13 @@ use crate::tick::workspace::Workspace;
 use crate::tick::wrench::{Conditions, limited};
 use crate::tissue::SiteLoad;
 
-/// Time without a usable pose after which the tool counts as stale, seconds: the watchdog's.
+/// Time without a valid pose after which a tool is stale, seconds: the timeout of the watchdog.
 const BAD_STALE_S: f64 = 0.05;
 
-/// Runs one tick: `state` becomes the state after it. Never panics on any input, allocates nothing
-/// (with [`crate::optimise::SolverKind::ActiveSet`]), takes bounded work.
+/// Runs one tick and advances `state` by it. The work is bounded, no input panics, and nothing is allocated with
+/// [`crate::optimise::SolverKind::ActiveSet`].
 ///
-/// `state` and `ws` must have been made for `scene`.
+/// `state` and `ws` must belong to `scene`.
 pub fn tick<P: StageProbe>(
     scene: &Scene,
     state: &mut State,
@@ -64,7 +81,7 @@ pub fn tick<P: StageProbe>(
         let slot = &input.tools[t];
         let (haptic, found) = sanitise(&slot.pose, &scene.params, last, ticks);
         bits[t] |= found;
-        // A tool whose very first pose is unusable has not come in yet.
+        // A tool stays absent until its first valid pose.
         if !slot.present || (found & status::BAD_INPUT != 0 && !last.entered) {
             bits[t] |= status::ABSENT;
             continue;
@@ -83,7 +100,7 @@ pub fn tick<P: StageProbe>(
     }
 
     let held = held(&present[..n_present], &goals);
-    begin(scene, state, ws, &held, input.detail);
+    begin_tissues(scene, state, ws, &held, input.detail);
     let request = TickRequest {
         scene,
         goals: &goals,
@@ -93,7 +110,7 @@ pub fn tick<P: StageProbe>(
     let outcomes = advance(&request, state, ws, &present[..n_present], probe);
 
     probe.begin(Stage::Apply);
-    let (readings, fault) = commit(scene, state, ws, &held, input.detail);
+    let (readings, fault) = commit_tissues(scene, state, ws, &held, input.detail);
     let mut outputs = state.tools.map(|tool| ToolOutput::absent(tool.graphic));
     for t in 0..tools {
         if fault {
@@ -116,8 +133,9 @@ pub fn tick<P: StageProbe>(
     }
 }
 
-/// Where each yielding thing is and would be without contact. What was at rest and stays there is not looked at.
-fn begin(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: u8) {
+/// Evaluates the shapes of all tissues at the start of the tick and without contact. Tissues that stay at rest are
+/// skipped.
+fn begin_tissues(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: u8) {
     let hands = hands(scene, state, held, detail);
     ws.awake.clear();
     for (slot, yielding) in ws.yielding.iter_mut().enumerate() {
@@ -132,9 +150,9 @@ fn begin(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: 
     }
 }
 
-/// Takes the shapes that the tick ended with into the state, and the readings of pockets out of it. What is
-/// not finite goes back to rest, and is said.
-fn commit(
+/// Stores the final shapes of the tissues in the state and reads the pockets. Returns the pocket reading of each tool,
+/// and whether a shape was not finite: such a tissue is reset to rest.
+fn commit_tissues(
     scene: &Scene,
     state: &mut State,
     ws: &mut Workspace,
@@ -142,7 +160,7 @@ fn commit(
     detail: u8,
 ) -> ([Option<PocketReading>; MAX_TOOLS], bool) {
     let mut fault = false;
-    // The state's tissue is written while the rest of it is looked at.
+    // Moved out of the state, because `hands` borrows the rest of the state.
     let mut all = std::mem::take(&mut state.tissue);
     let hands = hands(scene, state, held, detail);
     for &slot in &ws.awake {
@@ -151,7 +169,7 @@ fn commit(
             continue;
         }
         ws.tick_loads.clear();
-        // What no tool came near bears nothing.
+        // A tissue without an owner has no contacts and no loads.
         let substep = ws.owners[slot].map(|owner| &ws.substeps[owner]);
         let answered = substep.is_none_or(|substep| substep.applied.is_some());
         if let Some(substep) = substep {
@@ -187,7 +205,7 @@ fn commit(
             continue;
         };
         let tip = hand.graphic.transform(&hand.tool.tip);
-        // Of two pockets that claim it the one with the nearer wall sphere has it: the other's can end far above.
+        // Where pockets overlap, the pocket with the nearer wall sphere gives the reading.
         let mut nearest = f64::INFINITY;
         for (slot, ball) in &ws.pockets {
             let from = tip - ball.centre;
@@ -209,8 +227,10 @@ fn commit(
     (readings, fault)
 }
 
-/// Share of the last pass's loads on an object that each tool puts on it: all, unless the pass went a share of its step only. Then
-/// the load is between that of the tick before and the pass's, and what of it lies along the pass's is on the tissue.
+/// Fraction, per tool, of the last substep's loads on `object` that the tissue bears, in [0, 1].
+///
+/// The fraction is 1 when the whole step was applied. Otherwise the load `f` on the object is a blend of the last tick's
+/// load and the target `g` of the substep, and the fraction is its projection, `f . g / g . g`.
 fn applied(
     substep: &Substep,
     (loads, objects): (&[Wrench], usize),
@@ -239,7 +259,7 @@ fn applied(
     })
 }
 
-/// Wrench, ramps and what is kept of one tool.
+/// Computes the limited wrench of one tool and stores its values in the state.
 fn finish_tool(
     scene: &Scene,
     state: &mut State,
@@ -277,7 +297,7 @@ fn finish_tool(
         );
         kept.haptic = goal.haptic;
     } else {
-        // Nobody holds it: it loads nothing, while the last wrench ramps out.
+        // An absent tool loads no object; its last wrench ramps to zero.
         loads.fill(Wrench::ZERO);
     }
     kept.bad_ticks = if bits & status::BAD_INPUT != 0 {
@@ -285,7 +305,7 @@ fn finish_tool(
     } else {
         0
     };
-    // A device that sends nothing usable is as silent as one that sends nothing.
+    // Invalid poses count as silence of the device.
     let stale = slot.stale || u64::from(kept.bad_ticks) >= scene.params.ticks_in(BAD_STALE_S);
     if stale {
         bits |= status::STALE;
@@ -296,7 +316,7 @@ fn finish_tool(
     let limit = f64::from(input.force_limit_n);
     let most = scene.params.max_force;
     let now = Conditions {
-        // While no answer can be had the tool stands still: its last force must not stay in the hand.
+        // Without a solution the tool stands still, and its last force must not remain in the hand.
         wanted: present && !stale && !input.paused && bits & status::SOLVER_FAILED == 0,
         force_limit: if limit > 0.0 && limit < most {
             limit
@@ -307,7 +327,7 @@ fn finish_tool(
     let (wrench, gain, limits) = limited(&kept.raw, &kept.sent, kept.gain, &now, &scene.params);
     bits |= limits;
     if limits & status::FAULT != 0 {
-        // Whatever was not finite must not come back next tick.
+        // A value that is not finite must not return in the next tick.
         loads.fill(Wrench::ZERO);
         kept.raw = Wrench::ZERO;
     }

@@ -1,9 +1,10 @@
-//! A tool of the scene at its present pose, and the pass that a group of tools uses.
+//! A tool of the scene at its present graphic pose, and the index of a group's substep.
 
 use crate::Scene;
 use crate::contact::PosedTool;
 use crate::state::State;
 
+/// Tool `t` at its present graphic pose.
 pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
     let tool = &scene.tools[t];
     PosedTool {
@@ -15,7 +16,7 @@ pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTo
     }
 }
 
-/// Which of the workspace's passes a group uses: its first tool's.
+/// Index in `Workspace::substeps` of the substep of a group: the slot of its first tool.
 pub(crate) fn substep_of(group: &[usize]) -> usize {
     group.first().copied().unwrap_or(0)
 }

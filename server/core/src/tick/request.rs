@@ -1,34 +1,42 @@
-//! What a tick is request for and how it went: the vocabulary of its stages.
+//! Vocabulary of a tick's stages: the request, the goal of each tool, and the outcome for each tool.
 
 use crate::math::Pose;
+use crate::output::status;
 use crate::state::State;
 use crate::tissue::{Hand, Hands};
 use crate::{MAX_TOOLS, Scene};
 
-/// What the group asks for, per tool slot.
+/// Goal of one tool: its haptic pose and the hand's motion since the last tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToolGoal {
-    /// Haptic pose.
+    /// Haptic pose, `world_from_tool`.
     pub haptic: Pose,
-    /// How far the hand moved the working point in this tick, metres.
+    /// Motion of the working point by the hand in this tick, metres.
     pub moved: f64,
-    /// How far it turned, radians.
+    /// Rotation by the hand in this tick, radians.
     pub turned: f64,
 }
 
-/// How it went, per tool slot.
+/// Outcome of a tick for one tool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToolOutcome {
+    /// Bits of [`status`].
     pub status: u16,
+    /// Number of substeps, 1 to `Params::max_substeps`; 0 for an absent tool.
     pub substeps: u8,
+    /// Number of rows of the last problem with contacts of this tool.
     pub rows: u16,
+    /// Number of these rows with a positive multiplier.
     pub active: u16,
+    /// Smallest true gap after the last substep, metres; infinite without contact.
     pub min_gap: f64,
+    /// Whether the step reached its goal within the tolerances of [`crate::Params`].
     pub converged: bool,
 }
 
 impl ToolOutcome {
-    pub(crate) const NOTHING: ToolOutcome = ToolOutcome {
+    /// Outcome of a tool without contact, and initial value of the others.
+    pub(crate) const FREE: ToolOutcome = ToolOutcome {
         status: 0,
         substeps: 0,
         rows: 0,
@@ -36,28 +44,41 @@ impl ToolOutcome {
         min_gap: f64::INFINITY,
         converged: true,
     };
+
+    /// Outcome of a case that the program rules out. The tick flags a fault and sends no force.
+    pub(crate) const IMPOSSIBLE: ToolOutcome = ToolOutcome {
+        status: status::FAULT | status::SOLVER_FAILED,
+        converged: false,
+        ..ToolOutcome::FREE
+    };
 }
 
-/// What a tick is about, beside its state.
+/// Request of one tick: constant scene, goals of the tools, level of detail.
 #[derive(Clone, Copy)]
 pub(crate) struct TickRequest<'a> {
+    /// Constant scene.
     pub scene: &'a Scene,
+    /// Goal of each tool, by slot.
     pub goals: &'a [ToolGoal; MAX_TOOLS],
+    /// Haptic poses of the present tools, by slot.
     pub held: &'a Held,
+    /// Level of detail of the tissues, 0 for the finest.
     pub detail: u8,
 }
 
-/// Another group has a tissue that this one needs.
+/// Refusal of a tissue: another group of tools has claimed it in this tick.
 #[derive(Debug)]
 pub(crate) struct TissueConflict;
 
-/// Haptic poses of the hands that hold something, by slot.
+/// Haptic poses of the present tools, by slot.
 pub(crate) type Held = [Option<Pose>; MAX_TOOLS];
 
+/// Haptic poses of the tools in the slots `present`.
 pub(crate) fn held(present: &[usize], goals: &[ToolGoal; MAX_TOOLS]) -> Held {
     std::array::from_fn(|t| present.contains(&t).then(|| goals[t].haptic))
 }
 
+/// View of the present tools for the tissue models: poses and loads at the start of a substep.
 pub(crate) fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {
     let objects = scene.objects.len();
     Hands {
