@@ -8,7 +8,7 @@ use clap::{Parser, Subcommand};
 use sulcus_program::{output, tell};
 use tracing_subscriber::EnvFilter;
 
-use crate::commands::{patient, report, scene, serve, tissue, tree};
+use crate::serve;
 
 /// Simulates a mouth at 1 kHz for the station that connects, and compiles what is simulated.
 #[derive(Parser)]
@@ -25,11 +25,9 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Serve(Box<serve::ServeArgs>),
-    Scene(scene::SceneArgs),
-    Tree(tree::TreeArgs),
-    Patient(patient::PatientArgs),
-    Tissue(tissue::TissueArgs),
-    Report(report::ReportArgs),
+    #[cfg(feature = "lab")]
+    #[command(flatten)]
+    Lab(sulcus_lab::commands::LabCommand),
 }
 
 /// Runs the program with these arguments, the first of which is its name.
@@ -53,11 +51,8 @@ where
         .try_init();
     let outcome = match cli.command {
         Command::Serve(args) => serve::run(&args),
-        Command::Scene(args) => scene::run(&args),
-        Command::Tree(args) => tree::run(&args),
-        Command::Patient(args) => patient::run(&args),
-        Command::Tissue(args) => tissue::run(&args),
-        Command::Report(args) => report::run(&args),
+        #[cfg(feature = "lab")]
+        Command::Lab(command) => sulcus_lab::commands::run(&command),
     };
     let code = outcome.unwrap_or_else(|error| {
         tell!("error: {}", sulcus_sessions::sentence(&error));
@@ -77,6 +72,7 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    #[cfg(feature = "lab")]
     /// A comment on a subcommand's variant had taken the place of its long help.
     #[test]
     fn the_long_help_of_tissue_says_what_a_folder_holds() {

@@ -15,10 +15,10 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod cli;
-pub mod commands;
 pub mod config;
 pub mod error;
 pub mod handle;
+pub mod serve;
 
 pub mod detail;
 
@@ -30,14 +30,10 @@ mod inputs;
 mod levels;
 mod metrics;
 mod network;
-mod page;
-mod picture;
 mod realtime;
 mod recording;
-mod report;
 mod running;
 mod simulation;
-mod tissue;
 mod transport;
 
 pub use config::{Exercise, ServerConfig};

@@ -13,8 +13,10 @@
 pub mod disk;
 pub mod output;
 pub mod path;
+pub mod progress;
 
 pub use path::PathText;
+pub use progress::ProgressLines;
 
 /// Prepares the process: the first call of every program.
 ///

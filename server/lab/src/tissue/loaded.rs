@@ -6,7 +6,7 @@ use sulcus_core::{DisplaySkin, MAX_TOOLS, Vec3};
 
 use super::organ::{LEVEL, Organ};
 use super::pushed::push;
-use crate::realtime::thread_cpu_ns;
+use sulcus_cases::timing::cpu_ns;
 
 /// Ticks in which it must come to rest: a minute.
 const MOST_TICKS: usize = 60_000;
@@ -93,11 +93,11 @@ impl<'a> Loaded<'a> {
                 bail!("the model did not come to rest in {ticks} ticks");
             }
             ticks += 1;
-            let start = thread_cpu_ns();
+            let start = cpu_ns();
             self.ready.free_step(&state, &hands, &mut shape, &mut free);
             self.ready.apply(&sites, &lambda, &free, &mut now);
             self.ready.commit(&now, Some(&given), &hands, &mut state);
-            self.ns.push(thread_cpu_ns() - start);
+            self.ns.push(cpu_ns() - start);
             if !now.iter().all(|x| x.is_finite()) {
                 bail!("the model went beyond all bounds in tick {ticks}");
             }

@@ -21,8 +21,8 @@ use sulcus_scene::tree::build::{TreeOptions, build_weighted};
 use sulcus_scene::tree::zone::{Zone, importance};
 use sulcus_sessions::cli::sibling::find;
 
-use super::scene::Narrator;
 use crate::page::{self, Subject};
+use sulcus_program::ProgressLines;
 pub use zone::ZoneArg;
 
 /// Build a sphere tree for a mesh and measure its error, both ways and level by level.
@@ -129,8 +129,8 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
         ..TreeOptions::default()
     };
     let importance = |p: &Vec3| importance(&zones, args.zone_weight, p);
-    let narrator = Narrator::default();
-    let say = |stage: &str, share: f64| narrator.say(stage, share);
+    let progress = ProgressLines::default();
+    let say = |stage: &str, share: f64| progress.report(stage, share);
     let started = Instant::now();
     let tree = build_weighted(distance.mesh(), &options, &importance, &say)
         .with_context(|| format!("{}: cannot build the tree", args.mesh.shown()))?;
@@ -138,7 +138,7 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
     let started = Instant::now();
     let report = measure(&tree, &distance, &zones, &Sampling::default(), &|level| {
         let part = f64::from(level) / (f64::from(tree.depth()) + 1.0);
-        narrator.say(&format!("measuring level {level}"), part);
+        progress.report(&format!("measuring level {level}"), part);
     });
     let measure_s = started.elapsed().as_secs_f64();
 
@@ -172,7 +172,7 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
         );
         let levels = page::level_errors(&subject);
         page = Some(page::write(out, &subject, &levels, &|what| {
-            narrator.say(what, 1.0);
+            progress.report(what, 1.0);
         })?);
         rerun = for_rerun(out, &subject, &levels)?;
         say!("");

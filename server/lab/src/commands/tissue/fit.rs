@@ -11,11 +11,11 @@ use sulcus_scene::mesh::load::to_obj;
 use sulcus_scene::organ::skeleton::SkeletonOptions;
 use sulcus_scene::organ::springs::FittedSprings;
 
-use crate::commands::scene::Narrator;
 use crate::tissue::fit::{Example, Fit, Freedom};
 use crate::tissue::loads::training;
 use crate::tissue::organ::Organ;
 use crate::tissue::printed::as_printed;
+use sulcus_program::ProgressLines;
 
 /// Places of patches, each loaded along three directions, and loads that are spread over the surface.
 const PATCHES: usize = 60;
@@ -85,7 +85,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
-    let narrator = Narrator::default();
+    let progress = ProgressLines::default();
     if args.model == Springs::PrintedSkeleton && args.freedom != Freedom::One {
         bail!(
             "--freedom is not `one`, expected that for the printed skeleton: its springs are all as stiff"
@@ -99,7 +99,9 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
         );
     }
     writable(&args.out)?;
-    let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.1 * share))?;
+    let organ = Organ::read(&args.fem, &|stage, share| {
+        progress.report(stage, 0.1 * share)
+    })?;
     let text = to_obj(&organ.surface);
     // A mesh of the same name may be somebody's own.
     if std::fs::read(&surface).is_ok_and(|there| there != text.as_bytes()) {
@@ -120,7 +122,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
             args.fem.shown()
         );
     }
-    narrator.say("factoring the finite elements", 0.1);
+    progress.report("factoring the finite elements", 0.1);
     let material = Elastic {
         young: args.young_kpa * 1e3,
         poisson: args.poisson,
@@ -129,7 +131,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     let mut examples = Vec::with_capacity(loads.len());
     for part in loads.chunks(AT_ONCE) {
         let done = examples.len();
-        narrator.say(
+        progress.report(
             &format!("training case {done} of {}: {}", loads.len(), part[0].name),
             0.2 + (ELEMENTS - 0.2) * done as f64 / loads.len() as f64,
         );
@@ -150,7 +152,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<u8> {
     let most = args.steps as usize;
     let told = |step: usize, error: f64| {
         if step.is_multiple_of(20) {
-            narrator.say(
+            progress.report(
                 &format!(
                     "step {step}: training error {:.2} % of the displacement",
                     100.0 * error

@@ -16,9 +16,9 @@ use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
 use sulcus_sessions::{Events, Mode, Rubric};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-use super::scene::Narrator;
 use crate::addresses::{for_clients, resolve};
 use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerHandle};
+use sulcus_program::ProgressLines;
 
 /// Serve one station until Ctrl-C.
 #[derive(Clone, Debug, Args)]
@@ -235,8 +235,8 @@ fn load(
     seed: Option<u64>,
     rate_hz: Option<u16>,
 ) -> anyhow::Result<(Scene, Vec<u8>, String)> {
-    let narrator = Narrator::default();
-    let say = |stage: &str, share: f64| narrator.say(stage, share);
+    let progress = ProgressLines::default();
+    let say = |stage: &str, share: f64| progress.report(stage, share);
     let options = BuildOptions {
         seed,
         ..BuildOptions::cached()

@@ -1,6 +1,5 @@
 //! `sulcus-server scene check` and `scene build`: scene files to compiled scenes.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -9,7 +8,7 @@ use serde::Serialize;
 use sulcus_cases::tissue_scenes::{POCKET_WIDTHS, pocket_text};
 use sulcus_core::Scene;
 use sulcus_core::scene::displayable::too_stiff;
-use sulcus_program::{PathText, say, tell};
+use sulcus_program::{PathText, ProgressLines, say, tell};
 use sulcus_scene::compile::family;
 use sulcus_scene::{BuildOptions, BuiltIn, Compiled, compile_built_in, compile_file, compile_text};
 
@@ -110,7 +109,7 @@ struct Report<'a> {
 /// # Errors
 /// If the scene or a mesh that it names cannot be used, or the result cannot be written.
 pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
-    let narrator = Narrator::default();
+    let progress = ProgressLines::default();
     let (file, out, json, cached) = match &args.action {
         SceneAction::Picture {
             file,
@@ -118,12 +117,12 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
             only,
             pixels,
         } => {
-            let say = |stage: &str, share: f64| narrator.say(stage, share);
+            let say = |stage: &str, share: f64| progress.report(stage, share);
             let compiled = compile_file(file, &BuildOptions::cached(), &say)?;
             return pictures(&compiled.scene, out, only, usize::from(*pixels)).map(|()| 0);
         }
         SceneAction::Family { out } => {
-            let say = |stage: &str, share: f64| narrator.say(stage, share);
+            let say = |stage: &str, share: f64| progress.report(stage, share);
             return build_family(out, &say).map(|()| 0);
         }
         SceneAction::Check { file, json } => (file, None, *json, true),
@@ -145,7 +144,9 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
             ..BuildOptions::default()
         }
     };
-    let mut compiled = compile_file(file, &options, &|stage, share| narrator.say(stage, share))?;
+    let mut compiled = compile_file(file, &options, &|stage, share| {
+        progress.report(stage, share)
+    })?;
     let too_stiff = too_stiff(&compiled.scene);
     compiled.warnings.extend(
         too_stiff
@@ -271,22 +272,5 @@ fn print(report: &Report) {
     say!("  scene  {} ({} bytes)", report.scene_hash, report.bytes);
     if let Some(out) = report.out {
         say!("  written to {}", out.shown());
-    }
-}
-
-/// Says on standard error what is being done, each line once.
-#[derive(Default)]
-pub(crate) struct Narrator {
-    last: RefCell<String>,
-}
-
-impl Narrator {
-    /// A stage, and how much of the whole is done (0 to 1).
-    pub(crate) fn say(&self, stage: &str, share: f64) {
-        let line = format!("{:3.0} %  {stage}", 100.0 * share);
-        if *self.last.borrow() != line {
-            tell!("{line}");
-            self.last.replace(line);
-        }
     }
 }

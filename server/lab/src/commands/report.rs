@@ -6,11 +6,11 @@ use anyhow::{Context, bail};
 use clap::Args;
 use sulcus_program::{PathText, say, tell};
 
-use crate::commands::scene::Narrator;
 use crate::commands::tree::writable;
 use crate::page::report;
 use crate::report::paper::{Part, paper_part};
 use crate::report::{Beside, Options, measure};
+use sulcus_program::ProgressLines;
 
 /// Measure speed against error on this machine
 #[derive(Clone, Debug, Args)]
@@ -38,9 +38,9 @@ pub struct ReportArgs {
 }
 
 pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
-    let narrator = Narrator::default();
+    let progress = ProgressLines::default();
     if let Some(Some(part)) = args.paper {
-        return one_part(part, args, &narrator);
+        return one_part(part, args, &progress);
     }
     writable(&args.out)?;
     let options = Options {
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
         paper: args.paper.is_some(),
         peers: args.peers.as_deref().map(read_peers).transpose()?,
     };
-    let found = measure(options, &|what, share| narrator.say(what, share))?;
+    let found = measure(options, &|what, share| progress.report(what, share))?;
     let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
     let write = |name: &str, text: &str| -> anyhow::Result<PathBuf> {
         let path = args.out.join(name);
@@ -69,11 +69,13 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
 }
 
 /// Measures one part of the paper and prints it: no page, no files.
-fn one_part(part: Part, args: &ReportArgs, narrator: &Narrator) -> anyhow::Result<u8> {
+fn one_part(part: Part, args: &ReportArgs, progress: &ProgressLines) -> anyhow::Result<u8> {
     if args.peers.is_some() {
         bail!("--peers is given, expected not with a part of the paper: it goes onto the page");
     }
-    let found = paper_part(part, args.quick, &|what, share| narrator.say(what, share))?;
+    let found = paper_part(part, args.quick, &|what, share| {
+        progress.report(what, share)
+    })?;
     let found = Beside::of(found, args.quick);
     for row in &found.rows {
         let printed = row.printed.as_deref().unwrap_or("unknown");

@@ -17,7 +17,6 @@ use sulcus_scene::organ::springs::FittedSprings;
 use sulcus_scene::organ::{condensed, skin};
 
 use super::Model;
-use crate::commands::scene::Narrator;
 use crate::commands::tree::writable;
 use crate::page::tissue;
 use crate::tissue::cases::cases;
@@ -25,6 +24,7 @@ use crate::tissue::judge::{CaseError, Outcome, TickTime, judge};
 use crate::tissue::loaded::Loaded;
 use crate::tissue::organ::Organ;
 use crate::tissue::printed::{as_printed, one_carrier};
+use sulcus_program::ProgressLines;
 
 /// Judge a tissue model.
 #[derive(Clone, Debug, Args)]
@@ -70,7 +70,7 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
-    let narrator = Narrator::default();
+    let progress = ProgressLines::default();
     if let Some(out) = &args.out {
         writable(out)?;
     }
@@ -79,16 +79,18 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
         .as_deref()
         .map(FittedSprings::read)
         .transpose()?;
-    let organ = Organ::read(&args.fem, &|stage, share| narrator.say(stage, 0.3 * share))?;
+    let organ = Organ::read(&args.fem, &|stage, share| {
+        progress.report(stage, 0.3 * share)
+    })?;
     let cases = cases(&args.fem, &organ)?;
     let Judgement {
         mut models,
         parts,
         what: fitted,
-    } = judgement(args, given.as_ref(), &organ, &narrator)?;
+    } = judgement(args, given.as_ref(), &organ, &progress)?;
     let mut outcomes: Vec<Outcome> = Vec::with_capacity(cases.len());
     for case in &cases {
-        narrator.say(
+        progress.report(
             &case.name,
             0.3 + 0.7 * outcomes.len() as f64 / cases.len() as f64,
         );
@@ -133,7 +135,7 @@ pub(super) fn run(args: &EvaluateArgs) -> anyhow::Result<u8> {
                 fitted: &fitted,
                 tick_us,
             };
-            let page = tissue::write(out, &subject, &|what| narrator.say(what, 1.0))?;
+            let page = tissue::write(out, &subject, &|what| progress.report(what, 1.0))?;
             say!("written to {}", page.shown());
             Some(page)
         }
@@ -170,7 +172,7 @@ fn judgement<'a>(
     args: &EvaluateArgs,
     given: Option<&FittedSprings>,
     organ: &'a Organ,
-    narrator: &Narrator,
+    progress: &ProgressLines,
 ) -> anyhow::Result<Judgement<'a>> {
     if args.model == Model::SurfaceCompliance {
         if let Some(params) = &args.params {
@@ -179,7 +181,7 @@ fn judgement<'a>(
                 params.shown()
             );
         }
-        return surface(args, organ, narrator);
+        return surface(args, organ, progress);
     }
     let (skeleton, what) = skeleton(args, given, organ)?;
     let level = &skeleton.coarse;
@@ -200,11 +202,11 @@ fn judgement<'a>(
 fn surface<'a>(
     args: &EvaluateArgs,
     organ: &'a Organ,
-    narrator: &Narrator,
+    progress: &ProgressLines,
 ) -> anyhow::Result<Judgement<'a>> {
     let fine = CondenseOptions::default();
     let poisson = SurfaceParams::default().poisson;
-    let say = |stage: &str, _: f64| narrator.say(stage, 0.3);
+    let say = |stage: &str, _: f64| progress.report(stage, 0.3);
     let kept = default_cache_dir();
     let made = condensed(&organ.elements, poisson, &fine, kept.as_deref(), &say)?;
     let skin = skin(
