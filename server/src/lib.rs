@@ -15,30 +15,16 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod cli;
-pub mod config;
 pub mod error;
-pub mod handle;
+mod net;
+mod outlets;
 pub mod serve;
+pub mod session;
+pub mod station;
 
-pub mod detail;
-
-mod addresses;
-mod changes;
-mod handoff;
-mod identity;
-mod inputs;
-mod levels;
-mod metrics;
-mod network;
-mod realtime;
-mod recording;
-mod running;
-mod simulation;
-mod transport;
-
-pub use config::{Exercise, ServerConfig};
-pub use detail::{Budget, Detail};
 pub use error::ServerError;
-pub use handle::{Server, ServerHandle};
-pub use identity::fingerprint;
-pub use realtime::monotonic_ns;
+pub use net::identity::fingerprint;
+pub use session::detail::{Budget, Detail};
+pub use session::realtime::monotonic_ns;
+pub use station::config::{Exercise, ServerConfig};
+pub use station::handle::{Server, ServerHandle};

@@ -16,7 +16,7 @@ use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
 use sulcus_sessions::{Events, Mode, Rubric};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
-use crate::addresses::{for_clients, resolve};
+use crate::net::addresses::{for_clients, resolve};
 use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerHandle};
 use sulcus_program::ProgressLines;
 

@@ -11,7 +11,7 @@ use sulcus_proto::ticket::hex;
 use sulcus_sessions::Mode;
 
 use crate::ServerError;
-use crate::detail::Detail;
+use crate::session::detail::Detail;
 
 /// What a student is asked to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +148,7 @@ impl ServerConfig {
                 "at most 256 bytes",
             );
         }
-        if !crate::levels::is_limit(self.force_limit_n) {
+        if !crate::session::levels::is_limit(self.force_limit_n) {
             return bad(
                 "force limit",
                 self.force_limit_n.to_string(),

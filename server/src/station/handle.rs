@@ -8,10 +8,12 @@ use sulcus_proto::control::Command;
 use sulcus_proto::{SessionSummary, Ticket};
 use tokio::sync::{Mutex, watch};
 
-use crate::identity::{Identity, fingerprint};
-use crate::levels::{Levels, Taken};
-use crate::network::{self, Phase, Shared, Station};
-use crate::{ServerConfig, ServerError, transport};
+use crate::net;
+use crate::net::identity::{Identity, fingerprint};
+use crate::net::transport;
+use crate::net::{Phase, Shared, Station};
+use crate::session::levels::{Levels, Taken};
+use crate::{ServerConfig, ServerError};
 
 /// A station's server.
 pub struct Server;
@@ -40,7 +42,7 @@ impl Server {
             source,
         })?;
         // Found out now, not when the first student has sat down.
-        crate::recording::station_key(config.station_key.as_deref())?;
+        crate::outlets::recording::station_key(config.station_key.as_deref())?;
         let identity = Identity::generate(&config.station)?;
         let quic = transport::server_config(&identity)?;
         let socket = bind(config.listen)?;
@@ -74,7 +76,7 @@ impl Server {
         let thread = std::thread::Builder::new()
             .name("sulcus-net".into())
             .spawn(move || {
-                let served = runtime.block_on(network::serve(socket, quic, shared));
+                let served = runtime.block_on(net::serve(socket, quic, shared));
                 // Sessions have ended; whatever is stuck in the system is not waited for.
                 runtime.shutdown_background();
                 served

@@ -13,10 +13,10 @@ use tokio::sync::watch;
 use super::control::{self, ReadError};
 use super::datagrams::Datagrams;
 use super::{CLOSE_OK, Phase, Shared, Station, close_after_last_word};
-use crate::handoff::Flags;
-use crate::levels::{Levels, Taken};
-use crate::recording::Plan;
-use crate::running::{Running, Started};
+use crate::outlets::recording::Plan;
+use crate::session::handoff::Flags;
+use crate::session::levels::{Levels, Taken};
+use crate::session::running::{Running, Started};
 
 type Messages = Receiver<Result<ClientMessage, ReadError>>;
 

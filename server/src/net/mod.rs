@@ -1,9 +1,12 @@
 //! The network thread: endpoint, admission, and one station's session at a time.
 
+pub(crate) mod addresses;
 mod admission;
 mod control;
 mod datagrams;
+pub(crate) mod identity;
 mod session;
+pub(crate) mod transport;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +18,7 @@ use sulcus_proto::limits::HELLO;
 use tokio::sync::{Mutex, watch};
 use tokio::task::JoinSet;
 
-use crate::levels::Levels;
+use crate::session::levels::Levels;
 use crate::{ServerConfig, ServerError};
 
 /// What the whole server is about to do.

@@ -6,8 +6,8 @@ use sulcus_proto::newest::{Arrival, ArrivalCounts};
 use sulcus_proto::{NewestWins, PoseDatagram};
 use triple_buffer::{Input, Output};
 
-use crate::handoff::{PoseIn, WrenchOut};
-use crate::realtime::monotonic_ns;
+use crate::session::handoff::{PoseIn, WrenchOut};
+use crate::session::realtime::monotonic_ns;
 
 /// The network's ends of the two triple buffers, and what it counts.
 pub(super) struct Datagrams {

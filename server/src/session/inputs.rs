@@ -5,8 +5,8 @@ use std::time::Duration;
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput};
 use sulcus_proto::limits;
 
-use crate::handoff::PoseIn;
-use crate::levels::InForce;
+use crate::session::handoff::PoseIn;
+use crate::session::levels::InForce;
 
 /// State between ticks of what comes from outside.
 #[derive(Debug)]

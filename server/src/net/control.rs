@@ -86,8 +86,8 @@ mod tests {
     use sulcus_proto::ALPN;
 
     use super::*;
-    use crate::identity::Identity;
-    use crate::transport;
+    use crate::net::identity::Identity;
+    use crate::net::transport;
 
     /// A client that keeps its connection alive but takes no byte of any stream.
     fn deaf(identity: &Identity) -> ClientConfig {

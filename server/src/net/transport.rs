@@ -11,7 +11,7 @@ use quinn::{ServerConfig, TransportConfig, VarInt};
 use sulcus_proto::{ALPN, limits};
 
 use crate::ServerError;
-use crate::identity::Identity;
+use crate::net::identity::Identity;
 
 /// A congestion window that never changes. A cubic window falls to two packets after a little loss
 /// or reordering, and a full *MTU* must fit before a 300-byte datagram may go.

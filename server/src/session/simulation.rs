@@ -13,13 +13,14 @@ use sulcus_sessions::record::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 
-use crate::detail::{Chooser, Detail};
-use crate::handoff::{Bell, Flags, PoseIn, Pressed, WrenchOut};
-use crate::inputs::Inputs;
-use crate::levels::Levels;
-use crate::metrics::{Metrics, TickTimes};
-use crate::realtime::{self, monotonic_ns, thread_cpu_ns};
-use crate::recording::Entry;
+use crate::outlets::recording::Entry;
+use crate::session::detail::{Chooser, Detail};
+use crate::session::handoff::{Bell, Flags, PoseIn, Pressed, WrenchOut};
+use crate::session::inputs::Inputs;
+use crate::session::levels::Levels;
+use crate::session::metrics::{Metrics, TickTimes};
+use crate::session::realtime;
+use crate::session::realtime::{monotonic_ns, thread_cpu_ns};
 
 /// Everything that the simulation thread owns.
 pub(crate) struct Simulation {
@@ -305,5 +306,4 @@ fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> Wrenc
 }
 
 #[cfg(test)]
-#[path = "simulation_tests.rs"]
 mod tests;

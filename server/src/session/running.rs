@@ -13,13 +13,14 @@ use sulcus_sessions::Shapes;
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::ServerConfig;
-use crate::handoff::{
+use crate::outlets::recording;
+use crate::outlets::recording::{EVENTS, FromNetwork, Plan, Report, Returned};
+use crate::session::handoff::{
     Bell, Flags, PoseIn, Pressed, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
 };
-use crate::levels::Levels;
-use crate::metrics::Metrics;
-use crate::recording::{self, EVENTS, FromNetwork, Plan, Report, Returned};
-use crate::simulation::Simulation;
+use crate::session::levels::Levels;
+use crate::session::metrics::Metrics;
+use crate::session::simulation::Simulation;
 
 /// Events of one session, bytes of kind and content: a recording is for the hand, not for whatever a
 /// client likes to say.

@@ -4,7 +4,7 @@ use serde_json::json;
 use sulcus_sessions::Occurrence;
 use sulcus_sessions::events::{FORCE_LIMIT, PAUSED, RESUMED};
 
-use crate::levels::{InForce, Level};
+use crate::session::levels::{InForce, Level};
 
 /// Changes by a student in one session that become events. A client that switches a thousand times a second must not fill
 /// the disk; the ticks hold every change in any case.

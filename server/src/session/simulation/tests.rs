@@ -1,6 +1,6 @@
 //! The ticker by hand: no allocation, nothing lost silently.
 
-#[path = "../core/tests/counting/mod.rs"]
+#[path = "../../../core/tests/counting/mod.rs"]
 mod counting;
 
 use counting::calls;

@@ -1,6 +1,6 @@
 //! Hand-overs from thread to thread. Every one is wait-free for the simulation: triple buffers where the newest wins,
 //! rings where nothing may be lost, atomic words for buttons (and for pause and force limit, in
-//! [`crate::levels`]), one eventfd as the only wake-up.
+//! [`crate::session::levels`]), one eventfd as the only wake-up.
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;

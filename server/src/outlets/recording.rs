@@ -17,10 +17,10 @@ use sulcus_sessions::{
 };
 
 use crate::ServerConfig;
-use crate::changes::Changes;
-use crate::handoff::{Bell, Flags};
-use crate::levels::InForce;
-use crate::realtime::unix_ns;
+use crate::session::changes::Changes;
+use crate::session::handoff::{Bell, Flags};
+use crate::session::levels::InForce;
+use crate::session::realtime::unix_ns;
 
 /// How often the queue is emptied. It holds four seconds at any rate; the recorder itself flushes every 100 ms
 /// of record time.

@@ -1,0 +1,11 @@
+//! One session: the simulation thread at SCHED_FIFO, its inputs, and the wait-free hand-overs to the other threads.
+
+pub(crate) mod changes;
+pub mod detail;
+pub(crate) mod handoff;
+pub(crate) mod inputs;
+pub(crate) mod levels;
+pub(crate) mod metrics;
+pub(crate) mod realtime;
+pub(crate) mod running;
+mod simulation;
