@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     prost_build::Config::new().compile_fds(all)?;
     let tick = ["../server/core/src"];
     println!("cargo::rustc-env=SULCUS_TICK_SOURCE={}", source(&tick)?);
-    let measures = [tick[0], "src/events", "src/grade", "src/exercise"];
+    let measures = [tick[0], "src/grade", "src/exercise"];
     println!(
         "cargo::rustc-env=SULCUS_MEASURES_SOURCE={}",
         source(&measures)?

@@ -3,7 +3,7 @@
 use sulcus_core::Scene;
 use sulcus_operator::Operator;
 use sulcus_proto::control::Event;
-use sulcus_sessions::events::call::{Call, READING_CALLED};
+use sulcus_sessions::exercise::events::call::{Call, READING_CALLED};
 
 /// What the operator has called since it was asked last.
 pub fn calls(operator: &mut Operator) -> Vec<Call> {

@@ -2,7 +2,7 @@
 
 use sulcus_core::{MAX_TOOLS, ToolInput};
 use sulcus_operator::{Operator, Shown};
-use sulcus_sessions::events::call::Call;
+use sulcus_sessions::exercise::events::call::Call;
 
 use crate::calls::calls;
 

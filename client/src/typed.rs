@@ -9,7 +9,7 @@ use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, ToolInput};
 use sulcus_operator::Shown;
 use sulcus_program::tell;
-use sulcus_sessions::events::call::{Call, CallError};
+use sulcus_sessions::exercise::events::call::{Call, CallError};
 
 use crate::device::Device;
 

@@ -22,7 +22,8 @@ mod perform;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
-use sulcus_sessions::grade::{self, grade};
+use sulcus_sessions::grade;
+use sulcus_sessions::grade::grade;
 use sulcus_sessions::{Recording, ReplayOptions, replay};
 
 use entries::{ENTRIES, Entry};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sulcus_cases::{Chart, Measures, Observer};
-use sulcus_sessions::events::Tally;
+use sulcus_sessions::exercise::events::Tally;
 use sulcus_sessions::grade::{Grade, Graded, Standard, finish, run};
 use sulcus_sessions::{
     Exercise, Mode, Recording, ReplayOptions, ReplayReport, Signature, replay_observed,

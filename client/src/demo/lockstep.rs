@@ -8,7 +8,7 @@ use sulcus_cases::Observer;
 use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
-use sulcus_sessions::record::SNAPSHOT_EVERY_S;
+use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{
     Events, Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views,
 };

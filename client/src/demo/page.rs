@@ -6,7 +6,7 @@ use sulcus_program::{PathText, disk};
 use sulcus_sessions::Mode;
 use sulcus_sessions::grade::Graded;
 use sulcus_sessions::grade::class::{Session, Shown};
-use sulcus_sessions::grade::page::{Look, Numbering, student_page};
+use sulcus_sessions::pages::{Look, Numbering, student_page};
 
 /// Writes the page of a session in practice; the path is the recording's with the ending `.html`.
 ///

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use sulcus_program::PathText;
 use sulcus_proto::Percentiles;
-use sulcus_sessions::events::Tally;
+use sulcus_sessions::exercise::events::Tally;
 use sulcus_sessions::{Grade, Mode};
 
 use crate::calls::Called;

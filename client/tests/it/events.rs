@@ -18,8 +18,8 @@ use sulcus_core::{
 };
 use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
-use sulcus_sessions::events::call::{Call, READING_CALLED};
 use sulcus_sessions::exercise::Target;
+use sulcus_sessions::exercise::events::call::{Call, READING_CALLED};
 use sulcus_sessions::{
     Events, Exercise, Message, Occurrence, Recording, ReplayOptions, StationKey, replay_observed,
 };

@@ -11,7 +11,8 @@ use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_operator::{HandParams, Operator};
 use sulcus_scene::BuiltIn;
-use sulcus_sessions::{Message, Occurrence, Recording, StationKey, occurrence::FORCE_ZONE};
+use sulcus_sessions::record::occurrence::FORCE_ZONE;
+use sulcus_sessions::{Message, Occurrence, Recording, StationKey};
 
 /// Performs with `force` newtons; returns what the check found and the events of the recording.
 fn perform(force: f64) -> (check::Checked, Vec<Occurrence>) {

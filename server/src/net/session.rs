@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use quinn::{Connection, SendStream};
 use sulcus_proto::control::{ClientHello, Command, EndReason, Goodbye};
 use sulcus_proto::{ClientMessage, ServerMessage, SessionSummary};
-use sulcus_sessions::events::may_a_client_say;
+use sulcus_sessions::exercise::events::may_a_client_say;
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::watch;
 

@@ -10,7 +10,7 @@ use rtrb::{Consumer, Producer};
 use sulcus_core::{Scene, State, TickOutput, Vec3};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
-use sulcus_sessions::events::{LOST, Look};
+use sulcus_sessions::exercise::events::{LOST, Look};
 use sulcus_sessions::{
     Events, Exercise, Level, Occurrence, RecordError, Recorder, Row, Sampler, SessionEnd,
     SessionHeader, Shapes, StationKey, Views,
@@ -38,7 +38,7 @@ pub(crate) enum Entry {
     /// A tick, its output, its thread CPU time in nanoseconds, and what both sides asked for: the events of the exercise
     /// are found in it here, and the viewers' messages are made of it, not in the tick's thread.
     Tick(Row, TickOutput, u32, InForce),
-    /// What a tick, which follows, left of the shapes that are looked at ([`sulcus_sessions::events::Look`]).
+    /// What a tick, which follows, left of the shapes that are looked at ([`sulcus_sessions::exercise::events::Look`]).
     Look(u64, Vec<Vec3>),
     /// What a tick, which follows, left for viewers.
     Shapes(Box<Shapes>),
@@ -278,7 +278,7 @@ impl Thread {
                 .event(unix_ns(), Level::Warning, &lost.to_string());
             self.check(result);
         }
-        let text = sulcus_sessions::ended::line(summary.end);
+        let text = sulcus_sessions::record::ended::line(summary.end);
         let result = self.recorder.event(unix_ns(), Level::Info, &text);
         self.check(result);
         let finished = self.recorder.finish(SessionEnd {

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use sulcus_sessions::Occurrence;
-use sulcus_sessions::events::{FORCE_LIMIT, PAUSED, RESUMED};
+use sulcus_sessions::exercise::events::{FORCE_LIMIT, PAUSED, RESUMED};
 
 use crate::session::levels::{InForce, Level};
 

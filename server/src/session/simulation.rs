@@ -8,8 +8,8 @@ use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_proto::WrenchDatagram;
 use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
-use sulcus_sessions::events::Look;
-use sulcus_sessions::record::SNAPSHOT_EVERY_S;
+use sulcus_sessions::exercise::events::Look;
+use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 

@@ -8,9 +8,9 @@ use sulcus_program::PathText;
 use super::inputs::open;
 use super::parallel::Progress;
 use super::print::{Outcome, at, object};
-use crate::compare::{ComparisonReport, Side, compare};
 use crate::replay::ReplayOptions;
-use crate::whatif::WhatIf;
+use crate::replay::compare::{ComparisonReport, Side, compare};
+use crate::replay::whatif::WhatIf;
 
 pub(super) fn comparison_of(
     path: &Path,

@@ -8,10 +8,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::inputs::{open, recordings};
 use super::print::{Outcome, at, for_each, object};
-use crate::info::info;
-use crate::read::{ReadError, Recording};
-use crate::recover::{RecoverError, recover};
-use crate::verify::Signature;
+use crate::record::info::info;
+use crate::record::read::{ReadError, Recording};
+use crate::record::recover::{RecoverError, recover};
+use crate::record::verify::Signature;
 
 #[derive(Args)]
 pub(super) struct InfoArgs {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use sulcus_program::PathText;
 
 use super::print::at;
-use crate::read::Recording;
+use crate::record::read::Recording;
 
 /// The files that `arguments` name, in their order. A folder stands for all recordings in it (not in folders below it),
 /// sorted by name; without any it stays in the list, and [`open`] refuses it.

@@ -13,10 +13,10 @@ use super::compared::comparison_of;
 use super::inputs::{open, recordings};
 use super::parallel::{Progress, for_each_at_once};
 use super::print::{Outcome, at, object};
-use crate::key::PublicKey;
+use crate::record::key::PublicKey;
+use crate::record::viewers::Viewers;
+use crate::replay::whatif::{TissueChoice, WhatIf};
 use crate::replay::{ReplayOptions, ReplayReport, Span, replay};
-use crate::viewers::Viewers;
-use crate::whatif::{TissueChoice, WhatIf};
 
 pub(super) const ABOUT: &str = "\
 Runs recorded sessions again and compares every state, wrench, snapshot and signature.

@@ -1,7 +1,7 @@
 //! What an exercise's values may be.
 
 use super::{Exercise, Kind};
-use crate::written::{Written, WrittenError};
+use crate::record::written::{Written, WrittenError};
 
 /// Most entries of the tour.
 const MOST_ZONES: usize = 64;

@@ -26,9 +26,10 @@
 //! ```
 
 mod check;
+pub mod events;
 mod fields;
 
-use crate::written::{Written, WrittenError};
+use crate::record::written::{Written, WrittenError};
 use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::gingiva::Site;
 

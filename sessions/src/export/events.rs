@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::{ExportError, create};
-use crate::cells;
-use crate::message::{Event, Level};
-use crate::occurrence::Occurrence;
+use crate::export::cells;
+use crate::record::message::{Event, Level};
+use crate::record::occurrence::Occurrence;
 
 /// Columns. `kind`, `tick` and `data` (JSON) are those of an occurrence; `text` is any other line.
 const COLUMNS: [&str; 7] = [

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use sulcus_core::{DisplayMesh, DisplaySkin, Pose, Scene, TickOutput, Vec3, Workspace};
 
 use super::{ExportError, ExportOptions, MeshFormat, create, create_folder};
-use crate::cells;
-use crate::channels::{is_held, paths};
+use crate::export::cells;
+use crate::record::channels::{is_held, paths};
 
 pub(super) struct Meshes {
     folder: PathBuf,

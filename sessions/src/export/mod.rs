@@ -1,6 +1,7 @@
 //! A recording as files for other programs: the ticks and the events as tables, the meshes as they were deformed. All of it
 //! comes from a replay, so it is exact, and the recording need not hold it.
 
+pub(crate) mod cells;
 mod events;
 mod mesh_file;
 mod meshes;
@@ -11,11 +12,11 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sulcus_program::{PathText, disk};
 
-use crate::message::Message;
-use crate::read::Recording;
+use crate::record::message::Message;
+use crate::record::read::Recording;
+use crate::record::row::Row;
+use crate::record::viewers::Sum;
 use crate::replay::{ReplayError, ReplayOptions, replay_observed};
-use crate::row::Row;
-use crate::viewers::Sum;
 
 pub use mesh_file::MeshFormat;
 

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use sulcus_core::{Pose, Scene, TickOutput, ToolOutput, Vec3};
 
 use super::{ExportError, create};
-use crate::cells;
-use crate::channels::paths;
-use crate::occurrence::zone_name;
-use crate::row::Row;
+use crate::export::cells;
+use crate::record::channels::paths;
+use crate::record::occurrence::zone_name;
+use crate::record::row::Row;
 
 /// Columns of the session. Time from the first row.
 const SESSION: [&str; 8] = [
@@ -135,7 +135,7 @@ impl TickTable {
             line.push_field(&out.status.to_string());
             line.push_field(&held.age_ticks.to_string());
             line.push_field(&held.buttons.to_string());
-            if crate::channels::is_held(out) {
+            if crate::record::channels::is_held(out) {
                 self.tool(&mut line, out, tip);
             } else {
                 (3..TOOL.len()).for_each(|_| line.push_field(""));

@@ -1,11 +1,11 @@
 //! A class in one table: a row for each session, and what its pages and its CSV are made of.
 
 use super::names::Names;
-use super::page::date;
 use super::report::Grade;
 use super::revision::Sidecar;
-use crate::cells;
-use crate::mode::Mode;
+use crate::export::cells;
+use crate::pages::date;
+use crate::record::mode::Mode;
 
 /// As what a session is shown, and as what it was recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

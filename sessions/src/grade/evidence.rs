@@ -11,15 +11,15 @@ use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
 use super::crown::Crown;
 use super::floor::FloorTime;
 use super::hands::{Hands, Moment, Pressed, Steady};
-use super::moves::Moves;
 use super::rubric::Settings;
-use super::series::Series;
 use super::touches::Touches;
 use super::zones::{STAYED, Span, TIE, Zones};
-use crate::events::sight::is_tongue;
-use crate::events::{Events, Standing, pocket};
+use crate::exercise::events::sight::is_tongue;
+use crate::exercise::events::{Events, Standing, pocket};
 use crate::exercise::{Exercise, ProbingTask};
-use crate::occurrence::{FORCE_ZONE, Occurrence};
+use crate::grade::motion::moves::Moves;
+use crate::grade::motion::series::Series;
+use crate::record::occurrence::{FORCE_ZONE, Occurrence};
 
 /// All that was seen of a session.
 #[derive(Clone, Debug)]
@@ -259,9 +259,9 @@ impl Evidence {
     }
 }
 
-/// Kinds of events ([`crate::events::KINDS`]).
-const WITHDRAWN: &str = crate::events::KINDS[4];
-const BLEEDING: &str = crate::events::KINDS[5];
+/// Kinds of events ([`crate::exercise::events::KINDS`]).
+const WITHDRAWN: &str = crate::exercise::events::KINDS[4];
+const BLEEDING: &str = crate::exercise::events::KINDS[5];
 
 /// A tool is free under so much force, newtons.
 const FREE: f64 = 0.02;
@@ -338,7 +338,7 @@ fn began_by(said: &Occurrence, tick: u64, scene: &Scene) -> bool {
 mod tests {
     use super::*;
     use crate::grade::test_help::{SET, empty_scene};
-    use crate::read::Recording;
+    use crate::record::read::Recording;
     use crate::replay::{ReplayOptions, replay_observed};
     use sulcus_core::output::PocketReading;
     use sulcus_core::{Pose, ToolOutput, Vec3};

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sulcus_core::output::ForceZone;
 
 use super::touches::BEGINS;
-use crate::events::Standing;
+use crate::exercise::events::Standing;
 
 /// Seconds with a force on a floor, by how heavy it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

@@ -6,8 +6,9 @@ use std::path::Path;
 
 use sulcus_program::PathText;
 
-use crate::cells;
-use crate::sheet::{self, Row, SheetError};
+use crate::export::cells;
+use crate::grade::sheet;
+use crate::grade::sheet::{Row, SheetError};
 
 /// Largest key table that is read, bytes.
 const MOST_BYTES: u64 = 16 << 20;

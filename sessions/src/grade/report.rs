@@ -8,12 +8,12 @@ use super::floor::FloorTime;
 use super::rubric::{Bound, Rubric, Settings};
 use super::sites::SiteGrade;
 use super::stats::rounded;
-use crate::bytes::hex;
 use crate::exercise::Exercise;
-use crate::format::Migration;
-use crate::header::SessionHeader;
+use crate::record::bytes::hex;
+use crate::record::format::Migration;
+use crate::record::header::SessionHeader;
+use crate::record::written::WrittenError;
 use crate::replay::ReplayReport;
-use crate::written::WrittenError;
 
 /// Where a rubric came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

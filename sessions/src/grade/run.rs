@@ -12,20 +12,20 @@ use super::patient::PatientChart;
 use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard, Thresholds};
 use super::rubric::Settings;
 use super::score::{happened, score, total};
-use super::series::Series;
 use super::sites::sites;
 use super::stats::rounded;
 use super::values::Measured;
 use super::{Rubric, floor::FloorTime};
-use crate::ended;
-use crate::events::call::{Call, READING_CALLED};
 use crate::exercise::Exercise;
-use crate::key::PublicKey;
-use crate::message::Message;
-use crate::occurrence::Occurrence;
-use crate::read::{ReadError, Recording};
+use crate::exercise::events::call::{Call, READING_CALLED};
+use crate::grade::motion::series::Series;
+use crate::record::ended;
+use crate::record::key::PublicKey;
+use crate::record::message::Message;
+use crate::record::occurrence::Occurrence;
+use crate::record::read::{ReadError, Recording};
+use crate::record::written::WrittenError;
 use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
-use crate::written::WrittenError;
 
 /// Which measures this program has: the beginning of a hash over the sources of tick, events, exercise and grade.
 pub const MEASURES_SOURCE: &str = env!("SULCUS_MEASURES_SOURCE");
@@ -250,7 +250,7 @@ pub fn finish(
     };
     grade.advice = advice(&grade.metrics, &grade.critical, &sites, set);
     grade.sites = sites;
-    graded.seconds = watcher.evidence.series.0.len() as f64 * super::series::STEP_S;
+    graded.seconds = watcher.evidence.series.0.len() as f64 * crate::grade::motion::series::STEP_S;
     graded.series = watcher.evidence.series;
     Ok(graded)
 }

@@ -12,9 +12,9 @@ use super::patient::PatientChart;
 use super::rubric::Settings;
 use super::stats::rounded;
 use super::values::FORGIVEN;
-use crate::events::call::Call;
-use crate::events::pocket;
 use crate::exercise::Exercise;
+use crate::exercise::events::call::Call;
+use crate::exercise::events::pocket;
 
 /// A band is read to the nearest millimetre, give or take a tenth, mm.
 pub const READ_MM: f64 = 0.6;

@@ -7,8 +7,8 @@ use sulcus_core::{DisplayMesh, Params, Pose, Scene, Sphere, SphereTree, Tool, Ve
 
 use super::rubric::Settings;
 use super::sites::{Finding, SiteGrade};
-use crate::events::Standing;
-use crate::events::angle::Tilt;
+use crate::exercise::events::Standing;
+use crate::exercise::events::angle::Tilt;
 
 /// Settings as they are built in.
 pub const SET: Settings = Settings {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use sulcus_core::math::{fmax, fmin};
 
-use crate::events::Standing;
+use crate::exercise::events::Standing;
 
 /// Force at which a touch begins, newtons.
 pub const BEGINS: f64 = 0.02;

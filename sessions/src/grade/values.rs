@@ -9,8 +9,8 @@ use super::rubric::Settings;
 use super::sites::SiteGrade;
 use super::stats::{longest_rising, mean, median, percent};
 use super::touches::{Touch, steps};
-use crate::events::call::Call;
 use crate::exercise::Exercise;
+use crate::exercise::events::call::Call;
 
 /// What a hand's tremor adds to the target band is forgiven up to this, newtons.
 pub const FORGIVEN: f64 = 0.05;

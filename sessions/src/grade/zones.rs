@@ -6,8 +6,8 @@ use sulcus_core::math::fmax;
 use sulcus_core::tissue::gingiva::Site;
 
 use super::values::FORGIVEN;
-use crate::events::Standing;
 use crate::exercise::ProbingTask;
+use crate::exercise::events::Standing;
 
 /// A tip farther below the prescribed floor is not in the pocket any more, metres. Chosen: forces that are taught press 0.1 mm too
 /// deep, 0.6 N 0.8 mm.

@@ -3,11 +3,11 @@
 use serde::Serialize;
 use sulcus_core::State;
 
-use crate::row::Row;
+use crate::record::row::Row;
 
 /// Largest and mean differences between what was recorded and what a replay gave. A replay that differs is led back to the
 /// recorded state at every snapshot, so that this is what differs within some ten seconds; that of a recording of a former
-/// version is not ([`crate::format`]).
+/// version is not ([`crate::record::format`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Deviation {
     /// Largest difference of a tool's force, newtons.

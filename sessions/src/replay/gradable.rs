@@ -1,9 +1,9 @@
 //! Whether a grade may rest on a session, and if not, why.
 
 use super::ReplayReport;
-use crate::format::CLOSE;
-use crate::read::{Ending, Recording};
-use crate::verify::Signature;
+use crate::record::format::CLOSE;
+use crate::record::read::{Ending, Recording};
+use crate::record::verify::Signature;
 
 /// Why not, in a sentence; `None` when it may.
 pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<String> {

@@ -5,9 +5,9 @@ use sulcus_core::{NoProbe, Scene, State, TickOutput, Workspace, tick};
 use super::deviation::Deviating;
 use super::stretch::{Stretch, Stretches};
 use super::{Deviation, Difference, Divergence, ReplayError};
-use crate::audit::{AuditReport, audit_tick};
-use crate::row::Row;
-use crate::verify::Signed;
+use crate::record::row::Row;
+use crate::record::verify::Signed;
+use crate::replay::audit::{AuditReport, audit_tick};
 
 pub(super) struct Run<'a> {
     scene: &'a Scene,

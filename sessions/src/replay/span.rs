@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::ReplayError;
-use crate::message::Message;
-use crate::read::Recording;
+use crate::record::message::Message;
+use crate::record::read::Recording;
 
 /// From when to when, in seconds of session time: a tick's number times the scene's seconds per tick, so that skipped
 /// ticks count.

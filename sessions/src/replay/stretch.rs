@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::message::Message;
-use crate::row::Row;
-use crate::verify::Signed;
+use crate::record::message::Message;
+use crate::record::row::Row;
+use crate::record::verify::Signed;
 
 /// Rows without a gap between them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -117,12 +117,12 @@ impl Stretches {
 
 /// Says before which messages a gap is.
 pub(super) struct Gaps<'a> {
-    gaps: std::iter::Peekable<std::slice::Iter<'a, crate::gap::Gap>>,
+    gaps: std::iter::Peekable<std::slice::Iter<'a, crate::record::gap::Gap>>,
     messages: u64,
 }
 
 impl<'a> Gaps<'a> {
-    pub fn new(gaps: &'a [crate::gap::Gap]) -> Self {
+    pub fn new(gaps: &'a [crate::record::gap::Gap]) -> Self {
         Self {
             gaps: gaps.iter().peekable(),
             messages: 0,

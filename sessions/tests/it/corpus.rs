@@ -21,7 +21,7 @@
 //!
 //! # When a test here fails
 //! The tick, the state or the format is not what it was. If that was not meant, it is a fault. If it was: raise
-//! [`sulcus_sessions::header::FORMAT_VERSION`], say in `sessions/src/format.rs` what changed and what becomes of older recordings, move
+//! [`sulcus_sessions::record::header::FORMAT_VERSION`], say in `sessions/src/record/format.rs` what changed and what becomes of older recordings, move
 //! a few of the files to `tests/corpus/format-N`, where they are graded for good, and make the corpus anew.
 #![allow(clippy::unwrap_used)]
 

@@ -147,7 +147,7 @@ fn snapshots_lead_no_replay_of_a_former_version_astray() {
 
 #[test]
 fn the_present_version_is_held_to_every_bit() {
-    let own = header::FORMAT_VERSION;
+    let own = record::header::FORMAT_VERSION;
     for mut change in [moved(2e-5), moved(6e-5)] {
         let report = replayed(signed_anew(&session(), own, &mut change));
         assert!(!report.gradable && report.is_finding(), "{report:?}");

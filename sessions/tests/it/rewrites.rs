@@ -250,7 +250,7 @@ fn every_legal_rewrite_is_the_same_recording() {
         );
         let rows = sizes.channels.iter().find(|of| of.topic == "/exact/ticks");
         assert_eq!(rows.unwrap().messages, 1480, "{way}");
-        let times = sulcus_sessions::times::longest_tick_us(&recording).unwrap();
+        let times = sulcus_sessions::record::times::longest_tick_us(&recording).unwrap();
         assert!(times.len() > 80, "{way}: {}", times.len());
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 const READERS: [&str; 3] = [
     "server/scene/src/file/mod.rs",
     "sessions/src/grade/patient.rs",
-    "sessions/src/written.rs",
+    "sessions/src/record/written.rs",
 ];
 
 /// TOML's own reader drops what a list has beyond its field's length. A file that is read past the exact reader would again.

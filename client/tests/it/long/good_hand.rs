@@ -3,8 +3,8 @@
 use sulcus_client::demo::lockstep;
 use sulcus_client::exercise::{self, Asked};
 use sulcus_client::progress::Steps;
-use sulcus_sessions::events::call::READING_CALLED;
-use sulcus_sessions::occurrence::FORCE_ZONE;
+use sulcus_sessions::exercise::events::call::READING_CALLED;
+use sulcus_sessions::record::occurrence::FORCE_ZONE;
 use sulcus_sessions::{Message, Occurrence, Recording, ReplayOptions, StationKey, replay_observed};
 use sulcus_support::long;
 

@@ -10,7 +10,7 @@ use super::session::One;
 use super::{GradeArgs, Numbers};
 use crate::grade::class::{Session, number_attempts};
 use crate::grade::names::Names;
-use crate::grade::page::{Look, Numbering, class_page, student_page};
+use crate::pages::{Look, Numbering, class_page, student_page};
 
 /// Each session once: of copies the one that says most.
 pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {

@@ -18,7 +18,7 @@ use super::written::may_write;
 use crate::grade::class::csv;
 use crate::grade::names::Names;
 use crate::grade::revision::beside;
-use crate::mode::Mode;
+use crate::record::mode::Mode;
 
 use session::{Asked, one};
 

@@ -10,7 +10,7 @@ use super::{GradeArgs, file_name};
 use crate::cli::print::object;
 use crate::grade::revision::Proposal;
 use crate::grade::run::MEASURES_SOURCE;
-use crate::mode::Mode;
+use crate::record::mode::Mode;
 
 /// For a terminal.
 pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {

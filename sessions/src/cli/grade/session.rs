@@ -14,9 +14,9 @@ use crate::grade::class::Shown;
 use crate::grade::report::Source;
 use crate::grade::revision::{Revision, RevisionError, Sidecar};
 use crate::grade::{Graded, Options, Rubric, grade};
-use crate::key::PublicKey;
-use crate::mode::Mode;
-use crate::read::Recording;
+use crate::record::key::PublicKey;
+use crate::record::mode::Mode;
+use crate::record::read::Recording;
 
 /// One recording, graded.
 pub(super) struct One {

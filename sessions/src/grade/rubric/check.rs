@@ -2,8 +2,9 @@
 
 use super::{Bound, Rubric};
 use crate::exercise::Exercise;
-use crate::grade::definitions::{self, METRICS};
-use crate::written::{Written, WrittenError};
+use crate::grade::definitions;
+use crate::grade::definitions::METRICS;
+use crate::record::written::{Written, WrittenError};
 
 impl Rubric {
     /// Checks that what it weighs is asked for: what is not would be left out, and a session in which nothing was asked would be

@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 
 use super::definitions::{self, Definition};
 use crate::exercise::{Exercise, Kind};
-use crate::written::{Written, WrittenError};
+use crate::record::written::{Written, WrittenError};
 
 pub use bound::Bound;
 

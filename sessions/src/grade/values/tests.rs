@@ -1,7 +1,7 @@
 //! Hand-computed values of the metrics.
 
 use super::*;
-use crate::events::Standing;
+use crate::exercise::events::Standing;
 use crate::grade::hands::Moment;
 use crate::grade::sites::Finding;
 use crate::grade::test_help::{SET, empty_scene, standing, zone};

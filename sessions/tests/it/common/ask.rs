@@ -3,9 +3,8 @@
 
 use std::path::Path;
 
-use sulcus_sessions::{
-    Ending, Recording, ReplayOptions, ReplayReport, Span, info, recover_to, replay, verify,
-};
+use sulcus_sessions::{Ending, Recording, ReplayOptions, ReplayReport, Span, recover_to, replay};
+use sulcus_sessions::{info, verify};
 
 /// Ticks that are replayed: what is wrong with a scene or a state shows in the first.
 const TICKS: u64 = 20;

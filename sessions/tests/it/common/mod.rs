@@ -15,7 +15,7 @@ use sulcus_core::{
     DisplayMesh, NoProbe, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, State, TickInput,
     Tool, ToolInput, Vec3, Workspace, tick,
 };
-use sulcus_sessions::channels::v1::ExactRow;
+use sulcus_sessions::record::channels::v1::ExactRow;
 use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views};
 
 /// Session clock at the first tick, nanoseconds since the Unix epoch.

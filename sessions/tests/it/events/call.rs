@@ -2,7 +2,7 @@
 
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_sessions::Occurrence;
-use sulcus_sessions::events::call::Call;
+use sulcus_sessions::exercise::events::call::Call;
 
 use super::two_teeth::scene;
 

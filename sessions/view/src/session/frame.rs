@@ -10,7 +10,7 @@ use sulcus_core::{Pose, Scene, TickInput, TickOutput, ToolOutput, Vec3, Workspac
 
 use super::follow::Follow;
 use super::picture::{kind_of, outward, probe_of};
-use sulcus_sessions::channels::FRAMES_HZ;
+use sulcus_sessions::record::channels::FRAMES_HZ;
 
 /// A contact that bears less is not drawn, N.
 const LEAST_N: f64 = 0.005;

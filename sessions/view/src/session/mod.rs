@@ -21,10 +21,10 @@ use sulcus_program::PathText;
 pub use crate::Slider;
 
 use sulcus_sessions::exercise::Exercise;
-use sulcus_sessions::occurrence::zone_name;
-use sulcus_sessions::read::{ReadError, Recording};
+use sulcus_sessions::record::occurrence::zone_name;
+use sulcus_sessions::record::read::{ReadError, Recording};
+use sulcus_sessions::record::times::longest_tick_us;
 use sulcus_sessions::replay::{Difference, ReplayError, ReplayOptions, replay_observed};
-use sulcus_sessions::times::longest_tick_us;
 
 use frame::Eyes;
 use tissue::Tissues;

@@ -8,7 +8,7 @@ use sulcus_core::{DisplayMesh, Object, Scene, Vec3};
 
 use super::frame::millimetres;
 use sulcus_sessions::exercise::{Exercise, Kind};
-use sulcus_sessions::read::Recording;
+use sulcus_sessions::record::read::Recording;
 
 /// Length of an arrow for a newton, mm.
 const ARROW_MM_PER_N: f32 = 20.0;

@@ -7,11 +7,11 @@ use sulcus_core::Scene;
 use sulcus_core::output::ForceZone;
 
 use super::{Window, moment};
-use sulcus_sessions::events::call::READING_CALLED;
-use sulcus_sessions::message::{Level, Message};
-use sulcus_sessions::occurrence::{FORCE_ZONE, Occurrence, zone_name};
-use sulcus_sessions::read::{ReadError, Recording};
-use sulcus_sessions::viewers::is_sum;
+use sulcus_sessions::exercise::events::call::READING_CALLED;
+use sulcus_sessions::record::message::{Level, Message};
+use sulcus_sessions::record::occurrence::{FORCE_ZONE, Occurrence, zone_name};
+use sulcus_sessions::record::read::{ReadError, Recording};
+use sulcus_sessions::record::viewers::is_sum;
 
 /// A session's log.
 pub(super) struct Story(Vec<Line>);

@@ -6,7 +6,7 @@ use std::path::Path;
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, Log, PointCloud, PoseInFrame};
 use prost::Message as _;
-use sulcus_sessions::channels::v1;
+use sulcus_sessions::record::channels::v1;
 
 /// A channel's messages, decoded.
 #[derive(Debug, Default)]

@@ -1,0 +1,387 @@
+//! Where a probe's tip is: in which zone of which pocket, since when, and how that visit goes.
+//!
+//! The tip is in a pocket from where it is below the margin, near the tooth, until it is high above the margin, above it for
+//! longer than a bob of the walking stroke takes, or no longer near; a zone changes where the tip is two degrees past its
+//! border. A tremor at an edge is then no event, and neither is a bob in a shallow sulcus.
+
+use serde_json::json;
+use sulcus_core::math::fmax;
+use sulcus_core::output::{ForceZone, PocketReading};
+use sulcus_core::tissue::gingiva::{Gingiva, Site};
+use sulcus_core::{Scene, Vec3};
+
+use super::KINDS;
+use super::angle::{STEADY_S, Tilt, Watch};
+use super::pocket::Pocket;
+use super::standing::Standing;
+use crate::exercise::ProbingTask;
+use crate::record::occurrence::Occurrence;
+
+/// A tip farther from the tooth's surface than this is not in its pocket, metres.
+const NEAR: f64 = 2e-3;
+/// Height over the margin at which a pocket is left when the tip stays so high, and for how long, metres and seconds; and at
+/// which it is left at once. Chosen: a bob is 1 to 2 mm high, and a sulcus as shallow as that.
+const ABOVE: f64 = 0.5e-3;
+const STAYS: f64 = 0.1;
+const HIGH: f64 = 1.5e-3;
+/// Past a border by so much a zone changes, radians.
+const PAST: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// Another tooth must be nearer by this for the tip to be in its pocket instead, metres.
+const NEARER: f64 = 2e-4;
+/// Share of the reading force under which the floor is let go.
+const LET_GO: f64 = 0.5;
+/// Time below the margin in one visit from which a tip stayed in a zone, and did not pass, seconds.
+pub const STAYED_S: f64 = 0.2;
+
+/// A probe in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Very tip, world axes, metres.
+    pub tip: Vec3,
+    /// Unit vector out of the tip.
+    pub out_of_tip: Vec3,
+    /// What it reads.
+    pub reading: Option<&'a PocketReading>,
+}
+
+/// One stay in a zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visit {
+    /// Index among the pockets.
+    pub pocket: usize,
+    /// The zone.
+    pub site: Site,
+    since: u64,
+    /// Deepest at a force in the reading band, metres.
+    deepest: Option<f64>,
+    /// Largest force on the floor, newtons.
+    pub max_force: f64,
+    /// Heaviest zone of force.
+    pub heaviest: ForceZone,
+    /// Whether the floor bears the reading force, and has not been let go since.
+    felt: bool,
+    watch: Watch,
+    /// When the tip came above the margin, while it is.
+    above: Option<u64>,
+    /// Ticks below the margin, and the number of the tick before this one.
+    below: u64,
+    last: u64,
+    /// Whether that was long enough to have stayed.
+    stayed: bool,
+}
+
+/// One side of a tooth: the zone in which the tip stayed last, and when it came out of the pocket since.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Side {
+    stayed: Option<Site>,
+    out: Option<u64>,
+}
+
+/// Both sides of a tooth, and on which the tip stayed last: it may slip over another zone on its way out, or round to the other side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Walk {
+    sides: [Side; 2],
+    last: usize,
+}
+
+/// What is known of one probe.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Probe {
+    visit: Option<Visit>,
+    /// By pocket.
+    walks: Vec<Walk>,
+    /// The visit that ended in this tick.
+    ended: Option<Visit>,
+    standing: Option<Standing>,
+}
+
+/// Where a tip is now.
+struct Spot<'a> {
+    pocket: usize,
+    around: f64,
+    depth: f64,
+    reading: Option<&'a PocketReading>,
+}
+
+impl Probe {
+    /// One that was in none of so many pockets yet.
+    pub fn new(pockets: usize) -> Self {
+        Self {
+            walks: vec![Walk::default(); pockets],
+            ..Self::default()
+        }
+    }
+
+    /// The visit that ended in the tick observed last.
+    pub fn ended(&self) -> Option<&Visit> {
+        self.ended.as_ref()
+    }
+
+    /// Where the tip is, in the tick observed last.
+    pub fn standing(&self) -> Option<&Standing> {
+        self.standing.as_ref()
+    }
+
+    /// Takes in a tick of tool `t`; `seen` is none where no hand holds it.
+    pub fn observe(
+        &mut self,
+        (tick, tool): (u64, usize),
+        seen: Option<&Seen<'_>>,
+        pockets: &[Pocket],
+        scene: &Scene,
+        task: &ProbingTask,
+        said: &mut Vec<Occurrence>,
+    ) {
+        self.ended = None;
+        self.standing = None;
+        let spot = seen.and_then(|seen| self.locate(tick, seen, pockets, scene));
+        let Some((spot, seen)) = spot.zip(seen) else {
+            self.leave((tick, tool), pockets, scene, true, said);
+            return;
+        };
+        let Some(gingiva) = pockets[spot.pocket].gingiva(scene) else {
+            return;
+        };
+        let fdi = pockets[spot.pocket].fdi;
+        let site = {
+            let [before, here, after] =
+                [-PAST, 0.0, PAST].map(|d| gingiva.site_at(spot.around + d));
+            // Nor does the zone change above the margin.
+            let undecided = before != after || spot.depth <= 0.0;
+            match &self.visit {
+                Some(visit) if visit.pocket == spot.pocket && undecided => visit.site,
+                _ => here,
+            }
+        };
+        let moved = |visit: &Visit| visit.pocket != spot.pocket || visit.site != site;
+        if self.visit.as_ref().is_some_and(moved) {
+            let other_tooth = self.visit.is_some_and(|visit| visit.pocket != spot.pocket);
+            self.leave((tick, tool), pockets, scene, other_tooth, said);
+        }
+        if self.visit.is_none() {
+            say(
+                said,
+                KINDS[0],
+                tick,
+                json!({
+                    "tool": tool, "tooth": fdi, "site": site.name(), "depth_mm": spot.depth * 1e3,
+                }),
+            );
+            self.visit = Some(Visit {
+                pocket: spot.pocket,
+                site,
+                since: tick,
+                deepest: None,
+                max_force: 0.0,
+                heaviest: ForceZone::Light,
+                felt: false,
+                watch: Watch::default(),
+                above: None,
+                below: 0,
+                last: tick,
+                stayed: false,
+            });
+        }
+        self.stays((tick, tool), &spot, fdi, scene, said);
+        let Some(visit) = &mut self.visit else {
+            return;
+        };
+        visit.above = match visit.above {
+            _ if spot.depth > -ABOVE => None,
+            since => Some(since.unwrap_or(tick)),
+        };
+        let force = spot.reading.map_or(0.0, |reading| reading.floor_force);
+        let [from, to] = task.force_n;
+        if force > visit.max_force {
+            visit.max_force = force;
+        }
+        if let Some(reading) = spot.reading
+            && reading.zone > visit.heaviest
+        {
+            visit.heaviest = reading.zone;
+        }
+        if (from..=to).contains(&force) && visit.deepest.is_none_or(|before| spot.depth > before) {
+            visit.deepest = Some(spot.depth);
+        }
+        if force >= from && !visit.felt {
+            visit.felt = true;
+            say(
+                said,
+                KINDS[1],
+                tick,
+                json!({
+                    "tool": tool, "tooth": fdi, "site": site.name(),
+                    "depth_mm": spot.depth * 1e3, "force_n": force,
+                }),
+            );
+        } else if force < LET_GO * from {
+            visit.felt = false;
+        }
+        let tilt = Tilt::of(&gingiva.tooth, &seen.out_of_tip);
+        self.standing = Some(Standing {
+            tooth: fdi,
+            site,
+            around: spot.around,
+            from_axis: gingiva.tooth.from_axis(&seen.tip),
+            depth: spot.depth,
+            shown: shown(gingiva, seen, spot.depth),
+            force,
+            zone: spot
+                .reading
+                .map_or(ForceZone::Light, |reading| reading.zone),
+            tilt,
+        });
+        if visit.felt {
+            let steady = scene.params.ticks_in(STEADY_S);
+            if let Some(right) = visit.watch.turns(tick, tilt.is_right(site, task), steady) {
+                say(said, KINDS[2], tick, tilt.data(tool, fdi, site, right));
+            }
+        } else {
+            visit.watch.rests();
+        }
+    }
+
+    /// Counts time below the margin; once the tip has stayed, says so where it came out of the pocket since it stayed in another zone
+    /// of that side.
+    fn stays(
+        &mut self,
+        (tick, tool): (u64, usize),
+        spot: &Spot<'_>,
+        fdi: u8,
+        scene: &Scene,
+        said: &mut Vec<Occurrence>,
+    ) {
+        let Some(visit) = &mut self.visit else {
+            return;
+        };
+        let ticks = tick.saturating_sub(visit.last);
+        visit.last = tick;
+        if spot.depth > 0.0 {
+            visit.below += ticks;
+        }
+        if visit.stayed || visit.below < scene.params.ticks_in(STAYED_S) {
+            return;
+        }
+        visit.stayed = true;
+        let walk = &mut self.walks[visit.pocket];
+        walk.last = usize::from(visit.site.is_buccal());
+        let side = &mut walk.sides[walk.last];
+        let before = side.stayed.replace(visit.site);
+        if let Some((from, out)) = before.zip(side.out.take())
+            && from != visit.site
+        {
+            say(
+                said,
+                KINDS[4],
+                tick,
+                json!({
+                    "tool": tool, "tooth": fdi, "from": from.name(), "to": visit.site.name(),
+                    "seconds": tick.saturating_sub(out) as f64 * scene.tick_s(),
+                }),
+            );
+        }
+    }
+
+    /// In which pocket the tip is, if in any.
+    fn locate<'a>(
+        &self,
+        tick: u64,
+        seen: &Seen<'a>,
+        pockets: &[Pocket],
+        scene: &Scene,
+    ) -> Option<Spot<'a>> {
+        let spot = |k: usize| {
+            let (around, height) = pockets[k].gingiva(scene)?.tooth.cylindrical(&seen.tip);
+            let depth = pockets[k].gingiva(scene)?.margin_at(around) - height;
+            let object = pockets[k].object;
+            Some(Spot {
+                pocket: k,
+                around,
+                depth,
+                reading: seen.reading.filter(|reading| reading.object == object),
+            })
+        };
+        let near = |k: usize| Some(pockets[k].tooth_distance(&seen.tip)).filter(|d| *d <= NEAR);
+        let read = seen.reading.and_then(|reading| {
+            let k = pockets
+                .iter()
+                .position(|pocket| pocket.object == reading.object)?;
+            Some((k, near(k)?))
+        });
+        let stay = self.visit.as_ref().and_then(|visit| {
+            let found = spot(visit.pocket)?;
+            let distance = near(visit.pocket)?;
+            let long = scene.params.ticks_in(STAYS);
+            let stays = |since: u64| tick.saturating_sub(since) >= long;
+            let out = found.depth <= -ABOVE && visit.above.is_some_and(stays);
+            // (A NaN is nowhere.)
+            (found.depth > -HIGH && !out).then_some((found, distance))
+        });
+        match (stay, read) {
+            (Some((stay, ours)), Some((k, theirs)))
+                if k != stay.pocket && theirs + NEARER < ours =>
+            {
+                spot(k)
+            }
+            (Some((stay, _)), _) => Some(stay),
+            (None, Some((k, _))) => spot(k),
+            (None, None) => None,
+        }
+    }
+
+    /// Ends the visit, if there is one; `out`: out of the pocket.
+    fn leave(
+        &mut self,
+        (tick, tool): (u64, usize),
+        pockets: &[Pocket],
+        scene: &Scene,
+        out: bool,
+        said: &mut Vec<Occurrence>,
+    ) {
+        let Some(visit) = self.visit.take() else {
+            return;
+        };
+        say(
+            said,
+            KINDS[3],
+            tick,
+            json!({
+                "tool": tool,
+                "tooth": pockets[visit.pocket].fdi,
+                "site": visit.site.name(),
+                "deepest_mm": visit.deepest.map(|depth| depth * 1e3),
+                "max_force_n": visit.max_force,
+                "seconds": tick.saturating_sub(visit.since) as f64 * scene.tick_s(),
+            }),
+        );
+        if out {
+            let Walk { sides, last } = &mut self.walks[visit.pocket];
+            sides[*last].out.get_or_insert(tick);
+        }
+        self.ended = Some(visit);
+    }
+}
+
+/// Length of a working end below the margin, metres: from the tip along it to where it is as high as the margin there.
+fn shown(gingiva: &Gingiva, seen: &Seen<'_>, depth: f64) -> f64 {
+    let upright = -seen.out_of_tip.dot(&gingiva.tooth.axis);
+    // Below that it lies across the tooth rather than along it.
+    if !(depth > 0.0 && upright > 0.5) {
+        return fmax(depth, 0.0);
+    }
+    let mut length = depth / upright;
+    for _ in 0..3 {
+        let at = seen.tip - seen.out_of_tip * length;
+        let (around, height) = gingiva.tooth.cylindrical(&at);
+        length += (gingiva.margin_at(around) - height) / upright;
+    }
+    fmax(length, 0.0)
+}
+
+fn say(said: &mut Vec<Occurrence>, kind: &str, tick: u64, data: serde_json::Value) {
+    said.push(Occurrence {
+        kind: kind.into(),
+        tick,
+        data,
+    });
+}

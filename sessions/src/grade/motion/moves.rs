@@ -1,0 +1,297 @@
+//! Free-space moves of a tool: found, measured for smoothness, and how long the way was.
+//!
+//! A *move* is one discrete movement through the air: from where the tip's speed rises above [`START`] to where it has been
+//! below [`STOP`] for [`RESTS`], or touches something. Smoothness measures are defined for such a movement alone, never for a
+//! whole session nor for contact (Balasubramanian 2015; 0.1 % of noise or a rest in between changes them by multiples). The
+//! tip's way is low-passed at [`CUT_OFF_HZ`] before its speed is taken; what is above is no hand's.
+
+use sulcus_core::Vec3;
+use sulcus_core::math::norm;
+
+use super::lowpass::LowPass;
+use super::sparc::sparc;
+
+/// Hertz up to which a hand's movement is looked at: tremor (8 to 12 Hz) is inside.
+pub const CUT_OFF_HZ: f64 = 20.0;
+/// Speeds between which a move begins and ends, m/s, and how long it must be slow to end, seconds. Chosen.
+pub const START: f64 = 10e-3;
+/// See [`START`].
+pub const STOP: f64 = 4e-3;
+/// See [`START`].
+pub const RESTS: f64 = 0.1;
+/// Longest hole in a session over which a tool is taken to have moved on, seconds.
+const GAP: f64 = 0.1;
+/// Shortest move that counts, metres and seconds.
+const LEAST_WAY: f64 = 5e-3;
+const LEAST_TIME: f64 = 0.2;
+/// Rate at which speeds are kept, Hz.
+const RATE_HZ: f64 = 100.0;
+/// Most that one move keeps: five minutes.
+const MOST: usize = 30_000;
+
+/// Follows one tool's tip.
+#[derive(Clone, Debug)]
+pub struct Moves {
+    filter: LowPass,
+    dt: f64,
+    /// Ticks for each speed that is kept, and how many of the next one have passed.
+    every: u32,
+    since: u32,
+    /// Where the tip was.
+    tip: Option<Vec3>,
+    /// And where it was after the filter.
+    last: Option<Vec3>,
+    /// Where the last kept speed was taken.
+    kept: Option<Vec3>,
+    speeds: Vec<f64>,
+    way: f64,
+    slow: f64,
+    moving: bool,
+    /// SPARC of every move.
+    found: Vec<f64>,
+    /// Way of the tip through the air, metres.
+    free_way: f64,
+    /// And wherever it was.
+    whole_way: f64,
+}
+
+impl Moves {
+    /// Nothing moved yet; `dt` is the length of a tick, seconds.
+    pub fn new(dt: f64) -> Self {
+        let every = (1.0 / (RATE_HZ * dt)).round().max(1.0) as u32;
+        Self {
+            filter: LowPass::new(1.0 / dt, CUT_OFF_HZ),
+            dt,
+            every,
+            since: 0,
+            tip: None,
+            last: None,
+            kept: None,
+            speeds: Vec::new(),
+            way: 0.0,
+            slow: 0.0,
+            moving: false,
+            found: Vec::new(),
+            free_way: 0.0,
+            whole_way: 0.0,
+        }
+    }
+
+    /// Takes in where the tip is after a tick, metres, and whether it is free: nothing bears on the tool. None where no
+    /// hand holds it. Where `ticks` went by since the last time, because some were skipped, it went straight; after a longer
+    /// [`GAP`] nobody knows how.
+    pub fn observe(&mut self, tip: Option<(Vec3, bool)>, ticks: u64) {
+        if let (Some((to, free)), Some(from), true) = (tip, self.tip, ticks > 1) {
+            if ticks as f64 * self.dt > GAP {
+                self.step(None);
+            } else {
+                for k in 1..ticks {
+                    let share = k as f64 / ticks as f64;
+                    self.step(Some((from + (to - from) * share, free)));
+                }
+            }
+        }
+        self.tip = tip.map(|(at, _)| at);
+        self.step(tip);
+    }
+
+    fn step(&mut self, tip: Option<(Vec3, bool)>) {
+        let Some((tip, free)) = tip else {
+            self.end();
+            self.filter.reset();
+            (self.last, self.kept) = (None, None);
+            return;
+        };
+        let at = self.filter.step(tip);
+        let step = self.last.map_or(0.0, |last| norm(&(at - last)));
+        self.last = Some(at);
+        self.whole_way += step;
+        if !free {
+            self.end();
+            self.kept = None;
+            return;
+        }
+        self.free_way += step;
+        let Some(kept) = self.kept else {
+            (self.kept, self.since) = (Some(at), 0);
+            return;
+        };
+        self.since += 1;
+        if self.since < self.every {
+            return;
+        }
+        let period = f64::from(self.every) * self.dt;
+        let speed = norm(&(at - kept)) / period;
+        (self.kept, self.since) = (Some(at), 0);
+        self.sample(speed, period);
+    }
+
+    fn sample(&mut self, speed: f64, period: f64) {
+        if !self.moving && speed < START {
+            return;
+        }
+        self.moving = true;
+        self.slow = if speed < STOP {
+            self.slow + period
+        } else {
+            0.0
+        };
+        self.way += speed * period;
+        if self.speeds.len() < MOST {
+            self.speeds.push(speed);
+        }
+        if self.slow >= RESTS {
+            self.end();
+        }
+    }
+
+    /// The move under way has ended.
+    fn end(&mut self) {
+        let period = f64::from(self.every) * self.dt;
+        let slow = (self.slow / period).round() as usize;
+        let moved = self.speeds.len().saturating_sub(slow);
+        if self.way >= LEAST_WAY && moved as f64 * period >= LEAST_TIME {
+            // The rest at its end is no part of it.
+            self.found
+                .extend(sparc(&self.speeds[..moved], 1.0 / period, CUT_OFF_HZ));
+        }
+        self.speeds.clear();
+        (self.way, self.slow, self.moving) = (0.0, 0.0, false);
+    }
+
+    /// Median SPARC of the moves, and how many there were; none without a move.
+    pub fn smoothness(&mut self) -> Option<(f64, usize)> {
+        self.end();
+        let mut all = self.found.clone();
+        all.sort_by(f64::total_cmp);
+        Some((crate::grade::stats::median(&all)?, all.len()))
+    }
+
+    /// Way of the tip, metres: through the air, and altogether.
+    pub fn ways(&self) -> (f64, f64) {
+        (self.free_way, self.whole_way)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 40 mm along x in `seconds`, bell-shaped speed, then a rest.
+    fn reach(moves: &mut Moves, from: f64, seconds: f64, shake: f64) -> f64 {
+        let ticks = (seconds * 1e3) as u32;
+        let mut x = from;
+        for k in 0..ticks + 400 {
+            let s = (f64::from(k) / f64::from(ticks)).min(1.0);
+            // Minimum jerk.
+            x = from + 0.04 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+            let t = f64::from(k) * 1e-3;
+            // The rest at the end is one.
+            let shake = if s < 1.0 { shake } else { 0.0 };
+            let tremor = shake * libm::sin(2.0 * std::f64::consts::PI * 10.0 * t);
+            moves.observe(Some((Vec3::new(x + tremor, 0.0, 0.0), true)), 1);
+        }
+        x
+    }
+
+    #[test]
+    fn three_reaches_with_rests_are_three_moves_each_as_smooth_as_one() {
+        let mut one = Moves::new(1e-3);
+        reach(&mut one, 0.0, 1.0, 0.0);
+        let (alone, count) = one.smoothness().expect("a move");
+        assert_eq!(count, 1);
+        assert!((-2.0..-1.3).contains(&alone), "{alone}");
+        let mut three = Moves::new(1e-3);
+        let mut x = 0.0;
+        for _ in 0..3 {
+            x = reach(&mut three, x, 1.0, 0.0);
+        }
+        let (median, count) = three.smoothness().expect("moves");
+        assert_eq!(count, 3);
+        assert!((median - alone).abs() < 0.02, "{median} {alone}");
+        // 120 mm, less the hundredth of a millimetre that the filter lags.
+        assert!((three.ways().0 - 0.12).abs() < 1e-4, "{:?}", three.ways());
+    }
+
+    #[test]
+    fn smoothness_is_the_median_of_unequal_moves() {
+        let alone = |seconds: f64, shake: f64| {
+            let mut moves = Moves::new(1e-3);
+            reach(&mut moves, 0.0, seconds, shake);
+            moves.smoothness().expect("a move").0
+        };
+        let all = [(1.0, 0.0), (1.0, 0.4e-3), (1.0, 0.2e-3)];
+        let mut each = all.map(|(seconds, shake)| alone(seconds, shake));
+        each.sort_by(f64::total_cmp);
+        assert!(
+            each[1] - each[0] > 0.05 && each[2] - each[1] > 0.05,
+            "{each:?}"
+        );
+        let (mut moves, mut x) = (Moves::new(1e-3), 0.0);
+        for (seconds, shake) in all {
+            x = reach(&mut moves, x, seconds, shake);
+        }
+        let (median, count) = moves.smoothness().expect("moves");
+        assert_eq!(count, 3);
+        assert!((median - each[1]).abs() < 0.02, "{median} {each:?}");
+    }
+
+    /// A server that skips 20 ticks in the middle of a reach made the hand look shaky: all of their way was one tick's.
+    #[test]
+    fn ticks_that_were_skipped_are_no_jerk_of_the_hand() {
+        let run = |skips: bool| {
+            let mut moves = Moves::new(1e-3);
+            let mut since = 0;
+            for k in 0..1400u32 {
+                since += 1;
+                if skips && (490..510).contains(&k) {
+                    continue;
+                }
+                let s = (f64::from(k) / 1e3).min(1.0);
+                let x = 0.04 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+                moves.observe(Some((Vec3::new(x, 0.0, 0.0), true)), since);
+                since = 0;
+            }
+            let (smooth, count) = moves.smoothness().expect("a move");
+            (smooth, count, moves.ways().0)
+        };
+        let (whole, holed) = (run(false), run(true));
+        assert_eq!(holed.1, 1);
+        assert!((holed.0 - whole.0).abs() < 0.01, "{holed:?} {whole:?}");
+        assert!((holed.2 - whole.2).abs() < 1e-5, "{holed:?} {whole:?}");
+        // A hole so long that nobody knows what was in it parts two moves.
+        let mut moves = Moves::new(1e-3);
+        moves.observe(Some((Vec3::zeros(), true)), 1);
+        moves.observe(Some((Vec3::new(1.0, 0.0, 0.0), true)), 500);
+        assert!(moves.ways().0 < 1e-12, "{:?}", moves.ways());
+    }
+
+    #[test]
+    fn a_tremor_makes_a_reach_less_smooth() {
+        let smooth = {
+            let mut moves = Moves::new(1e-3);
+            reach(&mut moves, 0.0, 1.0, 0.0);
+            moves.smoothness().expect("a move").0
+        };
+        let mut moves = Moves::new(1e-3);
+        reach(&mut moves, 0.0, 1.0, 0.3e-3);
+        let shaken = moves.smoothness().expect("a move").0;
+        assert!(shaken < smooth - 0.3, "{shaken} {smooth}");
+    }
+
+    #[test]
+    fn contact_is_no_move_and_neither_is_a_jump_between_two_presences() {
+        let mut moves = Moves::new(1e-3);
+        for k in 0..2000 {
+            moves.observe(Some((Vec3::new(f64::from(k) * 4e-5, 0.0, 0.0), false)), 1);
+        }
+        moves.observe(None, 1);
+        moves.observe(Some((Vec3::new(5.0, 0.0, 0.0), true)), 1);
+        moves.observe(Some((Vec3::new(5.0, 0.0, 0.0), true)), 1);
+        assert_eq!(moves.smoothness(), None);
+        let (free, whole) = moves.ways();
+        assert!(free < 1e-12, "{free}");
+        // 1,999 steps of 40 um, less the lag.
+        assert!((whole - 0.07996).abs() < 1e-3, "{whole}");
+    }
+}

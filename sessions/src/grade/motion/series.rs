@@ -1,0 +1,89 @@
+//! Depth and force over time, for plots: the largest of every twentieth of a second, and what was visible then.
+
+use sulcus_core::tissue::gingiva::Site;
+
+use crate::exercise::events::Standing;
+
+/// Length of one point, seconds.
+pub const STEP_S: f64 = 0.05;
+/// Most points that are kept: two hours.
+const MOST: usize = 144_000;
+
+/// A twentieth of a second.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Where the tip was last, if in a pocket.
+    pub zone: Option<(u8, Site)>,
+    /// Deepest, metres.
+    pub depth: f64,
+    /// Heaviest on the floor, newtons.
+    pub force: f64,
+    /// Heaviest on the leading tool, whatever pushed, newtons.
+    pub push: f64,
+    /// Whether the target was visible at its end; none without a target.
+    pub visible: Option<bool>,
+}
+
+/// All of a session.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series(pub Vec<Point>);
+
+impl Series {
+    /// Takes in a tick at `at_s` seconds since the first one, with the force on the leading tool in it, newtons.
+    pub fn observe(&mut self, at_s: f64, at: Option<&Standing>, push: f64, visible: Option<bool>) {
+        let k = (at_s / STEP_S) as usize;
+        if k >= MOST {
+            return;
+        }
+        if self.0.len() <= k {
+            self.0.resize(k + 1, Point::default());
+        }
+        let point = &mut self.0[k];
+        point.visible = visible;
+        if push > point.push {
+            point.push = push;
+        }
+        let Some(at) = at.filter(|at| at.depth > 0.0) else {
+            return;
+        };
+        point.zone = Some((at.tooth, at.site));
+        if at.depth > point.depth {
+            point.depth = at.depth;
+        }
+        if at.force > point.force {
+            point.force = at.force;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grade::test_help::standing;
+
+    #[test]
+    fn a_point_has_the_largest_of_its_time() {
+        let mut series = Series::default();
+        for (at_s, mm, force) in [
+            (0.0, 1.0, 0.1),
+            (0.01, 2.0, 0.3),
+            (0.049, 1.5, 0.2),
+            (0.12, 3.0, 0.0),
+        ] {
+            let at = standing(36, Site::Buccal, 90.0, mm, force);
+            series.observe(at_s, Some(&at), 2.0 * force, Some(at_s < 0.1));
+        }
+        assert_eq!(series.0.len(), 3);
+        let first = series.0[0];
+        assert!((first.depth - 2e-3).abs() < 1e-12 && first.force == 0.3 && first.push == 0.6);
+        assert_eq!(
+            (first.zone, first.visible),
+            (Some((36, Site::Buccal)), Some(true))
+        );
+        assert_eq!(series.0[1], Point::default());
+        assert_eq!(series.0[2].visible, Some(false));
+        // What is after two hours is not kept.
+        series.observe(1e9, None, 0.0, None);
+        assert_eq!(series.0.len(), 3);
+    }
+}

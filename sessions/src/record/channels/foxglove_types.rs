@@ -1,0 +1,142 @@
+//! Foxglove's messages, of what the simulation has.
+
+use std::borrow::Cow;
+
+use foxglove::messages::packed_element_field::NumericType;
+use foxglove::messages::{
+    FrameTransform, Log, PackedElementField, PointCloud, Pose as FoxglovePose, PoseInFrame,
+    Quaternion, Timestamp, Vector3,
+};
+use foxglove::{Encode, bytes::Bytes};
+use sulcus_core::Pose;
+
+use crate::record::message::Level;
+
+/// A protobuf schema, as it stands in a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Schema {
+    /// Full name of the message.
+    pub name: &'static str,
+    /// A `FileDescriptorSet` with all that it imports.
+    pub data: &'static [u8],
+}
+
+/// Schema of one of Foxglove's messages.
+pub(crate) fn schema_of<T: Encode>(name: &'static str) -> Schema {
+    let data = match T::get_schema().map(|schema| schema.data) {
+        Some(Cow::Borrowed(data)) => data,
+        // Every one of theirs is a constant; the tests read all of them back.
+        _ => &[],
+    };
+    Schema { name, data }
+}
+
+/// Nanoseconds since the Unix epoch; saturates in the year 2106.
+pub(super) fn timestamp(unix_ns: u64) -> Option<Timestamp> {
+    let seconds = u32::try_from(unix_ns / 1_000_000_000).ok();
+    let nanoseconds = (unix_ns % 1_000_000_000) as u32;
+    let at = seconds.and_then(|seconds| Timestamp::new_checked(seconds, nanoseconds));
+    Some(at.unwrap_or(Timestamp::MAX))
+}
+
+/// Digits beyond f32 are noise to whoever looks, and noise does not pack.
+fn short(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
+fn place(pose: &Pose) -> Vector3 {
+    let p = &pose.position;
+    Vector3 {
+        x: short(p.x),
+        y: short(p.y),
+        z: short(p.z),
+    }
+}
+
+fn turn(pose: &Pose) -> Quaternion {
+    let q = &pose.orientation;
+    Quaternion {
+        x: short(q.i),
+        y: short(q.j),
+        z: short(q.k),
+        w: short(q.w),
+    }
+}
+
+/// A pose in the world.
+pub(super) fn pose_in_world(unix_ns: u64, pose: &Pose) -> PoseInFrame {
+    PoseInFrame {
+        timestamp: timestamp(unix_ns),
+        frame_id: super::WORLD.to_owned(),
+        pose: Some(FoxglovePose {
+            position: Some(place(pose)),
+            orientation: Some(turn(pose)),
+        }),
+    }
+}
+
+/// The frame `child`, at `world_from_child`.
+pub(super) fn transform(unix_ns: u64, child: &str, pose: &Pose) -> FrameTransform {
+    FrameTransform {
+        timestamp: timestamp(unix_ns),
+        parent_frame_id: super::WORLD.to_owned(),
+        child_frame_id: child.to_owned(),
+        translation: Some(place(pose)),
+        rotation: Some(turn(pose)),
+    }
+}
+
+/// Points of so many f32 each, the first three of which are x, y and z in metres; `fields` names all.
+pub(super) fn cloud(unix_ns: u64, frame: &str, fields: &[&str], data: Vec<u8>) -> PointCloud {
+    let field = |(k, name): (usize, &&str)| PackedElementField {
+        name: (*name).to_owned(),
+        offset: 4 * k as u32,
+        r#type: NumericType::Float32 as i32,
+    };
+    PointCloud {
+        timestamp: timestamp(unix_ns),
+        frame_id: frame.to_owned(),
+        pose: Some(FoxglovePose {
+            position: Some(Vector3::default()),
+            orientation: Some(Quaternion {
+                w: 1.0,
+                ..Quaternion::default()
+            }),
+        }),
+        point_stride: 4 * fields.len() as u32,
+        fields: fields.iter().enumerate().map(field).collect(),
+        data: Bytes::from(data),
+    }
+}
+
+/// A line of the session's log.
+pub(crate) fn log(unix_ns: u64, level: Level, text: &str) -> Log {
+    use foxglove::messages::log::Level as Theirs;
+    let level = match level {
+        Level::Info => Theirs::Info,
+        Level::Warning => Theirs::Warning,
+        Level::Error => Theirs::Error,
+    };
+    Log {
+        timestamp: timestamp(unix_ns),
+        level: level as i32,
+        message: text.to_owned(),
+        name: "sulcus".to_owned(),
+        file: String::new(),
+        line: 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_split_and_never_overflow() {
+        assert_eq!(
+            timestamp(1_795_241_730_123_456_789),
+            Timestamp::new_checked(1_795_241_730, 123_456_789)
+        );
+        assert_eq!(timestamp(u64::MAX), Some(Timestamp::MAX));
+    }
+}

@@ -1,0 +1,221 @@
+//! Writes the channels for viewers, tick by tick, in the recorder's thread.
+
+use foxglove::messages::{FrameTransforms, PointCloud, PoseInFrame};
+use sulcus_core::math::norm;
+use sulcus_core::{MAX_TOOLS, Scene, TickOutput};
+
+use super::cadence::{Cadence, FRAMES_HZ, WRENCHES_HZ};
+use super::clouds::{Cloud, at_rest, shown_level};
+use super::foxglove_types::{pose_in_world, schema_of, transform};
+use super::names::paths;
+use super::own_types::v1::{Contacts, SessionMetrics};
+use super::shapes::{Sampler, Shapes};
+use super::{SESSION_METRICS, TRANSFORMS, WORLD, own_types, tool};
+use crate::record::recorder::{RecordError, Recorder};
+use crate::record::row::Row;
+
+/// The channels of one session, as far as it has gone.
+pub struct Views {
+    sampler: Sampler,
+    frames: Cadence,
+    wrenches: Cadence,
+    tools: Vec<ToolView>,
+    objects: Vec<ObjectView>,
+    transforms: u16,
+    session: u16,
+    /// Since the last message.
+    skipped: u32,
+    longest_tick_ns: u32,
+}
+
+struct ToolView {
+    /// Frames that move with it: as the hand holds it, and as it is shown.
+    frames: [String; 2],
+    /// Haptic, graphic, wrench, contacts, metrics.
+    channels: [u16; 5],
+    /// Largest force since the last wrench, newtons.
+    peak_force: f64,
+    /// Whether the last list of contacts had any.
+    touched: bool,
+}
+
+struct ObjectView {
+    /// None of what is rigid.
+    cloud: Option<Cloud>,
+    channel: u16,
+}
+
+impl Views {
+    /// Opens the channels in `recorder`, and shows everything at rest. To be called before the first row.
+    ///
+    /// # Errors
+    /// The first failure to write.
+    pub fn open(
+        scene: &Scene,
+        recorder: &mut Recorder,
+        began_unix_ns: u64,
+    ) -> Result<Self, RecordError> {
+        let pose = schema_of::<PoseInFrame>("foxglove.PoseInFrame");
+        let points = schema_of::<PointCloud>("foxglove.PointCloud");
+        let mut tools = Vec::new();
+        let names = paths(scene.tools.iter().map(|tool| tool.name.as_str()));
+        for (held, name) in scene.tools.iter().zip(&names) {
+            let topic = |what: &str| format!("/tools/{name}/{what}");
+            let frames = ["haptic", "graphic"].map(|what| format!("tools/{name}/{what}"));
+            let channels = [
+                recorder.add_view(&topic("haptic"), &pose)?,
+                recorder.add_view(&topic("graphic"), &pose)?,
+                recorder.add_view(&topic("wrench"), &own_types::WRENCH)?,
+                recorder.add_view(&topic("contacts"), &own_types::CONTACTS)?,
+                recorder.add_view(&topic("metrics"), &own_types::TOOL_METRICS)?,
+            ];
+            let spheres = recorder.add_view(&topic("spheres"), &points)?;
+            let level = shown_level(&held.tree, held.level);
+            let cloud = at_rest(began_unix_ns, &frames[1], &held.tree, level);
+            recorder.view(spheres, began_unix_ns, &cloud)?;
+            tools.push(ToolView {
+                frames,
+                channels,
+                peak_force: 0.0,
+                touched: false,
+            });
+        }
+        let mut objects = Vec::new();
+        let names = paths(scene.objects.iter().map(|object| object.name.as_str()));
+        for (object, name) in scene.objects.iter().zip(&names) {
+            let channel = recorder.add_view(&format!("/objects/{name}/spheres"), &points)?;
+            let level = shown_level(&object.tree, object.level);
+            let cloud = at_rest(began_unix_ns, WORLD, &object.tree, level);
+            recorder.view(channel, began_unix_ns, &cloud)?;
+            objects.push(ObjectView {
+                cloud: Cloud::new(object, scene.tick_s()),
+                channel,
+            });
+        }
+        let frames = schema_of::<FrameTransforms>("foxglove.FrameTransforms");
+        Ok(Self {
+            sampler: Sampler::new(scene),
+            frames: Cadence::new(FRAMES_HZ, scene.tick_s()),
+            wrenches: Cadence::new(WRENCHES_HZ, scene.tick_s()),
+            tools,
+            objects,
+            transforms: recorder.add_view(TRANSFORMS, &frames)?,
+            session: recorder.add_view(SESSION_METRICS, &own_types::SESSION_METRICS)?,
+            skipped: 0,
+            longest_tick_ns: 0,
+        })
+    }
+
+    /// What copies the shapes in the thread that ticks.
+    pub fn sampler(&self) -> Sampler {
+        self.sampler.clone()
+    }
+
+    /// Writes what is due after a tick whose row was just pushed. `tick_ns` is the tick's thread CPU time, `shapes` what
+    /// [`Sampler::read`] copied after it, where it did.
+    ///
+    /// # Errors
+    /// The first failure to write.
+    pub fn tick(
+        &mut self,
+        recorder: &mut Recorder,
+        scene: &Scene,
+        row: &Row,
+        output: &TickOutput,
+        tick_ns: u32,
+        shapes: Option<&Shapes>,
+    ) -> Result<(), RecordError> {
+        let now = row.time_unix_ns;
+        self.skipped = self.skipped.saturating_add(u32::from(row.input.skipped));
+        self.longest_tick_ns = self.longest_tick_ns.max(tick_ns);
+        for (view, out) in self.tools.iter_mut().zip(&output.tools) {
+            let force = norm(&out.wrench.force);
+            if force > view.peak_force {
+                view.peak_force = force;
+            }
+        }
+        if self.wrenches.is_due(output.tick) {
+            for (view, out) in self.tools.iter_mut().zip(&output.tools) {
+                let peak = std::mem::take(&mut view.peak_force);
+                if tool::is_held(out) {
+                    let wrench = tool::wrench(output.tick, out, peak);
+                    recorder.view(view.channels[2], now, &wrench)?;
+                }
+            }
+        }
+        if self.frames.is_due(output.tick) {
+            self.poses(recorder, scene, now, output)?;
+            let metrics = SessionMetrics {
+                tick: output.tick,
+                skipped: std::mem::take(&mut self.skipped),
+                longest_tick_us: std::mem::take(&mut self.longest_tick_ns) as f32 * 1e-3,
+                detail: u32::from(row.input.detail),
+                paused: row.input.paused,
+                force_limit_n: row.input.force_limit_n,
+                awake: shapes.map(|shapes| shapes.awake.len() as u32),
+            };
+            recorder.view(self.session, now, &metrics)?;
+        }
+        if let Some(shapes) = shapes.filter(|shapes| shapes.tick == output.tick) {
+            self.shapes(recorder, scene, now, output, shapes)?;
+        }
+        Ok(())
+    }
+
+    fn poses(
+        &mut self,
+        recorder: &mut Recorder,
+        scene: &Scene,
+        now: u64,
+        output: &TickOutput,
+    ) -> Result<(), RecordError> {
+        let mut transforms = Vec::with_capacity(2 * MAX_TOOLS);
+        for (view, out) in self.tools.iter().zip(&output.tools) {
+            if !tool::is_held(out) {
+                continue;
+            }
+            let [haptic, graphic, _, _, metrics] = view.channels;
+            for (channel, frame, pose) in [
+                (haptic, &view.frames[0], &out.haptic),
+                (graphic, &view.frames[1], &out.graphic),
+            ] {
+                recorder.view(channel, now, &pose_in_world(now, pose))?;
+                transforms.push(transform(now, frame, pose));
+            }
+            recorder.view(metrics, now, &tool::metrics(scene, output.tick, out))?;
+        }
+        if transforms.is_empty() {
+            return Ok(());
+        }
+        recorder.view(self.transforms, now, &FrameTransforms { transforms })
+    }
+
+    fn shapes(
+        &mut self,
+        recorder: &mut Recorder,
+        scene: &Scene,
+        now: u64,
+        output: &TickOutput,
+        shapes: &Shapes,
+    ) -> Result<(), RecordError> {
+        for (t, (view, out)) in self.tools.iter_mut().zip(&output.tools).enumerate() {
+            let touches = shapes.bearing[t] > 0;
+            if touches || view.touched {
+                let contacts: Contacts = tool::contacts(scene, t, out, shapes);
+                recorder.view(view.channels[3], now, &contacts)?;
+            }
+            view.touched = touches;
+        }
+        for (k, object) in self.objects.iter_mut().enumerate() {
+            let Some(cloud) = &mut object.cloud else {
+                continue;
+            };
+            let mut shape = shapes.configurations();
+            let shape = shape.find(|(of, _)| *of == k).map(|(_, shape)| shape);
+            if let Some(points) = cloud.after(now, shape) {
+                recorder.view(object.channel, now, &points)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,189 @@
+//! The header of a recording: its attachments and its metadata, wherever they stand in the file.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use mcap::records::op;
+
+use crate::record::bytes::Cut;
+use crate::record::format;
+use crate::record::format::Migration;
+use crate::record::gap::Gap;
+use crate::record::header;
+use crate::record::header::{METADATA, SCENE, SessionHeader, TEXTS};
+use crate::record::key::PublicKey;
+use crate::record::read::ReadError;
+use crate::record::recover;
+use crate::record::walk;
+use crate::record::walk::{Stop, Walk};
+
+pub(super) type Pairs = BTreeMap<String, String>;
+
+/// Parts of the header, as found on a walk over the file's records that opens no chunk.
+#[derive(Default)]
+pub(super) struct Head {
+    pairs: Pairs,
+    files: BTreeMap<String, Vec<u8>>,
+    /// Where the records that make up the header begin.
+    pub placed: BTreeSet<usize>,
+    /// A recovery's note.
+    note: Option<Pairs>,
+    /// Why the walk ended before the end of the data, in words.
+    stopped: Option<String>,
+}
+
+/// A header that was found good.
+pub(super) struct Checked {
+    pub header: SessionHeader,
+    pub signer: PublicKey,
+    pub digest: [u8; 32],
+    pub migration: Option<Migration>,
+}
+
+impl Head {
+    /// Walks from the file's first record to the end of its data, or to where it is torn or damaged.
+    pub fn read(mut walk: Walk<'_>) -> Result<Self, ReadError> {
+        let mut head = Self::default();
+        // Whether this program wrote the file, there is metadata `sulcus`, and data have begun.
+        let (mut ours, mut said, mut data) = (false, false, false);
+        loop {
+            let record = match walk.peek() {
+                Ok(record) => record,
+                Err(stop) => {
+                    if !said {
+                        return Err(head.without(&stop, ours, data, walk.at));
+                    }
+                    head.stopped = Some(match stop {
+                        Stop::Torn(why) => why.to_owned(),
+                        Stop::Damaged(why) => why,
+                    });
+                    return Ok(head);
+                }
+            };
+            let bad = |what: String| Err(ReadError::Header { what });
+            match record.opcode {
+                op::HEADER => {
+                    let mut cut = Cut(record.body);
+                    let _profile = cut.string();
+                    ours = cut.string().is_some_and(|by| by.starts_with("sulcus"));
+                }
+                op::ATTACHMENT => match walk::attachment(record.body) {
+                    None if said || data => {}
+                    None => return bad("an attachment is not whole".to_owned()),
+                    Some((name, bytes)) => {
+                        let known = name == SCENE || TEXTS.contains(&name);
+                        let there = head.files.contains_key(name);
+                        if known && !there {
+                            head.files.insert(name.to_owned(), bytes.to_vec());
+                            head.placed.insert(walk.at);
+                        } else if !(said || data) {
+                            // An attachment that is not asked for is signed by nobody either, and others show it.
+                            return bad(if there {
+                                format!("there are two attachments `{name}`")
+                            } else {
+                                format!(
+                                    "there is an attachment `{}`, expected `{SCENE}`, `{}` alone",
+                                    name.escape_debug(),
+                                    TEXTS.join("`, `")
+                                )
+                            });
+                        }
+                    }
+                },
+                op::METADATA => match walk::metadata(record.body) {
+                    None if said || data => {}
+                    None => return bad("metadata is not whole".to_owned()),
+                    Some((METADATA, pairs)) if !said => {
+                        head.pairs = pairs;
+                        head.placed.insert(walk.at);
+                        said = true;
+                    }
+                    Some((recover::METADATA, pairs)) => {
+                        head.note.get_or_insert(pairs);
+                    }
+                    Some((name, _)) if !(said || data) => {
+                        return bad(format!(
+                            "there is metadata `{}`, expected `{METADATA}` alone",
+                            name.escape_debug()
+                        ));
+                    }
+                    Some(_) => {}
+                },
+                op::DATA_END if said => return Ok(head),
+                op::DATA_END => return Err(ReadError::NotSulcus),
+                op::CHUNK | op::MESSAGE | op::SCHEMA | op::CHANNEL | op::MESSAGE_INDEX => {
+                    data = true;
+                }
+                opcode if opcode >= 0x80 => {}
+                _ if said => return Ok(head),
+                _ => return Err(ReadError::NotSulcus),
+            }
+            walk.pass(&record);
+        }
+    }
+
+    /// Why there is no header, where the file stops before its metadata.
+    fn without(&self, stop: &Stop, ours: bool, data: bool, at: usize) -> ReadError {
+        match stop {
+            Stop::Torn(_) if !data && (ours || at == mcap::MAGIC.len()) => {
+                ReadError::HeaderCut { at: at as u64 }
+            }
+            Stop::Damaged(what) if !data && ours => ReadError::Header { what: what.clone() },
+            stop if data && (ours || !self.files.is_empty()) => {
+                let why = match stop {
+                    Stop::Torn(why) => why,
+                    Stop::Damaged(why) => why.as_str(),
+                };
+                ReadError::Header {
+                    what: format!(
+                        "there is no metadata `{METADATA}` before byte {at}, where {why}"
+                    ),
+                }
+            }
+            _ => ReadError::NotSulcus,
+        }
+    }
+
+    /// The gaps that a recovery noted; those of a note that makes no sense are none, and the pass says so.
+    pub fn gaps(&self) -> Vec<Gap> {
+        let list = self.note.as_ref().and_then(|note| note.get(recover::GAPS));
+        list.and_then(|list| Gap::parse(list)).unwrap_or_default()
+    }
+
+    /// Checks version, hashes and fields.
+    pub fn check(&self) -> Result<Checked, ReadError> {
+        let pairs = &self.pairs;
+        let found = pairs.get("format_version").cloned().unwrap_or_default();
+        let migration = format::reads(&found).map_err(|advice| ReadError::Version {
+            advice,
+            found: found.escape_debug().to_string(),
+            expected: format::readable(),
+        })?;
+        for name in [SCENE].into_iter().chain(TEXTS) {
+            let data = self.files.get(name);
+            let hash = blake3::hash(data.map_or(&[][..], Vec::as_slice)).to_hex();
+            if pairs.get(&header::hash_key(name)).map(String::as_str) == Some(hash.as_str()) {
+                continue;
+            }
+            let what = match (data, &self.stopped) {
+                (None, None) => format!("there is no attachment `{name}`"),
+                (None, Some(why)) => {
+                    format!("there is no attachment `{name}` in what can be read: {why}")
+                }
+                _ => {
+                    format!("attachment `{name}` does not match the hash that the header gives")
+                }
+            };
+            return Err(ReadError::Header { what });
+        }
+        let (header, signer) =
+            SessionHeader::from_metadata(pairs, &self.files).map_err(|key| ReadError::Header {
+                what: format!("field `{key}` is missing or not of its kind"),
+            })?;
+        Ok(Checked {
+            digest: header::digest(pairs),
+            header,
+            signer,
+            migration,
+        })
+    }
+}
