@@ -8,11 +8,11 @@ use rustix::time::Timespec;
 use serde::Serialize;
 use sulcus_core::math::norm;
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
-use sulcus_operator::{Display, PassivityParams, Shown, drawn};
-use sulcus_proto::datagram::{ToolPose, ToolWrench, WirePose, WireWrench};
+use sulcus_haptics::{Display, Limits, PassivityParams, Shown, SlewLimits, drawn, gated};
+use sulcus_proto::datagram::{ToolPose, WirePose, WireWrench};
 
 use crate::calls::event;
-use crate::device::Device;
+use crate::device::CallingDevice;
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
@@ -60,7 +60,7 @@ pub type Disturb = fn(u64, &mut TickInput);
 /// until someone interrupts it, there is nothing left to do, or the server is gone. `done` counts along.
 pub fn run(
     link: &mut Link,
-    device: &mut dyn Device,
+    device: &mut dyn CallingDevice,
     periods: u64,
     disturb: Option<Disturb>,
     done: &AtomicU64,
@@ -74,11 +74,15 @@ pub fn run(
         force_n: f64::from(hello.max_force_n),
         torque_nm: f64::from(hello.max_torque_nm),
     };
+    let slew = SlewLimits {
+        force_n_per_ms: f64::from(hello.max_force_step_n),
+        torque_nm_per_ms: f64::from(hello.max_torque_step_nm),
+    };
     let controller = PassivityParams {
         period_s: period_ns as f64 / 1e9,
         ..PassivityParams::default()
     };
-    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(controller));
+    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(controller, slew));
     let mut grid_ns = now_ns() + period_ns;
     let mut waited = 0;
     loop {
@@ -101,7 +105,12 @@ pub fn run(
         }
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
             let wanted = newest.filter(|_| !leaving).map_or(Wrench::ZERO, |packet| {
-                gated(&packet.datagram.tools[t], gate, limits)
+                let WireWrench { force, torque } = packet.datagram.tools[t].wrench;
+                let sent = Wrench {
+                    force: Vec3::from(force.map(f64::from)),
+                    torque: Vec3::from(torque.map(f64::from)),
+                };
+                gated(&sent, gate, &limits)
             });
             // What ends is not damped: it must come to nothing.
             displays[t].next(&wanted, if leaving { 0.0 } else { gate })
@@ -177,43 +186,6 @@ fn is_let_go(displayed: &[Wrench; MAX_TOOLS]) -> bool {
     displayed.iter().all(|wrench| *wrench == Wrench::ZERO)
 }
 
-/// Most that the server says it will ever send.
-#[derive(Clone, Copy, Debug)]
-struct Limits {
-    force_n: f64,
-    torque_nm: f64,
-}
-
-/// What was sent, within what the server said it would send at most, times the gate.
-fn gated(sent: &ToolWrench, gate: f64, limits: Limits) -> Wrench {
-    let vector = |v: [f32; 3], most: f64| clamped(Vec3::from(v.map(f64::from)), most) * gate;
-    let wrench = Wrench {
-        force: vector(sent.wrench.force, limits.force_n),
-        torque: vector(sent.wrench.torque, limits.torque_nm),
-    };
-    // The last door before the hand: what is not finite is not displayed.
-    if wrench
-        .force
-        .iter()
-        .chain(wrench.torque.iter())
-        .all(|x| x.is_finite())
-    {
-        wrench
-    } else {
-        Wrench::ZERO
-    }
-}
-
-/// `v`, no longer than `most`, in its own direction.
-fn clamped(v: Vec3, most: f64) -> Vec3 {
-    let length = norm(&v);
-    if length > most {
-        v * (most / length)
-    } else {
-        v
-    }
-}
-
 fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOOLS]) -> PosePacket {
     let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
     PosePacket {
@@ -268,18 +240,6 @@ fn punctual() {
 mod tests {
     use super::*;
 
-    const LIMITS: Limits = Limits {
-        force_n: 3.0,
-        torque_nm: 0.2,
-    };
-
-    fn sent(force: [f32; 3], torque: [f32; 3]) -> ToolWrench {
-        ToolWrench {
-            wrench: WireWrench { force, torque },
-            ..ToolWrench::default()
-        }
-    }
-
     #[test]
     fn a_hand_that_still_feels_a_torque_is_not_let_go() {
         let mut displayed = [Wrench::ZERO; MAX_TOOLS];
@@ -291,23 +251,5 @@ mod tests {
             torque: Vec3::zeros(),
         };
         assert!(!is_let_go(&displayed));
-    }
-
-    #[test]
-    fn a_server_that_sends_a_meganewton_is_felt_at_its_own_limit() {
-        let wrench = gated(&sent([0.0, -1e6, 0.0], [1e6, 0.0, 0.0]), 1.0, LIMITS);
-        assert!(norm(&(wrench.force - Vec3::new(0.0, -3.0, 0.0))) < 1e-12);
-        assert!(norm(&(wrench.torque - Vec3::new(0.2, 0.0, 0.0))) < 1e-12);
-        // The gate takes its share of what may be felt, not of what was sent.
-        let half = gated(&sent([0.0, -1e6, 0.0], [0.0; 3]), 0.5, LIMITS);
-        assert!(norm(&(half.force - Vec3::new(0.0, -1.5, 0.0))) < 1e-12);
-        // What is within the limits stays as it was sent, what is not finite is not displayed.
-        let plain = gated(&sent([1.0, 2.0, -2.0], [0.0, 0.125, 0.0]), 1.0, LIMITS);
-        assert_eq!(plain.force, Vec3::new(1.0, 2.0, -2.0));
-        assert_eq!(plain.torque, Vec3::new(0.0, 0.125, 0.0));
-        for bad in [f32::INFINITY, f32::NAN] {
-            let nothing = gated(&sent([bad, 0.0, 0.0], [0.0; 3]), 1.0, LIMITS);
-            assert_eq!(nothing, Wrench::ZERO);
-        }
     }
 }

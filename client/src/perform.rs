@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::bail;
 use sulcus_proto::control::Goodbye;
 
-use crate::device::Device;
+use crate::device::CallingDevice;
 use crate::device_loop::{self, Disturb, LoopReport};
 use crate::link::{Link, LinkError, LinkStats};
 use crate::progress::Steps;
@@ -28,7 +28,7 @@ pub struct Performed {
 /// When the session cannot begin.
 pub fn perform(
     link: Link,
-    mut device: impl Device,
+    mut device: impl CallingDevice,
     periods: u64,
     disturb: Option<Disturb>,
     steps: &Steps,

@@ -7,11 +7,13 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use serde_json::{Value, json};
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, ToolInput};
-use sulcus_operator::Shown;
+use sulcus_haptics::Shown;
 use sulcus_program::tell;
 use sulcus_sessions::exercise::events::call::{Call, CallError};
 
-use crate::device::Device;
+use sulcus_haptics::Device;
+
+use crate::device::CallingDevice;
 
 /// How a reading is written.
 pub const FORM: &str = "TOOTH SITE DEPTH, then as called: RECESSION b|nb f0..f3 (36 mb 5 -2 b)";
@@ -188,13 +190,20 @@ impl<D> WithReadings<D> {
     }
 }
 
-impl<D: Device> Device for WithReadings<D> {
+impl<D: CallingDevice> Device for WithReadings<D> {
     fn name(&self) -> &str {
         self.device.name()
     }
     fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
         self.device.exchange(shown)
     }
+    fn is_done(&self) -> bool {
+        // Who still has something to call may.
+        self.ended && self.device.is_done()
+    }
+}
+
+impl<D: CallingDevice> CallingDevice for WithReadings<D> {
     fn calls(&mut self) -> Vec<Call> {
         drop(self.device.calls());
         let mut heard = Vec::new();
@@ -208,10 +217,6 @@ impl<D: Device> Device for WithReadings<D> {
                 }
             }
         }
-    }
-    fn is_done(&self) -> bool {
-        // Who still has something to call may.
-        self.ended && self.device.is_done()
     }
 }
 
@@ -397,11 +402,14 @@ mod tests {
         fn exchange(&mut self, _: &Shown) -> [ToolInput; MAX_TOOLS] {
             sulcus_core::TickInput::IDLE.tools
         }
-        fn calls(&mut self) -> Vec<Call> {
-            vec![parse("36 b 9", &SCENE).expect("a reading")]
-        }
         fn is_done(&self) -> bool {
             true
+        }
+    }
+
+    impl CallingDevice for Talks {
+        fn calls(&mut self) -> Vec<Call> {
+            vec![parse("36 b 9", &SCENE).expect("a reading")]
         }
     }
 

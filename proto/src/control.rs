@@ -1,177 +1,186 @@
 //! Control messages: rare, reliable, in order, on one bidirectional stream.
 //!
-//! The client speaks first: [`ClientMessage::Hello`]. The server answers [`ServerMessage::Hello`] or
-//! [`ServerMessage::Refused`]. The simulation runs from [`ClientMessage::Start`] to
-//! [`ClientMessage::Stop`] (or any other [`EndReason`]); [`ServerMessage::Goodbye`] is the last word.
+//! The client sends [`ClientMessage::Hello`] first. The server answers with [`ServerMessage::Hello`] or
+//! [`ServerMessage::Refused`]. The simulation runs from [`ClientMessage::Start`] to [`ClientMessage::Stop`] or another
+//! [`EndReason`]. [`ServerMessage::Goodbye`] is the last message.
 
 use serde::{Deserialize, Serialize};
 
 use crate::datagram::WirePose;
 use crate::summary::SessionSummary;
 
-/// From a station.
+/// Message from the client to the server.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ClientMessage {
-    /// Who asks; the first message.
+    /// First message: identity of the client.
     Hello(ClientHello),
-    /// Begin to tick and record.
+    /// Start of the simulation and of the recording.
     Start,
-    /// A request of the student's own: a pause, its end, a lower force limit. What the station's side has set stands.
+    /// Change of the student's own pause or force limit. Pause and limit of the server side stay in force.
     Command(Command),
-    /// A button went down or up. Its state also rides in every pose; the edge is never lost.
+    /// Edge of a button. Every pose also carries the button's state, but only the edge is reliable.
     Button(ButtonEdge),
-    /// Something that belongs into the recording (a depth that the student called out).
+    /// Event for the recording, for example a probing depth called out by the student.
     Event(Event),
-    /// End the session; a goodbye follows.
+    /// End of the session. The server answers with [`ServerMessage::Goodbye`].
     Stop,
 }
 
-/// From a server.
+/// Message from the server to the client.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ServerMessage {
-    /// Welcome.
+    /// Acceptance of the client.
     Hello(ServerHello),
-    /// Not welcome; the connection closes.
+    /// Refusal of the client; the connection closes.
     Refused(Refused),
-    /// From now on this session epoch counts: datagrams of any other are dropped.
+    /// New session epoch. Datagrams of any other epoch are dropped from now on.
     Epoch(u32),
-    /// The session is over; the connection closes.
+    /// End of the session; the connection closes.
     Goodbye(Goodbye),
 }
 
-/// A station introduces itself. (The protocol version stands in front of every frame.)
+/// Identity of a client and its choice of exercise. The frame carries the protocol version.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClientHello {
     /// Version of the client program.
     pub program: String,
-    /// Shared secret, as the server prints it.
+    /// Shared secret, as printed by the server.
     pub token: String,
-    /// Kind of haptic device, for the record.
+    /// Kind of haptic device, for the recording.
     pub device: String,
-    /// Opaque learner id, never a name ([`crate::learner`]); may be empty.
+    /// Opaque learner id, never a name ([`crate::learner`]); empty for an anonymous learner.
     pub learner: String,
-    /// Exercise asked for; empty: the server's choice.
+    /// Requested exercise; empty for the server's choice.
     pub exercise: String,
 }
 
-/// What a station needs to know.
+/// Description of the session for a client.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ServerHello {
     /// Version of the server program.
     pub program: String,
-    /// Session epoch that datagrams carry.
+    /// Session epoch of the datagrams.
     pub epoch: u32,
-    /// Period of the simulation, nanoseconds.
+    /// Period of a tick, nanoseconds.
     pub tick_ns: u64,
-    /// Name of the scene, for people.
+    /// Name of the scene, for display.
     pub scene: String,
-    /// BLAKE3 of the compiled scene.
+    /// BLAKE3 hash of the compiled scene.
     pub scene_hash: [u8; 32],
     /// Name of the exercise.
     pub exercise: String,
-    /// What the student is asked to do.
+    /// Instructions of the exercise for the student.
     pub exercise_text: String,
-    /// Seed of what is random in the exercise.
+    /// Seed of the random numbers of the exercise.
     pub seed: u64,
-    /// Largest force that will be sent, newtons.
+    /// Limit of the force sent to the client, newtons.
     pub max_force_n: f32,
-    /// Largest torque that will be sent, newton-metres.
+    /// Limit of the torque sent to the client, newton-metres.
     pub max_torque_nm: f32,
-    /// One or two tools, in the order of the slots.
+    /// Largest change of the force per millisecond, newtons. Devices apply the same slew limit.
+    pub max_force_step_n: f32,
+    /// Largest change of the torque per millisecond, newton-metres.
+    pub max_torque_step_nm: f32,
+    /// Tools, in the order of the slots: at least one, at most two.
     pub tools: Vec<ToolInfo>,
 }
 
-/// A tool, seen from a station.
+/// Description of a tool for a client.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToolInfo {
-    /// Name, for people.
+    /// Name, for display.
     pub name: String,
-    /// Where the graphic tool waits at first: `world_from_tool`.
+    /// Initial pose of the graphic tool, before its first entry: `world_from_tool`.
     pub park: WirePose,
-    /// Very tip in the tool's frame, metres.
+    /// Extreme point of the tip in the tool's frame, metres.
     pub tip: [f32; 3],
-    /// Coupling stiffness in translation, N/m: what a device must be able to display.
+    /// Coupling stiffness in translation, N/m. A device must be able to display this stiffness.
     pub stiffness_n_per_m: f32,
     /// Coupling stiffness in rotation, N m/rad.
     pub stiffness_nm_per_rad: f32,
 }
 
-/// Why a station is not served.
+/// Reason of a refusal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RefusedReason {
-    /// Another protocol version.
+    /// The protocol versions differ.
     Version,
     /// The token is wrong.
     Token,
     /// Another client is connected.
     Busy,
-    /// The exercise is not offered here.
+    /// The server does not offer the exercise.
     Exercise,
-    /// The hello makes no sense.
+    /// The hello is missing or invalid.
     BadHello,
-    /// The server cannot serve (it says why).
+    /// The server cannot run a session; [`Refused::text`] holds the cause.
     Server,
 }
 
-/// A refusal.
+/// Refusal of a client.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refused {
-    /// For programs.
+    /// Reason, for programs.
     pub reason: RefusedReason,
-    /// For people: one sentence.
+    /// Reason as one sentence, for display.
     pub text: String,
 }
 
-/// A change of pause or force limit. The station's side and the student's connection each have a pause and a limit of
-/// their own; in force is the pause of either and the smaller limit.
+/// Change of a pause or a force limit.
+///
+/// The server side and the student's connection each hold a pause and a limit. The pause of either side and the smaller
+/// limit apply.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Forces ramp to zero and stay there.
+    /// Start of the side's pause: forces ramp to zero and stay zero.
     Pause,
-    /// The side's own pause ends; when no other holds, forces ramp up again. A new session epoch begins.
+    /// End of the side's own pause. A new session epoch begins, and forces ramp up unless the other side has paused.
     Resume,
-    /// Largest force, newtons, never above the scene's limit; 0: no limit of this side's own.
+    /// Force limit of the side, newtons; 0 for none. The scene's limit always applies too. A negative, infinite or NaN
+    /// value is ignored.
     ForceLimit(f32),
 }
 
-/// A button went down or up.
+/// Edge of a button: pressed or released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ButtonEdge {
     /// Tool slot, 0 or 1.
     pub tool: u8,
-    /// Button, 0 to 15.
+    /// Button number, 0 to 15.
     pub button: u8,
-    /// Down or up.
+    /// Whether the button was pressed; false for a release.
     pub pressed: bool,
-    /// When, nanoseconds of the station's monotonic clock.
+    /// Time of the edge, nanoseconds of the client's monotonic clock.
     pub device_time_ns: u64,
 }
 
-/// Something that belongs into the recording.
+/// Event for the recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// Tick whose wrench had just arrived.
+    /// Newest tick whose wrench had arrived at the time of the event.
     pub tick: u64,
-    /// What it is, for example `reading_called`: one word of lower-case letters, digits and underscores, and none that the station
-    /// itself says (`bleeding`, ...); any other ends the session.
+    /// Kind, for example `reading_called`: one word of lower-case letters, digits and underscores.
+    ///
+    /// Kinds that the server itself records, such as `bleeding`, are not allowed. An invalid kind ends the session with
+    /// [`EndReason::Protocol`].
     pub kind: String,
-    /// Its content as JSON.
+    /// Content as JSON.
     pub json: String,
 }
 
-/// Why a session ended.
+/// Reason for the end of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EndReason {
-    /// The client stopped it.
+    /// The client stopped the session.
     Stopped,
-    /// Its longest allowed time was over.
+    /// The time limit of the session, or of the wait for its start, expired.
     TimeUp,
     /// The server was shut down.
     Shutdown,
-    /// The client went silent or closed the connection.
+    /// The client sent nothing within the timeout, or closed the connection.
     ConnectionLost,
-    /// The client broke the protocol.
+    /// The client violated the protocol.
     Protocol,
     /// The recording could not be written.
     Recording,
@@ -179,11 +188,11 @@ pub enum EndReason {
     Simulation,
 }
 
-/// Last word of a server.
+/// Last message of the server in a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Goodbye {
-    /// For people: one sentence.
+    /// Reason for the end as one sentence, for display.
     pub text: String,
-    /// The session in numbers, with the reason for its end.
+    /// Statistics of the session, with the reason for its end.
     pub summary: SessionSummary,
 }

@@ -1,19 +1,19 @@
-//! What crosses the network between a station and its server: messages, version, codec.
-//! No sockets, no files, no clock.
+//! Network protocol between a client and its server: messages, version, codec.
 //!
-//! A station holds one QUIC connection (ALPN [`ALPN`]). [`control`] messages travel on one
-//! bidirectional stream opened by the client, each as a [`frame`]; poses go up and wrenches come
-//! down as [datagrams](datagram) of fixed size, which may be lost, doubled and reordered
-//! ([`newest`] sorts that out).
+//! The crate has no sockets, no files and no clock. A client holds one QUIC connection (ALPN [`ALPN`]) with two kinds
+//! of traffic:
+//! - [`control`] messages travel on one bidirectional stream, opened by the client. Each message is a [`frame`].
+//! - Poses go to the server and wrenches to the client as [datagrams](datagram) of fixed size. The network may lose,
+//!   duplicate or reorder them; [`newest`] filters them by sequence number.
 //!
 //! # Units and frames
-//! SI: metres, newtons, newton-metres; times in nanoseconds of the *sender's* monotonic clock. A
-//! pose is `world_from_tool` at the tool's device point; force and torque are in world axes about
-//! that point. Numbers are f32 on the wire and widened exactly.
+//! All quantities are in SI units: metres, newtons, newton-metres. Times are in nanoseconds of the *client's* monotonic
+//! clock. A pose is `world_from_tool` at the tool's device point. Force and torque are in world axes about that point.
+//! Poses and wrenches are f32 on the wire; widening to f64 is exact.
 //!
 //! # Strictness
-//! Decoding accepts exactly what encoding writes: wrong version, kind, length, flag bits or
-//! trailing bytes are typed [`CodecError`]s. No input makes it panic.
+//! Decoding accepts exactly the bytes that encoding writes. A wrong version, kind, length or flag byte and trailing
+//! bytes are typed [`CodecError`]s. No input causes a panic.
 
 pub mod codec;
 pub mod control;
@@ -33,11 +33,11 @@ pub use newest::NewestWins;
 pub use summary::{Percentiles, SessionSummary};
 pub use ticket::Ticket;
 
-/// Application protocol that both ends name in the TLS handshake.
+/// Application protocol (ALPN) of the TLS handshake, equal at both ends.
 pub const ALPN: &[u8] = b"sulcus/1";
 
-/// Version of every message here; the first byte of each datagram and of each control frame.
-pub const PROTOCOL_VERSION: u8 = 1;
+/// Version of every message: first byte of each datagram and of the body of each control frame.
+pub const PROTOCOL_VERSION: u8 = 2;
 
-/// Tool slots in every datagram: one for each hand.
+/// Number of tool slots in every datagram: one slot per hand.
 pub const TOOLS: usize = 2;

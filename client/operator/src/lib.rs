@@ -1,4 +1,4 @@
-//! The simulated hand and device: used by the demo, the hard cases and the tests.
+//! The simulated hand: used by the demo, the hard cases and the tests.
 //!
 //! A *script* says where the hand means to be. The *hand* holds a *device* (mass, damping) by a
 //! spring and a damper, trembles at 8 to 12 Hz, and feels the wrench: so the loop of hand, device
@@ -10,12 +10,10 @@
 pub mod bands;
 pub mod bimanual;
 pub mod crown;
-pub mod display;
 mod frame;
 pub mod habit;
 pub mod hand;
 mod lean;
-pub mod passivity;
 pub mod pocket_path;
 pub mod retraction;
 pub mod script;
@@ -28,14 +26,12 @@ mod travel;
 pub mod tremor;
 mod wall;
 
-use sulcus_core::math::normalised;
-use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput, Vec3};
+use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput};
 
-pub use display::Display;
 pub use habit::Habit;
 pub use hand::{Hand, HandParams};
-pub use passivity::{Energy, Passivity, PassivityParams};
-pub use script::{Call, Felt, Script, Shown};
+pub use script::{Call, Felt, Script};
+pub use sulcus_haptics::{Shown, drawn};
 
 /// A person with up to two hands, performing a script.
 pub struct Operator {
@@ -102,14 +98,4 @@ pub fn present(pose: &Pose) -> ToolInput {
         present: true,
         ..ToolInput::ABSENT
     }
-}
-
-/// A graphic pose as the wire carries it; `None` where it is none.
-pub fn drawn(raw: &RawPose) -> Option<Pose> {
-    let sound = |x: &f32| x.is_finite();
-    let position = Vec3::from(raw.position.map(f64::from));
-    let [w, x, y, z] = raw.orientation.map(f64::from);
-    let length = (w * w + x * x + y * y + z * z).sqrt();
-    let sound = raw.position.iter().all(sound) && (0.5..2.0).contains(&length);
-    sound.then(|| Pose::new(position, normalised(w, x, y, z)))
 }

@@ -1,33 +1,8 @@
 //! Where a hand means to be over time.
 
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_core::{MAX_TOOLS, Pose, TickOutput, Wrench};
-
-/// What the simulation gives a person in one millisecond: forces on the hands, a picture on the screen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
-    /// Wrenches about the device points, world axes.
-    pub wrenches: [Wrench; MAX_TOOLS],
-    /// Graphic poses (`world_from_tool`) as drawn; `None` while nothing has been drawn yet.
-    pub graphics: [Option<Pose>; MAX_TOOLS],
-}
-
-impl Shown {
-    /// Before the first tick.
-    pub const NOTHING: Self = Self {
-        wrenches: [Wrench::ZERO; MAX_TOOLS],
-        graphics: [None; MAX_TOOLS],
-    };
-}
-
-impl From<&TickOutput> for Shown {
-    fn from(output: &TickOutput) -> Self {
-        Self {
-            wrenches: std::array::from_fn(|t| output.tools[t].wrench),
-            graphics: std::array::from_fn(|t| Some(output.tools[t].graphic)),
-        }
-    }
-}
+use sulcus_core::{MAX_TOOLS, Pose};
+use sulcus_haptics::Shown;
 
 /// What the operator says aloud of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

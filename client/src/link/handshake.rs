@@ -71,11 +71,13 @@ async fn greet(
     }
 }
 
-/// Whether the hello says what will be sent at most: the device displays no more than that.
+/// Checks the limits of the wrench, which the device applies: each is finite and above zero.
 fn limited(hello: &ServerHello) -> Result<(), LinkError> {
     let limits = [
         ("max_force_n", hello.max_force_n),
         ("max_torque_nm", hello.max_torque_nm),
+        ("max_force_step_n", hello.max_force_step_n),
+        ("max_torque_step_nm", hello.max_torque_step_nm),
     ];
     for (field, found) in limits {
         if !found.is_finite() || found <= 0.0 {
@@ -106,7 +108,7 @@ mod tests {
 
     #[test]
     fn a_hello_without_limits_is_refused_by_field_and_value() {
-        let hello = |max_force_n, max_torque_nm| ServerHello {
+        let hello = |[force, torque, force_step, torque_step]: [f32; 4]| ServerHello {
             program: String::new(),
             epoch: 1,
             tick_ns: 1_000_000,
@@ -115,21 +117,35 @@ mod tests {
             exercise: String::new(),
             exercise_text: String::new(),
             seed: 0,
-            max_force_n,
-            max_torque_nm,
+            max_force_n: force,
+            max_torque_nm: torque,
+            max_force_step_n: force_step,
+            max_torque_step_nm: torque_step,
             tools: Vec::new(),
         };
-        assert_eq!(limited(&hello(3.3, 0.2)), Ok(()));
-        for (force, torque, said) in [
-            (f32::NAN, 0.2, "max_force_n NaN"),
-            (f32::INFINITY, 0.2, "max_force_n inf"),
-            (0.0, 0.2, "max_force_n 0"),
-            (3.3, -1.0, "max_torque_nm -1"),
-        ] {
-            let error = limited(&hello(force, torque)).expect_err("refused");
-            let expected =
-                format!("the server's hello has {said}, expected a finite number above 0");
-            assert_eq!(error.to_string(), expected);
+        let good = [3.3, 0.2, 0.5, 0.03];
+        assert_eq!(limited(&hello(good)), Ok(()));
+        let fields = [
+            "max_force_n",
+            "max_torque_nm",
+            "max_force_step_n",
+            "max_torque_step_nm",
+        ];
+        for (at, field) in fields.into_iter().enumerate() {
+            for (value, said) in [
+                (f32::NAN, "NaN"),
+                (f32::INFINITY, "inf"),
+                (0.0, "0"),
+                (-1.0, "-1"),
+            ] {
+                let mut limits = good;
+                limits[at] = value;
+                let error = limited(&hello(limits)).expect_err("refused");
+                let expected = format!(
+                    "the server's hello has {field} {said}, expected a finite number above 0"
+                );
+                assert_eq!(error.to_string(), expected);
+            }
         }
     }
 }

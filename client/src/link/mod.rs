@@ -17,7 +17,6 @@ mod reach;
 mod stats;
 mod transport;
 mod trust;
-mod watchdog;
 mod worker;
 
 use std::sync::Arc;
@@ -34,8 +33,8 @@ use triple_buffer::{Input, Output};
 pub use config::{LinkConfig, Pin};
 pub use error::LinkError;
 pub use stats::LinkStats;
+use sulcus_haptics::Watchdog;
 pub use transport::client_config;
-pub use watchdog::Watchdog;
 
 use bell::Bell;
 use stats::Shared;

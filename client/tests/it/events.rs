@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use sulcus_client::calls::Called;
 use sulcus_client::demo::{check, lockstep};
-use sulcus_client::device::Device;
+use sulcus_client::device::CallingDevice;
 use sulcus_client::exercise::{self, Asked, Prepared};
 use sulcus_client::link::{Link, LinkConfig};
 use sulcus_client::perform::perform;
@@ -16,6 +16,7 @@ use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace, tick,
 };
+use sulcus_haptics::Device;
 use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::exercise::Target;
@@ -117,6 +118,9 @@ impl Device for Calling {
         self.1 += 1;
         self.0.step(shown)
     }
+}
+
+impl CallingDevice for Calling {
     fn calls(&mut self) -> Vec<Call> {
         let call = |tooth| Call {
             tooth,

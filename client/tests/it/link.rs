@@ -17,6 +17,12 @@ fn a_session_is_felt_recorded_and_replayed() {
     let mut link = station.connect().unwrap();
     assert_eq!(link.hello().scene, "plate");
     assert_eq!(link.hello().tools.len(), 1);
+    let limits = sulcus_core::Params::default();
+    assert_eq!(link.hello().max_force_step_n, limits.max_force_step as f32);
+    assert_eq!(
+        link.hello().max_torque_step_nm,
+        limits.max_torque_step as f32
+    );
     assert!(link.start());
     assert!(link.event(Event {
         tick: 0,

@@ -1,4 +1,4 @@
-//! Control frames: round trips of every message, strict refusals, no panic on any bytes.
+//! Tests of control frames: round trips of every message, strict refusals, no panic on any bytes.
 
 use proptest::prelude::*;
 use sulcus_proto::control::{
@@ -75,6 +75,8 @@ fn server() -> impl Strategy<Value = ServerMessage> {
                         seed: u64::from(epoch) << 20,
                         max_force_n: 3.3,
                         max_torque_nm: 0.2,
+                        max_force_step_n: 0.5,
+                        max_torque_step_nm: 0.03,
                         tools,
                     })
                 }
@@ -164,7 +166,7 @@ proptest! {
     #[test]
     fn any_bytes_are_a_message_or_an_error(mut bytes in prop::collection::vec(any::<u8>(), 0..300), small in 0u8..8) {
         let _ = decode::<ClientMessage>(&bytes);
-        // Most random bytes stop at the version or the variant: help them past both.
+        // Most random bytes fail at the version or the variant: set both to valid values.
         if bytes.len() > 5 {
             bytes[..5].copy_from_slice(&[sulcus_proto::PROTOCOL_VERSION, small, 0, 0, 0]);
         }

@@ -5,7 +5,7 @@
 use sulcus_cases::linked::{LinkModel, Linked, run_linked};
 use sulcus_cases::rest::{HOUR, rest};
 use sulcus_cases::{TABLE, find};
-use sulcus_operator::PassivityParams;
+use sulcus_haptics::PassivityParams;
 
 /// Round trips, ticks.
 const DELAYS: [u32; 4] = [0, 1, 2, 5];

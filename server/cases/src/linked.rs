@@ -8,7 +8,8 @@ use sulcus_core::math::norm;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, Wrench, output::status, tick,
 };
-use sulcus_operator::{Display, Operator, PassivityParams, Shown, drawn};
+use sulcus_haptics::{Display, PassivityParams, Shown, SlewLimits, drawn};
+use sulcus_operator::Operator;
 
 use crate::comparison::by_hand;
 use crate::shake::Shake;
@@ -142,7 +143,8 @@ pub fn run_linked_on(
         short => short,
     };
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(passivity));
+    let mut displays =
+        [0; MAX_TOOLS].map(|_| Display::new(passivity, SlewLimits::from(&scene.params)));
     let mut shakes = [Shake::default(); MAX_TOOLS];
     let mut rng = ChaCha8Rng::seed_from_u64(link.seed);
     let mut lost = || {

@@ -8,7 +8,8 @@ use sulcus_core::math::norm;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Scene, State, TickInput, Vec3, Workspace, output::status, tick,
 };
-use sulcus_operator::{Display, Hand, HandParams, PassivityParams, Shown, drawn, present};
+use sulcus_haptics::{Display, PassivityParams, Shown, SlewLimits, drawn};
+use sulcus_operator::{Hand, HandParams, present};
 
 use crate::table::{Case, Driver};
 
@@ -83,7 +84,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
     let mut now = Machine {
         state: State::new(&scene),
         hands: [const { None }; MAX_TOOLS],
-        displays: [0; MAX_TOOLS].map(|_| Display::new(passivity)),
+        displays: [0; MAX_TOOLS].map(|_| Display::new(passivity, SlewLimits::from(&scene.params))),
         shown: Shown::NOTHING,
     };
     let mut earlier: Option<(u64, Machine)> = None;

@@ -189,6 +189,8 @@ fn server_hello(shared: &Shared, epoch: u32) -> ServerHello {
         seed: config.exercise.seed,
         max_force_n: scene.params.max_force as f32,
         max_torque_nm: scene.params.max_torque as f32,
+        max_force_step_n: scene.params.max_force_step as f32,
+        max_torque_step_nm: scene.params.max_torque_step as f32,
         tools: tools.collect(),
     }
 }

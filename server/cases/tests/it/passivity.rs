@@ -3,7 +3,7 @@
 use sulcus_cases::find;
 use sulcus_cases::linked::{FELT, LinkModel, Linked, run_linked};
 use sulcus_cases::rest::{SETTLED, rest};
-use sulcus_operator::PassivityParams;
+use sulcus_haptics::PassivityParams;
 
 /// A case over a link of `delay_ticks` with a share `loss` of lost packets.
 pub fn linked(name: &str, delay_ticks: u32, loss: f64, passivity: PassivityParams) -> Linked {

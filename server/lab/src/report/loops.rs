@@ -5,7 +5,7 @@ use serde::Serialize;
 use sulcus_cases::linked::{FELT, LinkModel, Linked, run_linked};
 use sulcus_cases::rest::{HOUR, rest};
 use sulcus_cases::{Case, TABLE, find};
-use sulcus_operator::PassivityParams;
+use sulcus_haptics::PassivityParams;
 
 use super::together::on_all_cores;
 

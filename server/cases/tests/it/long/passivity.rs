@@ -2,7 +2,7 @@
 
 use sulcus_cases::TABLE;
 use sulcus_cases::rest::HOUR;
-use sulcus_operator::PassivityParams;
+use sulcus_haptics::PassivityParams;
 use sulcus_support::long;
 
 use crate::passivity::{RESTING, linked, stays};

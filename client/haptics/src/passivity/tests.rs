@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::*;
 use crate::display::Display;
+use crate::limits::SlewLimits;
 
 /// Mass of the device, kg, and what damps it besides, N s/m.
 const MASS: f64 = 0.1;
@@ -40,7 +41,7 @@ fn plucked(
     params: PassivityParams,
 ) -> Run {
     let lever = params.lever;
-    let mut display = Display::new(params);
+    let mut display = Display::new(params, SlewLimits::from(&sulcus_core::Params::default()));
     let pose = |x: f64| {
         if turning {
             let turn = sulcus_core::math::exp_rotation(&Vec3::new(0.0, x / lever, 0.0));

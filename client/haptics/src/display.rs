@@ -1,75 +1,71 @@
-//! The last door before the hand: what was sent is damped where the loop puts out energy, and changes by no more than a
-//! period's limits.
+//! The displayed wrench of one hand: passivity control, then the slew limit.
 
 use sulcus_core::math::{fmin, norm};
 use sulcus_core::{Pose, Vec3, Wrench};
 
+use crate::limits::SlewLimits;
 use crate::passivity::{Energy, Passivity, PassivityParams};
 
-/// Most that the force displayed changes per millisecond, newtons: what the server's own slew limit allows at its default. Where wrenches were lost the newest may differ by many ticks' worth.
-pub const MAX_FORCE_STEP_N: f64 = 0.5;
-/// The same for the torque, newton-metres.
-pub const MAX_TORQUE_STEP_NM: f64 = 0.03;
-
-/// What one hand's device displays.
+/// Displayed wrench of one hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Display {
     displayed: Wrench,
     /// Period of the device, milliseconds.
     period_ms: f64,
+    slew: SlewLimits,
     passivity: Passivity,
 }
 
 impl Display {
-    /// Nothing displayed yet.
-    pub fn new(params: PassivityParams) -> Self {
+    /// A display of zero, with a passivity controller and slew limits.
+    pub fn new(params: PassivityParams, slew: SlewLimits) -> Self {
         Self {
             displayed: Wrench::ZERO,
             period_ms: params.period_s * 1e3,
+            slew,
             passivity: Passivity::new(params),
         }
     }
 
-    /// What is displayed over the next period where `wanted` was sent, already times `gate`: the share of the force that
-    /// may be displayed at all.
+    /// Returns the wrench of the next period for `wanted`, which is already times `gate` (0 to 1).
     pub fn next(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
-        let plain = slewed(&self.displayed, wanted, self.period_ms);
+        let plain = slewed(&self.displayed, wanted, &self.slew, self.period_ms);
         let damped = self.passivity.damped(wanted, gate);
-        // The slew comes last: damping, too, is not to be felt as a blow. What is only let go cannot be one, and would
-        // push a fast hand along for as many periods as it takes.
+        // The slew limit comes last, because damping must not be felt as a blow either. A wrench that only decreases is
+        // none, and a slow decrease would push a fast hand along: it passes at once.
         let from = if damped == *wanted {
             self.displayed
         } else {
             let_go(&self.displayed, &damped)
         };
-        let displayed = slewed(&from, &damped, self.period_ms);
+        let displayed = slewed(&from, &damped, &self.slew, self.period_ms);
         self.passivity.hold(&displayed, &plain);
         self.displayed = displayed;
         displayed
     }
 
-    /// Where the hand came to be after so many periods of that; `None` where it is not known.
+    /// Accounts for the hand's pose after `periods` of the displayed wrench; `None` for an unknown pose.
     pub fn moved(&mut self, hand: Option<&Pose>, periods: u64) {
         self.passivity.moved(hand, periods);
     }
 
-    /// Whether from here all goes on as it did from `earlier`, so many `times`, as long as the hand and what is sent do.
+    /// Whether this display continues as `earlier` did, for `times` repetitions of the same hand and wrenches.
     pub fn repeats(&self, earlier: &Self, times: f64) -> bool {
         self.displayed == earlier.displayed && self.passivity.repeats(&earlier.passivity, times)
     }
 
-    /// What is displayed.
+    /// Displayed wrench.
     pub fn displayed(&self) -> Wrench {
         self.displayed
     }
 
-    /// What the energy observer and controller came to.
+    /// Sums of the energy observer and controller.
     pub fn energy(&self) -> Energy {
         self.passivity.energy()
     }
 }
 
-/// The wrench between `displayed` and nothing that is nearest to `wanted`, force and torque each.
+/// The point nearest to `wanted` on the segment from zero to `displayed`, for force and torque each.
 fn let_go(displayed: &Wrench, wanted: &Wrench) -> Wrench {
     let part = |from: Vec3, to: &Vec3| {
         let along = from.dot(to) / from.norm_squared();
@@ -85,8 +81,8 @@ fn let_go(displayed: &Wrench, wanted: &Wrench) -> Wrench {
     }
 }
 
-/// `wanted`, as far as the limits of `ms` milliseconds allow from `before`.
-pub fn slewed(before: &Wrench, wanted: &Wrench, ms: f64) -> Wrench {
+/// Steps from `before` towards `wanted` by at most `slew` times `ms` milliseconds.
+pub fn slewed(before: &Wrench, wanted: &Wrench, slew: &SlewLimits, ms: f64) -> Wrench {
     let step = |from: Vec3, to: Vec3, most: f64| {
         let change = to - from;
         let length = norm(&change);
@@ -97,18 +93,24 @@ pub fn slewed(before: &Wrench, wanted: &Wrench, ms: f64) -> Wrench {
         }
     };
     Wrench {
-        force: step(before.force, wanted.force, MAX_FORCE_STEP_N * ms),
-        torque: step(before.torque, wanted.torque, MAX_TORQUE_STEP_NM * ms),
+        force: step(before.force, wanted.force, slew.force_n_per_ms * ms),
+        torque: step(before.torque, wanted.torque, slew.torque_nm_per_ms * ms),
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use sulcus_core::Params;
+
     use super::*;
+
+    fn slew() -> SlewLimits {
+        SlewLimits::from(&Params::default())
+    }
 
     #[test]
     fn a_force_on_credit_is_let_go_at_once_and_a_braking_one_comes_step_by_step() {
-        let mut display = Display::new(PassivityParams::default());
+        let mut display = Display::new(PassivityParams::default(), slew());
         let at = |x: f64| Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity());
         let push = Wrench {
             force: Vec3::new(3.0, 0.0, 0.0),
@@ -122,10 +124,13 @@ mod tests {
         // A millimetre in a millisecond under 3 N: 3 mJ that nobody paid for.
         display.moved(Some(&at(1e-3)), 1);
         let after = display.next(&push, 1.0).force.x;
-        assert!((after + MAX_FORCE_STEP_N).abs() < 1e-12, "{after} N");
+        assert!((after + slew().force_n_per_ms).abs() < 1e-12, "{after} N");
         display.moved(Some(&at(2e-3)), 1);
         let after = display.next(&push, 1.0).force.x;
-        assert!((after + 2.0 * MAX_FORCE_STEP_N).abs() < 1e-12, "{after} N");
+        assert!(
+            (after + 2.0 * slew().force_n_per_ms).abs() < 1e-12,
+            "{after} N"
+        );
     }
 
     #[test]
@@ -136,11 +141,36 @@ mod tests {
         };
         let mut displayed = Wrench::ZERO;
         for _ in 0..7 {
-            let next = slewed(&displayed, &wanted, 1.0);
-            assert!(norm(&(next.force - displayed.force)) <= MAX_FORCE_STEP_N + 1e-12);
-            assert!(norm(&(next.torque - displayed.torque)) <= MAX_TORQUE_STEP_NM + 1e-12);
+            let next = slewed(&displayed, &wanted, &slew(), 1.0);
+            assert!(norm(&(next.force - displayed.force)) <= slew().force_n_per_ms + 1e-12);
+            assert!(norm(&(next.torque - displayed.torque)) <= slew().torque_nm_per_ms + 1e-12);
             displayed = next;
         }
         assert_eq!(displayed, wanted);
+    }
+
+    /// A copied default once stood here: a scene with another limit was displayed at half a newton per millisecond.
+    #[test]
+    fn the_slew_limit_is_the_one_given_not_a_default() {
+        let slew = SlewLimits {
+            force_n_per_ms: 0.1,
+            torque_nm_per_ms: 0.004,
+        };
+        let mut display = Display::new(PassivityParams::observing(), slew);
+        let wanted = Wrench {
+            force: Vec3::new(0.0, 0.0, 2.0),
+            torque: Vec3::new(0.1, 0.0, 0.0),
+        };
+        for k in 1..=10 {
+            let next = display.next(&wanted, 1.0);
+            assert!(
+                (next.force.z - 0.1 * f64::from(k)).abs() < 1e-12,
+                "{next:?}"
+            );
+            assert!(
+                (next.torque.x - 0.004 * f64::from(k)).abs() < 1e-12,
+                "{next:?}"
+            );
+        }
     }
 }

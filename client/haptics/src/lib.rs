@@ -1,0 +1,22 @@
+//! The path of a wrench to a real hand: watchdog, clamp, passivity control, slew limit.
+//!
+//! The simulation's wrench passes, in this order:
+//! 1. [`Watchdog`]: the share of the force that may be displayed, from the times at which wrenches arrived.
+//! 2. [`gated`]: clamp to the [`Limits`] of the server's hello, times that share. A value that is not finite becomes zero.
+//! 3. [`Passivity`]: damping where the loop of hand, device and simulation puts out energy.
+//! 4. [`slewed`]: largest change per millisecond, [`SlewLimits`].
+//!
+//! [`Display`] is steps 3 and 4 for one hand. This crate knows no clock, no socket and no device driver. Begin at
+//! [`device::Device`], the interface of a haptic device.
+
+pub mod device;
+pub mod display;
+pub mod limits;
+pub mod passivity;
+pub mod watchdog;
+
+pub use device::{Device, Shown, drawn};
+pub use display::{Display, slewed};
+pub use limits::{Limits, SlewLimits, gated};
+pub use passivity::{Energy, Passivity, PassivityParams};
+pub use watchdog::Watchdog;
