@@ -1,29 +1,30 @@
-//! The one place that knows bincode (2.0.1, unmaintained): fixed-width little-endian integers, a
-//! limit on what is read, nothing left over.
+//! Wrapper of bincode (2.0.1, unmaintained); no other module uses bincode.
+//!
+//! Integers are little-endian of fixed width. Decoding limits the number of bytes read and refuses trailing bytes.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Why bytes are not a message.
+/// Reason why bytes are not a valid message, or a message cannot be encoded.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CodecError {
-    /// Not as long as this kind of message always is.
+    /// The length differs from the fixed length of this kind of message.
     #[error("message has {found} bytes, expected {expected}")]
     Length {
-        /// Bytes found.
+        /// Length found, bytes.
         found: usize,
-        /// Bytes expected.
+        /// Length expected, bytes.
         expected: usize,
     },
-    /// Longer than any message may be.
+    /// The message is longer than the limit.
     #[error("message has {found} bytes, at most {limit} are allowed")]
     TooLong {
-        /// Bytes found or announced.
+        /// Length found or announced, bytes.
         found: usize,
-        /// Most bytes allowed.
+        /// Largest length allowed, bytes.
         limit: usize,
     },
-    /// Spoken by another version of the protocol.
+    /// The message belongs to another protocol version.
     #[error(
         "message has protocol version {found}, this program speaks {}",
         crate::PROTOCOL_VERSION
@@ -32,7 +33,7 @@ pub enum CodecError {
         /// Version found.
         found: u8,
     },
-    /// A message, but not of the kind expected here.
+    /// The message is of another kind than expected.
     #[error("message is of kind {found}, expected {expected}")]
     Kind {
         /// Kind found.
@@ -40,24 +41,24 @@ pub enum CodecError {
         /// Kind expected.
         expected: u8,
     },
-    /// A field holds what encoding never writes.
+    /// A field holds a value that encoding never writes.
     #[error("message is not canonical: {0}")]
     NotCanonical(&'static str),
-    /// A number that must be finite is not.
+    /// A number is NaN or infinite.
     #[error("{0} is not a finite number")]
     NotFinite(&'static str),
-    /// The bytes do not decode, or some are left over.
+    /// The bytes do not decode, or trailing bytes remain.
     #[error("message is malformed: {0}")]
     Malformed(String),
 }
 
-/// Encodes into `out` and returns the length; allocates nothing.
+/// Encodes `value` into `out` and returns the length in bytes. Allocates nothing.
 pub(crate) fn encode_into<T: Serialize>(value: &T, out: &mut [u8]) -> Result<usize, CodecError> {
     let config = bincode::config::standard().with_fixed_int_encoding();
     bincode::serde::encode_into_slice(value, out, config).map_err(malformed)
 }
 
-/// Encodes behind whatever `out` already holds.
+/// Encodes `value` and appends the bytes to `out`.
 pub(crate) fn encode_onto<T: Serialize>(value: &T, out: &mut Vec<u8>) -> Result<(), CodecError> {
     let config = bincode::config::standard().with_fixed_int_encoding();
     let body = bincode::serde::encode_to_vec(value, config).map_err(malformed)?;
@@ -65,7 +66,7 @@ pub(crate) fn encode_onto<T: Serialize>(value: &T, out: &mut Vec<u8>) -> Result<
     Ok(())
 }
 
-/// Decodes all of `bytes`, reading (and so allocating) at most `LIMIT` bytes.
+/// Decodes all of `bytes`. Reads at most `LIMIT` bytes, which also limits allocation.
 pub(crate) fn decode<T: DeserializeOwned, const LIMIT: usize>(
     bytes: &[u8],
 ) -> Result<T, CodecError> {

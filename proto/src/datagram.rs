@@ -1,5 +1,7 @@
-//! The two datagrams, at 1 kHz each: a pose up, a wrench down. Both have a fixed size far below the
-//! 1,200 bytes that every path carries, and a prefix of version and kind.
+//! The two datagrams, at 1 kHz each: poses to the server, wrenches to the client.
+//!
+//! Both have a prefix of version and kind, and a fixed size. The size is far below 1,200 bytes, which every QUIC path
+//! carries.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -7,11 +9,11 @@ use serde::{Deserialize, Serialize};
 use crate::codec::{self, CodecError};
 use crate::{PROTOCOL_VERSION, TOOLS};
 
-/// Bytes of version and kind before the body.
+/// Length of version and kind before the body, bytes.
 const PREFIX: usize = 2;
-/// Largest datagram decoded here.
+/// Largest body of a datagram that decoding reads, bytes.
 const LIMIT: usize = 512;
-/// Contact planes that one tool's slot has room for.
+/// Capacity of a tool's slot for contact planes.
 pub const PLANES: usize = 4;
 
 /// Force and torque in world axes about the tool's device point.
@@ -23,17 +25,17 @@ pub struct WireWrench {
     pub torque: [f32; 3],
 }
 
-/// `world_from_tool` at the tool's device point.
+/// Pose `world_from_tool` at the tool's device point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WirePose {
     /// Position, metres.
     pub position: [f32; 3],
-    /// Quaternion `[w, x, y, z]`, roughly unit length; not checked here (the tick sanitises it).
+    /// Quaternion `[w, x, y, z]` of roughly unit length. Decoding does not check the length; the tick does.
     pub orientation: [f32; 4],
 }
 
 impl WirePose {
-    /// At the origin, not turned.
+    /// Identity: at the origin, without rotation.
     pub const IDENTITY: WirePose = WirePose {
         position: [0.0; 3],
         orientation: [1.0, 0.0, 0.0, 0.0],
@@ -46,129 +48,130 @@ impl Default for WirePose {
     }
 }
 
-/// One tool's slot in a pose.
+/// Slot of a tool in a pose datagram.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolPose {
     /// Whether a hand holds the tool.
     pub present: bool,
-    /// Buttons held, one bit each.
+    /// Buttons held, one bit per button.
     pub buttons: u16,
-    /// Where the hand holds it.
+    /// Haptic pose, as measured by the device.
     pub pose: WirePose,
-    /// The wrench that the device really displayed last: after the client's own gates and limits.
+    /// Last wrench displayed by the device, after the client's own gates and limits.
     pub displayed: WireWrench,
 }
 
-/// Station to server, once per period of the device.
+/// Pose datagram, client to server, once per period of the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseDatagram {
-    /// Session epoch: packets of another epoch are dropped.
+    /// Session epoch. The server drops poses of another epoch.
     pub epoch: u32,
-    /// Counts poses; wraps.
+    /// Number of the pose, wrapping at 2^32.
     pub sequence: u32,
-    /// When the device was read, nanoseconds of the station's monotonic clock.
+    /// Time of the device's reading, nanoseconds of the client's monotonic clock.
     pub device_time_ns: u64,
     /// Newest tick whose wrench has arrived; 0 before the first.
     pub last_tick: u64,
-    /// Always two slots.
+    /// Slots of the tools, always two.
     pub tools: [ToolPose; TOOLS],
 }
 
 impl PoseDatagram {
     /// Kind byte.
     pub const KIND: u8 = 1;
-    /// Length on the wire, always.
+    /// Fixed length on the wire, bytes.
     pub const BYTES: usize = PREFIX + 24 + TOOLS * (3 + 28 + 24);
 
-    /// Bytes on the wire; allocates nothing.
+    /// Encodes the datagram. Allocates nothing.
     ///
     /// # Errors
-    /// Never for a value of this type; the codec's signature is passed on.
+    /// None for a value of this type. The signature is the codec's.
     pub fn to_bytes(&self) -> Result<[u8; Self::BYTES], CodecError> {
         encode(Self::KIND, self)
     }
 
-    /// Reads one datagram.
+    /// Decodes a datagram.
     ///
     /// # Errors
-    /// Says which rule the bytes break.
+    /// The bytes are no valid pose datagram; the error names the violated rule.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CodecError> {
         decode(Self::KIND, Self::BYTES, bytes)
     }
 }
 
-/// Echo of the pose that a tick used, from which the station computes age and round trip on its own
-/// clock.
+/// Echo of the pose that a tick used. The client computes its age and the round trip on its own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Echo {
-    /// Whether any pose had arrived; all else is zero if not.
+    /// Whether any pose had arrived. The other fields are zero if not.
     pub valid: bool,
-    /// The pose's sequence.
+    /// Sequence number of the pose.
     pub sequence: u32,
-    /// The pose's device time, nanoseconds of the station's clock.
+    /// Device time of the pose, nanoseconds of the client's monotonic clock.
     pub device_time_ns: u64,
-    /// From the pose's arrival at the server to the sending of this wrench, microseconds.
+    /// Time from the pose's arrival at the server to the sending of this wrench, microseconds.
     pub hold_us: u32,
 }
 
-/// A plane that the graphic tool touches: `normal . x >= offset` is free, world axes.
+/// Plane touched by the graphic tool, in world axes. The half-space `normal . x >= offset` is free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plane {
-    /// Unit vector out of the tissue.
+    /// Unit normal, pointing out of the tissue.
     pub normal: [f32; 3],
-    /// Along the normal from the world's origin, metres.
+    /// Signed distance from the world's origin along the normal, metres.
     pub offset: f32,
 }
 
-/// One tool's slot in a wrench.
+/// Slot of a tool in a wrench datagram.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolWrench {
-    /// For the hand.
+    /// Wrench for the hand.
     pub wrench: WireWrench,
-    /// Graphic tool: constrained pose, to look at.
+    /// Constrained pose of the graphic tool, for display.
     pub graphic: WirePose,
-    /// Bits of [`crate::status`].
+    /// Status bits of [`crate::status`].
     pub status: u16,
-    /// Planes in use; the others are zero.
+    /// Number of planes in use, 0 to [`PLANES`]. The other planes are zero.
     pub plane_count: u8,
-    /// Local contact model (room for it; `plane_count` is 0 today).
+    /// Planes of a local contact model. Reserved: the server always sends a `plane_count` of 0.
     pub planes: [Plane; PLANES],
 }
 
-/// Server to station, once per tick.
+/// Wrench datagram, server to client, once per tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WrenchDatagram {
-    /// Session epoch: packets of another epoch are dropped.
+    /// Session epoch. The client drops wrenches of another epoch.
     pub epoch: u32,
-    /// Counts wrenches; wraps. (Ticks have holes where the grid was skipped, this has none.)
+    /// Number of the wrench, wrapping at 2^32. Sequence numbers have no gaps; ticks have gaps at skipped grid points.
     pub sequence: u32,
-    /// Tick that gave this wrench.
+    /// Tick that computed this wrench.
     pub tick: u64,
-    /// The pose that it answers.
+    /// Echo of the pose used by the tick.
     pub echo: Echo,
-    /// Always two slots.
+    /// Slots of the tools, always two.
     pub tools: [ToolWrench; TOOLS],
 }
 
 impl WrenchDatagram {
     /// Kind byte.
     pub const KIND: u8 = 2;
-    /// Length on the wire, always.
+    /// Fixed length on the wire, bytes.
     pub const BYTES: usize = PREFIX + 16 + 17 + TOOLS * (24 + 28 + 2 + 1 + PLANES * 16);
 
-    /// Bytes on the wire; allocates nothing.
+    /// Encodes the datagram. Allocates nothing.
     ///
     /// # Errors
-    /// If a wrench is not finite or a slot is not canonical: such a datagram is never sent.
+    /// A wrench, a graphic pose or a plane is not finite, or a slot or the echo is not canonical. Such a datagram is
+    /// never sent.
     pub fn to_bytes(&self) -> Result<[u8; Self::BYTES], CodecError> {
         self.check()?;
         encode(Self::KIND, self)
     }
 
-    /// Reads one datagram.
+    /// Decodes a datagram.
     ///
     /// # Errors
-    /// Says which rule the bytes break; a wrench that is not finite never reaches a device.
+    /// The bytes are no valid wrench datagram; the error names the violated rule. A wrench that is not finite never
+    /// reaches a device.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CodecError> {
         let datagram: Self = decode(Self::KIND, Self::BYTES, bytes)?;
         datagram.check()?;
@@ -205,7 +208,7 @@ impl WrenchDatagram {
                     "more planes than there is room for",
                 ));
             };
-            // Compared as bits: minus zero is not what encoding writes.
+            // Compared as bits, because encoding never writes minus zero here.
             if unused.iter().flat_map(numbers).any(|x| x.to_bits() != 0) {
                 return Err(CodecError::NotCanonical("an unused plane is not zero"));
             }
@@ -235,7 +238,7 @@ fn encode<T: Serialize, const N: usize>(kind: u8, value: &T) -> Result<[u8; N], 
 }
 
 fn decode<T: DeserializeOwned>(kind: u8, expected: usize, bytes: &[u8]) -> Result<T, CodecError> {
-    // Version first: another version may well have other lengths, and should be named as such.
+    // The version comes first: another version may have other lengths, and the error must name the version.
     let &[version, found, ref body @ ..] = bytes else {
         return Err(CodecError::Length {
             found: bytes.len(),

@@ -1,5 +1,6 @@
-//! Framing of control messages on a stream: u32 little-endian length of the body, then the body:
-//! protocol version, then the message.
+//! Framing of control messages on a stream.
+//!
+//! A frame is the body's length (u32, little-endian) and the body: one byte of protocol version, then the message.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -9,18 +10,18 @@ use crate::codec::{self, CodecError};
 use crate::control::{ClientMessage, ServerMessage};
 use crate::limits::CONTROL_BYTES;
 
-/// Bytes of the length.
+/// Size of the length field, bytes.
 pub const LENGTH_BYTES: usize = 4;
 
-/// A message that travels in frames.
+/// Message that travels in frames.
 pub trait Message: Serialize + DeserializeOwned {}
 impl Message for ClientMessage {}
 impl Message for ServerMessage {}
 
-/// Length and body, ready to be written.
+/// Encodes a message as a frame: length field and body.
 ///
 /// # Errors
-/// If the message is longer than [`CONTROL_BYTES`].
+/// The body is longer than [`CONTROL_BYTES`].
 pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, CodecError> {
     let mut bytes = vec![0; LENGTH_BYTES];
     bytes.push(PROTOCOL_VERSION);
@@ -38,10 +39,10 @@ pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, CodecError> {
     Ok(bytes)
 }
 
-/// Length of the body that follows; checked before anything is allocated for it.
+/// Returns the length of the body, bytes, from the length field. The check precedes any allocation for the body.
 ///
 /// # Errors
-/// If it is zero or above [`CONTROL_BYTES`].
+/// The length is zero or above [`CONTROL_BYTES`].
 pub fn body_length(length: [u8; LENGTH_BYTES]) -> Result<usize, CodecError> {
     match u32::from_le_bytes(length) as usize {
         0 => Err(CodecError::Length {
@@ -56,10 +57,10 @@ pub fn body_length(length: [u8; LENGTH_BYTES]) -> Result<usize, CodecError> {
     }
 }
 
-/// Reads a body.
+/// Decodes a body.
 ///
 /// # Errors
-/// Says which rule the bytes break; another protocol version is named as such.
+/// The bytes are no valid body; the error names the violated rule. Another protocol version is [`CodecError::Version`].
 pub fn decode<T: Message>(body: &[u8]) -> Result<T, CodecError> {
     let (&version, message) = body.split_first().ok_or(CodecError::Length {
         found: 0,

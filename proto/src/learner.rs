@@ -1,20 +1,24 @@
-//! What a recording may call a learner: an opaque id, never a name. The key table lives apart.
+//! Opaque learner ids for recordings.
+//!
+//! A recording never holds a learner's name. The table of ids and names is kept elsewhere.
 
-/// Longest id, bytes.
+/// Largest length of an id, bytes.
 pub const LONGEST: usize = 32;
 
-/// Whether `id` is opaque enough: empty (nobody is named), or at most [`LONGEST`] letters, digits, `-` and `_` of ASCII with
-/// at least one digit, which names have none of.
+/// Whether `id` is empty or a valid opaque id.
+///
+/// An empty id stands for an anonymous learner. Any other id consists of at most [`LONGEST`] ASCII letters, digits, `-`
+/// and `_`. At least one digit is required, because names have none.
 pub fn is_opaque(id: &str) -> bool {
     let plain = |c: u8| c.is_ascii_alphanumeric() || c == b'-' || c == b'_';
     id.is_empty()
         || id.len() <= LONGEST && id.bytes().all(plain) && id.bytes().any(|c| c.is_ascii_digit())
 }
 
-/// The id in an argument.
+/// Parses a learner id, for example from a command-line argument.
 ///
 /// # Errors
-/// When it is none ([`is_opaque`]): says what is expected.
+/// The id is invalid by [`is_opaque`]; the message states the expected form.
 pub fn parse(id: &str) -> Result<String, String> {
     if is_opaque(id) {
         Ok(id.into())

@@ -1,43 +1,48 @@
-//! Numbers that both ends of a connection must agree on or should share: time limits, buffers,
-//! window. Congestion control and send buffers act on the sender, so each end sets its own.
+//! Constants shared by both ends of a connection: timeouts, buffer sizes, congestion window.
+//!
+//! Congestion control and send buffers act on the sender, so each end configures its own.
 
 use std::time::Duration;
 
 use crate::datagram::{PoseDatagram, WrenchDatagram};
 
-/// What quinn counts per queued datagram beside its payload (`size_of::<Datagram>()`: one `Bytes`).
+/// Overhead that quinn counts per queued datagram, bytes: `size_of::<Datagram>()`, a single `Bytes`.
 const QUEUE_OVERHEAD: usize = 32;
 
-/// Send buffer of a station, bytes: four poses. The default (1 MiB) holds seconds of stale ones; a
-/// full buffer drops its oldest, which is what newest-wins wants.
+/// Send buffer of a client, bytes: four poses.
+///
+/// quinn's default (1 MiB) would hold seconds of stale poses. A full buffer drops its oldest datagram, as newest-wins
+/// requires.
 pub const POSE_SEND_BUFFER: usize = 4 * (PoseDatagram::BYTES + QUEUE_OVERHEAD);
 /// Send buffer of a server, bytes: four wrenches.
 pub const WRENCH_SEND_BUFFER: usize = 4 * (WrenchDatagram::BYTES + QUEUE_OVERHEAD);
-/// Receive buffer of both, bytes: a stalled reader must not wake to seconds of history.
+/// Receive buffer of both ends, bytes. The limit keeps a stalled reader from a backlog of seconds.
 pub const DATAGRAM_RECEIVE_BUFFER: usize = 16 * 1024;
 
-/// Fixed congestion window, bytes: about a second of datagrams at 1 kHz, so that an outage shorter
-/// than that does not block the first packets after it. The connection carries nothing but
-/// datagrams and a few control frames.
+/// Fixed congestion window, bytes: about a second of datagrams at 1 kHz.
+///
+/// A shorter outage then does not block the first packets after the outage. A fixed window suffices, because the
+/// connection carries only datagrams and a few control frames.
 pub const WINDOW: u64 = 256 * 1024;
-/// Packet size, no discovery: payloads are far smaller.
+/// Packet size, bytes, without MTU discovery: payloads are far smaller.
 pub const MTU: u16 = 1200;
-/// Round trip assumed before one is measured (a LAN): RFC 9002's 333 ms makes the loss of a first
-/// packet cost a second.
+/// Round-trip time assumed before the first measurement, for a LAN.
+///
+/// With the 333 ms of RFC 9002, the loss of a first packet costs a second.
 pub const INITIAL_RTT: Duration = Duration::from_millis(50);
-/// A station's keep-alive; only matters while it sends nothing.
+/// Keep-alive interval of a client; takes effect only while the client sends nothing.
 pub const KEEP_ALIVE: Duration = Duration::from_millis(500);
-/// Silence after which a connection is lost.
+/// Idle timeout: silence after which a connection is lost.
 pub const IDLE: Duration = Duration::from_secs(3);
 
-/// Age of the newest pose at which the server calls it stale: force ramps to zero.
+/// Age at which the newest pose is stale at the server. Force then ramps to zero.
 pub const POSE_STALE: Duration = Duration::from_millis(50);
-/// Silence after which a station takes its own force to zero.
+/// Silence of the server after which a client ramps its own force to zero.
 pub const WRENCH_SILENT: Duration = Duration::from_millis(20);
 
-/// Largest control message, bytes, without its length.
+/// Largest body of a control frame, bytes, without the length field.
 pub const CONTROL_BYTES: usize = 64 * 1024;
-/// Longest name (program version, device, learner, exercise, token) in a hello, bytes.
+/// Largest length of each string in a client's hello, bytes: program version, token, device, learner, exercise.
 pub const NAME_BYTES: usize = 256;
-/// Time a station has from its first packet to its hello.
+/// Timeout from the first packet of a client to its hello.
 pub const HELLO: Duration = Duration::from_secs(5);

@@ -1,50 +1,51 @@
-//! Newest wins: of packets that may be lost, doubled and reordered, only one newer than all before
-//! is used. The rest is counted.
+//! Newest-wins filter for packets that may be lost, duplicated and reordered.
+//!
+//! Only a packet newer than all earlier packets is used. The filter counts all others.
 
-/// What becomes of one packet.
+/// Classification of a packet on arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// Newer than all before: use it.
+    /// Newer than all earlier packets: use the packet.
     Newest,
-    /// Older than the newest, not seen before: drop it.
+    /// Older than the newest, not seen before: drop the packet.
     Late,
-    /// Seen before: drop it.
+    /// Seen before: drop the packet.
     Duplicate,
 }
 
 /// Filter over sequence numbers that wrap at 2^32.
 ///
-/// A number up to 2^31 - 1 ahead of the newest is newer, all others are older. Duplicates are told
-/// from late packets among the newest 128 (what QUIC itself deduplicates); older ones count as late.
+/// A number up to 2^31 - 1 ahead of the newest is newer, all others are older. Duplicates are recognised among the
+/// newest 128 sequence numbers, the window of QUIC's own deduplication. An older packet counts as late.
 #[derive(Clone, Debug, Default)]
 pub struct NewestWins {
-    /// Newest sequence, and which of the 127 before it were seen (bit k: newest - k).
+    /// Newest sequence number, and a bit mask of the seen ones: bit k stands for newest - k, k from 0 to 127.
     newest: Option<(u32, u128)>,
-    /// From the first packet to the newest: what is older than the first was never missed.
+    /// Distance from the first packet to the newest. Packets older than the first were never counted as lost.
     span: u64,
     counts: ArrivalCounts,
 }
 
-/// How packets fared.
+/// Numbers of packets by classification.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct ArrivalCounts {
-    /// Used.
+    /// Packets used.
     pub accepted: u64,
-    /// Arrived after a newer one and dropped.
+    /// Packets dropped because a newer packet had arrived.
     pub late: u64,
-    /// Arrived again and dropped.
+    /// Packets dropped because they had already arrived.
     pub duplicate: u64,
-    /// Never arrived (as far as is known now: a late one is taken off again).
+    /// Packets missing so far. A late packet is subtracted again.
     pub lost: u64,
 }
 
 impl NewestWins {
-    /// Nothing has arrived.
+    /// Creates a filter without any arrival.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Judges one packet and counts it.
+    /// Classifies and counts a packet by its sequence number.
     pub fn judge(&mut self, sequence: u32) -> Arrival {
         let Some((newest, seen)) = self.newest else {
             self.newest = Some((sequence, 1));
@@ -80,13 +81,13 @@ impl NewestWins {
         Arrival::Late
     }
 
-    /// Forgets the newest (a new session epoch); keeps the counts.
+    /// Forgets the newest sequence number, for a new session epoch. The counts remain.
     pub fn restart(&mut self) {
         self.newest = None;
         self.span = 0;
     }
 
-    /// How packets have fared so far.
+    /// Returns the counts so far.
     pub fn counts(&self) -> ArrivalCounts {
         self.counts
     }
@@ -146,8 +147,9 @@ mod tests {
     }
 
     proptest! {
-        /// Any shuffle with doubles of a run of packets: used packets rise, and every packet is
-        /// accounted for.
+        /// Property for any shuffle of a run of packets with duplicates.
+        ///
+        /// Used packets are in ascending order, and the counts add up to the number of packets.
         #[test]
         fn every_packet_is_accounted_for(
             start in any::<u32>(),

@@ -1,4 +1,4 @@
-//! What a session came to: sent with the goodbye, returned by the server, printed as JSON.
+//! Summary of a session: sent with the goodbye, returned by the server, printed as JSON.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,59 +10,61 @@ use crate::newest::ArrivalCounts;
 pub struct Percentiles {
     /// Median.
     pub p50: f64,
-    /// 99 %.
+    /// 99th percentile.
     pub p99: f64,
-    /// 99.9 %.
+    /// 99.9th percentile.
     pub p999: f64,
-    /// Largest.
+    /// Maximum.
     pub max: f64,
 }
 
-/// One session in numbers. All zero but for the reason where the simulation never started.
+/// Statistics of a session. If the simulation never started, all numbers are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SessionSummary {
-    /// Why it ended.
+    /// Reason for the end of the session.
     pub end: EndReason,
-    /// File name of the recording (no folder); empty if there is none.
+    /// File name of the recording, without folder; empty without a recording.
     pub recording: String,
-    /// Whether the recording is complete: no row dropped, no error. Only then is it gradable.
+    /// Whether the recording is complete: no row dropped, no error. Only a complete recording can be graded.
     pub complete: bool,
-    /// Ticks computed.
+    /// Number of ticks computed.
     pub ticks: u64,
-    /// Grid ticks that were missed and skipped.
+    /// Number of grid points missed and skipped.
     pub skipped: u64,
-    /// Ticks that ended after their period, plus the skipped ones.
+    /// Number of ticks that ended after their period, plus the skipped grid points.
     pub deadline_misses: u64,
-    /// Thread CPU time of a tick.
+    /// CPU time of the simulation thread per tick.
     pub tick_us: Percentiles,
-    /// Wall time of a tick.
+    /// Wall time per tick.
     pub tick_wall_us: Percentiles,
-    /// How late after its grid point a tick began.
+    /// Delay from a grid point to the beginning of its tick.
     pub wake_us: Percentiles,
-    /// Deepest penetration left by a converged tick, micrometres.
+    /// Largest penetration after a converged tick, micrometres.
     pub max_residual_um: f64,
-    /// Tool-ticks whose substeps ran out.
+    /// Number of tool-ticks that reached the limit of substeps.
+    ///
+    /// Ticks before the first convergence of a newly present tool are not counted.
     pub exhausted: u64,
-    /// Tool-ticks whose pose was stale.
+    /// Number of tool-ticks with a stale pose.
     pub stale: u64,
     /// Largest force sent to a hand, newtons.
     pub max_force_n: f64,
-    /// Poses that arrived.
+    /// Counts of arrived pose datagrams.
     pub poses: ArrivalCounts,
-    /// Datagrams of another session epoch (stale packets after a resume).
+    /// Number of datagrams of another session epoch, for example stale packets after a resume.
     pub foreign: u64,
-    /// Datagrams that did not decode.
+    /// Number of datagrams that did not decode.
     pub malformed: u64,
-    /// Events of the client that found no room.
+    /// Number of client events dropped: the recorder's queue was full, or the events' byte limit was reached.
     pub edges_dropped: u64,
-    /// Rows that found the recorder's queue full.
+    /// Number of rows dropped because the recorder's queue was full.
     pub rows_dropped: u64,
-    /// State snapshots that found no free buffer.
+    /// Number of state snapshots dropped, without a free buffer or with the recorder's queue full.
     pub snapshots_dropped: u64,
 }
 
 impl SessionSummary {
-    /// A session without a single tick.
+    /// Creates the summary of a session without ticks.
     pub fn empty(end: EndReason) -> Self {
         Self {
             end,

@@ -1,19 +1,20 @@
-//! What a student's station needs to join: the token, and whom to trust. One line of text,
-//! `TOKEN.FINGERPRINT`, that a server prints and a person copies.
+//! Ticket with which a student's client joins a server: access token and pinned certificate.
+//!
+//! A ticket is a line of text, `TOKEN.FINGERPRINT`. The server prints the line and a person copies it.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Token and pinned certificate.
+/// Access token and fingerprint of the pinned certificate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ticket {
-    /// Shared secret of the server; may hold dots.
+    /// Shared secret of the server; may contain dots.
     pub token: String,
-    /// SHA-256 of the server's certificate (DER).
+    /// SHA-256 hash of the server's certificate in DER form.
     pub fingerprint: [u8; 32],
 }
 
-/// The text is not a ticket.
+/// Error of a text that is no valid ticket.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a ticket reads TOKEN.FINGERPRINT with 64 hexadecimal digits after the last dot; copy the whole line that the server prints"
@@ -42,7 +43,7 @@ impl FromStr for Ticket {
     }
 }
 
-/// Lower-case hexadecimal digits.
+/// Formats bytes as lower-case hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     use fmt::Write as _;
     bytes
@@ -53,9 +54,9 @@ pub fn hex(bytes: &[u8]) -> String {
         })
 }
 
-/// A fingerprint from its 64 digits.
+/// Parses a fingerprint of 64 hexadecimal digits; `None` if invalid.
 pub fn parse_hex(digits: &str) -> Option<[u8; 32]> {
-    // Checked first: `from_str_radix` also takes signs, and slicing needs single-byte characters.
+    // This check comes first: `from_str_radix` also accepts signs, and slicing needs single-byte characters.
     if digits.len() != 64 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
         return None;
     }

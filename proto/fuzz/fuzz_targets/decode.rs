@@ -1,4 +1,6 @@
-//! Any bytes, through every decoder: no panic, and what decodes encodes to the same bytes.
+//! Fuzz target: every decoder on arbitrary bytes.
+//!
+//! No input may panic. Every decoded message must encode to the same bytes.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,9 +1,11 @@
-//! Errors of a disk that takes no more.
+//! Write errors of a full disk, a quota or a file-size limit.
 
 use std::io::{Error, ErrorKind};
 
-/// Whether a write failed because there is no room: the disk is full (`ENOSPC`), the user's quota is used up (`EDQUOT`),
-/// or the file has reached the largest size that is allowed (`EFBIG`).
+/// Whether a write failed for lack of space.
+///
+/// The disk is full (`ENOSPC`), the user's quota is exhausted (`EDQUOT`), or the file has reached its size limit
+/// (`EFBIG`).
 pub fn is_full(error: &Error) -> bool {
     matches!(
         error.kind(),
@@ -11,7 +13,7 @@ pub fn is_full(error: &Error) -> bool {
     )
 }
 
-/// Advice to append to a sentence about a failed write; empty where room is not the matter.
+/// Advice to append to the message of a failed write; empty unless [`is_full`].
 pub fn advice(error: &Error) -> &'static str {
     if is_full(error) {
         "; free space on the disk, or raise the quota or the limit on file sizes (ulimit -f)"

@@ -1,12 +1,13 @@
-//! Conduct that all programs of this workspace share, whatever they do: output whose reader may go away, a full disk
-//! instead of a signal, names of files in text.
+//! Process behaviour common to all programs of this workspace.
 //!
-//! A crate of its own, with no dependency but `libc` and `serde`, because the programs share no other crate that may write to a
-//! terminal: `sulcus-proto` knows no files, and the core is pure.
+//! The crate covers output whose reader may close, write errors of a full disk instead of a signal, and file names as
+//! text. Its only dependencies are `libc` and `serde`. The programs share no other crate that may write to a terminal:
+//! `sulcus-proto` does no file access, and the core does no I/O.
 //!
-//! - [`say!`] writes a line to standard output, [`tell!`] one to standard error. Neither panics.
-//! - [`begin`] comes first in every program, [`output::settle`] last.
-//! - [`PathText::shown`] is a path as text, without loss.
+//! - [`say!`] writes a line to standard output, [`tell!`] a line to standard error. Neither panics.
+//! - [`begin`] is the first call of every program, [`output::settle`] the last.
+//! - [`PathText::shown`] formats a path as text without loss.
+//! - [`ProgressLines`] writes the progress of a long task.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
@@ -18,10 +19,10 @@ pub mod progress;
 pub use path::PathText;
 pub use progress::ProgressLines;
 
-/// Prepares the process: the first call of every program.
+/// Ignores SIGXFSZ in this process; the first call of every program.
 ///
-/// A write beyond a limit on the size of files (`ulimit -f`, a quota) then fails with `EFBIG`, as a write to a full disk
-/// fails with `ENOSPC`. By default the system kills the process with SIGXFSZ instead.
+/// A write beyond a file-size limit (`ulimit -f`) then fails with `EFBIG`. The default action of the signal kills the
+/// process.
 pub fn begin() {
     // SAFETY: ignoring a signal installs no handler and touches no memory of this process.
     unsafe {
@@ -29,7 +30,7 @@ pub fn begin() {
     }
 }
 
-/// Writes a line to standard output, as `println!` does, but never panics: see [`output`].
+/// Writes a line to standard output, as `println!` does, but without a panic. See [`output`] for write errors.
 #[macro_export]
 macro_rules! say {
     ($($text:tt)*) => {
@@ -37,7 +38,7 @@ macro_rules! say {
     };
 }
 
-/// Writes a line to standard error, as `eprintln!` does, but never panics: see [`output`].
+/// Writes a line to standard error, as `eprintln!` does, but without a panic. See [`output`] for write errors.
 #[macro_export]
 macro_rules! tell {
     ($($text:tt)*) => {

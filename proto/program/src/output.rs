@@ -1,41 +1,45 @@
-//! Standard output and standard error whose reader may go away at any time.
+//! Standard output and standard error whose reader may close at any time.
 //!
-//! | what happens | standard output | standard error |
+//! | event | standard output | standard error |
 //! |---|---|---|
-//! | the reader has closed its end (`| head -1`) | further lines are dropped, the exit code stays | the line is dropped |
+//! | the reader has closed its end (`| head -1`) | further lines are dropped, same exit code | the line is dropped |
 //! | a write fails otherwise (a full disk) | an error line at once, then exit code 2 | the line is dropped |
 //!
-//! The work of a program goes on in any case: a station keeps ticking and recording, a command writes its files.
+//! A failed write never stops the program: a server keeps ticking and recording, a command still writes its files.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Result, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Every line so far was written.
+/// State: every line so far was written.
 const FINE: u8 = 0;
-/// The reader has gone.
+/// State: the reader has closed its end; further lines are dropped.
 const GONE: u8 = 1;
-/// A write has failed.
+/// State: a write has failed for another reason; further lines are dropped and the exit code is 2.
 const FAILED: u8 = 2;
 
-/// How standard output of this process has fared.
+/// State of this process's standard output: `FINE`, `GONE` or `FAILED`.
 static STDOUT: AtomicU8 = AtomicU8::new(FINE);
 
-/// Writes a line to standard output, unless an earlier one could not be written: the function of [`crate::say!`].
+/// Writes a line to standard output; the function behind [`crate::say!`].
+///
+/// After a failed write, all further lines are dropped.
 pub fn say(text: Arguments<'_>) {
     if STDOUT.load(Ordering::Relaxed) == FINE {
         note(write_line(std::io::stdout().lock(), text));
     }
 }
 
-/// Writes a line to standard error where that is possible: the function of [`crate::tell!`].
+/// Writes a line to standard error and ignores write errors; the function behind [`crate::tell!`].
 pub fn tell(text: Arguments<'_>) {
-    // Nobody else could be told of a failure.
+    // No other channel is left to report this failure.
     let _ = write_line(std::io::stderr().lock(), text);
 }
 
-/// Takes note of what a library's own write to standard output came to.
+/// Records the result of a write to standard output, for example by a library.
+///
+/// The first error other than a broken pipe is reported on standard error.
 pub fn note(written: Result<()>) {
     let Err(error) = written else { return };
     if error.kind() == ErrorKind::BrokenPipe {
@@ -48,7 +52,9 @@ pub fn note(written: Result<()>) {
     }
 }
 
-/// The exit code of a program that would end with `code`: 2 when its output could not be written.
+/// Returns the exit code of the program: 2 after a write error on standard output, `code` otherwise.
+///
+/// A closed reader does not change `code`.
 pub fn settle(code: ExitCode) -> ExitCode {
     if STDOUT.load(Ordering::Relaxed) == FAILED {
         ExitCode::from(2)
@@ -57,7 +63,10 @@ pub fn settle(code: ExitCode) -> ExitCode {
     }
 }
 
-/// The exit code of a program that has shown its help (0) or a mistake in its arguments (2), which a library printed.
+/// Returns the exit code after the argument parser has printed its message.
+///
+/// The code is 2 for an error in the arguments (`is_mistake`). For help the code is 0, or 2 when the write `printed`
+/// failed.
 pub fn usage(printed: Result<()>, is_mistake: bool) -> ExitCode {
     if is_mistake {
         return ExitCode::from(2);
@@ -66,7 +75,7 @@ pub fn usage(printed: Result<()>, is_mistake: bool) -> ExitCode {
     settle(ExitCode::SUCCESS)
 }
 
-/// Writes the whole line at once, so that lines of several threads do not mix.
+/// Writes text and newline with a single call, so that lines of several threads do not mix, and flushes.
 fn write_line(mut to: impl Write, text: Arguments<'_>) -> Result<()> {
     let mut line = text.to_string();
     line.push('\n');
@@ -74,8 +83,9 @@ fn write_line(mut to: impl Write, text: Arguments<'_>) -> Result<()> {
     to.flush()
 }
 
-/// Standard error for a log: every write succeeds, whether or not anybody reads. (A logger that is told of a failure
-/// complains on standard error.)
+/// Writer to standard error for a logger; every write reports success.
+///
+/// A logger that receives an error would itself write a complaint to standard error.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Log;
 

@@ -1,14 +1,18 @@
-//! Paths as text. A path is bytes, which need not be UTF-8; replacing what is not would name another file.
+//! Paths as text, without loss.
+//!
+//! A path is a byte string that may be invalid UTF-8. A replacement character would name another file.
 
 use std::fmt::{self, Display, Formatter, Write as _};
 use std::path::Path;
 
 use serde::Serializer;
 
-/// A path as text, without loss.
+/// Conversion of a path to text, without loss.
 pub trait PathText {
-    /// As it is, where it is UTF-8 without control characters; else quoted as shells do it: `$'r\351sum\351.mcap'`, which
-    /// bash and zsh take as an argument.
+    /// Returns the path as text.
+    ///
+    /// A path in UTF-8 without control characters is unchanged. Any other path is quoted for bash and zsh:
+    /// `$'r\351sum\351.mcap'`.
     fn shown(&self) -> impl Display + '_;
 }
 
@@ -18,19 +22,20 @@ impl PathText for Path {
     }
 }
 
-/// A path in JSON, as [`PathText::shown`]: for `#[serde(serialize_with = "sulcus_program::path::text")]`. (Serde itself
-/// refuses a path that is not UTF-8.)
+/// Serializes a path as the text of [`PathText::shown`].
+///
+/// For `#[serde(serialize_with = "sulcus_program::path::text")]`: Serde alone refuses a path that is not UTF-8.
 ///
 /// # Errors
-/// The serializer's own.
+/// The serializer failed.
 pub fn text<P: AsRef<Path>, S: Serializer>(path: &P, to: S) -> Result<S::Ok, S::Error> {
     to.collect_str(&path.as_ref().shown())
 }
 
-/// As [`text()`], null where there is no path.
+/// Serializes an optional path: as [`text()`] does, or as null for `None`.
 ///
 /// # Errors
-/// The serializer's own.
+/// The serializer failed.
 pub fn text_or_null<P: AsRef<Path>, S: Serializer>(
     path: &Option<P>,
     to: S,
@@ -41,6 +46,7 @@ pub fn text_or_null<P: AsRef<Path>, S: Serializer>(
     }
 }
 
+/// Formatter of [`PathText::shown`].
 struct Text<'a>(&'a Path);
 
 impl Display for Text<'_> {
@@ -54,7 +60,7 @@ impl Display for Text<'_> {
             for c in chunk.valid().chars() {
                 match c {
                     '\'' | '\\' => write!(f, "\\{c}")?,
-                    // Three digits always: a digit may follow.
+                    // Always three digits, because a digit may follow the escape.
                     c if c.is_ascii_control() => write!(f, "\\{:03o}", u32::from(c))?,
                     c if c.is_control() => {
                         for byte in c.encode_utf8(&mut [0; 4]).bytes() {

@@ -1,4 +1,4 @@
-//! Datagrams: fixed sizes, exact round trips, strict refusals, no panic on any bytes.
+//! Tests of datagrams: fixed sizes, exact round trips, strict refusals, no panic on any bytes.
 
 use proptest::prelude::*;
 use sulcus_proto::datagram::{Echo, Plane, ToolPose, ToolWrench, WirePose, WireWrench};
@@ -16,7 +16,7 @@ fn sizes_are_fixed_and_small() {
         WrenchDatagram::default().to_bytes().expect("encodes").len(),
         WrenchDatagram::BYTES
     );
-    // A send buffer holds four, and stays a matter of milliseconds.
+    // A send buffer holds four datagrams, four milliseconds at 1 kHz.
     assert_eq!(limits::POSE_SEND_BUFFER, 672);
     assert_eq!(limits::WRENCH_SEND_BUFFER, 1220);
 }
@@ -74,7 +74,7 @@ fn what_is_not_exactly_so_is_refused() {
         PoseDatagram::from_bytes(&other),
         Err(CodecError::Version { found: 9 })
     );
-    // `present` is neither 0 nor 1.
+    // The flag `present` must be 0 or 1.
     let mut flag = pose;
     flag[26] = 2;
     assert!(matches!(
@@ -89,7 +89,7 @@ fn a_wrench_that_could_hurt_is_refused_on_both_sides() {
     bad.tools[1].wrench.torque[2] = f32::NAN;
     assert_eq!(bad.to_bytes(), Err(CodecError::NotFinite("a wrench")));
     let mut bytes = WrenchDatagram::default().to_bytes().expect("encodes");
-    // First force component of the first tool: behind prefix, epoch, sequence, tick and echo.
+    // The first force component of the first tool follows prefix, epoch, sequence, tick and echo.
     bytes[35..39].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert_eq!(
         WrenchDatagram::from_bytes(&bytes),
@@ -166,7 +166,7 @@ proptest! {
         let _ = WrenchDatagram::from_bytes(&bytes);
     }
 
-    /// Bytes with a good prefix and length: what decodes is written back bit for bit, NaN included.
+    /// Property for bytes with a valid prefix and length: decoded datagrams encode to the same bits, NaN included.
     #[test]
     fn what_decodes_was_canonical(
         mut pose in prop::collection::vec(any::<u8>(), PoseDatagram::BYTES),

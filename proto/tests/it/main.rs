@@ -1,4 +1,4 @@
-//! The wire: control messages and datagrams.
+//! Tests of the wire format: control messages and datagrams.
 
 mod control;
 mod datagrams;

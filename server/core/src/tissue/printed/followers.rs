@@ -1,22 +1,24 @@
-//! Who moves with whom: section 6 of the paper. The nodes of one level move, those below shift as their ancestor does,
-//! those above keep their centre and change their radius (Eq. 17, which the tick does for every tissue).
+//! Motion of the tree's nodes with the nodes of a single level: section 6 of the paper.
+//!
+//! The nodes of that level are the movers. Nodes below the movers shift with their ancestor. Nodes above the movers
+//! keep their centre and change their radius by Eq. 17, which the tick applies to every tissue.
 
 use crate::math::Vec3;
 use crate::tree::{Node, SphereTree, refit_bounds};
 
-/// Nodes of a tree by the moving node that they follow.
+/// Assignment of the nodes of a tree to the movers that they follow.
 #[derive(Clone, Debug)]
 pub(super) struct Followers {
     rest: Vec<Node>,
-    /// Tree nodes that move, ascending.
+    /// Movers: tree nodes of the moving level, ascending.
     pub movers: Vec<u32>,
-    /// Per tree node the place in `movers` of the one it follows; none above them.
+    /// For each tree node, the index in `movers` of its mover; `None` for nodes above the movers.
     pub place: Vec<Option<u32>>,
     nodes: Vec<Node>,
 }
 
 impl Followers {
-    /// Of the tree's shape at `level`.
+    /// Creates the assignment with the tree's shape at `level` as movers.
     pub fn new(rest: &SphereTree, level: u8) -> Self {
         let nodes = rest.nodes();
         let movers: Vec<u32> = rest.shape_at(level).map(|(id, _)| id).collect();
@@ -40,8 +42,9 @@ impl Followers {
         }
     }
 
-    /// The same, each node below the movers going with the mover (a tree node) that `carriers` names for it instead of
-    /// with its ancestor.
+    /// Reassigns each node below the movers from its ancestor to the mover that `carriers` names.
+    ///
+    /// `carriers` holds a tree node for each node of the tree. Entries that are no movers are ignored.
     pub fn carried_by(mut self, carriers: &[u32]) -> Self {
         let below = |followers: &Self, id: usize| {
             followers.place[id].is_some() && followers.movers.binary_search(&(id as u32)).is_err()
@@ -56,7 +59,7 @@ impl Followers {
         self
     }
 
-    /// Displacement of a tree node when the movers are displaced by `u` (x, y, z of each), metres.
+    /// Displacement of a tree node under the movers' displacements `u`, metres; `u` holds x, y, z of each mover.
     #[inline]
     fn displacement(&self, u: &[f64], node: u32) -> Vec3 {
         self.place[node as usize].map_or_else(Vec3::zeros, |at| {
@@ -65,14 +68,14 @@ impl Followers {
         })
     }
 
-    /// Centres of the nodes `ids` when the movers are displaced by `u`, world axes, metres.
+    /// Writes the centres of the nodes `ids` under the movers' displacements `u` to `out`, world axes, metres.
     pub fn centres(&self, u: &[f64], ids: &[u32], out: &mut [Vec3]) {
         for (&id, centre) in ids.iter().zip(out) {
             *centre = self.rest[id as usize].centre + self.displacement(u, id);
         }
     }
 
-    /// All nodes when the movers are displaced by `u`, bounds refit, with the place of each.
+    /// Returns all nodes under the movers' displacements `u`, with refitted bounds, and the field `place`.
     pub fn posed(&mut self, u: &[f64]) -> (&[Node], &[Option<u32>]) {
         if u.iter().all(|x| *x == 0.0) {
             return (&self.rest, &self.place);

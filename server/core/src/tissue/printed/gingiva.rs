@@ -1,4 +1,4 @@
-//! The gingiva as printed: section 5.
+//! Gingiva model as printed: section 5 of the paper.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,39 +12,45 @@ use crate::tissue::gingiva::Gingiva;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError, largest_difference};
 use crate::tree::SphereTree;
 
-/// Fringe spheres displaced by Hooke's law, their neighbours by an attenuation. **As printed**, for comparison.
+/// Gingiva model **as printed**, for comparison: Hooke's law at fringe spheres, attenuation at their neighbours.
 ///
-/// The displacement depends on last tick's graphic tool, which it moves: `ds(t+1) = (K_p/k_d)(h - ds(t))` for a
-/// press `h`, an oscillation that does not decay when `K_p/k_d` is 1 or more; and Eq. 15 jumps between nearly
-/// nothing and `2R` where the load changes its sign. Both are the paper's.
+/// Two properties of the paper's equations are kept:
+/// - The displacement depends on the last tick's graphic tool, which the displacement itself moves. For a press `h`,
+///   `ds(t+1) = (K_p/k_d)(h - ds(t))`. This oscillation does not decay for `K_p/k_d` of 1 or more.
+/// - Eq. 15 jumps between nearly zero and `2R` at a change of the load's sign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrintedGingiva {
-    /// Level of the tree whose spheres are displaced. The paper's: 3.
+    /// Level of the tree whose spheres are displaced. The paper uses 3.
     pub level: u8,
-    /// Index of the object that is the tooth of this pocket: loads on both are a hybrid contact.
+    /// Index of the tooth of this pocket in the scene's objects. Loads on tooth and gingiva are a hybrid contact.
     pub tooth: u16,
-    /// `n_inward` (Eq. 13) of each sphere of that level, in the tree's order: unit vector from the nearest sphere
-    /// of the tooth, or zero for spheres below the pocket's bottom, which never move (section 5.2).
+    /// `n_inward` (Eq. 13) of each sphere of that level, in the tree's order: unit vector, world axes.
+    ///
+    /// The vector points from the nearest sphere of the tooth to the gingiva. Spheres below the pocket's bottom have a
+    /// zero vector and never move (section 5.2).
     pub inward: Vec<Vec3>,
-    /// Direction out of the pocket along the tooth, a unit vector.
+    /// Direction out of the pocket along the tooth's axis: unit vector, world axes.
     pub axis: Vec3,
-    /// `k_d`, N/m. Default 1000, range 1 to 1e6.
+    /// `k_d`, stiffness of a fringe sphere, N/m. Default 1000, range 1 to 1e6.
     pub stiffness_n_per_m: f64,
-    /// `K_p`, N/m. Default 500, range 0 to 1e6. As a share of `k_d` it is the gain of the lag.
+    /// `K_p`, stiffness of the penalty, N/m. Default 500, range 0 to 1e6. `K_p/k_d` is the gain of the delayed
+    /// feedback.
     pub penalty_n_per_m: f64,
-    /// `a` of Eq. 14, per millimetre. Default 0.3, range 0.01 to 0.99. Larger: wider dents.
+    /// `a` of Eq. 14, attenuation per millimetre. Default 0.3, range 0.01 to 0.99. A larger value widens the dents.
     pub attenuation_per_mm: f64,
-    /// Distance beyond which a neighbour stays, metres. Default 4e-3 (under a hundredth of the displacement), range
-    /// 0 to 2e-2.
+    /// Range of the attenuation, metres. Default 4e-3, range 0 to 2e-2.
+    ///
+    /// Neighbours beyond this distance do not move. At the default, they would move by less than a hundredth of the
+    /// fringe sphere's displacement.
     pub neighbourhood_m: f64,
-    /// `2R` of Eq. 15, metres: the diameter of the tool's tip. Default 5e-4, range 0 to 5e-3.
+    /// `2R` of Eq. 15, diameter of the tool's tip, metres. Default 5e-4, range 0 to 5e-3.
     pub tip_diameter_m: f64,
-    /// `d` of contact prediction, metres. Default 5e-4, range 0 to 5e-3.
+    /// `d`, prediction distance, metres. Default 5e-4, range 0 to 5e-3.
     pub contact_distance_m: f64,
 }
 
 impl PrintedGingiva {
-    /// A gingiva with the default numbers.
+    /// Creates a gingiva with the default parameters.
     pub fn new(level: u8, tooth: u16, inward: Vec<Vec3>, axis: Vec3) -> Self {
         Self {
             level,
@@ -60,8 +66,11 @@ impl PrintedGingiva {
         }
     }
 
-    /// A coupled gingiva as printed: the same directions from the tooth; spheres at the pocket's floor and below stay. `tooth` is the
-    /// index of its tooth in the scene, `rest` its tree; `k_d` is the wall's stiffness, `K_p` half of it, the rest the defaults.
+    /// Converts a coupled gingiva to the model as printed.
+    ///
+    /// `rest` is the gingiva's tree, `tooth` the index of its tooth in the scene. The directions from the tooth are the
+    /// same; spheres at the pocket's floor and below never move. `k_d` is the wall's stiffness and `K_p` half of `k_d`.
+    /// All other parameters have their defaults.
     pub fn of(coupled: &Gingiva, rest: &SphereTree, tooth: u16) -> Self {
         let inward = rest.shape_at(coupled.level).map(|(id, _)| {
             let place = coupled.places.get(id as usize);
@@ -76,11 +85,15 @@ impl PrintedGingiva {
         }
     }
 
-    /// Numbers of state: displacement of each sphere, and whether each tool was in hybrid contact.
+    /// Length of the state: three components of displacement per sphere and a flag of hybrid contact per tool.
     pub(crate) fn state_len(&self, rest: &SphereTree) -> usize {
         3 * rest.shape_at(self.level).count() + MAX_TOOLS
     }
 
+    /// Checks the parameters against their ranges and the directions against the tree `rest`.
+    ///
+    /// # Errors
+    /// A parameter is out of range, or the directions do not fit the tree.
     pub(crate) fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         ranged("stiffness_n_per_m", self.stiffness_n_per_m, 1.0, 1e6, "N/m")?;
         ranged("penalty_n_per_m", self.penalty_n_per_m, 0.0, 1e6, "N/m")?;
@@ -124,33 +137,35 @@ impl PrintedGingiva {
     }
 }
 
-/// A neighbour within the attenuation's reach.
+/// Neighbour of a sphere within the range of the attenuation.
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
+    /// Index in `Followers::movers`.
     place: u32,
-    /// `a^d`.
+    /// `a^d` of Eq. 14, 0 to 1.
     share: f64,
 }
 
-/// A printed gingiva made ready. A configuration is the displacements of all spheres of the level.
+/// Gingiva as printed, prepared for the tick. A configuration holds the displacements of all spheres of the level.
 #[derive(Debug)]
 pub(crate) struct ReadyGingiva {
     model: PrintedGingiva,
     followers: Followers,
-    /// Level in contact.
+    /// Level of the tree in contact.
     level: u8,
-    /// Neighbours of all spheres, one after the other, each its own first neighbour; of those that stay, none.
+    /// Neighbour lists of all spheres, concatenated. The list of a moving sphere includes the sphere itself; the list
+    /// of a sphere that never moves is empty.
     neighbours: Vec<Neighbour>,
-    /// Where each sphere's neighbours end.
+    /// End of each sphere's list in `neighbours`.
     ends: Vec<u32>,
-    /// Height of the gingival margin along the axis, metres: the highest that can be displaced.
+    /// Height of the gingival margin along the axis, metres: top of the highest sphere that can move.
     margin: f64,
-    /// Displacement of each fringe sphere along its direction, metres.
+    /// Displacement of each sphere along its direction, metres; zero for all but fringe spheres.
     fringe: Vec<f64>,
 }
 
 impl ReadyGingiva {
-    /// For an object touched at `level`; `model` has passed its validation.
+    /// Prepares a validated `model` for an object in contact at `level`.
     pub fn new(model: &PrintedGingiva, rest: &SphereTree, level: u8) -> Self {
         let followers = Followers::new(rest, model.level);
         let node = |place: usize| &rest.nodes()[followers.movers[place] as usize];
@@ -190,7 +205,7 @@ impl ReadyGingiva {
         }
     }
 
-    /// Eq. 11 to 13, 15, 16: displacements of the fringe spheres. Whether there are any.
+    /// Computes the displacements of the fringe spheres (Eq. 11 to 13, 15, 16). Returns whether any is positive.
     fn press(&mut self, u: &[f64], hybrid: &[f64], hands: &Hands<'_>) -> bool {
         let Self {
             model,
@@ -205,13 +220,13 @@ impl ReadyGingiva {
         for (hand, hybrid) in hands.tools.iter().zip(hybrid) {
             let Some(hand) = hand else { continue };
             let withdrawn = model.axis.dot(&hand.haptic.transform(&hand.tool.tip)) > *margin;
-            // What a sphere does that is not pressed away from the tooth.
+            // Displacement of a fringe sphere without a load away from the tooth.
             let otherwise = match (*hybrid != 0.0, withdrawn) {
-                // Eq. 11: back to the undeformed place.
+                // Eq. 11: the sphere returns to its rest position.
                 (false, _) => 0.0,
-                // Eq. 15, type 1: the tool stays in the pocket, so the gingiva leaves it room.
+                // Eq. 15, type 1: the tool stays in the pocket, so the gingiva leaves room for the tip.
                 (true, false) => model.tip_diameter_m,
-                // Eq. 16, type 3: released.
+                // Eq. 16, type 3: the tool has left the pocket, so the sphere is released.
                 (true, true) => 0.0,
             };
             for_each_press(
@@ -241,7 +256,7 @@ impl ReadyGingiva {
         fringe.iter().any(|ds| *ds > 0.0)
     }
 
-    /// Eq. 14: the neighbours follow, each the fringe sphere that displaces it most.
+    /// Spreads the displacements to the neighbours (Eq. 14). Each neighbour takes the largest of its displacements.
     fn spread(&self, shape: &mut [f64]) {
         let mut first = 0;
         for (at, &end) in self.ends.iter().enumerate() {
@@ -285,7 +300,7 @@ impl Tissue for ReadyGingiva {
         if pressed {
             self.spread(shape);
         }
-        // Deformation comes before the optimisation and does not depend on it.
+        // Deformation precedes the optimisation and does not depend on the multipliers.
         free.copy_from_slice(shape);
         !pressed && state.iter().all(|x| *x == 0.0)
     }

@@ -1,13 +1,15 @@
-//! The external force of section 4.2: Eq. 2, 3 and the rule for a haptic tool out of contact.
+//! External force of section 4.2: Eq. 2, 3, and zero force for a haptic tool out of contact.
 
 use super::pairs::for_each_pair;
 use crate::math::Vec3;
 use crate::tissue::Hand;
 use crate::tree::Node;
 
-/// Calls `press(tissue node, tool node, dp)` for every pair that contact prediction finds between the graphic tool of the
-/// last tick, grown by `d`, and the tissue as the last tick left it, with `dp = C_h - C_g` (Eq. 3), metres,
-/// world axes. Zero where the haptic tool is out of contact with that shape. Returns the number of pairs.
+/// Calls `press(tissue node, tool node, dp)` for every pair of contact prediction and returns the number of pairs.
+///
+/// Contact prediction compares the graphic tool of the last tick, grown by `d` (metres), with the tissue's shape after
+/// the last tick. `dp = C_h - C_g` is the displacement of Eq. 3, metres, world axes. `dp` is zero if no sphere of the
+/// haptic tool overlaps that shape.
 pub(super) fn for_each_press(
     hand: &Hand<'_>,
     d: f64,
@@ -18,7 +20,7 @@ pub(super) fn for_each_press(
     let mut in_contact = None;
     for_each_pair((hand.tool, &hand.graphic, d), tissue, |node, tool_node| {
         pairs += 1;
-        // Asked only where there is something to press.
+        // Evaluated at the first pair only: the test traverses both trees.
         let pressing = *in_contact.get_or_insert_with(|| {
             !for_each_pair((hand.tool, &hand.haptic, 0.0), tissue, |_, _| false)
         });

@@ -1,23 +1,28 @@
-//! Tongue and gingiva **as printed**: the tissue of doi:10.1109/TOH.2014.2304734 by its own equations, beside
-//! the coupled default, for comparison. Nothing here is meant for a student's hand.
+//! Tongue and gingiva **as printed**: the tissue models of doi:10.1109/TOH.2014.2304734 with the paper's equations.
 //!
-//! What sets it apart from the coupled models: deformation comes *before* the optimisation and from a penalty,
-//! not from the optimisation's answer. In [`crate::tissue::Tissue::free_step`] the contact spheres found by
-//! contact prediction are loaded with `K_p` times the way from the last graphic tool to the present haptic
-//! one (Eq. 2, 3); the tongue's skeleton makes an explicit Euler step under that load (Eq. 1, 4), the gingiva is
-//! displaced (Eq. 11 to 16); the tool is then optimised against the deformed thing as if that were rigid
-//! (section 7). Load and reaction are therefore not the same force, and the shape lags the tool by a tick.
+//! These models serve for comparison with the coupled default models, not for training.
 //!
-//! Where the text is wrong or silent, this is what is done:
+//! In contrast to the coupled models, deformation comes *before* the optimisation and from a penalty, not from the
+//! multipliers. [`crate::tissue::Tissue::free_step`] has these steps:
+//! 1. Contact prediction finds the contact spheres.
+//! 2. Each contact sphere is loaded with `K_p` times the displacement from the last graphic tool to the current haptic
+//!    tool (Eq. 2, 3).
+//! 3. The tongue's skeleton makes an explicit Euler step under that load (Eq. 1, 4). The gingiva is displaced by Eq. 11
+//!    to 16.
+//!
+//! The optimisation then treats the deformed tissue as rigid (section 7). Load and reaction are therefore different
+//! forces, and the shape lags the tool by a tick.
+//!
+//! Interpretation of the passages in which the text is wrong or incomplete:
 //!
 //! | Place | In the text | Here |
 //! |---|---|---|
 //! | Eq. 1 | sign pushes away from rest | `-k_s sum (u_i - u_j) - b_c v_i` |
 //! | 3.1 | springs between which spheres | the spring graph of the coupled skeleton |
-//! | Eq. 2, 3 | index is the tissue's sphere on the left, the tool's on the right | one load `K_p dp` per *pair*, summed |
+//! | Eq. 2, 3 | index: tissue sphere on the left, tool sphere on the right | one load `K_p dp` per *pair*, summed |
 //! | 3.2, 4.2 | "the object" in contact prediction | as deformed at the end of the last tick |
 //! | 4.2 | "out of contact at t" | no sphere of the whole haptic tool overlaps that shape |
-//! | 4.2, 6 | contact on level 3, skeleton on level 2 | load on the ancestor; children shift as their ancestor does; in a tree of inscribed spheres, whose ancestors may lie on the other side, on the skeleton's sphere that is named for each ([`PrintedSkeleton::carriers`]) |
+//! | 4.2, 6 | contact on level 3, skeleton on level 2 | load on the ancestor or carrier; descendants shift with it |
 //! | Eq. 9 | one spring | all eigenvalues of the skeleton ([`stability`]) |
 //! | Eq. 11, 12 | several pairs on one fringe sphere | the largest displacement of them |
 //! | Eq. 13 | direction of the arrow | from the tooth to the gingiva |
@@ -26,6 +31,9 @@
 //! | Fig. 12, Eq. 16 | type 3 in a figure only | the haptic tip is above the gingival margin |
 //! | 5.2 | memory "hybrid contact at the previous step" | last tick's loads on both, tooth and gingiva |
 //! | Eq. 17 | from which centre | from the rest centre, so that bounds shrink again |
+//!
+//! In a tree of inscribed spheres, an ancestor may lie on the opposite side of the organ. [`PrintedSkeleton::carriers`]
+//! then names a skeleton sphere for each node instead of its ancestor.
 
 mod followers;
 mod gingiva;
@@ -46,7 +54,10 @@ pub use whole::as_printed;
 use super::{TissueError, wrong};
 use crate::scene::params::within;
 
-/// Checks one number against its range.
+/// Checks that the parameter `field` lies in the range from `low` to `high`, inclusive.
+///
+/// # Errors
+/// The value is outside the range or NaN.
 fn ranged(
     field: &'static str,
     found: f64,

@@ -1,14 +1,18 @@
-//! Pairs of close spheres of a tool and a deformed tissue: contact prediction with a fixed distance, as in
-//! section 3.2 of the paper.
+//! Pairs of close spheres of a tool and a deformed tissue.
+//!
+//! Contact prediction uses a fixed distance, as in section 3.2 of the paper.
 
 use crate::contact::{STACK, reach_of};
 use crate::math::{Pose, Vec3};
 use crate::scene::tool::Tool;
 use crate::tree::Node;
 
-/// Calls `visit(tissue node, tool node)` for every pair of contact spheres of `tool` at `pose`, grown by `d`
-/// (metres), and of the tissue with `nodes` (world axes, bounds refit) touched at `level`, until it says
-/// false. Returns whether it never did. The order is the same for the same trees.
+/// Calls `visit(tissue node, tool node)` for every pair of overlapping contact spheres, until a call returns false.
+///
+/// Contact spheres of `tool` at `pose` are grown by `d` (metres). Contact spheres of the tissue are those of `nodes`
+/// (world axes, refitted bounds) at `level`. The order of the pairs is deterministic.
+///
+/// Returns true if no call returned false.
 pub(super) fn for_each_pair(
     (tool, pose, d): (&Tool, &Pose, f64),
     (nodes, level): (&[Node], u8),
@@ -30,7 +34,7 @@ pub(super) fn for_each_pair(
         let (tool_node, node) = (&tool_nodes[t as usize], &nodes[o as usize]);
         let (tool_is_shape, is_shape) =
             (tool_node.is_shape_at(tool.level), node.is_shape_at(level));
-        // Whatever is on the stack but the roots was found close.
+        // Pairs are tested when popped, because children are pushed untested.
         if !close((tool_node, tool_is_shape), (node, is_shape)) {
             continue;
         }

@@ -1,4 +1,4 @@
-//! The tongue as printed: sections 3.1, 4 and 6.
+//! Tongue model as printed: sections 3.1, 4 and 6 of the paper.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,37 +12,44 @@ use crate::tissue::skeleton::{CARRIERS, SkeletonLevel, Skin};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError, largest_difference};
 use crate::tree::SphereTree;
 
-/// Spheres of one level joined by springs, moved by explicit Euler under penalty loads. **As printed**, for
-/// comparison: a scene beyond the stable limit of explicit Euler is refused.
+/// Skeleton model **as printed**, for comparison: spheres of a tree level, joined by springs, under penalty loads.
+///
+/// Explicit Euler integrates the motion. Validation refuses a scene beyond the stability limit of explicit Euler.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrintedSkeleton {
-    /// Level of the tree whose spheres are the skeleton. The paper's: 2.
+    /// Level of the tree whose spheres are the skeleton. The paper uses 2.
     pub level: u8,
-    /// Springs: pairs of tree nodes of that level (or childless ones above it).
+    /// Springs: pairs of tree nodes of that level, or of childless nodes above that level.
     pub springs: Vec<[u32; 2]>,
-    /// Tree nodes of that level that are held: the paper's root and bottom layer.
+    /// Fixed tree nodes of that level: root and bottom layer of the paper's tongue.
     pub fixed: Vec<u32>,
-    /// For each node of the tree the skeleton's sphere (a tree node) that it follows and loads if it lies below the
-    /// skeleton; empty: its ancestor. A tree of inscribed spheres needs it: there a sphere of the upper surface may have an
-    /// ancestor in the bottom layer, which is held.
+    /// Carriers: for each node of the tree the skeleton sphere (a tree node) that the node follows and loads.
+    ///
+    /// Only nodes below the skeleton use their entry. With an empty list, each node follows its ancestor. A tree of
+    /// inscribed spheres needs carriers: a sphere of the upper surface may have a fixed ancestor in the bottom layer.
     pub carriers: Vec<u32>,
-    /// `k_s` of every spring, N/m. Default 50, range 0.1 to 1e5. Larger: stiffer, nearer to the limit of stability.
-    /// Source: section 8.1 has 500 (0.5 N/mm), which needs 0.3 kg per sphere.
+    /// `k_s` of every spring, N/m. Default 50, range 0.1 to 1e5.
+    ///
+    /// A larger value is stiffer and nearer to the stability limit. Source: section 8.1 has 500 (0.5 N/mm), which with
+    /// the paper's damping needs 0.3 kg per sphere.
     pub spring_n_per_m: f64,
-    /// `b_c` of every sphere against its own motion, N s/m. Default 12, range 0 to 1e4. Stable from the
-    /// largest eigenvalue times the step up to about twice the mass over the step.
+    /// `b_c`, damping of every sphere's motion, N s/m. Default 12, range 0 to 1e4.
+    ///
+    /// Stable values lie between the largest eigenvalue times the time step and about twice the mass over the time
+    /// step.
     pub damping_n_s_per_m: f64,
-    /// `m` of every sphere, kg. Default 0.02 (Table 1), range 1e-4 to 100.
+    /// `m`, mass of every sphere, kg. Default 0.02 (Table 1), range 1e-4 to 100.
     pub mass_kg: f64,
-    /// `K_p`, N/m for each pair of spheres. Default 5 (Table 1), range 0 to 1e5. Acts once per pair, so finer levels
-    /// are loaded more: 7 to 27 times the device's force at level 3.
+    /// `K_p`, penalty stiffness per pair of spheres, N/m. Default 5 (Table 1), range 0 to 1e5.
+    ///
+    /// The penalty acts once per pair, so a finer level carries more load: 7 to 27 times the device's force at level 3.
     pub penalty_n_per_m: f64,
-    /// `d` of contact prediction, metres. Default 5e-4 (section 3.2), range 0 to 5e-3.
+    /// `d`, prediction distance, metres. Default 5e-4 (section 3.2), range 0 to 5e-3.
     pub contact_distance_m: f64,
 }
 
 impl PrintedSkeleton {
-    /// A skeleton with the default numbers.
+    /// Creates a skeleton with the default parameters.
     pub fn new(level: u8, springs: Vec<[u32; 2]>, fixed: Vec<u32>) -> Self {
         Self {
             level,
@@ -57,8 +64,10 @@ impl PrintedSkeleton {
         }
     }
 
-    /// The spring graph of a coupled skeleton as printed: the same spheres, springs and held nodes, all springs as stiff as
-    /// its are on average; each sphere follows the one that carries most of it there. Other numbers are the defaults.
+    /// Converts a coupled skeleton to the model as printed.
+    ///
+    /// Spheres, springs and fixed nodes are the same. All springs have the coupled skeleton's mean stiffness. Each
+    /// sphere follows its carrier of largest weight. All other parameters have their defaults.
     pub fn of(coupled: &SkeletonLevel, rest: &SphereTree) -> Self {
         let node = |k: u16| {
             coupled
@@ -101,13 +110,15 @@ impl PrintedSkeleton {
         }
     }
 
-    /// Numbers of state: displacement and velocity of each sphere of the skeleton.
+    /// Length of the state: three components of displacement and velocity per sphere of the skeleton.
     pub(crate) fn state_len(&self, rest: &SphereTree) -> usize {
         6 * rest.shape_at(self.level).count()
     }
 
-    /// Largest spring stiffness that is stable at the tick's step with this mass (N/m) and the damping that it wants
-    /// (N s/m): the given one, unless no spring is stable with that.
+    /// Computes the largest stable spring stiffness (N/m) at the mass of this model, and its damping (N s/m).
+    ///
+    /// `dt` is the time step in seconds. The damping is that of this model, if any stiffness is stable with that
+    /// damping.
     fn stiffest(&self, unit: &Spectrum, dt: f64) -> (f64, f64) {
         let (b, m, kp) = (self.damping_n_s_per_m, self.mass_kg, self.penalty_n_per_m);
         // b >= lambda_max dt, and b <= 2m/dt + lambda_min dt/2.
@@ -115,7 +126,7 @@ impl PrintedSkeleton {
         if most > 0.0 && b <= 2.0 * m / dt + 0.5 * dt * most * unit.least {
             return (most, b);
         }
-        // Where both bounds of the damping meet.
+        // No stiffness is stable at this damping: take the stiffness at which both bounds of the damping meet.
         let most = fmax(
             (2.0 * m / (dt * dt) - kp) / (unit.most - 0.5 * unit.least),
             0.0,
@@ -123,12 +134,13 @@ impl PrintedSkeleton {
         (most, (most * unit.most + kp) * dt)
     }
 
-    /// Range of the stiffness of all modes, N/m, with the penalty of one pair at a sphere (the paper's
-    /// `k_s + k_p`). More pairs at one sphere, as there are at level 3, can carry a scene beyond the limit that
-    /// this says; the tick then puts it back to rest with [`crate::output::status::FAULT`].
+    /// Computes the stiffness range of all modes, N/m, with the penalty of a single pair per sphere.
+    ///
+    /// This sum is `k_s + k_p` in the paper. Level 3 can have more pairs per sphere, which can exceed the stability
+    /// limit of this range. The tick then resets the tissue to rest with [`crate::output::status::FAULT`].
     ///
     /// # Errors
-    /// When springs or fixed nodes are none of the skeleton's.
+    /// A spring, a fixed node or a carrier is no node of the skeleton.
     pub fn spectrum(&self, rest: &SphereTree) -> Result<Spectrum, TissueError> {
         let graph = self.graph(rest)?;
         Ok(graph
@@ -136,6 +148,10 @@ impl PrintedSkeleton {
             .scaled(self.spring_n_per_m, self.penalty_n_per_m))
     }
 
+    /// Checks parameters, spring graph and stability for the tree `rest` and a tick of `tick_s` seconds.
+    ///
+    /// # Errors
+    /// A parameter is out of range, the graph is invalid, or explicit Euler is unstable.
     pub(crate) fn validate(&self, rest: &SphereTree, tick_s: f64) -> Result<(), TissueError> {
         ranged("spring_n_per_m", self.spring_n_per_m, 0.1, 1e5, "N/m")?;
         ranged(
@@ -159,7 +175,10 @@ impl PrintedSkeleton {
         self.stable(&graph.unit_spectrum(), tick_s)
     }
 
-    /// The guard of section 4.4 for the whole skeleton at the tick's step.
+    /// Checks the stability of the whole skeleton (section 4.4) at a time step of `tick_s` seconds.
+    ///
+    /// # Errors
+    /// A mode is unstable; the error states the stable stiffness, mass and time step.
     fn stable(&self, unit: &Spectrum, tick_s: f64) -> Result<(), TissueError> {
         let (b, m) = (self.damping_n_s_per_m, self.mass_kg);
         let spectrum = unit.scaled(self.spring_n_per_m, self.penalty_n_per_m);
@@ -183,6 +202,11 @@ impl PrintedSkeleton {
         })
     }
 
+    /// Builds the spring graph on the skeleton's spheres of the tree `rest`.
+    ///
+    /// # Errors
+    /// A spring, a fixed node or a carrier is no node of the skeleton. A spring joins a node to itself. The number of
+    /// carriers differs from the number of nodes.
     pub(super) fn graph(&self, rest: &SphereTree) -> Result<Graph, TissueError> {
         let followers = Followers::new(rest, self.level);
         let place = |field, id: u32| {
@@ -232,12 +256,14 @@ impl PrintedSkeleton {
     }
 }
 
-/// Tells what loads a printed skeleton: what its own equations say, which is not what the hand feels. For measurements.
+/// Meter of the penalty load on a skeleton as printed, for measurements.
+///
+/// The penalty load of Eq. 2 differs from the force on the hand.
 #[derive(Debug)]
 pub struct PenaltyMeter(ReadySkeleton);
 
 impl PenaltyMeter {
-    /// For `object`, whose tissue `model` is, in ticks of `tick_s` seconds.
+    /// Creates a meter for `object` with the tissue `model` and ticks of `tick_s` seconds.
     pub fn new(model: &PrintedSkeleton, object: &Object, tick_s: f64) -> Self {
         Self(ReadySkeleton::new(
             model,
@@ -247,8 +273,10 @@ impl PenaltyMeter {
         ))
     }
 
-    /// Sum of Eq. 2 over all pairs, newtons, and the number of pairs. `state` is the object's part of
-    /// [`crate::State::tissue`] before a tick, `hands` that tick's haptic and the last one's graphic poses.
+    /// Returns the sum of Eq. 2 over all pairs, newtons, world axes, and the number of pairs.
+    ///
+    /// `state` is the object's part of [`crate::State::tissue`] before a tick. `hands` holds the haptic poses of that
+    /// tick and the graphic poses of the last tick.
     pub fn load(&mut self, state: &[f64], hands: &Hands<'_>) -> (Vec3, u32) {
         let n = self.0.force.len();
         let pairs = self.0.load(&state[..n], hands);
@@ -261,19 +289,25 @@ impl PenaltyMeter {
     }
 }
 
-/// Springs and held nodes, by place in the skeleton.
+/// Spring graph, by index of the sphere in the skeleton.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
+    /// Springs: pairs of spheres.
     pub springs: Vec<[u32; 2]>,
+    /// Whether each sphere is fixed.
     pub fixed: Vec<bool>,
 }
 
 impl Graph {
+    /// Computes the spectrum of the graph for springs of unit stiffness.
     pub fn unit_spectrum(&self) -> Spectrum {
         Spectrum::of_unit_springs(self.fixed.len(), &self.springs, &self.fixed)
     }
 
-    /// Whether each sphere hangs on a held one: else nothing brings it back.
+    /// Checks that springs connect each sphere to a fixed sphere. Without such a path, a sphere has no restoring force.
+    ///
+    /// # Errors
+    /// Some spheres have no path to a fixed sphere.
     fn connected(&self) -> Result<(), TissueError> {
         let mut held = self.fixed.clone();
         loop {
@@ -298,9 +332,11 @@ impl Graph {
         }
     }
 
-    /// One step of explicit Euler (Eq. 1 with its sign mended, Eq. 4, Eq. 5): the velocity by the forces at the old place, the place
-    /// by the **old** velocity. `now` and `next` hold displacements, then velocities (x, y, z of each sphere); metres,
-    /// newtons, kilograms, seconds.
+    /// Advances the spheres by a step of explicit Euler (Eq. 1 with corrected sign, Eq. 4, Eq. 5).
+    ///
+    /// Forces at the old positions change the velocities. The **old** velocities change the positions. The first
+    /// argument is spring stiffness (N/m), damping (N s/m), mass (kg) and time step (s). `force` is in newtons. `now`
+    /// and `next` hold displacements (m), then velocities (m/s): x, y, z of each sphere.
     pub fn euler(
         &self,
         (k, b, m, dt): (f64, f64, f64, f64),
@@ -331,26 +367,29 @@ impl Graph {
     }
 }
 
-/// Displacement beyond which a skeleton has diverged, metres: no organ of a mouth is as long.
+/// Displacement beyond which a skeleton has diverged, metres. No organ of the mouth is as long.
 const DIVERGED: f64 = 0.2;
-/// Below these nothing is left of a motion, metres and metres per second.
+/// Thresholds of rest: displacement (m) and velocity (m/s). An unloaded skeleton below both is reset to exact rest.
 const AT_REST: (f64, f64) = (1e-9, 1e-6);
 
-/// A printed skeleton made ready. A configuration is displacements, velocities, and whether it diverged.
+/// Skeleton as printed, prepared for the tick.
+///
+/// A configuration holds displacements, velocities and a flag of divergence (1.0 if diverged).
 #[derive(Debug)]
 pub(crate) struct ReadySkeleton {
     model: PrintedSkeleton,
     graph: Graph,
     followers: Followers,
-    /// Level in contact.
+    /// Level of the tree in contact.
     level: u8,
+    /// External force on each sphere of the skeleton (x, y, z), newtons.
     force: Vec<f64>,
     /// Length of a tick, seconds.
     tick_s: f64,
 }
 
 impl ReadySkeleton {
-    /// For an object touched at `level`; `model` has passed its validation.
+    /// Prepares a validated `model` for an object in contact at `level`, with ticks of `tick_s` seconds.
     pub fn new(model: &PrintedSkeleton, rest: &SphereTree, level: u8, tick_s: f64) -> Self {
         let followers = Followers::new(rest, model.level).carried_by(&model.carriers);
         let n = followers.movers.len();
@@ -367,7 +406,7 @@ impl ReadySkeleton {
         }
     }
 
-    /// Sums Eq. 2 over all pairs into the forces; returns how many pairs there were.
+    /// Sums Eq. 2 over all pairs into `force` and returns the number of pairs.
     fn load(&mut self, u: &[f64], hands: &Hands<'_>) -> u32 {
         let Self {
             model,
@@ -438,7 +477,7 @@ impl Tissue for ReadySkeleton {
                 shape.fill(0.0);
             }
         }
-        // Deformation comes before the optimisation and does not depend on it: the way is already gone.
+        // Deformation precedes the optimisation and does not depend on the multipliers: the step is already complete.
         free.copy_from_slice(shape);
         !loaded && !moving
     }
@@ -463,7 +502,7 @@ impl Tissue for ReadySkeleton {
         if shape[n] == 0.0 {
             state.copy_from_slice(&shape[..n]);
         } else {
-            // What diverged is handed on as what it is; the tick answers with rest and FAULT.
+            // NaN marks the divergence; the tick then resets the tissue to rest and sets FAULT.
             state.fill(f64::NAN);
         }
     }

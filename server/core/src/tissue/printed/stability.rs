@@ -1,22 +1,26 @@
-//! How far explicit Euler carries: section 4.4 of the paper for one spring, and for a whole skeleton.
+//! Stability limits of explicit Euler: section 4.4 of the paper for a single spring, and for a whole skeleton.
 //!
-//! One step of Eq. 5 for a mode of stiffness `k` (`k_s + k_p` for one spring), damping `b`, mass `m` has the
-//! characteristic polynomial `z^2 + (b dt/m - 2) z + 1 - b dt/m + k dt^2/m`. Its roots stay within the unit
-//! circle exactly when `k dt <= b <= 2m/dt + k dt/2` (Jury's test), which is the paper's Eq. 9, solved for the
-//! damping. A skeleton is stable when all its modes are: its largest eigenvalue bounds the damping from below, its
-//! smallest from above.
+//! Consider a step of Eq. 5 for a mode of stiffness `k` (`k_s + k_p` for a single spring), damping `b` and mass `m`.
+//! Its characteristic polynomial is `z^2 + (b dt/m - 2) z + 1 - b dt/m + k dt^2/m`.
+//! The roots stay within the unit circle exactly if `k dt <= b <= 2m/dt + k dt/2` (Jury's test).
+//! This condition is the paper's Eq. 9, solved for the damping.
+//!
+//! A skeleton is stable if all its modes are stable. Its largest eigenvalue gives the lower bound of the damping, its
+//! smallest eigenvalue the upper bound.
 
 use crate::math::{fmax, fmin};
 
-/// Largest stable time step of one mode, seconds: Eq. 9 and 10, re-derived. With `r = b^2 - 4 k m`:
-/// `r < 0: dt <= b/k`; `r = 0: dt <= 2 sqrt(m/k)`; `r > 0: dt <= 4m/(b + sqrt r)`. Stiffness N/m, damping
-/// N s/m, mass kg; infinite without stiffness and damping.
+/// Returns the largest stable time step of a single mode, seconds: Eq. 9 and 10, re-derived.
+///
+/// With `r = b^2 - 4 k m`: `r < 0: dt <= b/k`; `r = 0: dt <= 2 sqrt(m/k)`; `r > 0: dt <= 4m/(b + sqrt r)`.
+///
+/// Stiffness is in N/m, damping in N s/m, mass in kg. The result is infinite without stiffness and damping.
 pub fn largest_time_step(stiffness: f64, damping: f64, mass: f64) -> f64 {
     let r = damping * damping - 4.0 * stiffness * mass;
     if r < 0.0 {
         damping / stiffness
     } else {
-        // At r = 0 this is 2 sqrt(m/k).
+        // At r = 0 this formula gives 2 sqrt(m/k).
         4.0 * mass / (damping + r.sqrt())
     }
 }
@@ -24,18 +28,21 @@ pub fn largest_time_step(stiffness: f64, damping: f64, mass: f64) -> f64 {
 /// Smallest and largest stiffness of the modes, N/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spectrum {
-    /// Smallest eigenvalue of the stiffness matrix.
+    /// Smallest eigenvalue of the stiffness matrix, N/m.
     pub least: f64,
-    /// Largest.
+    /// Largest eigenvalue of the stiffness matrix, N/m.
     pub most: f64,
 }
 
 impl Spectrum {
-    /// Of springs of stiffness one between nodes 0 to `nodes`, those marked as fixed held: eigenvalues without a unit. Zero
-    /// and zero when every node is fixed.
+    /// Computes the spectrum of springs of unit stiffness between the nodes 0 to `nodes - 1`.
     ///
-    /// By Lanczos' method with full reorthogonalisation from a fixed start, so the same bits everywhere; exact for
-    /// up to [`STEPS`] free nodes, above that the extreme eigenvalues to far better than a thousandth.
+    /// `fixed` marks the fixed nodes. The eigenvalues have no unit; both are zero if every node is fixed.
+    ///
+    /// The method is Lanczos' with full reorthogonalisation. A fixed start vector gives the same bits on every machine.
+    /// The result is exact for up to [`STEPS`] free nodes. For more nodes, the largest eigenvalue is slightly
+    /// underestimated and the smallest overestimated. In a chain of 600 nodes, the largest is within 0.1 %, but the
+    /// smallest is nearly doubled.
     pub fn of_unit_springs(nodes: usize, springs: &[[u32; 2]], fixed: &[bool]) -> Self {
         let free: Vec<usize> = (0..nodes).filter(|&node| !fixed[node]).collect();
         if free.is_empty() {
@@ -47,14 +54,16 @@ impl Spectrum {
         let (diagonal, beside) = tridiagonal(nodes, springs, &free);
         let n = diagonal.len();
         Self {
-            // The matrix is positive semi-definite; rounding is not.
+            // The matrix is positive semi-definite, but rounding can give a small negative value.
             least: fmax(eigenvalue(&diagonal, &beside, 0), 0.0),
             most: eigenvalue(&diagonal, &beside, n - 1),
         }
     }
 
-    /// The spectrum of springs `stiffness` times as stiff, N/m, with up to `contact` N/m more at any node: the
-    /// penalty's part. (Weyl: no eigenvalue rises by more than the largest of these.)
+    /// Returns the spectrum scaled to springs of stiffness `stiffness`, N/m, with a contact penalty.
+    ///
+    /// The penalty adds up to `contact` N/m at any node. By Weyl's inequality, no eigenvalue rises by more than
+    /// `contact`.
     pub fn scaled(&self, stiffness: f64, contact: f64) -> Self {
         Self {
             least: self.least * stiffness,
@@ -62,8 +71,10 @@ impl Spectrum {
         }
     }
 
-    /// Largest stable time step of all modes, seconds. (It falls with the stiffness of oscillating modes and rises
-    /// with that of creeping ones, so the ends decide.)
+    /// Returns the largest stable time step of all modes, seconds.
+    ///
+    /// The two extreme modes determine the result. The stable time step falls with the stiffness of underdamped modes
+    /// and rises with the stiffness of overdamped modes.
     pub fn largest_time_step(&self, damping: f64, mass: f64) -> f64 {
         fmin(
             largest_time_step(self.least, damping, mass),
@@ -71,21 +82,25 @@ impl Spectrum {
         )
     }
 
-    /// Smallest mass that some damping makes stable at steps of `dt`, and `damping` if that is large enough, kg.
+    /// Returns the smallest stable mass, kg, at time steps of `dt` seconds.
+    ///
+    /// The damping is the larger of `damping` and [`Spectrum::smallest_damping`], N s/m.
     pub fn smallest_mass(&self, damping: f64, dt: f64) -> f64 {
         0.5 * dt * fmax(damping, self.smallest_damping(dt)) - 0.25 * dt * dt * self.least
     }
 
-    /// Smallest stable damping at steps of `dt`, N s/m.
+    /// Returns the smallest stable damping, N s/m, at time steps of `dt` seconds.
     pub fn smallest_damping(&self, dt: f64) -> f64 {
         self.most * dt
     }
 }
 
-/// Most steps of Lanczos' method.
+/// Largest number of steps of Lanczos' method.
 pub const STEPS: usize = 160;
 
-/// `L x` for springs of stiffness one, on the free nodes.
+/// Computes `out = L x` on the free nodes for springs of unit stiffness.
+///
+/// `place` holds the index of each node among the free nodes, `usize::MAX` for a fixed node.
 fn laplacian(springs: &[[u32; 2]], place: &[usize], x: &[f64], out: &mut [f64]) {
     out.fill(0.0);
     for &[i, j] in springs {
@@ -101,6 +116,7 @@ fn laplacian(springs: &[[u32; 2]], place: &[usize], x: &[f64], out: &mut [f64]) 
     }
 }
 
+/// Computes diagonal and off-diagonal of the tridiagonal matrix of Lanczos' method, on the free nodes.
 fn tridiagonal(nodes: usize, springs: &[[u32; 2]], free: &[usize]) -> (Vec<f64>, Vec<f64>) {
     let n = free.len();
     let mut place = vec![usize::MAX; nodes];
@@ -109,7 +125,7 @@ fn tridiagonal(nodes: usize, springs: &[[u32; 2]], free: &[usize]) -> (Vec<f64>,
     }
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
     let scale = |v: &mut [f64], by: f64| v.iter_mut().for_each(|x| *x *= by);
-    // No symmetry of the skeleton is one of these numbers'.
+    // Pseudo-random start vector: no symmetry of the skeleton may make an eigenvector orthogonal to the start.
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let mut q: Vec<f64> = (0..n)
         .map(|_| {
@@ -127,7 +143,7 @@ fn tridiagonal(nodes: usize, springs: &[[u32; 2]], free: &[usize]) -> (Vec<f64>,
         let k = diagonal.len();
         laplacian(springs, &place, &basis[k], &mut w);
         diagonal.push(dot(&w, &basis[k]));
-        // Twice is enough (Parlett).
+        // Two passes of reorthogonalisation suffice (Parlett).
         for _ in 0..2 {
             for q in &basis {
                 let along = dot(&w, q);
@@ -145,8 +161,9 @@ fn tridiagonal(nodes: usize, springs: &[[u32; 2]], free: &[usize]) -> (Vec<f64>,
     }
 }
 
-/// Eigenvalue `index` (ascending) of a symmetric tridiagonal matrix, by bisection on the count of negative pivots
-/// (Sturm's sequence).
+/// Computes the eigenvalue `index`, in ascending order, of a symmetric tridiagonal matrix.
+///
+/// The method is bisection on the number of negative pivots (Sturm's sequence).
 fn eigenvalue(diagonal: &[f64], beside: &[f64], index: usize) -> f64 {
     let side = |k: usize| beside.get(k).copied().unwrap_or(0.0);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -179,7 +196,8 @@ fn eigenvalue(diagonal: &[f64], beside: &[f64], index: usize) -> f64 {
             low = middle;
         }
     }
-    // The upper end: what is refused must not slip through by rounding.
+    // The upper end of the bracket: rounding must not underestimate the largest eigenvalue and accept an unstable
+    // model.
     high
 }
 
@@ -189,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_chain_has_the_eigenvalues_of_the_textbook() {
-        // Fixed at one end: 2 - 2 cos((2k - 1) pi / (2n + 1)).
+        // Eigenvalues of a chain with a fixed end: 2 - 2 cos((2k - 1) pi / (2n + 1)).
         let n = 40;
         let springs: Vec<[u32; 2]> = (0..n).map(|k| [k, k + 1]).collect();
         let mut fixed = vec![false; n as usize + 1];

@@ -1,4 +1,4 @@
-//! The printed models against the paper's equations, by hand.
+//! Tests of the printed models against the paper's equations, evaluated independently.
 
 mod gingiva;
 mod stability;
@@ -14,18 +14,19 @@ use crate::tissue::{Hand, Hands, Tissue, TissueModel};
 use crate::tree::{Sphere, SphereTree};
 use crate::*;
 
+/// Distance from the device point to the centre of the rod's lowest sphere, metres.
 const TIP: f64 = 0.09;
 
 fn rod() -> Tool {
     rod_tool(Vec3::new(0.0, 0.0, -0.086))
 }
 
-/// Device pose that puts the rod's lowest sphere at `tip`.
+/// Device pose of an upright rod whose lowest sphere has its centre at `tip`.
 fn over(tip: Vec3) -> Pose {
     Pose::new(tip + Vec3::new(0.0, 0.0, TIP), Quat::identity())
 }
 
-/// A block of spheres, 1 mm apart, three layers from z = 0 downwards.
+/// Block of 8 by 8 by 3 spheres at a spacing of 1 mm, radius 0.8 mm, with layers at z = 0, -1 and -2 mm.
 fn block() -> SphereTree {
     let spheres: Vec<Sphere> = (0..3)
         .flat_map(|k| (0..8).flat_map(move |i| (0..8).map(move |j| (i, j, k))))
@@ -41,7 +42,9 @@ fn block() -> SphereTree {
     SphereTree::over_leaves(&spheres).expect("valid")
 }
 
-/// Its level-2 spheres, each joined to all within 4 mm, the lowest ones held.
+/// Skeleton of the block's level-2 spheres, each joined to all within 4 mm.
+///
+/// Spheres below z = -1.4 mm and spheres at the side x < -2.4 mm are fixed.
 fn skeleton(tree: &SphereTree) -> PrintedSkeleton {
     let nodes: Vec<(u32, Vec3)> = tree.shape_at(2).map(|(id, n)| (id, n.centre)).collect();
     let mut springs = Vec::new();
@@ -187,7 +190,7 @@ fn loose_or_unknown_spheres_are_refused() {
     );
 }
 
-/// Where the load is and how the step goes: Eq. 1 to 5 by hand for the first two ticks.
+/// Compares load and step of the first two ticks with an independent evaluation of Eq. 1 to 5.
 #[test]
 fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
     let tree = block();
@@ -204,7 +207,7 @@ fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
         over(Vec3::new(at.x + 1e-4, at.y, -4e-4)),
     );
     let dp = Vec3::new(1e-4, 0.0, -1.3e-3);
-    // Pairs by brute force, per ancestor.
+    // Number of pairs per ancestor, by brute force.
     let ids: Vec<u32> = tree.shape_at(2).map(|(id, _)| id).collect();
     let mut pairs = vec![0.0; ids.len()];
     for (o, node) in tree.shape_at(7) {
@@ -248,7 +251,7 @@ fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
             assert_eq!(shape[3 * at + axis], 0.0, "the place follows a step later");
         }
     }
-    // What is above keeps its centre, what is below shifts with its ancestor.
+    // Nodes above the skeleton keep their centre; nodes below shift with their ancestor.
     ready.commit(&shape, Some(&[]), &now, &mut state);
     ready.free_step(&state, &now, &mut shape, &mut free);
     let all: Vec<u32> = (0..tree.nodes().len() as u32).collect();
@@ -269,13 +272,13 @@ fn the_load_is_the_penalty_of_each_pair_on_the_ancestor() {
         }
     }
     assert!(moved > 4, "{moved}");
-    // The haptic tool out of contact: nothing presses, though the graphic tool is near.
+    // With the haptic tool out of contact, no load acts, although the graphic tool is near.
     let away = hands(&tool, over(Vec3::new(at.x, at.y, 2e-3)), graphic, &loads);
     assert!(ready.free_step(&vec![0.0; 2 * n], &away, &mut shape, &mut free));
     assert!(shape.iter().all(|x| *x == 0.0));
 }
 
-/// A carrier that is named takes load and shift instead of the ancestor.
+/// Checks that a named carrier replaces the ancestor in load and shift.
 #[test]
 fn a_named_carrier_bears_and_leads() {
     let tree = block();
@@ -312,7 +315,7 @@ fn a_named_carrier_bears_and_leads() {
             "{id}: {shift}"
         );
     }
-    // Of the velocities only its own.
+    // The carrier has the largest downward velocity of all spheres.
     let moving = (0..ids.len()).filter(|k| state[n + 3 * k + 2] < 0.0);
     assert!(moving.clone().count() >= 1 && moving.clone().any(|k| k == free));
     let fastest = moving.fold(free, |best, k| {
@@ -325,7 +328,7 @@ fn a_named_carrier_bears_and_leads() {
     assert_eq!(fastest, free);
 }
 
-/// Presses the rod into the block and draws it out again.
+/// Pose of tick `k` in a periodic motion that presses the rod into the block and withdraws the rod.
 fn press(k: u32) -> Pose {
     let t = f64::from(k) * 1e-3;
     let deep = math::fclamp(libm::sin(2.5 * t), -0.2, 1.0);
@@ -336,7 +339,7 @@ fn press(k: u32) -> Pose {
 fn a_stable_skeleton_gives_way_and_comes_back_to_exact_rest() {
     let tree = block();
     let mut model = skeleton(&tree);
-    // Many pairs at a sphere: well within the limit.
+    // A sphere has several pairs, so the penalty is low enough for a wide margin to the stability limit.
     (model.spring_n_per_m, model.penalty_n_per_m) = (80.0, 2.0);
     let scene = scene(tree, TissueModel::PrintedSkeleton(model));
     scene.validate().expect("stable");
@@ -349,7 +352,7 @@ fn a_stable_skeleton_gives_way_and_comes_back_to_exact_rest() {
             .iter()
             .fold(deepest, |most, x| math::fmax(most, x.abs()));
         faults += u32::from(out.tools[0].status & status::FAULT != 0);
-        // Nothing that a workspace keeps shows.
+        // A fresh workspace must give the same tick: cached data must not affect the result.
         if k % 97 == 0 {
             let bytes = state.to_bytes();
             let (mut other, mut fresh) = (
@@ -388,7 +391,7 @@ fn what_diverges_goes_back_to_rest_and_is_said() {
     model.spring_n_per_m = 1e5;
     let scene = scene(tree, TissueModel::PrintedSkeleton(model));
     assert!(scene.validate().is_err());
-    // Whoever runs it in spite of the guard.
+    // The scene runs without validation.
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut faults = 0;
     for k in 0..2000 {
@@ -400,8 +403,9 @@ fn what_diverges_goes_back_to_rest_and_is_said() {
     assert!(faults > 0);
 }
 
-/// With the tissue standing still, the answer is that of the same shape, rigid: the optimisation runs against the deformed
-/// thing (section 7).
+/// Checks that a tissue without penalty load behaves as the same shape, rigid.
+///
+/// The optimisation treats the deformed tissue as rigid (section 7).
 #[test]
 fn against_a_tissue_that_never_moves_the_tick_is_the_rigid_one() {
     let tree = block();

@@ -1,11 +1,16 @@
-//! A whole scene as printed.
+//! Conversion of a whole scene to the models as printed.
 
 use super::{PrintedGingiva, PrintedSkeleton};
 use crate::scene::Scene;
 use crate::tissue::TissueModel;
 
-/// The scene with every tissue as printed: the same trees, springs and directions from the tooth, and no limit to what a force may
-/// change by. What the paper has not stays as it is.
+/// Replaces every skeleton and every gingiva of the scene by its model as printed.
+///
+/// Trees, springs and directions from the tooth stay the same. A skeleton contributes its coarse level.
+/// `Params::max_settle_step` becomes 50 N, which in effect disables the limit on the change of force. Tissue models
+/// without a counterpart in the paper stay unchanged.
+///
+/// The tooth of a gingiva is the rigid object with the same FDI number, else the first rigid object.
 pub fn as_printed(scene: &mut Scene) {
     scene.params.max_settle_step = 50.0;
     let tooth_of = |fdi: u8| {

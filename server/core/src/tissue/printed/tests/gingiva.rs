@@ -1,10 +1,12 @@
-//! The gingiva as printed.
+//! Tests of the gingiva as printed.
 
 use super::*;
 use crate::tissue::SiteLoad;
 
-/// A wall of spheres in the plane y = 0.9 mm, its lowest rows under the pocket's bottom; the tooth is a wall at
-/// y = -0.9 mm. Gap between them 0.2 mm wide about y = 0... for a rod of 0.5 mm.
+/// Wall of 12 by 12 spheres, radius 0.8 mm, in the plane at `y` (metres). Its lowest rows are below the pocket bottom.
+///
+/// The tests use a gingiva at y = 0.9 mm. Its tooth would be a wall at y = -0.9 mm, which is not built. The gap between
+/// the two surfaces is 0.2 mm, less than the rod's diameter of 0.5 mm.
 fn wall(y: f64) -> SphereTree {
     let spheres: Vec<Sphere> = (0..12)
         .flat_map(|i| (0..12).map(move |k| (i, k)))
@@ -20,6 +22,7 @@ fn wall(y: f64) -> SphereTree {
     SphereTree::over_leaves(&spheres).expect("valid")
 }
 
+/// Height z of the pocket's bottom, metres.
 const FLOOR: f64 = -3.5e-3;
 
 fn gingiva(tree: &SphereTree) -> PrintedGingiva {
@@ -36,7 +39,7 @@ fn gingiva(tree: &SphereTree) -> PrintedGingiva {
     PrintedGingiva::new(7, 1, inward, Vec3::z())
 }
 
-/// Runs one free step of a gingiva; returns displacements by tree node.
+/// Runs a free step of a gingiva. Returns rest centre and displacement of each sphere, metres.
 fn displaced(
     model: &PrintedGingiva,
     tree: &SphereTree,
@@ -67,7 +70,8 @@ fn displaced(
         .collect()
 }
 
-/// Whether a sphere is a fringe sphere: near the graphic rod grown by d.
+/// Whether a sphere at `centre` is a fringe sphere: above the pocket's bottom, and overlapped by the graphic rod grown
+/// by the prediction distance.
 fn is_fringe(model: &PrintedGingiva, centre: &Vec3, graphic: &Pose) -> bool {
     let tool = rod();
     centre.z > FLOOR
@@ -85,7 +89,7 @@ fn fringe_spheres_follow_hooke_and_neighbours_the_attenuation() {
     let graphic = over(Vec3::new(0.0, -0.2e-3, -1.5e-3));
     let haptic = over(Vec3::new(0.05e-3, 0.3e-3, -1.6e-3));
     let moved = displaced(&model, &tree, false, (haptic, graphic));
-    // Eq. 11, 12: the part of K_p dp along n, over k_d.
+    // Eq. 11, 12: the component of K_p dp along n, divided by k_d.
     let ds0 = model.penalty_n_per_m * 0.5e-3 / model.stiffness_n_per_m;
     let fringe: Vec<Vec3> = moved
         .iter()
@@ -107,7 +111,7 @@ fn fringe_spheres_follow_hooke_and_neighbours_the_attenuation() {
             "{rest:?}: {u:?}, {expected}"
         );
     }
-    // Away from the gingiva: nothing.
+    // A displacement away from the gingiva gives no load.
     let back = over(Vec3::new(0.0, -0.4e-3, -1.5e-3));
     let none = displaced(&model, &tree, false, (back, graphic));
     assert!(none.iter().all(|(_, u)| *u == Vec3::zeros()));
@@ -123,16 +127,16 @@ fn the_three_interaction_types_of_a_hybrid_contact() {
             .iter()
             .fold(0.0, |most, (_, u)| math::fmax(most, norm(u)))
     };
-    // Type 1: pressed towards the tooth, the gingiva keeps room for the tip.
+    // Type 1: under a press towards the tooth, the gingiva leaves room for the tip.
     let towards_tooth = Vec3::new(0.0, -0.3e-3, -1.5e-3);
     assert!((most(true, towards_tooth) - model.tip_diameter_m).abs() < 1e-12);
     assert_eq!(most(false, towards_tooth), 0.0);
-    // Type 2: pressed away from it, as without.
+    // Type 2: under a press away from the tooth, the displacement is the same as without hybrid contact.
     let away = Vec3::new(0.0, 0.4e-3, -1.5e-3);
     let hooke = model.penalty_n_per_m / model.stiffness_n_per_m * 0.4e-3;
     assert!((most(true, away) - hooke).abs() < 1e-9);
     assert!((most(false, away) - hooke).abs() < 1e-9);
-    // Type 3: the tip is out of the pocket.
+    // Type 3: the haptic tip is above the gingival margin.
     assert_eq!(most(true, Vec3::new(0.0, -0.3e-3, 2e-3)), 0.0);
     assert_eq!(most(true, Vec3::new(0.0, 0.4e-3, 2e-3)), 0.0);
 }

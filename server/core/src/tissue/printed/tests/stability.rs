@@ -1,8 +1,10 @@
-//! Where explicit Euler becomes unstable, and what is refused for it.
+//! Tests of the stability limits of explicit Euler and of the refusal of unstable skeletons.
 
 use super::*;
 
-/// Whether a free vibration grows: its size over the last tenth of the run against the tenth before the half.
+/// Whether a free vibration grows in 8000 steps.
+///
+/// The largest magnitude in steps 7000 to 7999 is compared with the largest in steps 3000 to 3999.
 fn grows(graph: &Graph, numbers: (f64, f64, f64, f64)) -> bool {
     let n = 3 * graph.fixed.len();
     let mut now: Vec<f64> = (0..2 * n)
@@ -32,7 +34,7 @@ fn grows(graph: &Graph, numbers: (f64, f64, f64, f64)) -> bool {
     late > early
 }
 
-/// Where `unstable` begins between `low` (stable) and `high`, to a thousandth.
+/// Returns the onset of instability between `low` (stable) and `high` (unstable), to a relative tolerance of 0.001.
 fn onset(mut low: f64, mut high: f64, unstable: impl Fn(f64) -> bool) -> f64 {
     assert!(!unstable(low) && unstable(high), "{low} to {high}");
     while high > low * 1.001 {
@@ -48,12 +50,12 @@ fn onset(mut low: f64, mut high: f64, unstable: impl Fn(f64) -> bool) -> f64 {
 
 #[test]
 fn one_spring_becomes_unstable_where_eq_9_says() {
-    // One sphere on one spring; k is k_s + k_p.
+    // The graph has a single free sphere on a single spring; k is k_s + k_p.
     let graph = Graph {
         springs: vec![[0, 1]],
         fixed: vec![true, false],
     };
-    // Under, at and over critical damping.
+    // The cases are below, at and above critical damping.
     for (k, b, m) in [
         (205.0, 2.0, 0.02),
         (505.0, 0.5, 0.02),
@@ -78,14 +80,14 @@ fn a_skeleton_becomes_unstable_where_its_eigenvalues_say() {
     let unit = Spectrum::of_unit_springs(graph.fixed.len(), &graph.springs, &graph.fixed);
     assert!(unit.least > 0.0 && unit.most > 3.0 * unit.least, "{unit:?}");
     let (b, m, dt) = (12.0, 0.02, TICK_S);
-    // By stiffness, by the largest eigenvalue.
+    // Limit of the stiffness, from the largest eigenvalue.
     let limit = b / dt / unit.most;
     let measured = onset(0.5 * limit, 2.0 * limit, |k| grows(&graph, (k, b, m, dt)));
     assert!(
         (measured / limit - 1.0).abs() < 0.01,
         "stiffness {measured}, {limit}"
     );
-    // By damping and by mass, by the smallest eigenvalue.
+    // Limits of damping and mass, from the smallest eigenvalue.
     let k = 0.5 * limit;
     let limit = 2.0 * m / dt + 0.5 * dt * k * unit.least;
     let measured = onset(0.5 * limit, 2.0 * limit, |b| grows(&graph, (k, b, m, dt)));
@@ -102,7 +104,7 @@ fn a_skeleton_becomes_unstable_where_its_eigenvalues_say() {
         "mass {}, {limit}",
         1.0 / measured
     );
-    // By the step.
+    // Limit of the time step.
     for (k, b) in [(k, 6.0), (k, 30.0)] {
         let limit = unit.scaled(k, 0.0).largest_time_step(b, m);
         let measured = onset(0.5 * limit, 2.0 * limit, |dt| grows(&graph, (k, b, m, dt)));
@@ -113,7 +115,7 @@ fn a_skeleton_becomes_unstable_where_its_eigenvalues_say() {
     }
 }
 
-/// The number that follows some words.
+/// Returns the number that follows `words` in `text`.
 fn number_after(text: &str, words: &str) -> f64 {
     let rest = text.split(words).nth(1).expect("the words");
     let number: String = rest.chars().take_while(|c| !c.is_whitespace()).collect();
@@ -135,7 +137,7 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
         let found = model.validate(&tree, TICK_S);
         assert_eq!(found.is_ok(), stands, "{share}: {found:?}");
     }
-    // The paper's own numbers: 0.5 N/mm, 0.6 N s/mm, 20 g.
+    // Values of the paper: 0.5 N/mm, 0.6 N s/mm, 20 g.
     (model.spring_n_per_m, model.damping_n_s_per_m) = (500.0, 600.0);
     let refused = model
         .validate(&tree, TICK_S)
@@ -145,8 +147,8 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
         refused.contains("spring at most") && refused.contains("time step of at most"),
         "{refused}"
     );
-    // No spring stands at that damping, so another is named; both a little less than it says, it stands, both more, and it
-    // does not.
+    // No stiffness is stable at that damping, so the message states a stiffness and another damping. Slightly smaller
+    // values of both must be accepted, and slightly larger values refused.
     let (stiffest, damping) = (
         number_after(&refused, "spring at most "),
         number_after(&refused, "(with a damping of "),
@@ -164,7 +166,7 @@ fn a_skeleton_over_the_limit_is_refused_with_what_would_do() {
     let step = number_after(&refused, "time step of at most ");
     let spectrum = model.spectrum(&tree).expect("its own nodes");
     assert!((step / spectrum.largest_time_step(600.0, 0.02) - 1.0).abs() < 1e-3);
-    // Just over and just under what it asks for: 0.3 kg less what the springs' slowest mode gives.
+    // Masses just below and just above the stated limit: 0.3 kg minus the contribution of the slowest mode.
     let least = model.spectrum(&tree).expect("its own nodes").least;
     let mass = 0.5 * TICK_S * 600.0 - 0.25 * TICK_S * TICK_S * least;
     assert!(
