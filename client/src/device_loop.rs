@@ -1,14 +1,13 @@
 //! The device's own millisecond: wrench in, gate, device, pose out.
 
-use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rustix::thread::{ClockId, clock_nanosleep_absolute};
-use rustix::time::Timespec;
 use serde::Serialize;
 use sulcus_core::math::norm;
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
 use sulcus_haptics::{Display, Limits, PassivityParams, Shown, SlewLimits, drawn, gated};
+use sulcus_link::clock::sleep_until;
+use sulcus_link::schedule::{exact_timers, fifo};
 use sulcus_proto::datagram::{ToolPose, WirePose, WireWrench};
 
 use crate::calls::event;
@@ -17,7 +16,7 @@ use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
 /// Priority of the device's thread among SCHED_FIFO ones: below an embedded simulation's.
-const PRIORITY: libc::c_int = 45;
+const PRIORITY: i32 = 45;
 /// The gate has been closed for this long: the server is gone.
 const GONE_NS: u64 = 1_000_000_000;
 /// For how long a server that has just been told to start may still be silent.
@@ -205,34 +204,12 @@ fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOO
     }
 }
 
-fn sleep_until(deadline_ns: u64) {
-    let (seconds, rest) = (deadline_ns / 1_000_000_000, deadline_ns % 1_000_000_000);
-    let deadline = Timespec {
-        tv_sec: seconds as i64,
-        tv_nsec: rest as i64,
-    };
-    // Only a signal ends it early.
-    while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(rustix::io::Errno::INTR) {}
-}
-
 /// Real-time scheduling where it is permitted, exact timers anyway. Without it poses are late under load,
 /// which the counters show.
 fn punctual() {
-    if let Some(slack) = NonZeroU64::new(1) {
-        let _ = rustix::thread::set_current_timer_slack(Some(slack));
-    }
-    let parameters = libc::sched_param {
-        sched_priority: PRIORITY,
-    };
-    // SAFETY: plain system call on the calling thread (0) with a valid, initialised struct.
-    let result = unsafe {
-        libc::sched_setscheduler(0, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, &parameters)
-    };
-    if result != 0 {
-        tracing::debug!(
-            "no real-time scheduling for the device: {}",
-            std::io::Error::last_os_error()
-        );
+    exact_timers();
+    if let Err(error) = fifo(PRIORITY) {
+        tracing::debug!("no real-time scheduling for the device: {error}");
     }
 }
 

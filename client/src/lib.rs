@@ -1,6 +1,6 @@
 //! Devices, the link, the demo.
 //!
-//! The client belongs to a student: once per millisecond a [`device::Device`] takes a wrench and gives
+//! The client belongs to a student: once per millisecond a [`sulcus_haptics::Device`] takes a wrench and gives
 //! poses, and the [`link`] carries both over QUIC. The [`demo`] is a whole session with a simulated
 //! operator against an embedded server; [`join`] joins a server elsewhere.
 

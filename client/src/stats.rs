@@ -18,9 +18,3 @@ pub fn percentiles(nanoseconds: &Histogram<u64>) -> Option<Percentiles> {
 pub fn histogram() -> Histogram<u64> {
     Histogram::new_with_bounds(1, 1_000_000_000, 3).expect("constant bounds are valid")
 }
-
-/// CPU time of this thread, nanoseconds.
-pub fn thread_cpu_ns() -> u64 {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
-}

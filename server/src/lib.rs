@@ -25,6 +25,6 @@ pub mod station;
 pub use error::ServerError;
 pub use net::identity::fingerprint;
 pub use session::detail::{Budget, Detail};
-pub use session::realtime::monotonic_ns;
 pub use station::config::{Exercise, ServerConfig};
 pub use station::handle::{Server, ServerHandle};
+pub use sulcus_link::clock::monotonic_ns;

@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use anyhow::Context;
 use sulcus_cases::Observer;
 use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
+use sulcus_link::clock::thread_cpu_ns;
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
@@ -18,7 +19,7 @@ use crate::calls::calls;
 use crate::exercise::Prepared;
 use crate::interrupt;
 use crate::progress::Steps;
-use crate::stats::{histogram, percentiles, thread_cpu_ns};
+use crate::stats::{histogram, percentiles};
 
 /// What the lock-step run measured.
 pub struct Lockstep {

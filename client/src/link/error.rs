@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 
+use sulcus_link::control::ReadError;
 use sulcus_proto::{CodecError, PROTOCOL_VERSION};
 
 /// Why there is no link, or no longer. One sentence each.
@@ -89,6 +90,15 @@ impl LinkError {
             }
         }
         Self::Lost(text)
+    }
+}
+
+impl From<ReadError> for LinkError {
+    fn from(error: ReadError) -> Self {
+        match error {
+            ReadError::Closed(text) => Self::lost(&text),
+            ReadError::Codec(error) => error.into(),
+        }
     }
 }
 

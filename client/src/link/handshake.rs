@@ -45,7 +45,10 @@ async fn greet(
         exercise: config.exercise.clone(),
     });
     control::write(&mut send, &hello).await?;
-    match control::read(&mut recv).await {
+    match sulcus_link::control::read(&mut recv)
+        .await
+        .map_err(LinkError::from)
+    {
         Ok(ServerMessage::Hello(hello)) if !TICKS_NS.contains(&hello.tick_ns) => {
             Err(CodecError::NotCanonical("the server's tick is not one of 0.1 to 10 ms").into())
         }

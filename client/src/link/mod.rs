@@ -8,7 +8,6 @@
 //! All times are nanoseconds of this machine's monotonic clock, as [`now_ns`] reads it; no clock
 //! is compared between machines.
 
-mod bell;
 mod config;
 mod control;
 mod error;
@@ -34,19 +33,14 @@ pub use config::{LinkConfig, Pin};
 pub use error::LinkError;
 pub use stats::LinkStats;
 use sulcus_haptics::Watchdog;
+pub use sulcus_link::clock::monotonic_ns as now_ns;
 pub use transport::client_config;
 
-use bell::Bell;
 use stats::Shared;
+use sulcus_link::Bell;
 
 /// Time that a server has to finish and sign a recording after a stop.
 const GOODBYE: Duration = Duration::from_secs(20);
-
-/// This machine's monotonic clock, nanoseconds.
-pub fn now_ns() -> u64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
-    time.tv_sec.max(0) as u64 * 1_000_000_000 + time.tv_nsec.max(0) as u64
-}
 
 /// What a device measured at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

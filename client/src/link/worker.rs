@@ -5,13 +5,13 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::Duration;
 
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
+use sulcus_link::Bell;
 use sulcus_proto::control::Goodbye;
 use sulcus_proto::newest::Arrival;
 use sulcus_proto::{ClientMessage, PoseDatagram, ServerMessage, WrenchDatagram};
 use tokio::sync::mpsc::{Receiver, channel};
 use triple_buffer::{Input, Output, triple_buffer};
 
-use super::bell::Bell;
 use super::handshake::{Welcome, shake};
 use super::stats::Shared;
 use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
@@ -120,7 +120,7 @@ impl Worker {
         mut messages: Receiver<ClientMessage>,
     ) -> Result<Goodbye, LinkError> {
         let listening = self.bell.listen()?;
-        let mut answers = control::reader(recv);
+        let mut answers = sulcus_link::control::reader(recv);
         let mut connected = true;
         loop {
             tokio::select! {
@@ -143,7 +143,7 @@ impl Worker {
                     Some(Ok(ServerMessage::Hello(_))) => {
                         return Err(LinkError::Lost("the server said hello twice".into()));
                     }
-                    Some(Err(error)) => return Err(error),
+                    Some(Err(error)) => return Err(error.into()),
                     None => return Err(LinkError::Lost("the control stream ended".into())),
                 },
                 message = messages.recv() => match message {

@@ -4,12 +4,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use quinn::{Connection, RecvStream, SendStream};
+use sulcus_link::control::{ReadError, read, reader};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello, ToolInfo};
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::limits::{HELLO, NAME_BYTES};
 use sulcus_proto::{ClientMessage, CodecError, PROTOCOL_VERSION, ServerMessage, learner};
 
-use super::control::{self, ReadError};
+use super::control;
 use super::{CLOSE_REFUSED, Shared, close_after_last_word, session};
 use crate::Exercise;
 
@@ -23,8 +24,8 @@ pub(super) async fn admit(connection: Connection, shared: Arc<Shared>) {
         let (send, mut recv) = connection
             .accept_bi()
             .await
-            .map_err(|_| ReadError::Closed)?;
-        let message = control::read(&mut recv).await;
+            .map_err(|error| ReadError::Closed(error.to_string()))?;
+        let message = read(&mut recv).await;
         Ok::<_, ReadError>((send, recv, message))
     });
     let mut phase = shared.phase.clone();
@@ -69,15 +70,7 @@ async fn welcome(
     )
     .await
     {
-        let summary = session::run(
-            connection,
-            send,
-            control::reader(recv),
-            hello,
-            shared,
-            station,
-        )
-        .await;
+        let summary = session::run(connection, send, reader(recv), hello, shared, station).await;
         station.summaries.extend(summary);
     } else {
         connection.close(CLOSE_REFUSED, b"hello not taken");

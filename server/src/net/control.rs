@@ -1,43 +1,15 @@
-//! The control stream: whole messages in, whole messages out.
+//! Writing side of the control stream.
 
 use std::time::Duration;
 
-use quinn::{RecvStream, SendStream, VarInt};
-use sulcus_proto::frame::{self, LENGTH_BYTES};
-use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
-use tokio::sync::mpsc;
+use quinn::{SendStream, VarInt};
+use sulcus_proto::{ServerMessage, frame};
 
 /// Time a client has to take one control message. Without it, one that grants no stream window would
 /// hold a task, and with it the station, for as long as it keeps its connection alive.
 const WRITE: Duration = Duration::from_secs(2);
 /// Application code of a control stream given up half-way through a message.
 const GIVEN_UP: VarInt = VarInt::from_u32(1);
-
-/// Why no further message comes.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum ReadError {
-    /// The stream or the connection ended.
-    #[error("the control stream ended")]
-    Closed,
-    /// The client does not speak this protocol.
-    #[error(transparent)]
-    Codec(#[from] CodecError),
-}
-
-/// Reads one message. Not cancel-safe: a message begun must be read to its end.
-pub(super) async fn read(stream: &mut RecvStream) -> Result<ClientMessage, ReadError> {
-    let mut length = [0; LENGTH_BYTES];
-    stream
-        .read_exact(&mut length)
-        .await
-        .map_err(|_| ReadError::Closed)?;
-    let mut body = vec![0; frame::body_length(length)?];
-    stream
-        .read_exact(&mut body)
-        .await
-        .map_err(|_| ReadError::Closed)?;
-    Ok(frame::decode(&body)?)
-}
 
 /// Writes one message; `false` when the connection is gone or the client does not take the message
 /// in [`WRITE`]. Nothing more can be written then.
@@ -58,22 +30,6 @@ pub(super) async fn write(stream: &mut SendStream, message: &ServerMessage) -> b
             false
         }
     }
-}
-
-/// Reads in a task of its own, so that waiting for a message can be given up without losing half
-/// of one. The last item is the error that ended it.
-pub(super) fn reader(mut stream: RecvStream) -> mpsc::Receiver<Result<ClientMessage, ReadError>> {
-    let (sender, receiver) = mpsc::channel(16);
-    tokio::spawn(async move {
-        loop {
-            let message = read(&mut stream).await;
-            let last = message.is_err();
-            if sender.send(message).await.is_err() || last {
-                break;
-            }
-        }
-    });
-    receiver
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use sulcus_proto::{NewestWins, PoseDatagram};
 use triple_buffer::{Input, Output};
 
 use crate::session::handoff::{PoseIn, WrenchOut};
-use crate::session::realtime::monotonic_ns;
+use sulcus_link::clock::monotonic_ns;
 
 /// The network's ends of the two triple buffers, and what it counts.
 pub(super) struct Datagrams {

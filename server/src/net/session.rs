@@ -4,13 +4,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use quinn::{Connection, SendStream};
+use sulcus_link::control::ReadError;
 use sulcus_proto::control::{ClientHello, Command, EndReason, Goodbye};
 use sulcus_proto::{ClientMessage, ServerMessage, SessionSummary};
 use sulcus_sessions::exercise::events::may_a_client_say;
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::watch;
 
-use super::control::{self, ReadError};
+use super::control;
 use super::datagrams::Datagrams;
 use super::{CLOSE_OK, Phase, Shared, Station, close_after_last_word};
 use crate::outlets::recording::Plan;
@@ -136,7 +137,7 @@ async fn start_said(
                 // There is nothing yet that these could act on.
                 Some(Ok(ClientMessage::Button(_) | ClientMessage::Event(_))) => {}
                 Some(Ok(ClientMessage::Hello(_)) | Err(ReadError::Codec(_))) => return Err(EndReason::Protocol),
-                Some(Err(ReadError::Closed)) | None => return Err(EndReason::ConnectionLost),
+                Some(Err(ReadError::Closed(_))) | None => return Err(EndReason::ConnectionLost),
             },
         }
     }
@@ -223,7 +224,7 @@ async fn live(
                     Some(Ok(ClientMessage::Hello(_) | ClientMessage::Start) | Err(ReadError::Codec(_))) => {
                         return EndReason::Protocol;
                     }
-                    Some(Err(ReadError::Closed)) | None => return EndReason::ConnectionLost,
+                    Some(Err(ReadError::Closed(_))) | None => return EndReason::ConnectionLost,
                 }
             },
             Ok(()) = lifted.changed() => {

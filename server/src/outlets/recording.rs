@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use rtrb::{Consumer, Producer};
 use sulcus_core::{Scene, State, TickOutput, Vec3};
+use sulcus_link::Bell;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
 use sulcus_sessions::exercise::events::{LOST, Look};
@@ -18,9 +19,9 @@ use sulcus_sessions::{
 
 use crate::ServerConfig;
 use crate::session::changes::Changes;
-use crate::session::handoff::{Bell, Flags};
+use crate::session::handoff::Flags;
 use crate::session::levels::InForce;
-use crate::session::realtime::unix_ns;
+use sulcus_link::clock::unix_ns;
 
 /// How often the queue is emptied. It holds four seconds at any rate; the recorder itself flushes every 100 ms
 /// of record time.

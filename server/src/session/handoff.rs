@@ -2,15 +2,10 @@
 //! rings where nothing may be lost, atomic words for buttons (and for pause and force limit, in
 //! [`crate::session::levels`]), one eventfd as the only wake-up.
 
-use std::os::fd::OwnedFd;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 
-use rustix::event::{EventfdFlags, eventfd};
 use sulcus_core::{MAX_TOOLS, Params};
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
-use tokio::io::Interest;
-use tokio::io::unix::AsyncFd;
 
 /// Slots in the recorder's queue at least.
 const LEAST_ROWS: usize = 4096;
@@ -64,40 +59,6 @@ pub(crate) struct WrenchOut {
     pub datagram: WrenchDatagram,
     /// Arrival of the echoed pose, nanoseconds of the server's monotonic clock.
     pub pose_arrived_ns: u64,
-}
-
-/// An eventfd: rung by the simulation and the recorder, awaited by the network.
-#[derive(Clone, Debug)]
-pub(crate) struct Bell(Arc<OwnedFd>);
-
-impl Bell {
-    pub fn new() -> std::io::Result<Self> {
-        Ok(Self(Arc::new(eventfd(
-            0,
-            EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC,
-        )?)))
-    }
-
-    /// Wakes the other side. One small system call, never blocks.
-    pub fn ring(&self) {
-        // Fails only when 2^64 - 2 rings were never heard.
-        let _ = rustix::io::write(&*self.0, &1u64.to_ne_bytes());
-    }
-
-    /// Forgets all rings so far.
-    pub fn silence(&self) {
-        // Empty already: nothing to forget.
-        let _ = rustix::io::read(&*self.0, &mut [0u8; 8]);
-    }
-
-    /// For the network: becomes readable when rung. Needs a tokio runtime.
-    pub fn listen(&self) -> std::io::Result<AsyncFd<OwnedFd>> {
-        let descriptor = self.0.try_clone()?;
-        // Readable only: an eventfd is always writable, which would wake the network for nothing.
-        // SAFETY: the descriptor is open, and owned by the `AsyncFd` until that is dropped.
-        unsafe { AsyncFd::register_with_interest(descriptor, Interest::READABLE) }
-            .map_err(Into::into)
-    }
 }
 
 /// Flags of one session.

@@ -6,6 +6,7 @@ use std::thread::JoinHandle;
 
 use rtrb::RingBuffer;
 use sulcus_core::{State, Vec3};
+use sulcus_link::Bell;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Event};
 use sulcus_proto::newest::ArrivalCounts;
@@ -16,7 +17,7 @@ use crate::ServerConfig;
 use crate::outlets::recording;
 use crate::outlets::recording::{EVENTS, FromNetwork, Plan, Report, Returned};
 use crate::session::handoff::{
-    Bell, Flags, PoseIn, Pressed, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
+    Flags, PoseIn, Pressed, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
 };
 use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;

@@ -6,6 +6,7 @@ use std::thread::JoinHandle;
 
 use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
+use sulcus_link::Bell;
 use sulcus_proto::WrenchDatagram;
 use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
 use sulcus_sessions::exercise::events::Look;
@@ -15,12 +16,12 @@ use triple_buffer::{Input, Output};
 
 use crate::outlets::recording::Entry;
 use crate::session::detail::{Chooser, Detail};
-use crate::session::handoff::{Bell, Flags, PoseIn, Pressed, WrenchOut};
+use crate::session::handoff::{Flags, PoseIn, Pressed, WrenchOut};
 use crate::session::inputs::Inputs;
 use crate::session::levels::Levels;
 use crate::session::metrics::{Metrics, TickTimes};
 use crate::session::realtime;
-use crate::session::realtime::{monotonic_ns, thread_cpu_ns};
+use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
 
 /// Everything that the simulation thread owns.
 pub(crate) struct Simulation {
@@ -78,7 +79,7 @@ impl Simulation {
         if real_time {
             realtime::enter();
         } else {
-            realtime::exact_timers();
+            sulcus_link::schedule::exact_timers();
         }
         ticker.grid.begin(monotonic_ns());
         while !Flags::is_up(&flags.stop) {
@@ -102,7 +103,7 @@ impl Grid {
         *self = Grid {
             begin_ns: now_ns,
             next_ns: now_ns + self.tick_ns,
-            unix_at_begin: realtime::unix_ns(),
+            unix_at_begin: unix_ns(),
             ..*self
         };
     }
@@ -149,7 +150,7 @@ impl Ticker {
 
     /// Sleeps to the next grid point and runs its tick.
     fn step(&mut self) {
-        realtime::sleep_until(self.grid.next_ns);
+        sleep_until(self.grid.next_ns);
         let now_ns = monotonic_ns();
         let tick_ns = self.grid.tick_ns;
         let skipped = grid_points_missed(self.grid.next_ns, now_ns, tick_ns);
