@@ -1,18 +1,19 @@
-//! How a touched thing yields. One interface for every model; a rigid tooth is its simplest case.
+//! Deformable tissue: one interface for every model. A rigid tooth is the simplest case.
 //!
-//! A scene holds a model's *data* ([`TissueModel`]); a workspace holds the model made ready for work
-//! ([`Tissue`]): tables computed once when the scene loads, and scratch. What outlives a tick is numbers in
-//! [`crate::State`]; all of them zero is the rest.
+//! A scene holds the *data* of a model ([`TissueModel`]). A workspace holds the model prepared for ticks ([`Tissue`]):
+//! tables computed once when the scene loads, and scratch. The numbers that outlive a tick are in [`crate::State`]; all
+//! zero is the rest.
 //!
-//! A tissue whose state is all zero and that nobody touches is not asked at all, unless it [`Tissue::goes_by_hands`]. Otherwise
-//! it is asked per tick, in this order: [`Tissue::free_step`] (where is it, and where would it be
-//! without contact), then per collision pass [`Tissue::centres`] (where its spheres are now),
-//! [`Tissue::add_gram`] (how far each contact row moves for a unit load on each other row) and
-//! [`Tissue::apply`] (its configuration under the multipliers). The configuration that the tick
-//! ends with is committed once by [`Tissue::commit`].
+//! A tissue at rest without a contact nearby is skipped, unless [`Tissue::goes_by_hands`] is true. The calls to any
+//! other tissue in a tick are, in this order:
 //!
-//! All calls are batched over the rows of one object, and compliance is a 3x3 block per sphere
-//! pair: `n_i' C_ij n_j`.
+//! - [`Tissue::free_step`], once: present configuration, and configuration at the end of the tick without contact.
+//! - [`Tissue::centres`], per substep: present centres of the spheres.
+//! - [`Tissue::add_gram`], per substep: displacement of each contact row for a unit load on each other row.
+//! - [`Tissue::apply`], per substep: configuration under the multipliers.
+//! - [`Tissue::commit`], once: storage of the final configuration in the state.
+//!
+//! All calls are batched over the rows of one object. Compliance is a 3x3 block per pair of spheres: `n_i' C_ij n_j`.
 
 pub mod gingiva;
 pub mod printed;
@@ -30,16 +31,16 @@ use crate::scene::tool::Tool;
 use crate::tree::{Sphere, SphereTree};
 use printed::{PrintedGingiva, PrintedSkeleton, ReadyGingiva, ReadySkeleton};
 
-/// One contact row as the tissue sees it.
+/// Contact row on a tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
-    /// Node of the object's tree that is touched.
+    /// Node of the object's tree in contact.
     pub sphere: u32,
     /// Unit normal, from the tissue to the tool, world axes.
     pub normal: Vec3,
 }
 
-/// Square, row-major view on the part of the dual matrix that tissue fills.
+/// Square, row-major view of the tissue's part of the dual matrix, metres per newton.
 pub struct Gram<'a> {
     entries: &'a mut [f64],
     stride: usize,
@@ -47,7 +48,7 @@ pub struct Gram<'a> {
 }
 
 impl<'a> Gram<'a> {
-    /// A view on rows and columns from `first` on of a `stride` by `stride` matrix.
+    /// Returns a view of the rows and columns from `first` on of a `stride` by `stride` matrix.
     pub fn new(entries: &'a mut [f64], stride: usize, first: usize) -> Self {
         debug_assert!(entries.len() >= stride * stride);
         Self {
@@ -57,57 +58,58 @@ impl<'a> Gram<'a> {
         }
     }
 
-    /// Adds to entry `(i, j)`, counted from the object's first row, metres per newton.
+    /// Adds `compliance` (metres per newton) to entry `(i, j)`, counted from the object's first row.
     #[inline]
     pub fn add(&mut self, i: usize, j: usize, compliance: f64) {
         self.entries[(self.first + i) * self.stride + self.first + j] += compliance;
     }
 }
 
-/// What a tissue may know of the hands in a tick. The default models need none of it: contact is the
-/// optimisation's. The method as printed computes its loads from it, and a pocket reads its depth.
+/// Hands in a tick, as visible to a tissue. The default models compute no load from the hands: contact belongs to the
+/// optimisation. The method as printed computes its loads from them, and a pocket reads its depth from them.
 #[derive(Clone, Copy, Debug)]
 pub struct Hands<'a> {
-    /// Per slot; `None` where no hand holds a tool.
+    /// Hand at each tool slot; `None` for a slot without a tool in a hand.
     pub tools: [Option<Hand<'a>>; MAX_TOOLS],
-    /// Level of detail asked for by the input ([`crate::TickInput::detail`]).
+    /// Level of detail requested by the input ([`crate::TickInput::detail`]).
     pub detail: u8,
 }
 
-/// One hand in a tick.
+/// Hand that holds a tool in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Hand<'a> {
-    /// What it holds.
+    /// Tool in the hand.
     pub tool: &'a Tool,
     /// Haptic pose of this tick, after sanitising: `world_from_tool`.
     pub haptic: Pose,
-    /// Graphic pose: of the last tick in [`Tissue::free_step`], of this one in [`Tissue::commit`].
+    /// Graphic pose, `world_from_tool`: at the start of the tick or substep in [`Tissue::free_step`], at the end of the
+    /// tick in [`Tissue::commit`].
     pub graphic: Pose,
-    /// Loads by this tool on each object of the scene, about the world's origin: of the last tick in
-    /// [`Tissue::free_step`], of this one in [`Tissue::commit`].
+    /// Loads by this tool on each object of the scene, about the world's origin. In [`Tissue::free_step`] at the start
+    /// of a tick, the loads are of the last tick. In [`Tissue::commit`] the loads are of this tick.
     pub loads: &'a [Wrench],
 }
 
-/// A load of the tick's answer on one sphere.
+/// Load on one sphere in the final solution of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SiteLoad {
-    /// Node of the object's tree that is loaded.
+    /// Node of the object's tree under load.
     pub sphere: u32,
-    /// Tool that loads it.
+    /// Slot of the tool that applies the load.
     pub tool: u8,
     /// Force on the tissue, newtons, world axes.
     pub force: Vec3,
 }
 
-/// A tissue model made ready for one object. `state` is what outlives a tick, `shape` a configuration
-/// (displacements from rest); their lengths are constant for a scene. Methods that take `&mut self` may
-/// keep scratch and tables; nothing kept may show in an answer.
+/// Tissue model prepared for one object. `state` is the part that outlives a tick. `shape` is a configuration, the
+/// displacements from rest. Their lengths are constant for a scene. Methods with `&mut self` may keep scratch and
+/// tables, but no cached value may affect a result.
 pub trait Tissue: Debug + Send {
-    /// Numbers in a configuration.
+    /// Returns the length of a configuration.
     fn shape_len(&self) -> usize;
-    /// Writes the configuration that the last tick ended with to `shape`, and to `free` the configuration
-    /// `u0` at the end of this tick if nothing touched it. Returns whether both are exactly the rest, so that
-    /// nothing needs to be done while no tool is near.
+    /// Writes the final configuration of the last tick to `shape`, and to `free` the configuration `u0` at the end of
+    /// this tick without contact. Returns whether both are exactly the rest and the state needs no change. The tissue
+    /// can then be skipped while no tool is near.
     fn free_step(
         &mut self,
         state: &[f64],
@@ -115,19 +117,19 @@ pub trait Tissue: Debug + Send {
         shape: &mut [f64],
         free: &mut [f64],
     ) -> bool;
-    /// Centres of the nodes `ids` in configuration `shape`, world axes, metres.
+    /// Writes the centres of the nodes `ids` in configuration `shape`, world axes, metres.
     fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]);
-    /// Adds `n_i' C_ij n_j` for all pairs of `sites`, metres per newton; symmetric, positive
+    /// Adds `n_i' C_ij n_j` for all pairs of `sites`, metres per newton. The matrix is symmetric and positive
     /// semi-definite.
     fn add_gram(&mut self, sites: &[Site], gram: &mut Gram<'_>);
     /// Writes the configuration under the load `-lambda_i n_i` (newtons) on each site:
     /// `shape = free - sum_j C_ij n_j lambda_j`.
     fn apply(&mut self, sites: &[Site], lambda: &[f64], free: &[f64], shape: &mut [f64]);
-    /// Largest motion of any sphere between two configurations, metres: what the trust region
-    /// must allow for.
+    /// Returns the largest motion of any sphere between two configurations, or an upper bound on it, metres. The trust
+    /// region must allow for this motion.
     fn motion(&self, from: &[f64], to: &[f64]) -> f64;
-    /// Takes the configuration that the tick ended with, and the loads that led there, into the state. No loads where the
-    /// solver had no usable answer: what is remembered of loads stays as it was.
+    /// Stores the final configuration of the tick, and the loads that led to it, in the state. `loads` is `None` if the
+    /// solver had no usable solution. The memory of loads then stays unchanged.
     fn commit(
         &mut self,
         shape: &[f64],
@@ -135,18 +137,18 @@ pub trait Tissue: Debug + Send {
         hands: &Hands<'_>,
         state: &mut [f64],
     );
-    /// Whether [`Tissue::free_step`] may answer anything but the rest while the state is zero, for what the hands do.
+    /// Returns whether the hands can make [`Tissue::free_step`] leave the rest while the state is zero.
     fn goes_by_hands(&self) -> bool {
         false
     }
-    /// Ball, world axes, outside of which no tip reads anything; none where nothing is ever read.
+    /// Returns the ball, world axes, outside of which no tip gives a reading; `None` for a tissue without a pocket.
     fn pocket(&self) -> Option<Sphere> {
         None
     }
-    /// What the tool in `slot` reads here at the end of a tick, if this is a pocket and the tool's tip is in it, and in
-    /// [`Tissue::pocket`]; first the squared distance from its wall, m^2, by which one
-    /// of several that claim a tip is chosen. (A
-    /// pocket that is at rest and untouched is not committed, but read.)
+    /// Returns the pocket reading of the tool in `slot` at the end of a tick, if the tool's tip is in this pocket. A
+    /// tip outside the ball of [`Tissue::pocket`] has no reading. The first value is the squared distance of the tip
+    /// from the pocket's wall, m^2. The distance selects one of several pockets that claim a tip. A pocket at rest
+    /// without contact is not committed, but is read.
     fn reading(
         &self,
         slot: usize,
@@ -158,39 +160,39 @@ pub trait Tissue: Debug + Send {
     }
 }
 
-/// The models that a scene can name.
+/// Tissue models that a scene can name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum TissueModel {
-    /// A tooth, a jaw, an instrument on a stand: does not yield.
+    /// Rigid object: a tooth, a jaw, an instrument on a stand.
     Rigid,
-    /// An organ that deforms as a whole, a tongue: springs under a skin of spheres.
+    /// Organ that deforms as a whole, such as a tongue: springs under a skin of spheres.
     Skeleton(Box<skeleton::Skeleton>),
-    /// An organ that deforms as a whole, by finite elements condensed to its surface.
+    /// Organ that deforms as a whole: finite elements condensed to the surface.
     Surface(Box<surface::SurfaceCompliance>),
-    /// The collar around a tooth, with its pocket.
+    /// Gingiva around a tooth, with its pocket.
     Gingiva(Box<gingiva::Gingiva>),
-    /// A tongue exactly by the paper, for comparison.
+    /// Tongue exactly as in the paper, for comparison.
     PrintedSkeleton(PrintedSkeleton),
-    /// A gingiva exactly by the paper, for comparison.
+    /// Gingiva exactly as in the paper, for comparison.
     PrintedGingiva(PrintedGingiva),
-    /// Every sphere on its own anisotropic spring: proves the plumbing in this crate's tests.
+    /// Every sphere on its own anisotropic spring: a minimal model for the tests of this crate.
     #[cfg(test)]
     Winkler(tests::Winkler),
 }
 
-/// A field of a tissue model that cannot stand.
+/// Invalid field of a tissue model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field} is {found}, expected {expected}")]
 pub struct TissueError {
-    /// Field.
+    /// Name of the field.
     pub field: &'static str,
     /// Value found.
     pub found: String,
-    /// What it must be.
+    /// Value expected.
     pub expected: String,
 }
 
-/// An error that says so.
+/// Returns the error for an invalid field.
 fn wrong(
     field: &'static str,
     found: impl ToString,
@@ -203,7 +205,7 @@ fn wrong(
     })
 }
 
-/// Whether all numbers are zero, of either sign: without a branch for each.
+/// Returns whether all numbers are zero, of either sign. The loop avoids a branch for each number.
 pub(crate) fn all_zero(numbers: &[f64]) -> bool {
     numbers
         .iter()
@@ -212,8 +214,8 @@ pub(crate) fn all_zero(numbers: &[f64]) -> bool {
 }
 
 impl TissueModel {
-    /// The model made ready for an object with the tree `rest` touched at `level`, in ticks of `tick_s` seconds; none for what is rigid.
-    /// The model must have passed [`TissueModel::validate`].
+    /// Prepares the model for an object with the tree `rest`, contact at `level` and ticks of `tick_s` seconds. Returns
+    /// `None` for a rigid object. The model must have passed [`TissueModel::validate`].
     pub fn ready(&self, rest: &SphereTree, level: u8, tick_s: f64) -> Option<Box<dyn Tissue>> {
         match self {
             TissueModel::Rigid => None,
@@ -233,7 +235,7 @@ impl TissueModel {
         }
     }
 
-    /// Numbers of state that outlive a tick.
+    /// Returns the length of the state that outlives a tick.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         match self {
             TissueModel::Rigid => 0,
@@ -247,10 +249,10 @@ impl TissueModel {
         }
     }
 
-    /// Checks the data against the tree that it belongs to and the length of a tick, seconds.
+    /// Checks the data against the object's tree and the length of a tick, `tick_s` seconds.
     ///
     /// # Errors
-    /// Names the field, the value found and the value expected.
+    /// A field is invalid: the error names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree, tick_s: f64) -> Result<(), TissueError> {
         match self {
             TissueModel::Rigid => Ok(()),
@@ -264,14 +266,14 @@ impl TissueModel {
         }
     }
 
-    /// Whether nothing of it ever moves, so that a tick need not ask.
+    /// Returns whether the object never yields, so that a tick skips it.
     #[inline]
     pub fn is_rigid(&self) -> bool {
         matches!(self, TissueModel::Rigid)
     }
 }
 
-/// Largest difference of two lists of displacements (x, y, z of each node in turn), metres.
+/// Returns the largest difference of two lists of displacements (x, y, z of each node in turn), metres.
 pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
     let squared = |a: &[f64; 3], b: &[f64; 3]| {
         let (x, y, z) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
@@ -279,7 +281,7 @@ pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
     };
     let (from, to) = (from.as_chunks::<3>().0, to.as_chunks::<3>().0);
     let ((from, from_rest), (to, to_rest)) = (from.as_chunks::<4>(), to.as_chunks::<4>());
-    // Four at a time, so that none waits for the one before.
+    // Four independent maxima, so that no comparison waits for the one before.
     let mut most = [0.0; 4];
     for (a, b) in from.iter().zip(to) {
         for k in 0..4 {
@@ -292,9 +294,10 @@ pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
     fmax(fmax(most[0], most[1]), fmax(most[2], most[3])).sqrt()
 }
 
-/// Brings a yielding object's nodes to configuration `shape`: centres from the model, bounds from
-/// the children up (the paper's Eq. 17, always from the rest radii, so that bounds shrink again).
-/// `ids` lists all nodes in order; `centres` has room for all.
+/// Updates the nodes of a yielding object to configuration `shape`.
+///
+/// Centres come from the model, bounds from the children up (the paper's Eq. 17). Bounds always start from the rest
+/// radii, so that they shrink again. `ids` lists all nodes in order; `centres` has room for all.
 pub(crate) fn refit(
     model: &dyn Tissue,
     shape: &[f64],
@@ -315,7 +318,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::math::Mat3;
 
-    /// Every sphere on its own spring with a 3x3 compliance; springs back within a tick.
+    /// Model with every sphere on its own spring of a 3x3 compliance. A sphere returns to rest within a tick.
     #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
     pub struct Winkler {
         /// Compliance, m/N, symmetric positive definite.

@@ -1,20 +1,26 @@
-//! The kernel that couples the places of a gingiva: `C_ij = E_ij R_i R_j`, with the symmetric root `R_i = D_i^1/2` of each
-//! place's own compliance and the falloff `E_ij`, the mean of `exp(-distance / l)` between the stretches of surface that
-//! both stand for. `exp(-distance / l)` is a positive-definite function in any dimension (it is the Matern kernel of order
-//! 1/2), means of it stay so, and `C = R (E x 1) R'` keeps that whatever the roots are; a product of clamped direction
-//! cosines, the obvious way to write the paper's Eq. 14 as a matrix, does not.
+//! Kernel of the compliance between the places of a gingiva: `C_ij = E_ij R_i R_j`.
 //!
-//! Why means: a probe lies along the wall and loads n spheres, whose common compliance is the mean of all `E_ij`. With
-//! points, `E_ii = 1` counts too much: at level 3 (spheres 0.5 mm apart) 3 mm of wall would be 5 % too soft, at level 4 1 %.
+//! - `R_i = D_i^1/2` is the symmetric root of the compliance of place i alone.
+//! - `E_ij` is the falloff: the mean of `exp(-distance / l)` between the stretches of surface of the places i and j.
+//!
+//! `C` is positive semi-definite by construction. `exp(-distance / l)` is a positive-definite function in any
+//! dimension, the Matern kernel of order 1/2. Means of the function stay positive definite, and so does `C = R (E x 1)
+//! R'` for any roots. A product of clamped direction cosines, the obvious matrix form of the paper's Eq. 14, is not
+//! positive definite.
+//!
+//! Means are necessary because a probe lies along the wall and loads n spheres, whose common compliance is the mean of
+//! all `E_ij`. With points, `E_ii = 1` counts too much. The compliance of 3 mm of wall would be 5 % too large at level
+//! 3 (spheres 0.5 mm apart). At level 4 the error would be 1 %.
 
 use crate::math::{Vec3, exp_of_libm, norm};
 
-/// Symmetric 3x3 matrix: xx, xy, xz, yy, yz, zz.
+/// Symmetric 3x3 root of a compliance, (m/N)^1/2, entries xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Root([f64; 6]);
 
 impl Root {
-    /// `a uu' + b vv' + c ww'` for an orthonormal basis `u, v, w`: the root whose squares are compliances along it.
+    /// Returns `a uu' + b vv' + c ww'` for an orthonormal basis `u, v, w`. This is the root of the compliances `a^2`,
+    /// `b^2` and `c^2` along the basis.
     pub fn along(basis: [(f64, Vec3); 3]) -> Self {
         let mut root = [0.0; 6];
         for (size, v) in basis {
@@ -33,7 +39,7 @@ impl Root {
         Self(root)
     }
 
-    /// The matrix times `v`.
+    /// Returns the matrix times `v`.
     #[inline]
     pub fn times(&self, v: &Vec3) -> Vec3 {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -45,25 +51,26 @@ impl Root {
     }
 }
 
-/// Places up to which all of `E` is kept.
+/// Largest number of places for which the whole matrix `E` is stored.
 const WHOLE: usize = 1024;
-/// Rows of `E` that are kept where there are more places than that.
+/// Number of rows of `E` in the cache when there are more than `WHOLE` places.
 const KEPT: usize = 192;
-/// No row.
+/// Marker of a place without a stored row, and of an empty cache slot.
 const NONE: u32 = u32::MAX;
 
-/// A stretch of surface along the tooth's axis, kept as the two points of Gauss's rule on it.
+/// Stretch of surface along the tooth's axis, stored as its two Gauss points, metres.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch([Vec3; 2]);
 
 impl Stretch {
-    /// The stretch of `length` (metres) about `middle` along the unit vector `axis`.
+    /// Returns the stretch of `length` (metres) about `middle` along the unit vector `axis`.
     pub fn new(middle: Vec3, axis: &Vec3, length: f64) -> Self {
         let half = axis * (length * 0.5 / 3.0_f64.sqrt());
         Self([middle - half, middle + half])
     }
 
-    /// Mean of `exp(-distance / reach)` between this one and another; the same bits both ways.
+    /// Returns the mean of `exp(-distance / reach)` over the four pairs of Gauss points of two stretches. The result
+    /// has the same bits in both directions.
     #[inline]
     fn falloff(&self, other: &Self, reach: f64) -> f64 {
         let between = |a: usize, b: usize| exp_of_libm(-norm(&(self.0[a] - other.0[b])) / reach);
@@ -71,24 +78,24 @@ impl Stretch {
     }
 }
 
-/// The falloff between all places. Up to 1024 of them (8 MiB; a patient's gingivae have as many)
-/// the whole matrix is kept; of more (134 MB at level 4) the rows of the places loaded lately, and an entry that is
-/// in none of these is computed when it is asked for.
+/// Falloff `E` between all places. Up to 1024 places (8 MiB, enough for a patient's gingivae), the whole matrix is
+/// stored. For more places (134 MB at level 4), a cache holds 192 rows of places loaded lately. Entries outside the
+/// cache are computed on demand.
 #[derive(Debug)]
 pub struct Falloff {
     reach: f64,
     places: Vec<Stretch>,
     rows: Vec<f64>,
-    /// Where the row of each place is kept.
+    /// Slot of each place's row in `rows`, or `NONE`.
     slots: Vec<u32>,
-    /// Whose row is kept there.
+    /// Place whose row each slot holds, or `NONE`.
     holders: Vec<u32>,
-    /// Slot that is given away next.
+    /// Slot that is overwritten next.
     next: usize,
 }
 
 impl Falloff {
-    /// The falloff over `reach` (metres) between `places`.
+    /// Returns the falloff with the length `reach` (metres) between `places`.
     pub fn new(places: Vec<Stretch>, reach: f64) -> Self {
         let n = places.len();
         let kept = if n <= WHOLE { n } else { KEPT };
@@ -106,7 +113,7 @@ impl Falloff {
         falloff
     }
 
-    /// Keeps all rows. Entries are the same bits both ways: each is computed once.
+    /// Fills the whole matrix. Each entry is computed once, so both triangles have the same bits.
     fn keep_all(&mut self) {
         let n = self.places.len();
         for i in 0..n {
@@ -123,7 +130,7 @@ impl Falloff {
         self.places[i].falloff(&self.places[j], self.reach)
     }
 
-    /// Makes sure that the row of `i` is kept.
+    /// Computes and caches row `i`, unless the row is stored.
     fn keep(&mut self, i: usize) {
         if self.slots[i] != NONE {
             return;
@@ -141,14 +148,14 @@ impl Falloff {
         }
     }
 
-    /// Row `i`: the falloff from it to every place.
+    /// Returns row `i`, the falloff from place `i` to every place. The row is stored if necessary.
     pub fn row(&mut self, i: usize) -> &[f64] {
         self.keep(i);
         let (slot, n) = (self.slots[i] as usize, self.places.len());
         &self.rows[slot * n..(slot + 1) * n]
     }
 
-    /// Entries `(i, j)` for the one `i`, by `j`.
+    /// Returns a function of `j` for the entries `(i, j)`, read from the stored row or computed.
     #[inline]
     pub fn from(&self, i: usize) -> impl Fn(usize) -> f64 + '_ {
         let (slot, n) = (self.slots[i], self.places.len());
@@ -163,7 +170,7 @@ impl Falloff {
         }
     }
 
-    /// Number of places.
+    /// Returns the number of places.
     pub fn len(&self) -> usize {
         self.places.len()
     }
@@ -200,7 +207,7 @@ mod tests {
             assert_eq!(whole, kept);
             assert!(i % 3 != 0 || whole[i] == 1.0);
         }
-        // More rows than are kept: early ones were given away and come back.
+        // More rows than the cache holds: the first rows were overwritten and are computed again.
         for i in 0..WHOLE {
             let computed = many.compute(i, i);
             assert_eq!(many.row(i)[i], computed);
@@ -221,7 +228,7 @@ mod tests {
             let sum: f64 = (0..n).map(|i| all.row(i).iter().sum::<f64>()).sum();
             sum / (n * n) as f64 / exact - 1.0
         };
-        // Points are too soft, the more the fewer they are; stretches are not.
+        // Points give too large a compliance, more so for few places. Stretches do not.
         assert!(mean(6, 0.0) > 0.04 && mean(12, 0.0) > 0.01);
         for n in [3, 6, 12, 24] {
             let error = mean(n, 1.0);

@@ -1,17 +1,26 @@
-//! The gingiva around one tooth: a collar whose every place gives way on its own, away from the tooth more easily than
-//! along it, and takes its neighbourhood with it.
+//! Gingiva around one tooth: a collar of places, each softer away from the tooth than along it, coupled to its
+//! neighbours.
 //!
-//! Compliance between places i and j (points x of the surface): `C_ij = exp(-|x_i - x_j| / l) D_i^1/2 D_j^1/2`, `D = (1/k_d) mm' +
-//! (1/k_t)(1 - mm')`, `m` the direction away from the tooth; positive semi-definite by construction (`kernel`). It is
-//! the local displacement of Wang et al. 2014 (doi:10.1109/TOH.2014.2304734, Eq. 11 to 16) as a matrix: neighbours (Eq. 14), the
-//! types of hybrid contact (Eq. 15) and release (Eq. 16) follow from solving all contacts at once. A place's compliance
-//! does not depend on how many spheres stand for the surface, and a load on a sphere is spread along the tooth's axis over
-//! the length that it stands for (`exp` is the mean over both lengths), so the wall is as stiff at level 3 as at level 4.
+//! # Compliance
+//! The compliance between the places i and j at the surface points `x_i` and `x_j` is
 //!
-//! In time it is a Kelvin-Voigt solid, `f = K (u + tau du/dt)` with `K = C^-1`: a step of implicit Euler is `u = tau / (tau +
-//! dt) u_last + dt / (tau + dt) C f`.
+//! `C_ij = exp(-|x_i - x_j| / l) D_i^1/2 D_j^1/2`, `D = (1/k_d) mm' + (1/k_t)(1 - mm')`,
 //!
-//! The floor of the pocket is soft along the tooth's axis: what a probe reads grows with its force.
+//! with `m` the direction away from the tooth. `C` is positive semi-definite by construction (`kernel`).
+//!
+//! `C` is the local displacement of Wang et al. 2014 (doi:10.1109/TOH.2014.2304734, Eq. 11 to 16) as a matrix.
+//! Neighbours (Eq. 14), types of hybrid contact (Eq. 15) and release (Eq. 16) follow from solving all contacts at once.
+//!
+//! The compliance of a place does not depend on the number of spheres that represent the surface. A load on a sphere is
+//! spread along the tooth's axis over the length that the sphere represents. `exp` is then the mean over both lengths.
+//! The wall is therefore as stiff at level 3 as at level 4.
+//!
+//! The floor of the pocket is soft along the tooth's axis, so the probing depth grows with the force.
+//!
+//! # Time
+//! The gingiva is a Kelvin-Voigt solid, `f = K (u + tau du/dt)` with `K = C^-1`. A step of implicit Euler is
+//!
+//! `u = tau / (tau + dt) u_last + dt / (tau + dt) C f`.
 
 mod kernel;
 mod params;
@@ -33,75 +42,80 @@ pub use params::GingivaParams;
 pub(super) use ready::Ready;
 pub use sites::{Prescribed, Site};
 
-/// Numbers of state before the displacements: floor force, zone and event for each tool.
+/// Length of the state before the displacements: floor force, force zone and entry flag of each tool.
 const MEMORY: usize = 3 * MAX_TOOLS;
 
-/// Where a tooth is and which way round, world axes.
+/// Position and orientation of a tooth, world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToothFrame {
-    /// A point on the tooth's axis, metres.
+    /// Point on the tooth's axis, metres.
     pub origin: Vec3,
     /// Unit vector along the tooth's axis, towards the chewing surface.
     pub axis: Vec3,
     /// Unit vector across the axis, mesially.
     pub mesial: Vec3,
-    /// Unit vector across both, buccally.
+    /// Unit vector across `axis` and `mesial`, buccally.
     pub buccal: Vec3,
 }
 
 impl ToothFrame {
-    /// Angle about the axis, radians from mesial over buccal, -pi to pi, and height along it, metres.
+    /// Returns angle and height of a point. The angle is about the axis, radians from mesial over buccal, -pi to pi.
+    /// The height is along the axis over `origin`, metres.
     pub fn cylindrical(&self, point: &Vec3) -> (f64, f64) {
         let from = point - self.origin;
         let angle = libm::atan2(from.dot(&self.buccal), from.dot(&self.mesial));
         (angle, from.dot(&self.axis))
     }
 
-    /// Distance of a point from the axis, metres.
+    /// Returns the distance of a point from the axis, metres.
     pub fn from_axis(&self, point: &Vec3) -> f64 {
         let from = point - self.origin;
         norm(&(from - self.axis * from.dot(&self.axis)))
     }
 }
 
-/// What the model knows of one node of the gingiva's tree.
+/// Geometry of one node of the gingiva's tree, relative to tooth and pocket.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Unit vector away from the tooth, across its axis.
     pub away: Vec3,
-    /// Point of the pocket's surface that this sphere stands for, world axes, metres: compliance falls with the distance
-    /// between these points, not with that of centres, which lie deeper the coarser the level is.
+    /// Point of the pocket's surface that the sphere represents, world axes, metres. Compliance falls with the distance
+    /// between these points. Centres are unsuitable, because they lie deeper at coarser levels.
     pub on_surface: Vec3,
-    /// Length along the tooth's axis over which a load on this sphere is spread, metres; 0 for a load at a point.
+    /// Length along the tooth's axis over which a load on the sphere is spread, metres, 0 to 0.1; 0 for a load at a
+    /// point.
     pub spread: f64,
-    /// Height of the centre over the floor of the pocket at its angle, along the tooth's axis, metres; negative below.
+    /// Height of the centre over the pocket's floor at the centre's angle, along the tooth's axis, metres; negative
+    /// below.
     pub height: f64,
-    /// Whether this sphere stands for the floor of the pocket, or for what lies under it.
+    /// Whether the sphere represents the floor of the pocket or the tissue under the floor.
     pub floor: bool,
 }
 
-/// A gingiva in a scene.
+/// Gingiva in a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gingiva {
-    /// How it yields.
+    /// Material parameters and force thresholds.
     pub params: GingivaParams,
-    /// The tooth that it surrounds.
+    /// Frame of the tooth that the gingiva surrounds.
     pub tooth: ToothFrame,
-    /// Height of the gingival margin along the tooth's axis over its origin, metres, at equal angles from mesial over
-    /// buccal all the way round; linear between.
+    /// Height of the gingival margin along the tooth's axis over the tooth's origin, metres. Samples lie at equal
+    /// angles over a whole turn, from mesial over buccal, with linear interpolation.
     pub margin: Vec<f64>,
-    /// One for each node of the tree.
+    /// Geometry of each node of the tree, in the order of the nodes.
     pub places: Vec<Place>,
-    /// How far the proximal zones reach from the mesial and distal midlines, radians. Default 50 degrees, range 20 to 80.
+    /// Half width of the proximal zones about the mesial and distal midlines, radians. Default 50, range 20 to 80
+    /// degrees.
     pub proximal: f64,
-    /// What is prescribed at each site, in the order of [`Site::ALL`].
+    /// Prescription of each site, in the order of [`Site::ALL`].
     pub sites: [Prescribed; 6],
-    /// Level whose spheres yield each on its own: the level in contact. Coarser ones do not yield, finer ones go along.
+    /// Contact level, whose spheres have a displacement each. Coarser spheres do not move; finer spheres move with
+    /// their ancestor at this level.
     pub level: u8,
 }
 
 impl Gingiva {
-    /// Height of the margin at an angle (radians from mesial over buccal), metres.
+    /// Returns the height of the margin at an angle (radians from mesial over buccal), metres.
     pub fn margin_at(&self, around: f64) -> f64 {
         let n = self.margin.len();
         let turn = around / (2.0 * std::f64::consts::PI);
@@ -111,15 +125,15 @@ impl Gingiva {
         self.margin[k] + share * (self.margin[(k + 1) % n] - self.margin[k])
     }
 
-    /// Numbers of state that outlive a tick.
+    /// Returns the length of the state that outlives a tick.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         MEMORY + 3 * rest.shape_at(self.level).count()
     }
 
-    /// Checks the data against the tree that it belongs to.
+    /// Checks the data against the tree of the object.
     ///
     /// # Errors
-    /// Names the field, the value found and the value expected.
+    /// A field is invalid: the error names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         self.params.validate()?;
         self.validate_sites()?;
@@ -153,7 +167,7 @@ impl Gingiva {
             mesial.dot(buccal),
             buccal.dot(axis),
         ];
-        // Written so that a NaN fails.
+        // Comparisons are written so that a NaN fails.
         if !skew.iter().all(|x| x.abs() <= 1e-9) || !within(norm(origin), 0.0, 10.0) {
             return wrong(
                 "tooth",

@@ -1,4 +1,4 @@
-//! How soft gingiva is, how quickly it follows, and when a hand is too heavy on it.
+//! Parameters of a gingiva: stiffness, relaxation, reading of the probing depth, and force thresholds.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,48 +7,55 @@ use crate::tissue::TissueError;
 
 /// Parameters of a gingiva, SI units.
 ///
-/// Sources: *note* marks what follows from measurements, *chosen* what no measurement was found for.
+/// The text of a field gives the source of its value; *chosen* marks a value for which no measurement was found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GingivaParams {
-    /// Stiffness `k_d` of a pocket's wall pushed away from the tooth at one place, N/m. Default 500, range 10 to
-    /// 1e6. Larger: a tighter pocket. Source: 0.3 to 1 N/mm gave no buzz and small jumps in closed loop; chosen.
+    /// Stiffness `k_d` of one place of a pocket's wall pushed away from the tooth, N/m. Default 500, range 10 to 1e6.
+    /// Larger values give a tighter pocket. Chosen: 0.3 to 1 N/mm gave no buzz and small jumps in closed loop.
     pub wall_stiffness: f64,
-    /// Stiffness `k_t` of the same place dragged along the tooth, N/m. Default 1500, range 10 to 1e6. The tissue is
-    /// bound to the tooth below the pocket, so it gives way less to a pull along the tooth than to one away from it; chosen.
+    /// Stiffness `k_t` of one place of the wall dragged along the tooth, N/m. Default 1500, range 10 to 1e6. Chosen:
+    /// the tissue is bound to the tooth below the pocket, so it yields less along the tooth than away from it.
     pub shear_stiffness: f64,
-    /// Length `l` over which a press is felt by its neighbourhood, m: compliance falls as `exp(-distance / l)`. Default
-    /// 8.3e-4, range 1e-5 to 1e-2. Source: the paper's 0.3 per millimetre (Eq. 14), doi:10.1109/TOH.2014.2304734.
+    /// Length `l` of the compliance's falloff `exp(-distance / l)`, m. Default 8.3e-4, range 1e-5 to 1e-2, at least
+    /// half of `reading_tip`. Source: the paper's factor of 0.3 per millimetre (Eq. 14), doi:10.1109/TOH.2014.2304734.
     pub reach: f64,
-    /// Time constant of a Kelvin-Voigt solid, s: let go, the tissue comes back as `exp(-t / relaxation)`. Default 0.02,
-    /// range 0 to 1. Larger: slower and calmer; 0 is purely elastic. Chosen: short against a probing stroke.
+    /// Time constant of the Kelvin-Voigt solid, s: after release the displacement decays as `exp(-t / relaxation)`.
+    /// Default 0.02, range 0 to 1. Larger values are slower and calmer; 0 is purely elastic. Chosen: short against a
+    /// probing stroke.
     pub relaxation: f64,
-    /// Stiffness of the floor along the tooth's axis under [`GingivaParams::reading_tip`], N/m. Default 500, range 10 to 1e6. Larger: the
-    /// depth read depends less on the force. Source: 50 N/cm2 reaches the base of the sulcus, 200 N/cm2 the base of the
-    /// junctional epithelium about a millimetre below (Garnick 2000, PMID 10695944): 0.3 N/mm; a little stiffer, because
-    /// tissue hardens as it is pressed and this model does not.
+    /// Stiffness of the floor along the tooth's axis under a tip of diameter [`GingivaParams::reading_tip`], N/m.
+    /// Default 500, range 10 to 1e6. With larger values the probing depth depends less on the force.
+    ///
+    /// Source: a pressure of 50 N/cm2 reaches the base of the sulcus. A pressure of 200 N/cm2 reaches the base of the
+    /// junctional epithelium, about a millimetre below (Garnick 2000, PMID 10695944). The result is 0.3 N/mm. The
+    /// default is a little stiffer, because tissue hardens under load and this model does not.
     pub floor_stiffness: f64,
-    /// Height over the floor in which the wall's compliance along the axis becomes the floor's, m. Default 5e-4, range 0
-    /// to 5e-3; chosen.
+    /// Height over the floor in which the wall's compliance along the axis changes to the floor's, m. Default 5e-4,
+    /// range 0 to 5e-3. Chosen.
     pub floor_taper: f64,
-    /// Force at which the prescribed depth is read with a tip of 0.5 mm, N; at rest the floor lies higher by how far
-    /// this force presses healthy tissue. Default 0.225, range 0 to 1. Source: 0.20 to 0.25 N of clinical studies.
+    /// Force at which a tip of 0.5 mm (`reading_tip`) reads the prescribed depth, N. Default 0.225, range 0 to 1. At
+    /// rest the floor lies higher by [`GingivaParams::sink`], the displacement of healthy tissue under this force.
+    /// Source: 0.20 to 0.25 N of clinical studies.
     pub reading_force: f64,
-    /// Diameter of the tip with which depths are read, m. Default 5e-4, range 1e-4 to 2e-3. A tip spreads its load, and
-    /// presses less deep than the same load on a point: each place of the floor is softer by that much.
+    /// Diameter of the tip for the reading of depths, m. Default 5e-4, range 1e-4 to 2e-3. A tip spreads its load and
+    /// presses less deep than the same load on a point. The compliance of each place of the floor is larger to
+    /// compensate.
     pub reading_tip: f64,
-    /// How inflamed the tissue is, 0 (healthy, default) to 1. Softens walls and floor, so that more is read at the
-    /// same force. Source for the direction: inflamed tissue lets a probe deeper at light force.
+    /// Degree of inflammation, 0 (healthy, default) to 1. Inflammation softens walls and floor, so that the probing
+    /// depth at the same force is larger. Source of the direction: a probe at light force goes deeper into inflamed
+    /// tissue.
     pub inflammation: f64,
-    /// Share of every stiffness that full inflammation takes away. Default 0.5, range 0 to 0.95; chosen.
+    /// Fraction by which full inflammation reduces every stiffness. Default 0.5, range 0 to 0.95. Chosen.
     pub softening: f64,
-    /// Force on the floor above which a hand is too heavy, N. Default 0.25. Source: Karayiannis 1992, Lang 1991.
+    /// Floor force above which the hand is too heavy, N. Default 0.25, range 0.001 to 10. Source: Karayiannis 1992,
+    /// Lang 1991.
     pub too_heavy: f64,
-    /// Force on the floor at which healthy tissue bleeds, N. Default 0.5. Source: Lang 1991.
+    /// Floor force at which healthy tissue bleeds, N. Default 0.5, range `too_heavy` to 10. Source: Lang 1991.
     pub trauma: f64,
-    /// Force on the floor that damages, N. Default 1.96. Source: the paper's 200 g.
+    /// Floor force that damages tissue, N. Default 1.96, range `trauma` to 10. Source: the paper's 200 g.
     pub damage: f64,
-    /// Share of a zone's threshold under which the zone is left, so that it can be entered again. Default 0.8, range
-    /// 0.1 to 1; chosen.
+    /// Fraction of a zone's threshold below which the zone is left, so that it can be entered again. Default 0.8, range
+    /// 0.1 to 1. Chosen.
     pub rearm: f64,
 }
 
@@ -77,7 +84,7 @@ impl GingivaParams {
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// Names the first field out of range, with the value found and the range expected.
+    /// A field is out of range: the error names the field, the value found and the range expected.
     pub fn validate(&self) -> Result<(), TissueError> {
         const STIFFNESS: &str = "10 to 1e6 N/m";
         let checks = [
@@ -120,7 +127,7 @@ impl GingivaParams {
             ("damage", self.damage, self.trauma, 10.0, "trauma to 10 N"),
             ("rearm", self.rearm, 0.1, 1.0, "0.1 to 1"),
         ];
-        // The floor's compliance is that of a tip that is small against the reach: see `floor_compliance`.
+        // `floor_compliance` assumes a tip that is small against `reach`.
         if self.reach < 0.5 * self.reading_tip {
             return Err(TissueError {
                 field: "reach",
@@ -144,27 +151,29 @@ impl GingivaParams {
         }
     }
 
-    /// What inflammation leaves of every stiffness, 0 to 1.
+    /// Returns the factor of inflammation on every stiffness, 0.05 to 1.
     pub fn firmness(&self) -> f64 {
         1.0 - self.softening * self.inflammation
     }
 
-    /// How far the floor of healthy tissue gives way to [`GingivaParams::reading_force`], metres: so much higher than
-    /// the prescribed depth it lies at rest.
+    /// Returns the displacement of the healthy floor under [`GingivaParams::reading_force`], metres. At rest the floor
+    /// lies higher than the prescribed depth by this length.
     pub fn sink(&self) -> f64 {
         self.reading_force / self.floor_stiffness
     }
 
-    /// Compliance of one place of the floor, m/N. The floor is a line round the tooth, which the tip covers from wall to
-    /// wall: a load spread evenly over a disc moves it by the mean of `exp(-distance / l)` over all pairs of its points,
-    /// with their distance along that line, which is nearly that at the mean distance, 256 / (45 pi^2) radii.
+    /// Returns the compliance of one place of the floor, m/N.
+    ///
+    /// The floor is a line round the tooth, which the tip covers from wall to wall. A load spread evenly over a disc
+    /// moves the disc by the mean of `exp(-distance / l)` over all pairs of its points. The distance is measured along
+    /// that line. The mean is nearly the value at the mean distance, 256 / (45 pi^2) radii.
     pub fn floor_compliance(&self) -> f64 {
         let distance =
             256.0 / (45.0 * std::f64::consts::PI * std::f64::consts::PI) * 0.5 * self.reading_tip;
         libm::exp(distance / self.reach) / (self.firmness() * self.floor_stiffness)
     }
 
-    /// Thresholds of the zones above light, N.
+    /// Returns the thresholds of the zones above light, N.
     pub(super) fn thresholds(&self) -> [f64; 3] {
         [self.too_heavy, self.trauma, self.damage]
     }

@@ -1,4 +1,4 @@
-//! What a tool in the pocket reads, and how heavy it is on the floor.
+//! Pocket reading of a tool, and its force zone on the floor.
 
 use super::{Gingiva, GingivaParams, MEMORY};
 use crate::MAX_TOOLS;
@@ -7,10 +7,11 @@ use crate::output::{ForceZone, PocketReading};
 use crate::scene::params::within;
 use crate::tissue::Hands;
 
-/// What is remembered of one tool: floor force (N), zone (0 to 3), whether the zone was entered in this tick.
+/// Length of the memory of one tool: floor force (N), force zone (0 to 3), flag of an entry into the zone in this tick.
 const PER_TOOL: usize = MEMORY / MAX_TOOLS;
 
-/// The zone after a force `newtons`, from the zone before: entered at its threshold, left under `rearm` of it.
+/// Returns the zone at a floor force of `newtons`, given the zone `before`. A zone is entered at its threshold and left
+/// below `rearm` times the threshold.
 pub fn zone_after(params: &GingivaParams, before: ForceZone, newtons: f64) -> ForceZone {
     let zones = ForceZone::ALL[1..].iter().zip(params.thresholds());
     zones.fold(ForceZone::Light, |zone, (&heavier, threshold)| {
@@ -30,7 +31,7 @@ fn zone_of(number: f64) -> ForceZone {
         .unwrap_or_default()
 }
 
-/// Writes what is remembered of each tool after a tick in which it `pressed` on the floor (newtons).
+/// Writes the memory of each tool after a tick in which the tool `pressed` on the floor (newtons).
 pub fn remember(params: &GingivaParams, pressed: &[f64; MAX_TOOLS], memory: &mut [f64]) {
     for (memory, pressed) in memory.chunks_exact_mut(PER_TOOL).zip(pressed) {
         let force = fmax(0.0, *pressed);
@@ -42,17 +43,17 @@ pub fn remember(params: &GingivaParams, pressed: &[f64; MAX_TOOLS], memory: &mut
     }
 }
 
-/// The very tip of a tool that is lower than the margin.
+/// Tip of a tool below the gingival margin.
 pub struct Tip {
-    /// Where it is, world axes, metres.
+    /// Position of the tip, world axes, metres.
     pub point: Vec3,
-    /// Angle about the tooth, radians.
+    /// Angle about the tooth, radians from mesial over buccal, -pi to pi.
     pub around: f64,
     depth: f64,
 }
 
-/// The tip of the tool in `slot` at the graphic pose; none above the margin or outside the ball that holds the gingiva
-/// at rest (centre and radius, metres).
+/// Returns the tip of the tool in `slot` at the graphic pose, if the tip is below the margin. Returns `None` outside
+/// the ball (centre and radius, metres) that bounds the gingiva at rest.
 pub fn tip_below_margin(
     model: &Gingiva,
     slot: usize,
@@ -62,7 +63,7 @@ pub fn tip_below_margin(
     let hand = hands.tools.get(slot)?.as_ref()?;
     let point = hand.graphic.transform(&hand.tool.tip);
     let from = point - centre;
-    // A NaN is nowhere.
+    // A NaN counts as outside the ball.
     if !within(from.dot(&from), 0.0, radius * radius) {
         return None;
     }
@@ -75,11 +76,11 @@ pub fn tip_below_margin(
     })
 }
 
-/// What the tool in `slot` reads, whose tip is in the pocket.
+/// Returns the reading of the tool in `slot`, whose tip is in the pocket.
 pub fn reading(tip: &Tip, slot: usize, memory: &[f64]) -> PocketReading {
     let memory = &memory[slot * PER_TOOL..(slot + 1) * PER_TOOL];
     PocketReading {
-        // The tick knows which object this is.
+        // The tick writes the index of the object.
         object: 0,
         around: tip.around,
         depth: tip.depth,

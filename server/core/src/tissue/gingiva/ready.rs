@@ -1,7 +1,7 @@
-//! The model made ready for a tick.
+//! Gingiva prepared for ticks.
 //!
-//! State: what is remembered of each tool ([`super::pocket`]), then the displacement of each yielding sphere. A
-//! configuration is the displacements alone, metres, x y z sphere by sphere.
+//! State: the memory of each tool ([`super::pocket`]), then the displacement of each yielding sphere. Configuration:
+//! the displacements alone, metres, x y z sphere by sphere.
 
 use std::f64::consts::TAU;
 
@@ -13,25 +13,26 @@ use crate::output::PocketReading;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
 use crate::tree::{Sphere, SphereTree};
 
-/// A node that does not yield.
+/// Slot of a node that does not yield.
 const NONE: u32 = u32::MAX;
-/// Most rows of both tools on one tissue.
+/// Largest number of rows of both tools on one tissue.
 const MOST_ROWS: usize = 1024 * crate::MAX_TOOLS;
-/// How much of a squared distance across the wall counts when the wall beside a tip is looked for: little, because a tip that
-/// slipped out between two papillae can be nearer to the wall at one side of it than to the one that it has left behind.
+/// Weight of the squared distance across the wall in the search for the wall beside a tip. The weight is small because
+/// of tips that slipped out between two papillae. Such a tip can be nearer to the wall at its side than to the wall
+/// behind it.
 const ACROSS: f64 = 0.1;
-/// Sectors round the tooth: a tip's wall is in its own or in one beside it.
+/// Number of sectors round the tooth. The wall of a tip lies in the tip's sector or in a neighbouring sector.
 const SECTORS: usize = 8;
-/// Displacement under which what comes back is back, metres.
+/// Threshold of displacement below which the free configuration is set to rest, metres.
 const AT_REST: f64 = 1e-9;
 
-/// Sector of an angle, radians.
+/// Returns the sector of an angle (radians).
 fn sector(around: f64) -> usize {
     let turns = around / TAU;
     ((turns - libm::floor(turns)) * SECTORS as f64) as usize % SECTORS
 }
 
-/// A gingiva made ready.
+/// Gingiva prepared for ticks.
 #[derive(Debug)]
 pub struct Ready {
     model: Gingiva,
@@ -39,31 +40,32 @@ pub struct Ready {
     rest: Vec<Vec3>,
     /// Bound radius of the root at rest, metres.
     bound: f64,
-    /// Yielding sphere that each node goes with.
+    /// Yielding sphere that each node moves with, or `NONE`.
     slots: Vec<u32>,
-    /// Yielding spheres above the floor, which have a tooth's side and an outer side, with their rest centres, metres, and the
-    /// directions to their outer sides; by sector.
+    /// Wall spheres by sector: yielding sphere, rest centre (metres), direction to the outer side. Wall spheres yield
+    /// and lie above the floor, so they have a tooth's side and an outer side.
     walls: [Vec<(u32, Vec3, Vec3)>; SECTORS],
     /// Root of each yielding sphere's compliance over one tick, (m/N)^1/2.
     roots: Vec<Root>,
     falloff: Falloff,
-    /// Share of a displacement that is left a tick later.
+    /// Fraction of a displacement that is left one tick after release.
     kept: f64,
-    /// Scratch of [`Tissue::add_gram`]: each row's normal times its root, and its yielding sphere.
+    /// Scratch of [`Tissue::add_gram`]: for each row the root times the normal, and the yielding sphere.
     turned: Vec<(Vec3, u32)>,
-    /// Scratch of [`Tissue::apply`]: sums over the loads, axis by axis.
+    /// Scratch of [`Tissue::apply`]: sums over the loads, by axis.
     sums: [Vec<f64>; 3],
 }
 
 impl Ready {
-    /// The model for the tree `rest`. It must have passed [`Gingiva::validate`].
+    /// Prepares `model` for the tree `rest` and ticks of `tick_s` seconds. The model must have passed
+    /// [`Gingiva::validate`].
     pub fn new(model: &Gingiva, rest: &SphereTree, tick_s: f64) -> Self {
         let nodes: Vec<u32> = rest.shape_at(model.level).map(|(id, _)| id).collect();
         let mut slots = vec![NONE; rest.nodes().len()];
         for (slot, &node) in nodes.iter().enumerate() {
             slots[node as usize] = slot as u32;
         }
-        // Parents come before their children.
+        // Parents precede their children, so one pass is enough.
         for (k, node) in rest.nodes().iter().enumerate() {
             let slot = slots[k];
             if slot != NONE && node.children > 0 {
@@ -82,7 +84,7 @@ impl Ready {
         let roots = nodes.iter().map(|&node| {
             let place = &model.places[node as usize];
             let (axis, away) = (model.tooth.axis, place.away);
-            // 0 at the floor and below, 1 where the wall is all wall.
+            // 0 at the floor and below, 1 above the taper.
             let t = fclamp(place.height / fmax(params.floor_taper, 1e-9), 0.0, 1.0);
             let share = t * t * (3.0 - 2.0 * t);
             let along = shear * share + floor * (1.0 - share);
@@ -125,13 +127,15 @@ impl Ready {
         }
     }
 
-    /// The tip of the tool in `slot`, if it is below the margin and on the tooth's side of the wall that is nearest to it and of
-    /// the wall beside it, wherever these were pushed; with the squared distance from the middle of the
-    /// nearest wall sphere, m^2.
+    /// Returns the tip of the tool in `slot`, if the tip is in the pocket. The number is the squared distance of the
+    /// tip from the centre of the nearest wall sphere, m^2.
+    ///
+    /// A tip in the pocket is below the margin. The tip lies on the tooth's side of the nearest wall sphere and of the
+    /// wall sphere beside it, at their displaced positions.
     fn tip_in_pocket(&self, slot: usize, hands: &Hands<'_>, shape: &[f64]) -> Option<(f64, Tip)> {
         let root = (&self.rest[0], self.bound);
         let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;
-        // Smallest measure and, there, how far outside the wall.
+        // Smallest measure so far, and the tip's distance outside that wall sphere, negative inside.
         let (mut nearest, mut beside) = ((f64::INFINITY, 0.0), (f64::INFINITY, 0.0));
         let here = sector(tip.around) + SECTORS;
         let beside_it = (here - 1..=here + 1).flat_map(|sector| &self.walls[sector % SECTORS]);
@@ -171,7 +175,7 @@ impl Tissue for Ready {
             *free = self.kept * now;
             most = fmax(most, free.abs());
         }
-        // No number of ticks would bring it all the way back.
+        // Exponential decay alone would never reach the rest.
         if most < AT_REST {
             free.fill(0.0);
         }
@@ -222,7 +226,7 @@ impl Tissue for Ready {
         let mut any = false;
         let mut next = 0;
         while let Some(site) = sites.get(next) {
-            // All of a sphere's rows stand together: they share its row of the matrix.
+            // Rows of one sphere are adjacent and share one row of the matrix.
             let (slot, mut load) = (slots[site.sphere as usize], Vec3::zeros());
             while let Some(same) = sites.get(next).filter(|same| same.sphere == site.sphere) {
                 load -= same.normal * lambda[next];
@@ -275,7 +279,7 @@ impl Tissue for Ready {
                 usize::from(load.tool) == slot && self.model.places[load.sphere as usize].floor
             };
             let mut ours = loads.iter().filter(floor).peekable();
-            // What presses on the outside far down is not in the pocket.
+            // Floor spheres far down can also be loaded from outside the gingiva. Such a load is not in the pocket.
             if ours.peek().is_none() || self.tip_in_pocket(slot, hands, shape).is_none() {
                 return 0.0;
             }

@@ -1,7 +1,7 @@
-//! The six sites that are charted round a tooth, and what is prescribed at each.
+//! Six charted sites of a tooth, and the prescription of each site.
 //!
-//! Borders of the zones, as angles about the tooth's axis from mesial (0) over buccal (+90 degrees): the midlines at 0 and
-//! 180 degrees, and the line angles at `proximal` and 180 degrees less `proximal` on either side.
+//! Borders of the zones are angles about the tooth's axis from mesial (0) over buccal (+90 degrees). The midlines lie
+//! at 0 and 180 degrees. The line angles lie at `proximal` and at 180 degrees less `proximal`, on either side.
 
 use std::f64::consts::PI;
 
@@ -11,10 +11,10 @@ use super::Gingiva;
 use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 
-/// Least and greatest half width of a proximal zone, degrees.
+/// Smallest and largest half width of a proximal zone, degrees.
 const PROXIMAL_DEG: (f64, f64) = (20.0, 80.0);
 
-/// One of the six places of a tooth at which a depth is charted, in the order round the tooth from mesial over buccal.
+/// Site of a tooth for charting a depth, in the order round the tooth from mesial over buccal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Site {
     /// From the mesial midline to the line angle, on the cheek's side.
@@ -32,7 +32,7 @@ pub enum Site {
 }
 
 impl Site {
-    /// All six, in the order round the tooth.
+    /// All six sites, in the order round the tooth.
     pub const ALL: [Site; 6] = [
         Site::MesioBuccal,
         Site::Buccal,
@@ -42,7 +42,7 @@ impl Site {
         Site::MesioLingual,
     ];
 
-    /// Name in files, one word.
+    /// Returns the name of the site in files, one word.
     pub const fn name(self) -> &'static str {
         match self {
             Site::MesioBuccal => "mesiobuccal",
@@ -54,17 +54,17 @@ impl Site {
         }
     }
 
-    /// The site of that name.
+    /// Returns the site with the name `name`, if there is one.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|site| site.name() == name)
     }
 
-    /// Whether it lies beside a neighbouring tooth.
+    /// Whether the site lies beside a neighbouring tooth.
     pub const fn is_proximal(self) -> bool {
         !matches!(self, Site::Buccal | Site::Lingual)
     }
 
-    /// Whether it lies on the mesial half; `None` in the middle of a side.
+    /// Whether the site lies on the mesial half; `None` in the middle of a side.
     pub const fn is_mesial(self) -> Option<bool> {
         match self {
             Site::MesioBuccal | Site::MesioLingual => Some(true),
@@ -73,16 +73,16 @@ impl Site {
         }
     }
 
-    /// Whether it lies on the cheek's side.
+    /// Whether the site lies on the cheek's side.
     pub const fn is_buccal(self) -> bool {
         matches!(self, Site::MesioBuccal | Site::Buccal | Site::DistoBuccal)
     }
 
-    /// The zone of an angle (radians from mesial over buccal, any number of turns) whose proximal zones reach `proximal`
-    /// radians from the midlines. What is no number counts as the mesial midline.
+    /// Returns the zone of an angle (radians from mesial over buccal, any number of turns). The proximal zones reach
+    /// `proximal` radians from the midlines. An angle that is not finite counts as the mesial midline.
     pub fn at(around: f64, proximal: f64) -> Self {
         let turn = around / (2.0 * PI);
-        // -0.5 to 0.5 of a turn.
+        // Fraction of a turn, -0.5 to 0.5.
         let part = turn - libm::floor(turn + 0.5);
         let (buccal, from_mesial) = if part < 0.0 {
             (false, -part * 2.0 * PI)
@@ -100,36 +100,40 @@ impl Site {
         } else if buccal {
             Site::MesioBuccal
         } else {
-            // A NaN is neither less than 0 nor beyond a border, and so never comes here.
+            // A NaN never reaches this branch: `part < 0.0` is false for a NaN.
             Site::MesioLingual
         }
     }
 }
 
-/// What a patient's chart says of one site.
+/// Prescription of one site in a patient's chart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Prescribed {
-    /// Probing depth, metres: from the margin to the deepest place of the zone's floor, read at
+    /// Probing depth, metres, 0 to 0.02: from the margin to the deepest place of the zone's floor, read at
     /// [`super::GingivaParams::reading_force`] with [`super::GingivaParams::reading_tip`].
     pub depth: f64,
-    /// How far the margin lies below the cemento-enamel junction, along the tooth's axis, metres; negative above it.
+    /// Distance of the margin below the cemento-enamel junction, along the tooth's axis, metres, -0.01 to 0.02;
+    /// negative above the junction.
     pub recession: f64,
-    /// Whether it bleeds after light probing.
+    /// Whether the site bleeds after light probing.
     pub bleeds: bool,
 }
 
 impl Gingiva {
-    /// The zone of an angle, radians from mesial over buccal.
+    /// Returns the zone of an angle, radians from mesial over buccal.
     pub fn site_at(&self, around: f64) -> Site {
         Site::at(around, self.proximal)
     }
 
-    /// What is prescribed at a site.
+    /// Returns the prescription of a site.
     pub fn prescribed(&self, site: Site) -> &Prescribed {
         &self.sites[site as usize]
     }
 
     /// Checks zones and prescriptions.
+    ///
+    /// # Errors
+    /// A field is out of range: the error names the field, the value found and the range expected.
     pub(super) fn validate_sites(&self) -> Result<(), TissueError> {
         let (narrow, wide) = (PROXIMAL_DEG.0.to_radians(), PROXIMAL_DEG.1.to_radians());
         if !within(self.proximal, narrow, wide) {
@@ -162,7 +166,7 @@ mod tests {
 
     #[test]
     fn bearings_fall_into_six_zones() {
-        // From mesial over buccal: -90 is the middle of the lingual side.
+        // Angles from mesial over buccal: -90 degrees is the middle of the lingual side.
         let names = [10.0, 90.0, 170.0, -170.0, -90.0, -10.0].map(|degrees| name(degrees, 50.0));
         assert_eq!(names, Site::ALL.map(Site::name));
         for (degrees, is) in [

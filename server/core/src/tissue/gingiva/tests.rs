@@ -1,4 +1,4 @@
-//! The kernel, its books, its way in time, its zones.
+//! Tests of the gingiva: kernel, compliance, behaviour in time, force zones, validation.
 
 mod reading;
 
@@ -17,10 +17,10 @@ const NOBODY: Hands<'static> = Hands {
     detail: 0,
 };
 
-/// Where a sphere is (metres), which way is away from the tooth (radians) and how high it is over the floor (metres).
+/// Sphere of a test gingiva: centre (metres), direction away from the tooth (radians), height over the floor (metres).
 type Spot = ([f64; 3], f64, f64);
 
-/// A gingiva of these spheres around a tooth along z, and the nodes that they became.
+/// Returns a gingiva of the spheres `spots` around a tooth along z, its tree, and the nodes of the spheres.
 fn gingiva(spots: &[Spot], params: GingivaParams) -> (Gingiva, SphereTree, Vec<u32>) {
     let spheres: Vec<Sphere> = spots
         .iter()
@@ -32,7 +32,7 @@ fn gingiva(spots: &[Spot], params: GingivaParams) -> (Gingiva, SphereTree, Vec<u
     let rest = SphereTree::over_leaves(&spheres).expect("valid");
     let ids: Vec<u32> = rest.shape_at(MAX_LEVEL).map(|(id, _)| id).collect();
     let places = rest.nodes().iter().map(|node| {
-        // Inner nodes are never asked; leaves are found again by their place.
+        // Inner nodes are not used. Leaves are matched to their spots by position.
         let near = |spot: &Spot| norm(&(Vec3::from(spot.0) - node.centre));
         let spot = spots.iter().fold(
             &spots[0],
@@ -64,7 +64,8 @@ fn gingiva(spots: &[Spot], params: GingivaParams) -> (Gingiva, SphereTree, Vec<u
     (model, rest, ids)
 }
 
-/// Spheres at arbitrary places, among them pairs a hair apart that face opposite ways, as the two sides of a papilla do.
+/// Strategy for spheres at arbitrary positions. Some are pairs 0.1 mm apart that face opposite ways, as the two sides
+/// of a papilla do.
 fn spots() -> impl Strategy<Value = Vec<Spot>> {
     let near = -3e-3..3e-3;
     let spot = ([near.clone(), near.clone(), near], -3.2..3.2, -1e-3..2e-3);
@@ -81,7 +82,7 @@ fn spots() -> impl Strategy<Value = Vec<Spot>> {
     })
 }
 
-/// Rows in every direction at every sphere.
+/// Returns rows along x, y and z at every sphere.
 fn everywhere(ids: &[u32]) -> Vec<Site> {
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let sites = ids
@@ -97,7 +98,7 @@ fn matrix(tissue: &mut dyn Tissue, sites: &[Site]) -> Vec<f64> {
     entries
 }
 
-/// Eigenvalues of a symmetric matrix by Jacobi's rotations: nothing of the model's own.
+/// Computes the eigenvalues of a symmetric matrix by Jacobi rotations, independent of the model's code.
 fn eigenvalues(mut a: Vec<f64>, n: usize) -> Vec<f64> {
     for _ in 0..60 {
         for p in 0..n {
@@ -129,7 +130,7 @@ fn eigenvalues(mut a: Vec<f64>, n: usize) -> Vec<f64> {
 
 #[test]
 fn the_judge_of_eigenvalues_is_right() {
-    // The chain of n springs has eigenvalues 2 - 2 cos(k pi / (n + 1)).
+    // The matrix of a chain of n springs has the eigenvalues 2 - 2 cos(k pi / (n + 1)).
     let n = 12;
     let mut a = vec![0.0; n * n];
     for k in 0..n {
@@ -153,7 +154,7 @@ proptest! {
     fn the_kernel_is_never_negative(spots in spots(), spread in 0.0..1e-3) {
         let (mut model, rest, ids) = gingiva(&spots, GingivaParams::default());
         for place in &mut model.places {
-            // Some are points, some stretches, some fall together.
+            // Mixture of points, stretches and coincident points.
             place.spread = fmax(0.0, spread * place.away.x);
             place.on_surface.x = fmax(0.0, place.on_surface.x);
         }
@@ -173,7 +174,8 @@ proptest! {
     #[test]
     fn what_a_row_says_is_what_a_load_does(spots in spots(), lambda in 0.0..2.0, spread in 0.0..1e-3) {
         let (mut model, rest, ids) = gingiva(&spots, GingivaParams::default());
-        // A row whose own compliance took the stretch for a point left tool and tissue 2 um inside each other.
+        // Regression: a diagonal entry computed for a point instead of a stretch left tool and tissue 2 um inside each
+        // other.
         model.places.iter_mut().for_each(|place| place.spread = spread);
         let mut ready = Ready::new(&model, &rest, TICK_S);
         let sites = everywhere(&ids);
@@ -203,8 +205,8 @@ proptest! {
 
 #[test]
 fn clamped_direction_cosines_would_not_do() {
-    // What suggests itself for Eq. 14 is the clamped cosine between the ways out of two places. A dozen places round a thin
-    // tooth, near enough for the distance not to matter, are too many for it.
+    // The clamped cosine between the directions away from the tooth is the obvious form of Eq. 14. With a dozen places
+    // round a thin tooth, near enough for the distance not to matter, its matrix is indefinite.
     let n = 12;
     let cosine = |k: usize| libm::cos(2.0 * std::f64::consts::PI * k as f64 / n as f64);
     let clamped = (0..n * n).map(|k| {
@@ -231,7 +233,7 @@ fn in_time_it_is_a_kelvin_voigt_solid() {
     }];
     assert!(ready.free_step(&state, &NOBODY, &mut shape, &mut free));
     let load = 0.3;
-    // Pressed for 60 ms, then let go.
+    // Load for 60 ms, then release.
     let mut pressed = 0.0;
     for k in 1..=600 {
         ready.free_step(&state, &NOBODY, &mut shape, &mut free);
@@ -246,7 +248,7 @@ fn in_time_it_is_a_kelvin_voigt_solid() {
         } else {
             pressed * libm::exp(-(t - 0.06) / params.relaxation)
         };
-        // Implicit Euler with 20 steps to a time constant: first order.
+        // Implicit Euler with 20 steps per time constant: an error of first order.
         assert!(
             (way - exact).abs() < 0.02 * end,
             "{t}: {way:e}, exact {exact:e}"
@@ -255,7 +257,7 @@ fn in_time_it_is_a_kelvin_voigt_solid() {
             pressed = way;
         }
     }
-    // All the way back, exactly.
+    // The return to rest is complete and exact.
     assert!(state.iter().all(|x| *x == 0.0), "{state:?}");
     assert!(ready.free_step(&state, &NOBODY, &mut shape, &mut free));
 }
@@ -291,7 +293,7 @@ fn stiffness_is_that_of_the_parameters_in_every_direction() {
 
 #[test]
 fn a_tip_of_the_size_that_depths_are_read_with_feels_the_floor_of_the_parameters() {
-    // Many places of a floor under one disc, all pressed evenly.
+    // Many places of a floor under one disc, evenly loaded.
     let params = GingivaParams {
         relaxation: 0.0,
         ..GingivaParams::default()
@@ -304,7 +306,7 @@ fn a_tip_of_the_size_that_depths_are_read_with_feels_the_floor_of_the_parameters
     });
     let places: Vec<Spot> = places.collect();
     let (mut model, rest, ids) = gingiva(&places, params);
-    // The floor is a line: how far across it a place is does not matter.
+    // The floor is a line: the position across it does not matter.
     model
         .places
         .iter_mut()
@@ -355,9 +357,9 @@ fn a_zone_is_entered_once_and_again_only_after_the_hand_was_lighter() {
         ]
     );
     assert_eq!(zone, ForceZone::Light);
-    // Heavy at once is one event, of the heaviest zone.
+    // A heavy press without lighter ones before is one event, of the heaviest zone.
     assert_eq!(zone_after(&params, ForceZone::Light, 3.0), Damage);
-    // From damage into what is still trauma.
+    // From damage down into trauma.
     assert_eq!(zone_after(&params, Damage, 1.5), Trauma);
     assert_eq!(zone_after(&params, Damage, f64::NAN), ForceZone::Light);
 }

@@ -1,4 +1,4 @@
-//! What a scene says of a skeleton, and what of it cannot stand.
+//! Data of a skeleton in a scene, and their validation.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,114 +7,117 @@ use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 
-/// Most nodes of a skeleton: the inverse is dense.
+/// Largest number of nodes of a skeleton. The limit is due to the dense inverse.
 pub const MAX_SKELETON_NODES: usize = 1024;
-/// Skeleton nodes that carry a sphere.
+/// Number of skeleton nodes that carry a sphere.
 pub const CARRIERS: usize = 4;
-/// Closest that two nodes joined by a spring may be, metres.
+/// Smallest valid length of a spring, metres.
 const SHORTEST_SPRING: f64 = 1e-6;
 
-/// An organ that deforms as a whole: a coarse skeleton, and where the time that is left allows it a fine
-/// one (the paper's section 3.1). Both belong to one tree.
+/// Organ that deforms as a whole, with a coarse skeleton and an optional fine skeleton (the paper's section 3.1). The
+/// fine skeleton is for computers with enough time left in a tick. Both belong to one tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Skeleton {
-    /// In force at [`crate::TickInput::detail`] 0.
+    /// Skeleton at [`crate::TickInput::detail`] 0.
     pub coarse: SkeletonLevel,
-    /// In force at detail 1; without it that is the coarse one too.
+    /// Skeleton at detail 1 and above; without it, the coarse skeleton at every detail.
     pub fine: Option<SkeletonLevel>,
 }
 
-/// Springs and masses on some nodes of a sphere tree.
+/// Masses and springs on some nodes of a sphere tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SkeletonLevel {
-    /// Nodes of the tree that are the skeleton's nodes; their rest centres are its rest.
+    /// Nodes of the tree that are skeleton nodes, 2 to 1024. Their rest centres are the rest of the skeleton.
     pub nodes: Vec<u32>,
-    /// For each of them whether it never moves.
+    /// Whether each skeleton node is fixed.
     pub fixed: Vec<bool>,
-    /// What joins them.
+    /// Springs between the skeleton nodes.
     pub springs: Vec<Spring>,
-    /// Numbers that all nodes share.
+    /// Parameters common to all nodes.
     pub params: SkeletonParams,
-    /// For each node of the tree which skeleton nodes carry it.
+    /// Carriers of each node of the tree.
     pub skin: Vec<Skin>,
 }
 
-/// A spring between two skeleton nodes. It resists the difference of their displacements (the paper's Eq. 1
-/// as a vector spring with the sign mended), a symmetric 3x3 stiffness about the world's axes.
+/// Spring between two skeleton nodes. The spring resists the difference of their displacements with a symmetric 3x3
+/// stiffness about the world's axes. This is the paper's Eq. 1 as a vector spring, with the sign corrected.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
-    /// Index in [`SkeletonLevel::nodes`].
+    /// First end: index in [`SkeletonLevel::nodes`].
     pub a: u16,
-    /// Index in [`SkeletonLevel::nodes`].
+    /// Second end: index in [`SkeletonLevel::nodes`].
     pub b: u16,
-    /// Stiffness along the world's x, y and z at small stretch, N/m. 1e-3 to 1e7.
+    /// Stiffness along the world's x, y and z at small stretch, N/m, 1e-3 to 1e7.
     pub stiffness: [f64; 3],
-    /// Force along one axis for a change along another, N/m: between y and z, z and x, x and y. Zero for a spring whose axes
-    /// do not act on one another; with `stiffness` the matrix must be positive definite. Where no spring of a skeleton has
-    /// any, a tick costs a third.
+    /// Stiffness between y and z, z and x, x and y, N/m: force along one axis for a change along the other. Zero for a
+    /// spring with independent axes. The matrix of `stiffness` and `coupling` must be positive definite. Without
+    /// coupling in any spring of a skeleton, a tick costs a third of the time.
     pub coupling: [f64; 3],
 }
 
-/// Numbers that all nodes of a skeleton share.
+/// Parameters common to all nodes of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SkeletonParams {
-    /// Mass of a node, kg. A real tongue (1.04 g/cm3) has about 1.3 g for each of 64 nodes. 1e-7 to 10.
+    /// Mass of a node, kg, 1e-7 to 10. A real tongue (1.04 g/cm3) has about 1.3 g for each of 64 nodes.
     pub mass: f64,
-    /// Damping of a node's motion against the world, N s/m (the paper's `b_c`; it resists rigid motion too,
-    /// which fixed nodes rule out). 0 to 1e4; about 0.5 for 64 nodes keeps a soft tongue from ringing.
+    /// Damping of a node's motion against the world, N s/m, 0 to 1e4: the paper's `b_c`. About 0.5 for 64 nodes keeps a
+    /// soft tongue from ringing. Damping resists rigid motion too, but fixed nodes rule out rigid motion.
     pub damping: f64,
-    /// How stiffness grows with stretch.
+    /// Law of stiffness over stretch.
     pub law: StretchLaw,
 }
 
-/// Stiffness by stretch. With `e` the length of a spring's change in units of its rest length (the axes
-/// weighted by their stiffness), stiffness is `1 + (limit - 1) x / (1 + x)` times that at rest, `x = (e / half)^2`.
+/// Stiffness as a function of stretch.
 ///
-/// The stretch counts the change's every direction, as Eq. 1 does: so the force has a potential, and no
-/// closed path of a hand gains energy.
+/// The stretch `e` is the length of a spring's change in units of its rest length, with axes weighted by their
+/// stiffness. Stiffness is `1 + (limit - 1) x / (1 + x)` times that at rest, with `x = (e / half)^2`.
+///
+/// The stretch counts the change in every direction, as Eq. 1 does. The force therefore has a potential, and no closed
+/// path of a hand gains energy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StretchLaw {
-    /// Stiffness of a very much stretched spring over that at rest. 1 (always the same) to 100.
+    /// Stiffness at very large stretch over that at rest, 1 (constant stiffness) to 100.
     pub limit: f64,
-    /// Stretch at which half of the growth is reached. 0.01 to 100.
+    /// Stretch at half of the growth of stiffness, 0.01 to 100.
     pub half: f64,
 }
 
 impl StretchLaw {
-    /// The same stiffness at any stretch.
+    /// Law of constant stiffness.
     pub const LINEAR: StretchLaw = StretchLaw {
         limit: 1.0,
         half: 1.0,
     };
 
-    /// Stiffness over that at rest, where `x` is the square of the stretch in units of `half`.
+    /// Returns the stiffness over that at rest for `x`, the square of the stretch in units of `half`.
     #[inline]
     pub fn factor(&self, x: f64) -> f64 {
         1.0 + (self.limit - 1.0) * x / (1.0 + x)
     }
 
-    /// Steepest slope of force over displacement at any stretch, over that at rest: the slope is
-    /// `1 + (limit - 1) (3 y - 2 y^2)` at `y = x / (1 + x)`, steepest at `y = 3/4`.
+    /// Returns the steepest slope of force over displacement at any stretch, over that at rest. The slope is
+    ///
+    /// `1 + (limit - 1) (3 y - 2 y^2)` at `y = x / (1 + x)`. The maximum is at `y = 3/4`.
     pub fn steepest(&self) -> f64 {
         1.0 + 1.125 * (self.limit - 1.0)
     }
 }
 
-/// Which skeleton nodes carry a sphere of the tree: it moves by the weighted mean of their displacements, and hands
-/// loads on by the same weights.
+/// Carriers of a sphere of the tree. The sphere moves by the weighted mean of the displacements of its carriers. Loads
+/// on the sphere go to the carriers by the same weights.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Skin {
-    /// Indices in [`SkeletonLevel::nodes`].
+    /// Carriers, as indices in [`SkeletonLevel::nodes`].
     pub nodes: [u16; CARRIERS],
-    /// Not negative, sum 1.
+    /// Weights of the carriers, not negative, sum 1.
     pub weights: [f64; CARRIERS],
 }
 
-/// Least part of a stiffness that the axes before it may leave of it.
+/// Smallest valid pivot of a spring's stiffness matrix, as a fraction of the diagonal entry.
 const DEFINITE: f64 = 1e-9;
 
 impl Spring {
-    /// Whether it resists every change, by the pivots of its matrix. Written so that a NaN does not pass.
+    /// Returns whether the stiffness matrix is positive definite, from its pivots. A NaN in the coupling gives `false`.
     fn is_definite(&self) -> bool {
         let ([x, y, z], [yz, zx, xy]) = (self.stiffness, self.coupling);
         if self.coupling == [0.0; 3] {
@@ -128,7 +131,7 @@ impl Spring {
 }
 
 impl Skeleton {
-    /// Whether any of its springs couples the axes.
+    /// Returns whether any spring couples the axes.
     pub fn couples(&self) -> bool {
         let levels = [Some(&self.coarse), self.fine.as_ref()];
         let mut springs = levels
@@ -141,7 +144,7 @@ impl Skeleton {
     /// Checks both levels against the tree.
     ///
     /// # Errors
-    /// Names the field, the value found and the value expected.
+    /// A field is invalid: the error names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         self.coarse.validate(rest)?;
         self.fine
@@ -149,8 +152,8 @@ impl Skeleton {
             .map_or(Ok(()), |fine| fine.validate(rest))
     }
 
-    /// Numbers of state: displacements and velocities of all free nodes; with two levels also the
-    /// share of the fine one.
+    /// Returns the length of the state: displacements and velocities of all free nodes, and with two levels also the
+    /// share of the fine level.
     pub fn state_len(&self) -> usize {
         let fine = self.fine.as_ref().map_or(0, |fine| 6 * fine.free() + 1);
         6 * self.coarse.free() + fine
@@ -176,7 +179,7 @@ impl SkeletonParams {
 }
 
 impl SkeletonLevel {
-    /// Nodes that can move.
+    /// Returns the number of free nodes.
     pub fn free(&self) -> usize {
         self.fixed.iter().filter(|fixed| !**fixed).count()
     }
@@ -184,8 +187,8 @@ impl SkeletonLevel {
     /// Checks the level against the tree.
     ///
     /// # Errors
-    /// Names the field, the value found and the value expected; of a node that no springs join to a fixed one,
-    /// which it is.
+    /// A field is invalid: the error names the field, the value found and the value expected. A free node that no
+    /// springs join to a fixed node is invalid, too: the error names the node.
     pub fn validate(&self, rest: &SphereTree) -> Result<(), TissueError> {
         self.params.validate()?;
         let (n, tree) = (self.nodes.len(), rest.nodes());
@@ -277,13 +280,14 @@ impl SkeletonLevel {
         Ok(())
     }
 
-    /// From one end of a spring to the other at rest, metres.
+    /// Returns the vector from end `a` to end `b` of a spring at rest, metres.
     pub(super) fn reach(&self, spring: &Spring, rest: &SphereTree) -> Vec3 {
         let centre = |k: u16| rest.nodes()[self.nodes[usize::from(k)] as usize].centre;
         centre(spring.b) - centre(spring.a)
     }
 
-    /// A free node that springs do not join to any fixed one, if there is one: it would drift for ever.
+    /// Returns a free node that springs do not join to any fixed node, if there is one. Such a node would drift for
+    /// ever.
     pub fn lost(&self) -> Option<usize> {
         let mut held = self.fixed.clone();
         loop {

@@ -1,13 +1,13 @@
-//! What stands in one place of a skeleton's matrices: how two nodes act on one another.
+//! Entries of a skeleton's matrices: the interaction of two nodes.
 
 use std::fmt::Debug;
 
 use crate::math::Vec3;
 
-/// A number for each axis; the fourth lane pads and stays zero.
+/// Numbers for the axes x, y and z. The fourth lane is padding and stays zero.
 pub(super) type Axes = [f64; 4];
 
-/// `y += a x` lane by lane.
+/// Computes `y += a x`, lane by lane.
 #[inline(always)]
 pub(super) fn add_product(y: &mut Axes, a: &Axes, x: &Axes) {
     for k in 0..4 {
@@ -15,7 +15,7 @@ pub(super) fn add_product(y: &mut Axes, a: &Axes, x: &Axes) {
     }
 }
 
-/// `y -= a x` lane by lane.
+/// Computes `y -= a x`, lane by lane.
 #[inline(always)]
 pub(super) fn subtract_product(y: &mut Axes, a: &Axes, x: &Axes) {
     for k in 0..4 {
@@ -23,37 +23,36 @@ pub(super) fn subtract_product(y: &mut Axes, a: &Axes, x: &Axes) {
     }
 }
 
-/// A 3x3 matrix between two nodes: [`Axes`] where the axes do not act on one another (its diagonal), [`Block`] where they
-/// do.
+/// 3x3 matrix between two nodes: [`Axes`] for independent axes (the diagonal), [`Block`] for coupled axes.
 pub(super) trait Entry: Copy + Debug + Send + 'static {
     const ZERO: Self;
-    /// The stiffness of a spring along x, y, z, and between y and z, z and x, x and y.
+    /// Returns the stiffness of a spring, given along x, y, z, and between y and z, z and x, x and y.
     fn of(stiffness: [f64; 3], coupling: [f64; 3]) -> Self;
     fn is_zero(&self) -> bool;
-    /// Adds to the diagonal.
+    /// Adds `own` to the diagonal.
     fn add_diagonal(&mut self, own: f64);
     /// Adds `factor other`.
     fn add_scaled(&mut self, factor: f64, other: &Self);
     /// Subtracts `a b'`.
     fn subtract_outer(&mut self, a: &Self, b: &Self);
-    /// Product with `other`.
+    /// Returns the product with `other`.
     fn times(&self, other: &Self) -> Self;
-    /// Inverse of a symmetric, positive definite one.
+    /// Returns the inverse of a symmetric, positive definite matrix.
     fn inverse(&self) -> Self;
     fn transposed(&self) -> Self;
-    /// Product with `factor x`.
+    /// Returns the product with `factor x`.
     fn product(&self, factor: f64, x: &Axes) -> Axes;
-    /// `y -= self x`.
+    /// Computes `y -= self x`.
     fn subtract_from(&self, y: &mut Axes, x: &Axes);
-    /// `y -= self' x`.
+    /// Computes `y -= self' x`.
     fn subtract_transposed_from(&self, y: &mut Axes, x: &Axes);
-    /// `a' self`.
+    /// Returns `a' self`.
     fn before(&self, a: &Vec3) -> Vec3;
-    /// `d' self d`.
+    /// Returns `d' self d`.
     fn quadratic(&self, d: &Axes) -> f64;
-    /// Row `j` of an inverse of which `solve` makes columns.
+    /// Writes row `j` of a symmetric inverse, whose columns `solve` computes in place.
     fn inverse_row(j: usize, solve: &dyn Fn(&mut [Axes]), row: &mut [Self]);
-    /// What stands at a row and a column.
+    /// Returns the number at a row and a column.
     #[cfg(test)]
     fn at(&self, row: usize, column: usize) -> f64;
 }
@@ -135,7 +134,7 @@ impl Entry for Axes {
     }
 }
 
-/// A full 3x3 matrix, its columns side by side.
+/// Full 3x3 matrix, column by column.
 pub(super) type Block = [Axes; 3];
 
 impl Entry for Block {
@@ -175,7 +174,7 @@ impl Entry for Block {
         other.map(|x| self.product(1.0, &x))
     }
 
-    /// By `L D L'`: what is positive definite needs no pivoting.
+    /// Inverse by `L D L'`: a positive definite matrix needs no pivoting.
     fn inverse(&self) -> Self {
         let (d0, a, b) = (self[0][0], self[0][1], self[0][2]);
         let (l, m) = (a / d0, b / d0);
@@ -183,7 +182,7 @@ impl Entry for Block {
         let c = self[1][2] - m * a;
         let n = c / d1;
         let d2 = self[2][2] - m * b - n * c;
-        // The inverse of L has -l, -n and this below its diagonal.
+        // The inverse of L has `-l`, `-n` and this number below its diagonal.
         let o = l * n - m;
         let (p, q, r) = (1.0 / d0, 1.0 / d1, 1.0 / d2);
         let (xy, zx, yz) = (-l * q - o * n * r, o * r, -n * r);
@@ -241,7 +240,8 @@ impl Entry for Block {
             columns.fill([0.0; 4]);
             columns[j][k] = 1.0;
             solve(&mut columns);
-            // Column `k` at node `j` of a symmetric inverse is its row there: how `j` moves along `k` for loads elsewhere.
+            // Column `k` at node `j` of a symmetric inverse equals row `k` there: displacement of `j` along `k` for
+            // loads elsewhere.
             for (entry, column) in row.iter_mut().zip(&columns) {
                 for axis in 0..3 {
                     entry[axis][k] = column[axis];
@@ -271,7 +271,7 @@ mod tests {
         let one = Block::of([1.0; 3], [0.0; 3]);
         assert!(difference(&a.times(&a.inverse()), &one) < 1e-15);
         assert_eq!(a.transposed(), a);
-        // Not symmetric: what a factor's blocks are.
+        // The blocks of a factor are not symmetric either.
         let b = a.times(&Block::of([1.0, 2.0, -1.0], [0.3, 0.2, -0.5]));
         assert!(difference(&b, &b.transposed()) > 0.1);
         let (x, y) = ([0.3, -0.8, 0.5, 0.0], Vec3::new(1.0, -2.0, 0.7));

@@ -1,9 +1,10 @@
-//! The step matrix of a skeleton, factored once: sparse `L D L'` in an order that keeps fill small. Its entries are the
-//! 3x3 blocks between nodes, or their diagonals where the axes do not act on one another.
+//! Step matrix of a skeleton, factored once: sparse `L D L'` in an order that keeps fill small.
+//!
+//! Entries are the 3x3 blocks between nodes, or their diagonals for independent axes.
 
 use super::entry::{Axes, Entry};
 
-/// Symmetric positive definite matrix, dense, row-major: what is factored.
+/// Symmetric positive definite matrix before the factorisation, dense, row-major.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix<E> {
     pub n: usize,
@@ -23,7 +24,7 @@ impl<E: Entry> Matrix<E> {
     }
 }
 
-/// Order of elimination by least degree: node by node whichever then has the fewest neighbours left.
+/// Returns the elimination order of least degree: each step takes the node with the fewest neighbours left.
 pub(super) fn elimination_order(
     n: usize,
     edges: impl Iterator<Item = (usize, usize)>,
@@ -60,15 +61,15 @@ pub(super) fn elimination_order(
     order
 }
 
-/// `L D L'` of a matrix whose rows are in the order of elimination.
+/// Factor `L D L'` of a matrix whose rows are in the order of elimination.
 #[derive(Clone, Debug)]
 pub(super) struct Factor<E> {
-    /// Where each column's entries begin; one more for the end.
+    /// Start of each column's entries, then the end of the last column.
     start: Vec<u32>,
     /// Rows of the entries below the diagonal, column by column.
     rows: Vec<u16>,
     entries: Vec<E>,
-    /// `1 / D`, zero in the padding.
+    /// Inverse `1 / D`, zero in the padding.
     inverse_diagonal: Vec<E>,
 }
 
@@ -76,7 +77,7 @@ impl<E: Entry> Factor<E> {
     /// Factors `matrix`, of which the lower triangle is read.
     pub fn new(mut matrix: Matrix<E>) -> Self {
         let n = matrix.n;
-        // Where fill comes; a value that happens to cancel is still a place.
+        // Pattern of the fill. A value that cancels to zero by chance still counts as an entry.
         let mut filled: Vec<bool> = matrix
             .entries
             .iter()
@@ -107,7 +108,7 @@ impl<E: Entry> Factor<E> {
         factor
     }
 
-    /// Solves in place.
+    /// Solves the system in place: `x` is the right-hand side, then the solution.
     pub fn solve(&self, x: &mut [Axes]) {
         let columns = || self.start.windows(2).map(|w| w[0] as usize..w[1] as usize);
         for (j, column) in columns().enumerate() {
@@ -128,14 +129,15 @@ impl<E: Entry> Factor<E> {
         }
     }
 
-    /// The dense inverse, row by row; symmetric to rounding.
+    /// Returns the dense inverse, row by row. Blocks off the diagonal are exact transposes of each other. Blocks on the
+    /// diagonal are symmetric to rounding.
     pub fn inverse(&self) -> Vec<E> {
         let n = self.inverse_diagonal.len();
         let mut all = vec![E::ZERO; n * n];
         for (j, row) in all.chunks_exact_mut(n).enumerate() {
             E::inverse_row(j, &|x| self.solve(x), row);
         }
-        // Both halves the same bits: the matrix of contacts must be symmetric whichever is read.
+        // The contact matrix must be symmetric whichever half is read, so both halves get the same bits.
         for i in 0..n {
             for j in 0..i {
                 all[i * n + j] = all[j * n + i].transposed();
@@ -144,7 +146,7 @@ impl<E: Entry> Factor<E> {
         all
     }
 
-    /// Entries below the diagonal.
+    /// Returns the number of entries below the diagonal.
     #[cfg(test)]
     pub fn fill(&self) -> usize {
         self.rows.len()

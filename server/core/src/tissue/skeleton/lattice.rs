@@ -1,4 +1,4 @@
-//! One level of a skeleton made ready: step, compliance, displacement of what it carries.
+//! Level of a skeleton prepared for ticks: step, compliance, displacement of the carried spheres.
 
 use crate::math::{Vec3, fmax, norm};
 use crate::tissue::{Gram, Site};
@@ -8,28 +8,29 @@ use super::data::{CARRIERS, SkeletonLevel, StretchLaw};
 use super::entry::{Axes, Entry, add_product};
 use super::factor::{Factor, Matrix, elimination_order};
 
-/// A spring between two free nodes, or one and a fixed one (which then has the number of free nodes).
+/// Spring between two free nodes, or between a free node and a fixed node. The index of a fixed node is the number of
+/// free nodes.
 #[derive(Clone, Copy, Debug)]
 struct Bond<E> {
     a: u32,
     b: u32,
-    /// At rest, N/m.
+    /// Stiffness at rest, N/m.
     stiffness: E,
-    /// What makes of the change the square of the stretch over `half`, 1/m2: the stiffness in other units.
+    /// Product of `stiffness` and `unit`, 1/m2: its quadratic form of the change is `x` of [`StretchLaw`].
     stretch: E,
-    /// Those units, 1/(N m).
+    /// Factor from `stiffness` to `stretch`, 1/(N m).
     #[cfg(test)]
     unit: f64,
 }
 
-/// Free nodes that carry a sphere; a fixed one keeps its place with weight zero.
+/// Free nodes that carry a sphere. A fixed carrier is stored as node 0 with weight zero.
 #[derive(Clone, Copy, Debug)]
 struct Carrier {
     nodes: [u16; CARRIERS],
     weights: [f64; CARRIERS],
 }
 
-/// A level made ready. Free nodes are numbered in the order of elimination.
+/// Level of a skeleton prepared for ticks. Free nodes are numbered in the order of elimination.
 #[derive(Debug)]
 pub(super) struct Lattice<E> {
     free: usize,
@@ -40,41 +41,43 @@ pub(super) struct Lattice<E> {
     mass: f64,
     damping: f64,
     factor: Factor<E>,
-    /// `A^-1`, row by row: how far each node goes for a unit load on one in this tick, m/N.
+    /// Inverse `A^-1`, row by row: displacement of each node in this tick for a unit load on one node, m/N.
     inverse: Vec<E>,
-    /// For each node of the tree.
+    /// Carriers of each node of the tree.
     carriers: Vec<Carrier>,
-    /// Node of the tree that each free node is.
+    /// Node of the tree at each free node.
     tree_nodes: Vec<u32>,
-    /// Displacements with a zero for what is fixed at the end, and forces likewise.
+    /// Displacements of the free nodes, then a zero for all fixed nodes, metres.
     padded: Vec<Axes>,
+    /// Forces on the free nodes, then their unused sum on the fixed nodes, newtons.
     forces: Vec<Axes>,
     loads: Loads<E>,
 }
 
-/// Scratch of rows and loads.
+/// Scratch for rows and loads.
 #[derive(Debug)]
 struct Loads<E> {
-    /// Free nodes that carry a touched sphere, and for each free node its place in that list.
+    /// Free nodes that carry a touched sphere.
     touched: Vec<u16>,
+    /// Index in `touched` of each free node, or `NOWHERE`.
     places: Vec<u16>,
-    /// Compliance of one sphere to each touched node.
+    /// Compliance of one sphere to each touched node, m/N.
     column: Vec<E>,
-    /// Force on each touched node.
+    /// Force on each touched node, newtons.
     pushed: Vec<Axes>,
-    /// Runs of rows on one sphere.
+    /// Runs of rows on one sphere: first row and end.
     runs: Vec<(u32, u32)>,
 }
 
 const NOWHERE: u16 = u16::MAX;
-/// Rows that one tissue can have in a problem.
+/// Largest number of rows of one tissue in a problem.
 const MOST_SITES: usize = 2048;
 
 impl<E: Entry> Lattice<E> {
-    /// `level` must have passed its check against `rest`.
+    /// Prepares `level` for ticks of `tick_s` seconds. The level must have passed its validation against `rest`.
     pub fn new(level: &SkeletonLevel, rest: &SphereTree, tick_s: f64) -> Self {
         let free = level.free();
-        // First numbered as they come, then in the order of elimination.
+        // Free nodes are numbered in the order of the data first, then in the order of elimination.
         let movable: Vec<usize> = (0..level.nodes.len())
             .filter(|&k| !level.fixed[k])
             .collect();
@@ -159,28 +162,31 @@ impl<E: Entry> Lattice<E> {
         }
     }
 
-    /// Numbers in a configuration: four for each free node, the last of them zero.
+    /// Returns the length of a configuration: four numbers for each free node, the last of them zero.
     pub fn shape_len(&self) -> usize {
         4 * self.free
     }
 
-    /// Nodes that can move.
+    /// Returns the number of free nodes.
     pub fn free(&self) -> usize {
         self.free
     }
 
-    /// Nodes of the tree that the free nodes are.
+    /// Returns the node of the tree at each free node.
     pub fn tree_nodes(&self) -> &[u32] {
         &self.tree_nodes
     }
 
-    /// Where the nodes would be at the end of the tick without contact: implicit Euler,
-    /// `(M/dt2 + B/dt + K) u0 = M/dt2 (u + dt v) + B/dt u + r`, with the stiffest `K` of the law in the matrix and
-    /// `r` its excess over the present one at the present displacement.
+    /// Computes the displacements of the nodes at the end of the tick without contact, by implicit Euler:
     ///
-    /// The stiffest `K` is a bound on the elastic energy's curvature, so the sum of kinetic and elastic energy
-    /// never grows in a free step, whatever the stretch: over a step `d`, the elastic energy grows by at most
-    /// `f(u).d + d'Kd/2` and the kinetic one by at most `-f(u).d - d'Kd - d'Bd/dt`.
+    /// `(M/dt2 + B/dt + K) u0 = M/dt2 (u + dt v) + B/dt u + r`,
+    ///
+    /// with the stiffest `K` of the law in the matrix. `r` is the excess of the stiffest force over the present force,
+    /// at the present displacement.
+    ///
+    /// The stiffest `K` is a bound on the curvature of the elastic energy. The sum of kinetic and elastic energy
+    /// therefore never grows in a free step, at any stretch. Over a step `d`, the elastic energy grows by at most
+    /// `f(u).d + d'Kd/2`. The kinetic energy grows by at most `-f(u).d - d'Kd - d'Bd/dt`.
     pub fn free_step(&mut self, u: &[Axes], v: &[Axes], free: &mut [Axes]) {
         let (of_u, of_v) = (
             self.mass / (self.tick_s * self.tick_s) + self.damping / self.tick_s,
@@ -214,7 +220,7 @@ impl<E: Entry> Lattice<E> {
         self.factor.solve(free);
     }
 
-    /// Displacement of a node of the tree, metres.
+    /// Returns the displacement of a node of the tree, metres.
     #[inline(always)]
     pub fn displacement(&self, u: &[Axes], node: u32) -> Axes {
         let carrier = &self.carriers[node as usize];
@@ -226,7 +232,7 @@ impl<E: Entry> Lattice<E> {
         sum
     }
 
-    /// Adds the displacements of nodes of the tree to their centres `rest`.
+    /// Writes the centres of the nodes `ids` of the tree: the centres `rest` plus the displacements, metres.
     pub fn centres(&self, u: &[Axes], rest: &[Vec3], ids: &[u32], out: &mut [Vec3]) {
         for (id, centre) in ids.iter().zip(out) {
             let [x, y, z, _] = self.displacement(u, *id);
@@ -235,7 +241,7 @@ impl<E: Entry> Lattice<E> {
         }
     }
 
-    /// Adds `scale n_i' C_ij n_j` for all pairs of `sites`.
+    /// Adds `scale n_i' C_ij n_j` for all pairs of `sites`, metres per newton.
     pub fn add_gram(&mut self, sites: &[Site], scale: f64, gram: &mut Gram<'_>) {
         self.touch(sites);
         let Loads {
@@ -248,7 +254,7 @@ impl<E: Entry> Lattice<E> {
         let n = self.free;
         for (p, &(first, end)) in runs.iter().enumerate() {
             let of = &self.carriers[sites[first as usize].sphere as usize];
-            // Rows of the symmetric inverse serve as its columns.
+            // The inverse is symmetric, so its rows serve as columns.
             let rows: [&[E]; CARRIERS] = std::array::from_fn(|c| {
                 let at = usize::from(of.nodes[c]) * n;
                 &self.inverse[at..at + n]
@@ -272,7 +278,7 @@ impl<E: Entry> Lattice<E> {
                     for (j, site) in others.take(last as usize).skip(other as usize) {
                         let entry = moved.dot(&site.normal);
                         if p == q {
-                            // The whole block, row by row.
+                            // The loops over one sphere's rows visit `(i, j)` and `(j, i)`.
                             gram.add(i, j, entry);
                         } else {
                             gram.add(i, j, entry);
@@ -285,7 +291,7 @@ impl<E: Entry> Lattice<E> {
         self.forget();
     }
 
-    /// Adds to `shape` what it moves under the load `-lambda_i n_i` on each site.
+    /// Adds to `shape` the displacements under the load `-lambda_i n_i` (newtons) on each site.
     pub fn load(&mut self, sites: &[Site], lambda: &[f64], shape: &mut [Axes]) {
         self.touch(sites);
         let Loads {
@@ -355,7 +361,7 @@ impl<E: Entry> Lattice<E> {
         }
     }
 
-    /// Elastic energy of the law's potential, joules: for tests.
+    /// Returns the elastic energy by the law's potential, joules.
     #[cfg(test)]
     pub fn elastic_energy(&self, u: &[Axes]) -> f64 {
         let mut padded = u.to_vec();
@@ -370,7 +376,7 @@ impl<E: Entry> Lattice<E> {
         self.bonds.iter().map(of).sum()
     }
 
-    /// Force of the springs on each free node, newtons: for tests.
+    /// Returns the force of the springs on each free node, newtons.
     #[cfg(test)]
     pub fn elastic_force(&self, u: &[Axes]) -> Vec<Axes> {
         let mut padded = u.to_vec();
@@ -398,7 +404,7 @@ impl<E: Entry> Lattice<E> {
         self.factor.fill()
     }
 
-    /// `K` at rest.
+    /// Returns `K` at rest, N/m.
     #[cfg(test)]
     pub fn stiffness_at_rest(&self) -> Matrix<E> {
         stiffness(&self.bonds, self.free, 1.0)
@@ -406,7 +412,7 @@ impl<E: Entry> Lattice<E> {
 }
 
 impl<E: Entry> Bond<E> {
-    /// Difference of its ends' displacements, and its stiffness now over that at rest.
+    /// Returns the difference of the displacements of the ends, and the present stiffness over that at rest.
     #[inline(always)]
     fn stretched(&self, padded: &[Axes], law: &StretchLaw) -> (Axes, f64) {
         let (a, b) = (&padded[self.a as usize], &padded[self.b as usize]);
@@ -415,7 +421,7 @@ impl<E: Entry> Bond<E> {
     }
 }
 
-/// Stiffness matrix of the free nodes, `factor` times that at rest, N/m.
+/// Returns the stiffness matrix of the free nodes, `factor` times that at rest, N/m.
 fn stiffness<E: Entry>(bonds: &[Bond<E>], free: usize, factor: f64) -> Matrix<E> {
     let mut matrix: Matrix<E> = Matrix::zeros(free);
     for bond in bonds {
@@ -430,7 +436,7 @@ fn stiffness<E: Entry>(bonds: &[Bond<E>], free: usize, factor: f64) -> Matrix<E>
     matrix
 }
 
-/// Largest way of a node between two configurations, metres.
+/// Returns the largest motion of a node between two configurations, metres.
 pub(super) fn farthest(from: &[Axes], to: &[Axes]) -> f64 {
     let most = from.iter().zip(to).fold(0.0, |most, (a, b)| {
         let mut squared = 0.0;
@@ -442,7 +448,7 @@ pub(super) fn farthest(from: &[Axes], to: &[Axes]) -> f64 {
     most.sqrt()
 }
 
-/// Largest displacement of a node, metres.
+/// Returns the largest displacement of a node, metres.
 pub(super) fn longest(u: &[Axes]) -> f64 {
     let most = u.iter().fold(0.0, |most, a| {
         fmax(most, a[0] * a[0] + a[1] * a[1] + a[2] * a[2])

@@ -1,19 +1,19 @@
-//! A skeleton of springs under a skin of spheres: the paper's large deformation (sections 3.1 and 4), made
-//! stable.
+//! Skeleton of springs under a skin of spheres: the paper's large deformation (sections 3.1 and 4) in a stable form.
 //!
-//! Some nodes of the sphere tree are masses on springs; all other spheres follow them by smooth skin
-//! weights. With the displacements `u` of the free nodes, for each axis on its own unless a spring couples them,
+//! Some nodes of the sphere tree are masses on springs. All other spheres follow them by smooth skin weights. The
+//! displacements `u` of the free nodes obey, for each axis separately unless a spring couples the axes,
 //!
 //! `M u'' + B u' + K(u) u = W' f`,
 //!
-//! `f` the loads on the spheres and `W` the skin weights: where a sphere goes, and what its load does, are the
-//! same weights, so no work is lost or made between skin and skeleton. A step is implicit Euler; its
-//! compliance, which the optimisation sees, is `W A^-1 W'` with `A = M/dt2 + B/dt + K`. Both levels of detail
-//! work alike.
+//! with the loads `f` on the spheres and the skin weights `W`. The same weights move a sphere and distribute its load,
+//! so no work is lost or created between skin and skeleton. A step is implicit Euler. The compliance in the
+//! optimisation is `W A^-1 W'` with `A = M/dt2 + B/dt + K`. Both levels of detail use the same equations.
 //!
-//! Differences to the paper: Eq. 1's sign is mended; the step is implicit (explicit Euler needs about 0.3 kg a
-//! node for its stiffness); loads are the optimisation's multipliers, not a penalty; a sphere of the skin
-//! hangs on four nodes instead of its ancestor, so that there are no seams.
+//! Differences from the paper:
+//! - The sign of Eq. 1 is corrected.
+//! - The step is implicit. Explicit Euler needs about 0.3 kg a node for the paper's stiffness.
+//! - Loads are the multipliers of the optimisation, not a penalty.
+//! - A sphere of the skin depends on four nodes instead of its ancestor, so that there are no seams.
 
 mod data;
 mod entry;

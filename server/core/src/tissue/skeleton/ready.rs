@@ -1,4 +1,4 @@
-//! A skeleton in a tick: one level or two, and the way from one to the other.
+//! Skeleton in a tick: one level or two, and the transition between the levels.
 
 use crate::math::{Vec3, fclamp};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue};
@@ -8,35 +8,39 @@ use super::data::Skeleton;
 use super::entry::{Axes, Block, Entry};
 use super::lattice::{Lattice, farthest, longest};
 
-/// Most that the share of the fine level changes in a second: a whole change takes 0.2 s.
+/// Largest rate of change of the fine level's share, 1/s: a whole transition takes 0.2 s.
 const SHIFT: f64 = 5.0;
-/// Displacement and velocity under which what nothing loads is at rest, metres and m/s: a hundredth of the
-/// bound on a return to rest.
+/// Threshold of displacement below which an unloaded skeleton is set to rest, metres: a hundredth of the bound on a
+/// return to rest.
 const REST_M: f64 = 1e-8;
+/// Threshold of velocity below which an unloaded skeleton is set to rest, m/s.
 const REST_M_PER_S: f64 = 1e-6;
 
-/// A [`Skeleton`] made ready. Its state is `u` and `v` of the coarse level's free nodes (three numbers a node),
-/// then of the fine one's, then the share of the fine one; a level out of force is all zeros. A configuration
-/// is `u` of both levels, four numbers a node, and the share: it alone says where every sphere is.
+/// [`Skeleton`] prepared for ticks.
 ///
-/// While the share `s` is between 0 and 1 both levels bear the whole load and a sphere is where
-/// `(1-s)` and `s` of them say: its compliance is the same mixture, and for a constant share the whole is
-/// passive because its parts are.
+/// The state lists `u` and `v` of the coarse level's free nodes (three numbers a node), then of the fine level's. The
+/// last number is the share of the fine level. An inactive level is all zeros. A configuration is `u` of both levels,
+/// four numbers a node, then the share. The configuration alone determines the position of every sphere.
+///
+/// While the share `s` is between 0 and 1, both levels bear the whole load. The displacement of a sphere is the mixture
+/// of both levels' displacements with weights `1 - s` and `s`. The compliance is the same mixture. For a constant share
+/// the mixture is passive because its parts are.
 #[derive(Debug)]
 pub(in crate::tissue) struct Ready<E> {
     rest: Vec<Vec3>,
     coarse: Lattice<E>,
     fine: Option<Lattice<E>>,
-    /// Share of the fine level in this tick.
+    /// Share of the fine level in this tick, 0 to 1.
     share: f64,
     /// Length of a tick, seconds.
     tick_s: f64,
-    /// Displacements of both levels at the start of this tick, and velocities.
+    /// Displacements of both levels at the start of this tick, metres.
     start: Vec<f64>,
+    /// Velocities of both levels, m/s.
     velocity: Vec<f64>,
 }
 
-/// The part of a configuration that a level reads, node by node.
+/// Returns a part of a configuration node by node.
 fn nodes(shape: &[f64]) -> &[Axes] {
     shape.as_chunks().0
 }
@@ -45,7 +49,7 @@ fn nodes_mut(shape: &mut [f64]) -> &mut [Axes] {
     shape.as_chunks_mut().0
 }
 
-/// Three numbers a node to four.
+/// Copies three numbers a node to four, the last of them zero.
 fn widen(from: &[f64], to: &mut [f64]) {
     for (from, to) in from.chunks_exact(3).zip(nodes_mut(to)) {
         *to = [from[0], from[1], from[2], 0.0];
@@ -58,7 +62,8 @@ fn narrow(from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// `model` made ready for the tree `rest`; it must have passed its check against that.
+/// Prepares `model` for the tree `rest` and ticks of `tick_s` seconds. The model must have passed its validation
+/// against the tree.
 pub(in crate::tissue) fn ready(
     model: &Skeleton,
     rest: &SphereTree,
@@ -72,7 +77,7 @@ pub(in crate::tissue) fn ready(
 }
 
 impl<E: Entry> Ready<E> {
-    /// `model` must have passed its check against `rest`.
+    /// Prepares `model`, which must have passed its validation against `rest`.
     pub fn new(model: &Skeleton, rest: &SphereTree, tick_s: f64) -> Self {
         let coarse = Lattice::new(&model.coarse, rest, tick_s);
         let fine = model
@@ -91,7 +96,7 @@ impl<E: Entry> Ready<E> {
         }
     }
 
-    /// Where the fine level's numbers begin in a configuration and in the state.
+    /// Returns the start of the fine level's numbers in a configuration and in the state.
     fn cuts(&self) -> (usize, usize) {
         (self.coarse.shape_len(), 6 * self.coarse.free())
     }
@@ -104,7 +109,7 @@ impl<E: Entry> Ready<E> {
         }
     }
 
-    /// The share of the fine level in a configuration, and that level while it has one.
+    /// Returns the share of the fine level in a configuration, and that level while the share is positive.
     fn share_in(&self, shape: &[f64]) -> (f64, Option<&Lattice<E>>) {
         match (&self.fine, shape.last()) {
             (Some(fine), Some(&share)) => (share, Some(fine).filter(|_| share > 0.0)),
@@ -113,14 +118,14 @@ impl<E: Entry> Ready<E> {
     }
 }
 
-/// Reads displacements and velocities of one level.
+/// Reads displacements and velocities of one level from its part of the state.
 fn read(state: &[f64], u: &mut [f64], v: &mut [f64]) {
     let (us, vs) = state.split_at(state.len() / 2);
     widen(us, u);
     widen(vs, v);
 }
 
-/// Gives the nodes of a level that comes into force the motion of the level that was in force.
+/// Transfers the motion of the active level `from` to the nodes of the level `to`, which becomes active.
 fn map<E: Entry>(
     from: &Lattice<E>,
     u: &[f64],
@@ -161,7 +166,7 @@ impl<E: Entry> Tissue for Ready<E> {
         let of_fine = &of_fine[..of_fine.len() / 6 * 6];
         let (u, fine_u) = self.start.split_at_mut(cut);
         let (v, fine_v) = self.velocity.split_at_mut(cut);
-        // A level out of force is not looked at.
+        // The numbers of an inactive level are ignored.
         let zero = |numbers: &[f64]| numbers.iter().all(|x| *x == 0.0);
         let resting = (last == 1.0 || zero(of_coarse)) && (last == 0.0 || zero(of_fine));
         let towards = fclamp(wanted - last, -SHIFT * self.tick_s, SHIFT * self.tick_s);
@@ -171,7 +176,7 @@ impl<E: Entry> Tissue for Ready<E> {
             last + towards
         };
         if resting {
-            // Whatever the share, nothing is displaced.
+            // At any share, no sphere is displaced.
             self.start.fill(0.0);
             shape.fill(0.0);
             free.fill(0.0);
@@ -256,7 +261,7 @@ impl<E: Entry> Tissue for Ready<E> {
 
     fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
         let cut = self.cuts().0;
-        // Spheres move by means of their carriers' motion, so none moves farther than the farthest of those.
+        // A sphere moves by a mean of its carriers' motions, so the farthest of its carriers is a bound.
         let way = |from: &[f64], to: &[f64]| farthest(nodes(from), nodes(to));
         let ((s, _), (t, _)) = (self.share_in(from), self.share_in(to));
         let mut most = 0.0;
@@ -267,7 +272,7 @@ impl<E: Entry> Tissue for Ready<E> {
             most += t * way(&from[cut..], &to[cut..]);
         }
         if s != t {
-            // What the change of the share alone moves.
+            // Motion by the change of the share alone.
             let far = |u: &[f64]| longest(nodes(u));
             most += (t - s).abs() * (far(&from[..cut]) + far(&from[cut..]));
         }
@@ -285,7 +290,7 @@ impl<E: Entry> Tissue for Ready<E> {
         for ((v, now), before) in self.velocity.iter_mut().zip(shape).zip(&self.start) {
             *v = (now - before) / self.tick_s;
         }
-        // What is out of force is zero in a configuration, and so at rest.
+        // An inactive level is zero in a configuration, and so at rest.
         let under = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() < bound);
         if loads.is_some_and(<[SiteLoad]>::is_empty)
             && under(&shape[..self.start.len()], REST_M)

@@ -1,4 +1,4 @@
-//! What a skeleton owes to mechanics, each against a computation that shares nothing with it.
+//! Tests of a skeleton's mechanics, each against an independent computation.
 
 mod dynamics;
 mod levels;
@@ -15,13 +15,13 @@ use crate::tree::{Sphere, SphereTree};
 /// Spacing of the block's nodes, metres.
 const SPACING: f64 = 6e-3;
 
-/// Points of a block, its lowest layer at z = 0.
+/// Returns the points of a block, its lowest layer at z = 0.
 fn block(n: [usize; 3]) -> Vec<Vec3> {
     let mut points = Vec::new();
     for k in 0..n[2] {
         for j in 0..n[1] {
             for i in 0..n[0] {
-                // Not quite regular, so that no two distances are the same.
+                // The lattice is slightly irregular, so that no two distances are equal.
                 let wave = 3e-4 * libm::sin((7 * i + 13 * j + 5 * k) as f64);
                 points.push(Vec3::new(i as f64, j as f64 + 0.05 * wave, k as f64) * SPACING);
             }
@@ -30,7 +30,7 @@ fn block(n: [usize; 3]) -> Vec<Vec3> {
     points
 }
 
-/// Spheres between the nodes, which the skin carries.
+/// Returns the centres of spheres between the nodes, which the skin carries.
 fn skin_spheres(n: [usize; 3]) -> Vec<Vec3> {
     let size = Vec3::new(n[0] as f64 - 1.0, n[1] as f64 - 1.0, n[2] as f64 - 1.0) * SPACING;
     (0..25)
@@ -67,7 +67,8 @@ fn skin(point: &Vec3, places: &[Vec3]) -> Skin {
     skin
 }
 
-/// A level on the spheres at `places`, everything within `reach` of each other joined, the lowest layer fixed.
+/// Returns a level on the spheres at `places`. Springs join nodes closer than `reach` (metres); the lowest layer is
+/// fixed.
 fn level(tree: &SphereTree, places: &[Vec3], reach: f64, params: SkeletonParams) -> SkeletonLevel {
     let id = |p: &Vec3| {
         tree.nodes()
@@ -112,7 +113,7 @@ const SOFT: SkeletonParams = SkeletonParams {
     },
 };
 
-/// A block of 4 x 3 x 3 nodes with 25 spheres of skin.
+/// Returns a block of 4 x 3 x 3 nodes with 25 spheres of skin.
 fn soft_block(params: SkeletonParams) -> (SphereTree, Skeleton) {
     let n = [4, 3, 3];
     let places = block(n);
@@ -121,7 +122,7 @@ fn soft_block(params: SkeletonParams) -> (SphereTree, Skeleton) {
     (tree, Skeleton { coarse, fine: None })
 }
 
-/// As [`soft_block`], with a finer skeleton on nodes and skin spheres together.
+/// Returns the block of [`soft_block`] with a finer skeleton on nodes and skin spheres together.
 fn two_levels(params: SkeletonParams) -> (SphereTree, Skeleton) {
     let (tree, mut model) = soft_block(params);
     let n = [4, 3, 3];
@@ -140,7 +141,7 @@ fn tree_of(points: impl Iterator<Item = Vec3>) -> SphereTree {
     SphereTree::over_leaves(&spheres).expect("valid")
 }
 
-/// No hands, at a level of detail.
+/// Returns the input without hands, at a level of detail.
 fn nobody(detail: u8) -> Hands<'static> {
     Hands {
         tools: [None; MAX_TOOLS],
@@ -148,7 +149,7 @@ fn nobody(detail: u8) -> Hands<'static> {
     }
 }
 
-/// A model, its state, and the configurations of a tick.
+/// Model, its state, and the configurations of a tick.
 struct Bench {
     ready: Box<dyn Tissue>,
     state: Vec<f64>,
@@ -184,7 +185,7 @@ impl Bench {
             .free_step(&self.state, &hands, &mut self.shape, &mut self.free);
     }
 
-    /// One tick under the load `-lambda_i n_i` on each site.
+    /// Runs one tick under the load `-lambda_i n_i` (newtons) on each site.
     fn tick(&mut self, sites: &[Site], lambda: &[f64]) {
         self.free_step();
         self.ready
@@ -206,7 +207,7 @@ impl Bench {
         );
     }
 
-    /// Centres of all nodes of the tree in the configuration that the last tick ended with.
+    /// Returns the centres of all nodes of the tree in the final configuration of the last tick.
     fn centres(&self) -> Vec<Vec3> {
         self.centres_in(&self.target)
     }
@@ -219,7 +220,7 @@ impl Bench {
     }
 }
 
-/// Sites on spheres of the tree spread over it, two of them on one sphere.
+/// Returns sites on spheres spread over the tree, two of them on one sphere.
 fn sites(tree: &SphereTree) -> Vec<Site> {
     let leaves: Vec<u32> = tree.shape_at(7).map(|(k, _)| k).collect();
     (0..9)

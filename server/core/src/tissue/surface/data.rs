@@ -1,4 +1,4 @@
-//! What a scene says of an organ by its surface compliance, and what of it cannot stand.
+//! Data of an organ's surface compliance in a scene, and their validation.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,46 +7,50 @@ use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 
-/// Most masters.
+/// Largest number of moving masters.
 pub const MAX_MASTERS: usize = 256;
-/// Most cells of the large-displacement term.
+/// Largest number of cells of the large-displacement term.
 pub const MAX_CELLS: usize = 64;
 
-/// An organ condensed to its surface.
+/// Organ condensed to its surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceCompliance {
-    /// Numbers that a user may turn.
+    /// Parameters that a user may change.
     pub params: SurfaceParams,
-    /// Masters; in what follows x, y and z in turn of those that move.
+    /// Masters. The tables below list x, y and z of each moving master in turn.
     pub masters: Masters,
-    /// Compliance between the masters for a Young's modulus of 1 Pa, 1/m: the lower triangle, row by row.
+    /// Compliance between the moving masters at a Young's modulus of 1 Pa, 1/m: the lower triangle, row by row.
     pub compliance: Vec<f32>,
-    /// The large-displacement term.
+    /// Cells of the large-displacement term.
     pub cells: Cells,
-    /// For each node of the tree who carries it.
+    /// Carriers of each node of the tree.
     pub skin: Vec<SurfaceSkin>,
 }
 
-/// Cells of the organ in which the displacement gradient counts as one.
+/// Cells of the organ, each with a constant displacement gradient.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cells {
-    /// Volume of each, m3.
+    /// Volume of each cell, m3, 1e-15 to 1.
     pub volumes: Vec<f64>,
-    /// Displacement of the masters for a stress of 1 Pa in each cell at a Young's modulus of 1 Pa, metres: cell by cell, in
-    /// each the nine stresses row by row (`P_xx, P_xy, ...`), for each of these x, y, z of all masters.
+    /// Displacement of the masters for a stress of 1 Pa in each cell at a Young's modulus of 1 Pa, metres.
+    ///
+    /// The order is cell by cell, then the nine stresses row by row (`P_xx, P_xy, ...`), then x, y, z of all moving
+    /// masters.
     pub response: Vec<f32>,
 }
 
-/// Numbers of a surface compliance.
+/// Parameters of a surface compliance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceParams {
-    /// Young's modulus, Pa. 100 to 1e8; a relaxed tongue about 10,000 to 15,000, a tense one 100,000.
+    /// Young's modulus, Pa. Default 10,000, range 100 to 1e8. A relaxed tongue has about 10,000 to 15,000, a tense one
+    /// 100,000.
     pub young: f64,
-    /// Poisson's ratio of the finite elements that it was condensed from. 0 to 0.499.
+    /// Poisson's ratio of the finite elements before condensation. Default 0.49, range 0 to 0.499.
     pub poisson: f64,
-    /// Time constant with which it follows a load, seconds. 0.002 to 1; shorter feels livelier, longer more viscous.
+    /// Time constant of the response to a load, seconds. Default 0.02, range 0.002 (two ticks) to 1. Shorter values
+    /// feel livelier, longer values more viscous.
     pub relaxation: f64,
-    /// Share of the large-displacement term. 0 (linear) to 1.
+    /// Factor on the large-displacement term. Default 1, range 0 (linear) to 1.
     pub large: f64,
 }
 
@@ -61,20 +65,21 @@ impl Default for SurfaceParams {
     }
 }
 
-/// Who carries a sphere: a place without a carrier has weight zero. Where the weights fall short of 1 the rest is held.
+/// Carriers of a sphere. An unused slot has weight zero. If the weights sum to less than 1, held masters carry the
+/// rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceSkin {
-    /// Masters.
+    /// Moving masters that carry the sphere.
     pub masters: [u16; SURFACE_CARRIERS],
-    /// How much each counts.
+    /// Weights of the masters, none negative, sum at most 1.
     pub weights: [f64; SURFACE_CARRIERS],
 }
 
 impl SurfaceParams {
-    /// Checks the numbers, for ticks of `tick_s` seconds.
+    /// Checks the parameters for ticks of `tick_s` seconds.
     ///
     /// # Errors
-    /// Names the field, the value found and the value expected.
+    /// A parameter is out of range: the error names the field, the value found and the value expected.
     pub fn validate(&self, tick_s: f64) -> Result<(), TissueError> {
         if !within(self.young, 100.0, 1e8) {
             return wrong("young", self.young, "100 to 1e8 Pa");
@@ -94,13 +99,13 @@ impl SurfaceParams {
 }
 
 impl SurfaceCompliance {
-    /// Numbers of state: twice the displacement of the masters (with the large-displacement term, and its linear part), then
-    /// the gradients of the cells.
+    /// Returns the length of the state: the displacement of the masters with the large-displacement term, its linear
+    /// part, and the gradients of the cells.
     pub fn state_len(&self) -> usize {
         6 * self.masters.moving() + 9 * self.cells.volumes.len()
     }
 
-    /// Compliance between two of the masters' numbers for 1 Pa, 1/m.
+    /// Returns the compliance between two coordinates of the masters at a Young's modulus of 1 Pa, 1/m.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
         let (row, column) = if i < j { (j, i) } else { (i, j) };
         f64::from(self.compliance[row * (row + 1) / 2 + column])
@@ -109,7 +114,7 @@ impl SurfaceCompliance {
     /// Checks the data against the tree, for ticks of `tick_s` seconds.
     ///
     /// # Errors
-    /// Names the field, the value found and the value expected.
+    /// A field is invalid: the error names the field, the value found and the value expected.
     pub fn validate(&self, rest: &SphereTree, tick_s: f64) -> Result<(), TissueError> {
         self.params.validate(tick_s)?;
         let (m, cells) = (self.masters.moving(), self.cells.volumes.len());
@@ -174,7 +179,8 @@ impl SurfaceCompliance {
         Ok(())
     }
 
-    /// The first pivot of a Cholesky factor that is negative by more than single precision explains, if there is one.
+    /// Returns the first pivot of a Cholesky factor that is not positive, if there is one. Diagonal entries are raised
+    /// by 1e-5 of the largest, to allow for single precision.
     fn negative_pivot(&self) -> Option<f64> {
         let n = 3 * self.masters.moving();
         let most = (0..n).fold(0.0, |most, i| crate::math::fmax(most, self.entry(i, i)));
@@ -189,7 +195,7 @@ impl SurfaceCompliance {
             }
             let own = row[..i].iter().map(|a| a * a).sum::<f64>();
             let pivot = self.entry(i, i) + spare - own;
-            // Written so that a NaN is found, too.
+            // A NaN counts as a negative pivot.
             if pivot.is_nan() || pivot <= 0.0 {
                 return Some(pivot);
             }

@@ -1,4 +1,4 @@
-//! A surface compliance in a tick.
+//! Surface compliance in a tick.
 
 use super::data::{SurfaceCompliance, SurfaceSkin};
 use super::stress::quadratic_stress;
@@ -6,52 +6,58 @@ use crate::math::{Mat3, Vec3, fmax};
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
 use crate::tree::SphereTree;
 
-/// Displacement under which what nothing loads is at rest, metres.
+/// Threshold of displacement below which the free configuration is set to rest, metres.
 const AT_REST: f64 = 1e-8;
-/// Size of a displacement gradient at which the large-displacement term no longer grows: there a series that ends with the second
-/// order has long lost its meaning.
+/// Size of a displacement gradient at which the large-displacement term has its maximum. A series of second order has
+/// no meaning at such gradients.
 const LARGEST: f64 = 0.7;
 
-/// Spheres up to which the compliance between any two is kept (15 MB): level 3 has 512.
+/// Largest number of spheres for which the compliance between any two is stored (15 MB); level 3 has 512.
 const KEPT: usize = 640;
-/// Not a node that can be touched.
+/// Slot of a node that cannot be touched.
 const NONE: u32 = u32::MAX;
 
-/// A [`SurfaceCompliance`] made ready. A configuration is the displacement of the masters, x, y, z in turn.
+/// [`SurfaceCompliance`] prepared for ticks. A configuration is the displacement of the moving masters, metres, x, y, z
+/// in turn.
 ///
-/// Its tables are in single precision, and so is what is computed from them in a tick before it is added to a displacement: twice
-/// as many numbers at once, and off by a ten-millionth of what a tick changes, far under the contact compliance.
+/// Tables are in single precision, and so are sums over them before their addition to a displacement. An instruction
+/// then handles twice as many numbers. The error is a ten-millionth of the change in a tick, far below the contact
+/// compliance.
 #[derive(Debug)]
 pub(in crate::tissue) struct Ready {
     rest: Vec<Vec3>,
     skin: Vec<SurfaceSkin>,
     poisson: f64,
-    /// Numbers of a configuration.
+    /// Length of a configuration.
     len: usize,
-    /// Share of a displacement that is left after a tick without load.
+    /// Fraction of a displacement that is left after a tick without load.
     kept: f64,
-    /// How all masters move for a load on each sphere that can be touched, `W_i S dt / (tau + dt)`, m/N: three rows for each of
-    /// them, and where they stand for each node of the tree.
+    /// Displacement of all masters for a load on each touchable sphere, `W_i S dt / (tau + dt)`, m/N: three rows for
+    /// each sphere.
     compliance: Vec<f32>,
+    /// Slot of each node of the tree in `compliance`, or `NONE`.
     slots: Vec<u32>,
-    /// `W_i S W_j' dt / (tau + dt)` between any two of them, m/N, row by row; empty where there are too many.
+    /// Compliance `W_i S W_j' dt / (tau + dt)` between any two touchable spheres, m/N, row by row. Empty if there are
+    /// more than `KEPT` spheres.
     blocks: Vec<[f32; 9]>,
-    /// Spheres that can be touched.
+    /// Number of touchable spheres.
     touchable: usize,
-    /// `R_e' / V_e dt / (tau + dt)`, 1/N: for each number of a force on the masters its part in all gradients.
+    /// Gradients `R_e' / V_e dt / (tau + dt)`, 1/N: the part of each coordinate of a force on the masters in all
+    /// gradients.
     gradients: Vec<f32>,
-    /// `R_e` times the share of the term, metres: nine rows for each cell.
+    /// Displacement `R_e` times the factor on the term, metres: nine rows for each cell.
     response: Vec<f32>,
     /// The large-displacement term in this tick, metres.
     term: Vec<f32>,
-    /// Force on each master, and which of them bear any.
+    /// Force on each master, newtons.
     forces: Vec<Vec3>,
+    /// Whether each master bears a force.
     loaded: Vec<bool>,
-    /// Change of a configuration or of the gradients.
+    /// Scratch for the change of a configuration or of the gradients.
     change: Vec<f32>,
 }
 
-/// Displacement of what `skin` carries, where the masters have gone as `moved` says.
+/// Returns the displacement of the sphere with the carriers `skin`, for the displacements `moved` of the masters.
 #[inline]
 fn carried<T: Copy + Into<f64>>(skin: &SurfaceSkin, moved: &[T]) -> Vec3 {
     let mut sum = Vec3::zeros();
@@ -62,7 +68,7 @@ fn carried<T: Copy + Into<f64>>(skin: &SurfaceSkin, moved: &[T]) -> Vec3 {
     sum
 }
 
-/// Adds three rows of a table, each times its factor.
+/// Adds three rows of a table to `sum`, each times its factor.
 #[inline]
 fn add_rows(sum: &mut [f32], table: &[f32], by: [f32; 3]) {
     let n = sum.len();
@@ -74,7 +80,8 @@ fn add_rows(sum: &mut [f32], table: &[f32], by: [f32; 3]) {
 }
 
 impl Ready {
-    /// `model` must have passed its check against `rest`.
+    /// Prepares `model` for contact at `level` and ticks of `tick_s` seconds. The model must have passed its validation
+    /// against `rest`.
     pub fn new(model: &SurfaceCompliance, rest: &SphereTree, level: u8, tick_s: f64) -> Self {
         let (params, masters) = (&model.params, model.masters.moving());
         let n = 3 * masters;
@@ -126,7 +133,7 @@ impl Ready {
             blocks,
             touchable: touchable.len(),
             gradients: gradients.collect(),
-            // Stress over Young's modulus, times Young's modulus, over Young's modulus.
+            // Young's modulus cancels: `quadratic_stress` is relative to it, and the response is for 1 Pa.
             response: (0..9 * n * cells)
                 .map(|k| (response(k) * params.large) as f32)
                 .collect(),
@@ -137,14 +144,14 @@ impl Ready {
         }
     }
 
-    /// As with too many spheres to keep what is between any two.
+    /// Drops the stored blocks, as with more than `KEPT` spheres.
     #[cfg(test)]
     pub fn without_blocks(mut self) -> Self {
         self.blocks.clear();
         self
     }
 
-    /// The large-displacement term at gradients of the cells.
+    /// Computes the large-displacement term from the gradients of the cells.
     fn write_term(&mut self, gradients: &[f64]) {
         self.term.fill(0.0);
         let cells = self.response.chunks_exact(9 * self.len);
@@ -153,7 +160,7 @@ impl Ready {
             if size == 0.0 {
                 continue;
             }
-            // Quadratic while it is small, and bounded.
+            // The term is quadratic for small gradients and bounded for large gradients.
             let beyond = size / (LARGEST * LARGEST);
             let stress = quadratic_stress(&Mat3::from_row_slice(g), self.poisson);
             let stress = stress / -(1.0 + beyond * beyond);
@@ -164,10 +171,10 @@ impl Ready {
         }
     }
 
-    /// Adds how all masters move for a load of `by` newtons along a row.
+    /// Adds to `sum` the displacement of all masters for a load of `by` newtons along the normal of `site`.
     fn add_column(&self, site: &Site, by: f64, sum: &mut [f32]) {
         let slot = self.slots[site.sphere as usize];
-        // (No other node than those of the level is ever touched.)
+        // Only nodes of the contact level have a slot, and only they are touched.
         if slot != NONE {
             let first = 3 * slot as usize * self.len;
             let rows = &self.compliance[first..first + 3 * self.len];
@@ -203,7 +210,7 @@ impl Tissue for Ready {
             *free = self.kept * linear + f64::from(*term);
             most = fmax(most, free.abs());
         }
-        // No number of ticks would bring it all the way back.
+        // Exponential decay alone would never reach the rest.
         if most < AT_REST {
             free.fill(0.0);
             self.term.fill(0.0);
@@ -222,13 +229,13 @@ impl Tissue for Ready {
         for (i, row) in sites.iter().enumerate() {
             let column = &mut column[..self.len];
             let slot = self.slots[row.sphere as usize] as usize;
-            // (No node that cannot be touched is ever asked for.)
+            // Every touched node has a slot.
             let blocks = self.blocks.chunks_exact(self.touchable.max(1)).nth(slot);
             if blocks.is_none() {
                 column.fill(0.0);
                 self.add_column(row, 1.0, column);
             }
-            // All of a sphere's rows stand together: they share how it moves.
+            // Rows of one sphere are adjacent and share the sphere's displacement.
             let mut next = 0;
             while let Some(first) = sites[..=i].get(next) {
                 let slot = self.slots[first.sphere as usize] as usize;
@@ -270,7 +277,7 @@ impl Tissue for Ready {
     }
 
     fn motion(&self, from: &[f64], to: &[f64]) -> f64 {
-        // Spheres move by means of their carriers' motion, so none moves farther than the farthest of those.
+        // A sphere moves by a mean of its carriers' motions, so the farthest of its carriers is a bound.
         largest_difference(from, to)
     }
 

@@ -1,12 +1,14 @@
-//! The stress of the neo-Hookean solid to second order.
+//! Stress of the neo-Hookean solid to second order.
 
 use crate::math::Mat3;
 
-/// The part of the first Piola-Kirchhoff stress that is quadratic in the displacement gradient `g`, over Young's modulus, for
-/// the energy density `mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2` (Bonet and Wood 2008, chapter 6) and Poisson's ratio `poisson`.
+/// Returns the part of the first Piola-Kirchhoff stress that is quadratic in the displacement gradient `g`, over
+/// Young's modulus. `poisson` is Poisson's ratio.
 ///
-/// With `t = tr g` and `j = (t^2 - tr g^2) / 2`, the second order of the volume's change: `mu (A2 - 2/3 t A1) + K ((j + t^2) 1 - t
-/// g')`, `A1 = g + g' - 2/3 t 1`, `A2 = 2/3 t g' - g'g' - |g|^2/3 1`.
+/// The energy density is `mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2` (Bonet and Wood 2008, chapter 6). With `t = tr g` and
+/// `j = (t^2 - tr g^2) / 2`, the second order of the volume's change, the part is
+///
+/// `mu (A2 - 2/3 t A1) + K ((j + t^2) 1 - t g')`, `A1 = g + g' - 2/3 t 1`, `A2 = 2/3 t g' - g'g' - |g|^2/3 1`.
 pub fn quadratic_stress(g: &Mat3, poisson: f64) -> Mat3 {
     let (mu, bulk) = (0.5 / (1.0 + poisson), 1.0 / (3.0 * (1.0 - 2.0 * poisson)));
     let (one, turned, t) = (Mat3::identity(), g.transpose(), g.trace());
@@ -22,7 +24,7 @@ mod tests {
     use super::*;
     use crate::math::fmax;
 
-    /// The whole stress over Young's modulus.
+    /// Returns the whole stress for the deformation gradient `f`, over Young's modulus.
     fn stress(f: &Mat3, poisson: f64) -> Mat3 {
         let (mu, bulk) = (0.5 / (1.0 + poisson), 1.0 / (3.0 * (1.0 - 2.0 * poisson)));
         let j = f.determinant();
@@ -36,7 +38,7 @@ mod tests {
             let g = Mat3::from_fn(|i, j| libm::sin(f64::from(k) * 1.7 + 3.0 * i as f64 + j as f64));
             let (h, poisson) = (1e-4, 0.02 * f64::from(k));
             let at = |h: f64| stress(&(Mat3::identity() + g * h), poisson);
-            // The even part of the stress along a line; the odd one cancels.
+            // Even part of the stress along a line; the odd part cancels.
             let found = (at(h) + at(-h)) * (0.5 / (h * h));
             let exact = quadratic_stress(&g, poisson);
             let (off, size) = ((found - exact).norm(), exact.norm());
@@ -46,7 +48,7 @@ mod tests {
 
     #[test]
     fn is_the_gradient_of_a_cubic_energy() {
-        // Then its own slope is symmetric: P2(g).h changes with d as P2(g).d with h.
+        // The slope of a gradient is symmetric: `P2(g).h` changes along `d` as `P2(g).d` along `h`.
         let mats: Vec<Mat3> = (0..3)
             .map(|k| {
                 Mat3::from_fn(|i, j| libm::cos(f64::from(k) + 2.1 * i as f64 + 0.9 * j as f64))

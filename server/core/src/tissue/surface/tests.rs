@@ -7,7 +7,7 @@ use crate::{MAX_TOOLS, TICK_S};
 const MASTERS: usize = 10;
 const N: usize = 3 * MASTERS;
 
-/// Some number between -1 and 1.
+/// Returns a pseudo-random number between -1 and 1.
 fn some(k: usize) -> f64 {
     libm::sin(1.0 + 12.9898 * k as f64 + 0.37 * (k * k % 97) as f64)
 }
@@ -22,7 +22,7 @@ fn tree() -> SphereTree {
     SphereTree::over_leaves(&spheres).expect("valid")
 }
 
-/// An organ of no particular shape, about 10 mm/N soft, with two cells.
+/// Returns an organ of no particular shape, about 10 mm/N soft, with two cells.
 fn organ(tree: &SphereTree, large: f64) -> SurfaceCompliance {
     let young = 1e4;
     let root: Vec<f64> = (0..N * N).map(|k| some(k + 1000)).collect();
@@ -90,7 +90,7 @@ impl Bench {
         self.tree.shape_at(MAX_LEVEL).map(|(id, _)| id).collect()
     }
 
-    /// One tick under forces on spheres; whether it sleeps.
+    /// Runs one tick under forces (newtons) on spheres. Returns whether the organ was at rest before the forces.
     fn tick(&mut self, forces: &[(u32, Vec3)]) -> bool {
         let hands = Hands {
             tools: [None; MAX_TOOLS],
@@ -119,14 +119,14 @@ impl Bench {
         asleep
     }
 
-    /// Where a sphere has gone.
+    /// Returns the displacement of a sphere, metres.
     fn moved(&self, sphere: u32) -> Vec3 {
         let mut at = [Vec3::zeros()];
         self.ready.centres(&self.shape, &[sphere], &mut at);
         at[0] - self.tree.nodes()[sphere as usize].centre
     }
 
-    /// Displacement of the spheres at rest under forces on them.
+    /// Returns the displacements of the spheres in equilibrium under forces on some of them, metres.
     fn settle(&mut self, forces: &[(u32, Vec3)]) -> Vec<Vec3> {
         self.state.fill(0.0);
         for _ in 0..1500 {
@@ -151,7 +151,7 @@ fn compliance_seen_by_the_solver_is_that_of_the_step() {
     bench
         .ready
         .add_gram(&sites, &mut Gram::new(&mut gram, m, 0));
-    // From a place under load, as in a run.
+    // Start from a loaded configuration, as in a run.
     bench.settle(&[(leaves[3], Vec3::new(0.1, -0.2, 0.3))]);
     let free = bench.shape.clone();
     let largest = gram.iter().fold(0.0, |most, x| fmax(most, x.abs()));
@@ -184,7 +184,7 @@ fn many_spheres_have_the_compliance_that_few_have() {
     let tree = tree();
     let model = organ(&tree, 1.0);
     let leaves: Vec<u32> = tree.shape_at(MAX_LEVEL).map(|(id, _)| id).collect();
-    // Two rows on each of some spheres, side by side.
+    // Two adjacent rows on each of some spheres.
     let sites: Vec<Site> = (0..14)
         .map(|k| Site {
             sphere: leaves[k / 2 * 3 % leaves.len()],
@@ -226,7 +226,7 @@ fn comes_to_rest_where_the_compliance_says_and_all_the_way_back() {
             "{i}"
         );
     }
-    // Let go it shrinks in every tick, and sleeps in the end.
+    // After release the displacement shrinks in every tick and reaches the rest.
     let mut before = f64::INFINITY;
     for k in 0..2000 {
         let asleep = bench.tick(&[]);
@@ -251,7 +251,7 @@ fn the_large_displacement_term_is_quadratic_and_keeps_the_compliance_symmetric()
     let leaves = bench.leaves();
     let (a, b) = (leaves[2], leaves[11]);
     let force = Vec3::new(0.02, 0.05, -0.04);
-    // Its even part in the load, against the formula.
+    // Even part in the load, against the formula.
     bench.settle(&[(a, force)]);
     let there = bench.shape.clone();
     bench.settle(&[(a, -force)]);
@@ -286,13 +286,14 @@ fn the_large_displacement_term_is_quadratic_and_keeps_the_compliance_symmetric()
     let most = wanted.iter().fold(0.0, |most, x| fmax(most, x.abs()));
     assert!(most > 1e-6, "{most}");
     for (n, (found, wanted)) in even.iter().zip(&wanted).enumerate() {
-        // (What bounds the term at large gradients takes a little of it.)
+        // The bound at large gradients reduces the term slightly.
         assert!(
             (found - wanted).abs() < 0.01 * most,
             "{n}: {found:e} {wanted:e}"
         );
     }
-    // As the derivative of an energy: what b feels of a is what a feels of b, also under a load.
+    // The term is the derivative of an energy, so the response is symmetric. A load at `a` moves `b` as much as the
+    // reverse, also under a further load.
     let held = [(leaves[7], Vec3::new(0.1, -0.1, 0.05))];
     let (u, v) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -1.0, 0.0));
     let mut felt = |by: u32, along: Vec3, at: u32, read: Vec3| {
@@ -319,7 +320,7 @@ fn a_load_beyond_all_sense_stays_finite_and_within_bounds() {
         bench.settle(&[(leaves[0], Vec3::new(1.0, 2.0, -1.0) * size)]);
         let linear = Bench::new(0.0).settle(&[(leaves[0], Vec3::new(1.0, 2.0, -1.0) * size)]);
         let apart = moved.iter().zip(&linear).map(|(a, b)| (a - b).norm());
-        // The term is bounded whatever the load.
+        // The term is bounded at any load.
         assert!(apart.fold(0.0, fmax) < 1.0, "{size}");
     }
 }

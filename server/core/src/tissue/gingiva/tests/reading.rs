@@ -1,11 +1,11 @@
-//! When a tip is in the pocket, and what it reads there.
+//! Tests of the pocket: condition for a tip in the pocket, and the reading there.
 
 use super::*;
 use crate::math::{Pose, Quat};
 use crate::tissue::{Hand, SiteLoad};
 use crate::{DisplayMesh, NoProbe, Object, Params, Scene, State, TickInput, Tool, Workspace, tick};
 
-/// A straight tool whose device point is its tip.
+/// Returns a straight tool whose device point is its tip.
 fn needle() -> Tool {
     let ball = Sphere {
         centre: Vec3::zeros(),
@@ -72,12 +72,12 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
         (reading.zone, reading.entered_zone),
         (ForceZone::Trauma, true)
     );
-    // An event lasts one tick; a pull is no press.
+    // An event lasts one tick. A pull does not count as a press.
     let pull = [loads[0], loads[1], load(floor, 1, 0.6)];
     ready.commit(&shape, Some(&pull), &inside, &mut state);
     assert_eq!((state[1], state[2]), (1.0, 0.0));
     assert_eq!(state[3..6], [0.0, 0.0, 0.0]);
-    // Outside the wall the same loads are no pocket's; with the wall pushed out past the tip they are.
+    // The same loads do not count for a tip outside the wall. The loads count once the wall is pushed out past the tip.
     let outside = Hands {
         tools: [Some(hand(2.2e-3)), None],
         detail: 0,
@@ -89,7 +89,7 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
     pushed.fill(0.5e-3);
     ready.commit(&pushed, Some(&loads), &outside, &mut state);
     assert!((state[0] - 0.3).abs() < 1e-15);
-    // Not at rest while anything is remembered.
+    // The tissue is not at rest while the memory of a tool is not zero.
     ready.commit(&shape, Some(&loads), &inside, &mut state);
     let (mut shape, mut free) = (shape.clone(), shape.clone());
     assert!(!ready.free_step(&state, &NOBODY, &mut shape, &mut free));
@@ -99,7 +99,7 @@ fn the_floor_force_is_the_axial_load_on_the_floor_by_a_tool_in_the_pocket() {
 
 #[test]
 fn a_tip_that_slipped_out_between_two_papillae_is_in_no_pocket() {
-    // Straight behind the wall; nearest to it is a column farther on that faces another way.
+    // The tip is straight behind the wall. The sphere nearest to the tip is farther on and faces another way.
     let on = std::f64::consts::FRAC_PI_2;
     let spots = [
         ([2e-3, 0.0, 0.0], 0.0, 1e-3),
@@ -130,7 +130,7 @@ fn a_tip_that_slipped_out_between_two_papillae_is_in_no_pocket() {
 
 #[test]
 fn of_two_pockets_that_claim_a_tip_the_one_with_the_nearer_wall_has_it() {
-    // The first is another tooth's, whose wall ends four millimetres up and farther out; it reads deeper.
+    // The first pocket belongs to another tooth. Its wall lies 4 mm higher and farther out, and its reading is deeper.
     let object = |wall: [f64; 3], margin: f64| {
         let (mut model, tree, _) = gingiva(
             &[(wall, 0.0, 1e-3), ([0.0, 6e-3, 0.0], 1.0, 1e-3)],

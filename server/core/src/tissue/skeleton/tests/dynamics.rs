@@ -1,11 +1,11 @@
-//! Time: vibration, decay, energy.
+//! Tests of a skeleton in time: vibration, decay, energy.
 
 use super::super::entry::Axes;
 use super::super::lattice::Lattice;
 use super::*;
 use crate::TICK_S;
 
-/// One mass on one spring, the other end held.
+/// Returns a skeleton of one mass on one spring with its other end fixed.
 fn one_spring(stiffness: f64, mass: f64, damping: f64) -> (SphereTree, Skeleton) {
     let places = [Vec3::zeros(), Vec3::new(0.0, 0.0, 0.01)];
     let tree = tree_of(places.iter().copied());
@@ -16,7 +16,7 @@ fn one_spring(stiffness: f64, mass: f64, damping: f64) -> (SphereTree, Skeleton)
     };
     let mut coarse = level(&tree, &places, 0.02, params);
     coarse.springs[0].stiffness = [stiffness, 2.0 * stiffness, 4.0 * stiffness];
-    // Nothing but the node itself carries it.
+    // The free node alone carries every sphere.
     for skin in &mut coarse.skin {
         *skin = Skin {
             nodes: [1; CARRIERS],
@@ -26,7 +26,8 @@ fn one_spring(stiffness: f64, mass: f64, damping: f64) -> (SphereTree, Skeleton)
     (tree, Skeleton { coarse, fine: None })
 }
 
-/// Way of one undamped mass along `axis` after a whole period from 1 mm, in units of that.
+/// Returns the displacement of an undamped mass along `axis` one period after release from 1 mm, in units of 1 mm. The
+/// second value is the exact result of implicit Euler.
 fn after_a_period(stiffness: f64, axis: usize) -> (f64, f64) {
     let mass = 0.5;
     let (tree, model) = one_spring(stiffness, mass, 0.0);
@@ -37,7 +38,7 @@ fn after_a_period(stiffness: f64, axis: usize) -> (f64, f64) {
     for _ in 0..ticks {
         bench.tick(&[], &[]);
     }
-    // Implicit Euler's own answer: u + i v / omega is divided by 1 + i omega dt each step.
+    // Exact result of implicit Euler: `u + i v / omega` is divided by `1 + i omega dt` in each step.
     let angle = libm::atan(omega * TICK_S) * ticks as f64;
     let shrunk = libm::pow(1.0 + omega * omega * TICK_S * TICK_S, -0.5 * ticks as f64);
     (bench.state[axis] / 1e-3, shrunk * libm::cos(angle))
@@ -48,7 +49,8 @@ fn a_mass_on_a_spring_swings_as_analysis_says() {
     for axis in 0..3 {
         let (found, discrete) = after_a_period(20.0, axis);
         assert!((found - discrete).abs() < 1e-9, "{found} {discrete}");
-        // The continuous answer is 1; the step's error is of first order: four times the period, a quarter of it.
+        // The continuous result is 1, and the error of the step is of first order. Four times the period gives a
+        // quarter of it.
         let (slower, _) = after_a_period(20.0 / 16.0, axis);
         let order = (1.0 - found) / (1.0 - slower);
         assert!(
@@ -60,7 +62,7 @@ fn a_mass_on_a_spring_swings_as_analysis_says() {
 
 #[test]
 fn damping_decays_as_analysis_says() {
-    // Overdamped: the slow root of m s2 + b s + k.
+    // Overdamped: the slow root of `m s2 + b s + k` governs the decay.
     let (k, m, b) = (10.0, 1e-3, 1.0);
     let (tree, model) = one_spring(k, m, b);
     let mut bench = Bench::new(&tree, &model);

@@ -1,4 +1,4 @@
-//! From one level of detail to the other.
+//! Tests of the transition between the levels of detail.
 
 use super::*;
 
@@ -62,7 +62,7 @@ fn under_load_the_skin_goes_over_smoothly_and_ends_where_the_other_level_says() 
             farthest(&before, wanted)
         );
     }
-    // Out of force the fine level leaves nothing behind.
+    // The inactive fine level leaves nothing in the state.
     let coarse_len = 6 * model.coarse.free();
     assert!(bench.state[coarse_len..].iter().all(|x| *x == 0.0));
 }
@@ -78,7 +78,7 @@ fn motion_bounds_every_sphere_at_every_share() {
             .map(|j| libm::fabs(libm::sin((k + j) as f64)))
             .collect();
         bench.tick(&sites, &lambda);
-        // From the start of the tick, and from one long ago at another share.
+        // Two starting configurations: the start of the tick, and an older one at another share.
         if k % 40 == 0 {
             kept.clone_from(&bench.shape);
         }
@@ -110,7 +110,7 @@ fn the_state_is_all_that_outlives_a_tick() {
             (&[], &[])
         };
         if k % 37 == 0 {
-            // A fresh one takes over from the state alone.
+            // A fresh model takes over from the state alone.
             other = Bench::new(&tree, &model);
             other.state.clone_from(&bench.state);
         }

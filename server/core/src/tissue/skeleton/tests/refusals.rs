@@ -1,4 +1,4 @@
-//! What cannot stand is refused by name.
+//! Tests of validation: an error names the invalid field.
 
 use super::*;
 

@@ -1,9 +1,9 @@
-//! Compliance, and where it comes to rest under a load.
+//! Tests of the compliance, and of the equilibrium under a load.
 
 use super::*;
 use crate::tissue::Gram;
 
-/// A load that lifts what it moves in one tick far above the rounding of centres, newtons.
+/// Load that moves a skeleton in one tick far more than the rounding of centres, newtons.
 const MUCH: f64 = 1e3;
 
 fn matrix(ready: &mut dyn Tissue, sites: &[Site]) -> Vec<f64> {
@@ -13,7 +13,7 @@ fn matrix(ready: &mut dyn Tissue, sites: &[Site]) -> Vec<f64> {
     entries
 }
 
-/// Displacement of every skeleton node under loads, by Picard's iteration on dense matrices made from the data.
+/// Computes the displacement of every skeleton node under loads, by Picard's iteration on dense matrices of the data.
 fn at_rest(model: &SkeletonLevel, tree: &SphereTree, sites: &[Site], lambda: &[f64]) -> Vec<Vec3> {
     let n = model.nodes.len();
     let mut load = vec![Vec3::zeros(); n];
@@ -93,7 +93,7 @@ fn the_matrix_of_contacts_is_what_a_unit_load_moves_and_symmetric() {
     let (tree, model) = two_levels(SOFT);
     for (detail, ticks) in [(0, 1), (1, 1), (1, 300), (0, 20)] {
         let (mut bench, sites) = (Bench::new(&tree, &model), sites(&tree));
-        // A displaced state, in the middle of a change of level in the last two.
+        // The state is displaced. The second and third case are in a change of level.
         let lambda = vec![0.1; sites.len()];
         bench.tick(&sites, &lambda);
         for k in 0..ticks {
@@ -178,7 +178,8 @@ fn the_matrix_of_contacts_is_never_indefinite() {
             for i in 0..m {
                 scale = crate::math::fmax(scale, gram[i * m + i]);
             }
-            // More rows than the skeleton has freedoms per axis: singular, but lifted by a rounding it factors.
+            // There are 40 rows and 24 free nodes at the coarse level, so the matrix may be singular. A shift by a
+            // rounding error keeps the pivots positive.
             let mut l = gram.clone();
             for j in 0..m {
                 let mut pivot = l[j * m + j] + 1e-13 * scale;
@@ -249,7 +250,7 @@ fn springs_and_loads_turned_together_give_what_they_gave_turned() {
             "{a} {b}"
         );
     }
-    // What would let go under some change is refused.
+    // A stiffness matrix that is not positive definite is refused.
     turned.coarse.springs[3].coupling = [1e3, 0.0, 0.0];
     let refused = turned.validate(&tree).expect_err("not positive definite");
     assert_eq!(refused.field, "coupling of a spring");
