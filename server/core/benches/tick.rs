@@ -1,10 +1,12 @@
-//! Time of a tick on the product's own scene: probe against one molar, level by level (trees built to
-//! level 5), thread CPU time in percentiles (a mean would hide the tail), stage by stage, the spheres tested (a
-//! count, the same on every machine), and what level 5 costs in units of level 3.
+//! Bench of a tick on the product's own scene: probe against one molar, level by level (trees built to level 5).
+//!
+//! Output: percentiles of the thread's CPU time, mean times by stage, and the number of spheres tested. Percentiles,
+//! because a mean would hide the tail. The number is the same on every machine. The last line is the cost of level 5 in
+//! units of level 3.
 //!
 //! `cargo bench -p sulcus-core`
 
-// A bench has a clock and prints; the core under it does neither.
+// A bench has a clock and prints; the core does neither.
 #![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
 
 use rustix::time::{ClockId, clock_gettime};
@@ -20,12 +22,12 @@ fn cpu_ns() -> u64 {
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 
-/// Percentile of sorted nanoseconds, microseconds.
+/// Returns the percentile of sorted nanoseconds, in microseconds.
 fn at(times: &[u64], q: f64) -> f64 {
     times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3
 }
 
-/// A line of percentiles of sorted nanoseconds, in microseconds.
+/// Returns a line of percentiles of sorted nanoseconds, in microseconds.
 fn line(times: &[u64]) -> String {
     format!(
         "{:7.2} {:7.2} {:7.2} {:8.2}",
@@ -54,7 +56,7 @@ impl StageProbe for Stages {
     }
 }
 
-/// Inputs of a closed loop, so that every variant is timed on the same hand.
+/// Returns the inputs of a closed loop, so that every run of a variant has the same hand.
 fn inputs(scene: &Scene, seconds: f64) -> Vec<TickInput> {
     let crown = Crown::new(
         scene,

@@ -1,9 +1,11 @@
-//! Time of a tick with a mouth mirror on the parametric tongue, level 3: thread CPU time of ticks in contact, in
-//! percentiles, and by stage over all ticks, with the coarse skeleton, the fine one, both in force at once, and by finite elements.
+//! Bench of a tick with a mouth mirror on the parametric tongue at level 3.
+//!
+//! Output: percentiles of the thread's CPU time over ticks in contact, and mean times by stage over all ticks.
+//! Variants: coarse skeleton, fine skeleton, both alternately with transitions, and finite elements.
 //!
 //! `cargo bench -p sulcus-core --bench tongue`
 
-// A bench has a clock and prints; the core under it does neither.
+// A bench has a clock and prints; the core does neither.
 #![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
 
 use rustix::time::{ClockId, clock_gettime};
@@ -37,7 +39,8 @@ impl StageProbe for Stages {
     }
 }
 
-/// Presses the flat disc of the mirror down in a second, then slides it to and fro and turns it for the rest.
+/// Returns the input at time `t`, seconds. The flat disc of the mirror moves down by `down` metres in the first second.
+/// After 1.5 s the disc slides to and fro and turns.
 fn input(scene: &Scene, t: f64, down: f64) -> TickInput {
     let tool = &scene.tools[0];
     let flat = exp_rotation(&Vec3::new(0.0, 0.0, std::f64::consts::PI))

@@ -1,9 +1,9 @@
-//! Reading of hand-written values to the letter: a list that is longer or shorter than its field is refused, never cut.
+//! Strict reading of hand-written values: a list that is longer or shorter than its field is refused.
 //!
-//! serde fills a field of fixed length from the start of a list, and readers of TOML drop the rest of the list without a word:
-//! a decimal comma in `[5,5, 4, 4]` becomes `[5, 5, 4]`. [`exactly`] wraps a deserialiser of any format. Every list below it must
-//! be used up by its field, and a table must be written as a table, not as a list of its values. A new field needs no annotation.
-//! Binary formats do not pass through here; their bytes stay as they are.
+//! serde fills a field of fixed length from the start of a list, and TOML readers silently drop the rest. A decimal
+//! comma in `[5,5, 4, 4]` therefore becomes `[5, 5, 4]`. [`exactly`] wraps a deserialiser of any format. Every list
+//! must be used up by its field, and a table must be written as a table, not as a list of its values. A new field needs
+//! no annotation. Binary formats do not pass through this module, so their bytes are unaffected.
 
 use std::cell::Cell;
 use std::fmt;
@@ -13,11 +13,11 @@ use serde::de::{
     MapAccess, SeqAccess, VariantAccess, Visitor,
 };
 
-/// The value that `from` holds, every list of it used up.
+/// Deserialises the value of `from`; every list must be used up.
 ///
 /// # Errors
-/// Those of the format; and for a list of the wrong length its name, the length found and the length expected
-/// (`depth_mm.buccal: 4 numbers found, 3 expected`).
+/// The format reports an error, or a list has the wrong length. The message then has the name of the list, the length
+/// found and the length expected (`depth_mm.buccal: 4 numbers found, 3 expected`).
 pub fn exactly<'de, D, T>(from: D) -> Result<T, D::Error>
 where
     D: Deserializer<'de>,
@@ -26,7 +26,7 @@ where
     T::deserialize(Watched::new(from, &Place::root()))
 }
 
-/// Kinds of values, as far as messages tell them apart.
+/// Kind of a value, as far as messages distinguish kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Other,
@@ -34,18 +34,18 @@ enum Kind {
     Decimal,
 }
 
-/// A step from a value to one inside of it.
+/// Step from a value to a value inside.
 enum Step {
     Root,
     Key(String),
     Index(usize),
 }
 
-/// Where a value stands in its file.
+/// Position of a value in its file.
 struct Place<'p> {
     parent: Option<&'p Place<'p>>,
     step: Step,
-    /// Kind of the value, once it was read.
+    /// Kind of the value, once read.
     kind: Cell<Kind>,
 }
 
@@ -67,7 +67,7 @@ impl<'p> Place<'p> {
     }
 }
 
-/// The keys that lead to a value: from the nearest table of a list of tables on, because a message names the line anyway.
+/// Path of keys to a value, starting at the nearest table of a list of tables. A message names the line anyway.
 impl fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let above = self.parent;
@@ -87,18 +87,18 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// What a field accepts of a list.
+/// Expected form of a list for a field.
 #[derive(Clone, Copy)]
 enum Shape {
-    /// Whatever its visitor takes.
+    /// Any list that the visitor accepts.
     Any,
-    /// So many elements.
+    /// Exactly this number of elements.
     Length(usize),
-    /// No list: the keys of a table.
+    /// Keys of a table; a list is refused.
     Table,
 }
 
-/// A deserialiser, a seed, a visitor or an access to the parts of a value, with the place of the value.
+/// Wrapper of a deserialiser, seed, visitor or accessor, with the position of its value.
 struct Watched<'p, T> {
     inner: T,
     place: &'p Place<'p>,
@@ -312,7 +312,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Watched<'_, V> {
     }
 }
 
-/// A visitor's own words for what it takes.
+/// Description of the value that a visitor expects, from the visitor.
 struct Wanted<'a, V>(&'a V);
 
 impl<'de, V: Visitor<'de>> fmt::Display for Wanted<'_, V> {
@@ -321,13 +321,13 @@ impl<'de, V: Visitor<'de>> fmt::Display for Wanted<'_, V> {
     }
 }
 
-/// A list that is being read.
+/// List during reading.
 struct List<'p, A> {
     access: A,
     place: &'p Place<'p>,
-    /// Elements read.
+    /// Number of elements read.
     taken: usize,
-    /// Whether the list has no more.
+    /// Whether the end of the list was reached.
     ended: bool,
     kinds: Vec<Kind>,
 }
@@ -380,7 +380,7 @@ impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for List<'_, A> {
     }
 }
 
-/// A table that is being read.
+/// Table during reading.
 struct Table<'p, A> {
     access: A,
     place: &'p Place<'p>,
@@ -408,7 +408,7 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Table<'_, A> {
     }
 }
 
-/// A seed for a key that keeps the key's text.
+/// Seed of a key, which also stores the key's text.
 struct Key<'k, S> {
     seed: S,
     key: &'k mut String,
@@ -420,7 +420,7 @@ impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for Key<'_, S> {
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<S::Value, D::Error> {
         let key: String = serde::Deserialize::deserialize(from)?;
         self.key.clone_from(&key);
-        // Read from inside the format's own call, so that an error about the key gets the key's line.
+        // Deserialised inside the format's own call, so that an error about the key gets the key's line.
         self.seed.deserialize(key.into_deserializer())
     }
 }

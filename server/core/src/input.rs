@@ -1,19 +1,19 @@
-//! Everything that comes from outside into one tick. What depends on a wall clock is decided
-//! outside and arrives here, so that a recording of inputs is enough to run the tick again.
+//! Input of one tick. Decisions that depend on a wall clock are made outside and arrive here, so that recorded inputs
+//! reproduce a run.
 
 use crate::MAX_TOOLS;
 
-/// A pose as it crosses the wire: `world_from_tool` at the tool's device point, f32, unchecked.
+/// Pose as sent over the network: `world_from_tool` at the tool's device point, f32, unchecked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawPose {
     /// Position, metres.
     pub position: [f32; 3],
-    /// Quaternion `[w, x, y, z]`, roughly unit length.
+    /// Quaternion `[w, x, y, z]`, of approximately unit length.
     pub orientation: [f32; 4],
 }
 
 impl RawPose {
-    /// At the origin, not turned.
+    /// Pose at the origin without rotation.
     pub const IDENTITY: RawPose = RawPose {
         position: [0.0; 3],
         orientation: [1.0, 0.0, 0.0, 0.0],
@@ -30,14 +30,14 @@ impl From<&crate::Pose> for RawPose {
     }
 }
 
-/// One tool's slot in a tick's input.
+/// Input of one tool in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolInput {
-    /// Newest known haptic pose (the *haptic tool*).
+    /// Newest known pose of the *haptic tool*.
     pub pose: RawPose,
     /// Whether a hand holds this tool.
     pub present: bool,
-    /// Whether the watchdog outside found the pose too old: the force goes to zero by a ramp.
+    /// Whether the watchdog outside found the pose too old. The force then ramps to zero.
     pub stale: bool,
     /// Age of the pose in ticks.
     pub age_ticks: u16,
@@ -46,7 +46,7 @@ pub struct ToolInput {
 }
 
 impl ToolInput {
-    /// No tool in this slot.
+    /// Input of an empty slot.
     pub const ABSENT: ToolInput = ToolInput {
         pose: RawPose::IDENTITY,
         present: false,
@@ -59,17 +59,18 @@ impl ToolInput {
 /// Input of one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TickInput {
-    /// Per tool of the scene, in the scene's order; further slots absent.
+    /// Input per tool, in the order of the scene's tools; further slots are absent.
     pub tools: [ToolInput; MAX_TOOLS],
-    /// Instructor's pause: forces ramp to zero.
+    /// Whether the instructor paused the session. Forces then ramp to zero.
     pub paused: bool,
-    /// Instructor's force limit, newtons; not above the scene's. Zero: the scene's limit.
+    /// Force limit of the instructor, newtons. The scene's limit holds if this is 0 or above the scene's.
     pub force_limit_n: f32,
-    /// Ticks of the clock's grid that were missed and skipped just before this one.
+    /// Ticks of the clock's grid that were skipped just before this tick.
     pub skipped: u16,
-    /// Level of detail of tissues that have more than one: 0 the coarsest, up to [`TickInput::MAX_DETAIL`].
-    /// Chosen outside by the time that is left (the paper's section 3.1), fixed in graded sessions. (Levels of
-    /// rigid trees are the scene's: a switch of those in mid-contact steps the force.)
+    /// Level of detail of tissues with several levels: 0 (the coarsest) to [`TickInput::MAX_DETAIL`].
+    ///
+    /// Selected outside from the remaining time (section 3.1 of the paper); constant in graded sessions. Levels of
+    /// rigid trees are constants of the scene, because a change of level during contact steps the force.
     pub detail: u8,
 }
 
@@ -80,7 +81,7 @@ impl TickInput {
     /// Length of [`TickInput::to_bytes`].
     pub const BYTES: usize = HEAD_BYTES + MAX_TOOLS * TOOL_BYTES;
 
-    /// No tool present, nothing commanded.
+    /// Input without a tool, a pause or a force limit.
     pub const IDLE: TickInput = TickInput {
         tools: [ToolInput::ABSENT; MAX_TOOLS],
         paused: false,
@@ -89,8 +90,8 @@ impl TickInput {
         detail: 0,
     };
 
-    /// Fixed little-endian layout: the bytes that are hashed and recorded. Bit-exact for every
-    /// float, NaN payloads included.
+    /// Returns the bytes that are hashed and recorded: fixed layout, little-endian, bit-exact for every float, NaN
+    /// payloads included.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         bytes[0] = u8::from(self.paused);
@@ -113,7 +114,7 @@ impl TickInput {
         bytes
     }
 
-    /// Inverse of [`TickInput::to_bytes`]; `None` when a flag byte holds a value never written.
+    /// Inverse of [`TickInput::to_bytes`]. Returns `None` if a flag byte or the level of detail is invalid.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Option<Self> {
         let mut tools = [ToolInput::ABSENT; MAX_TOOLS];
         if bytes[0] > 1 || bytes[7] > Self::MAX_DETAIL {
@@ -157,9 +158,9 @@ impl TickInput {
     }
 }
 
-/// Pause, skipped ticks, force limit, level of detail.
+/// Length of the head: pause, skipped ticks, force limit, level of detail.
 const HEAD_BYTES: usize = 1 + 2 + 4 + 1;
-/// Flags, age, buttons and seven f32 of one tool.
+/// Length of one tool: flags, age, buttons and seven f32.
 const TOOL_BYTES: usize = 5 + 7 * 4;
 
 #[cfg(test)]

@@ -1,36 +1,36 @@
 //! Fixed-size vectors, rotations and wrenches with bit-identical results on every build.
 //!
-//! Only `+ - * /`, IEEE square root and `libm` are used below the API: no platform `sin`, no fused
-//! multiply-add, no `f64::max` (whose treatment of `-0.0` differs between debug and release).
+//! Below the API only `+ - * /`, IEEE square root and `libm` are used. Excluded are the platform's `sin`, fused
+//! multiply-add, and `f64::max`, whose treatment of `-0.0` differs between debug and release.
 
 use serde::{Deserialize, Serialize};
 
-/// Three-vector, metres or newtons as its name says.
+/// Three-vector; the unit (metres, newtons) follows from the name.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// 3x3 matrix.
 pub type Mat3 = nalgebra::Matrix3<f64>;
-/// Unit quaternion (rotation).
+/// Unit quaternion: a rotation.
 pub type Quat = nalgebra::UnitQuaternion<f64>;
 
-/// The larger of two numbers; the first when they compare equal or either is NaN.
+/// Returns the larger of two numbers; the first when they compare equal or either is NaN.
 #[inline]
 pub fn fmax(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// The smaller of two numbers; the first when they compare equal or either is NaN.
+/// Returns the smaller of two numbers; the first when they compare equal or either is NaN.
 #[inline]
 pub fn fmin(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
 }
 
-/// `x` limited to `[low, high]`.
+/// Returns `x` clamped to `[low, high]`.
 #[inline]
 pub fn fclamp(x: f64, low: f64, high: f64) -> f64 {
     fmin(fmax(x, low), high)
 }
 
-/// Euclidean length. Uses the IEEE square root only, so it is the same bits everywhere.
+/// Returns the Euclidean length. Uses only the IEEE square root, so the bits are the same on every platform.
 #[inline]
 pub fn norm(v: &Vec3) -> f64 {
     v.dot(v).sqrt()
@@ -46,7 +46,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The identity transform.
+    /// Returns the identity transform.
     pub fn identity() -> Self {
         Self {
             position: Vec3::zeros(),
@@ -54,7 +54,7 @@ impl Pose {
         }
     }
 
-    /// A pose from position and orientation.
+    /// Creates a pose from position and orientation.
     pub fn new(position: Vec3, orientation: Quat) -> Self {
         Self {
             position,
@@ -62,20 +62,20 @@ impl Pose {
         }
     }
 
-    /// Point of b seen from a.
+    /// Transforms a point from b to a.
     #[inline]
     pub fn transform(&self, point: &Vec3) -> Vec3 {
         self.position + self.orientation * point
     }
 
-    /// Point of a seen from b.
+    /// Transforms a point from a to b.
     #[inline]
     pub fn inverse_transform(&self, point: &Vec3) -> Vec3 {
         self.orientation.inverse() * (point - self.position)
     }
 }
 
-/// Force and torque about a stated point, both in stated axes (world unless named otherwise).
+/// Force and torque about a given point, both in given axes: world unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
     /// Force, newtons.
@@ -85,13 +85,13 @@ pub struct Wrench {
 }
 
 impl Wrench {
-    /// No force, no torque.
+    /// Zero force and torque.
     pub const ZERO: Wrench = Wrench {
         force: Vec3::new(0.0, 0.0, 0.0),
         torque: Vec3::new(0.0, 0.0, 0.0),
     };
 
-    /// The same load seen from another point: `lever = old_point - new_point`.
+    /// Returns the same load about another point: `lever = old_point - new_point`.
     #[inline]
     pub fn moved(&self, lever: &Vec3) -> Wrench {
         Wrench {
@@ -101,17 +101,18 @@ impl Wrench {
     }
 }
 
-/// Least argument of [`exp_of_loss`].
+/// Smallest argument of [`exp_of_loss`].
 const MOST_LOSS: f64 = -700.0;
 
-/// `exp(x)` for `x` in `[-700, 0]`, and the value at the nearer end elsewhere; off by no more than 4e-16 of itself. No branch and
-/// no division, so that several run side by side where `libm::exp` stands alone. (Cody and Waite's reduction by ln 2, then
-/// Taylor's series on half of that, whose rest is under 5e-18.)
+/// Returns `exp(x)` for `x` in `[-700, 0]`, with a relative error of at most 4e-16; `x` outside is clamped.
+///
+/// The code has no branch and no division, so that several calls run in parallel, unlike `libm::exp`. The method is
+/// Cody and Waite's reduction by ln 2, then Taylor's series up to half of ln 2. Its remainder is under 5e-18.
 #[inline]
 pub fn exp_of_loss(x: f64) -> f64 {
-    // Adding it leaves the nearest integer in the lowest bits.
+    // Adding this number leaves the nearest integer in the lowest bits.
     const INTEGER: f64 = 6_755_399_441_055_744.0;
-    // The upper part ends in zeros: its product with a power of up to 11 bits is exact.
+    // The upper part ends in zeros: its product with an integer of up to 11 bits is exact.
     const LN_2_UPPER: f64 = 0.693_147_180_369_123_8;
     const LN_2_LOWER: f64 = 1.908_214_929_270_587_7e-10;
     // 1 / k! for k from 13 down.
@@ -138,19 +139,22 @@ pub fn exp_of_loss(x: f64) -> f64 {
     let value = SERIES[1..]
         .iter()
         .fold(SERIES[0], |sum, next| sum * rest + next);
-    // Times 2^power.
+    // Multiply by 2^power.
     f64::from_bits(value.to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
-/// `exp(x)`, the bits of `libm::exp`. For `x` in `[-700, 0]` the sums of libm (FreeBSD's `e_exp.c`) with selections for
-/// its branches: successive values overlap in the processor, which halves the time of a large matrix of them.
+/// Returns `exp(x)` with the bits of `libm::exp`.
+///
+/// For `x` in `[-700, 0]` the sums are those of libm (FreeBSD's `e_exp.c`), with selections instead of branches.
+/// Successive values overlap in the processor, which halves the time for a large matrix.
 #[inline]
 pub fn exp_of_libm(x: f64) -> f64 {
-    // Adding it leaves the nearest integer in the lowest bits.
+    // Adding this number leaves the nearest integer in the lowest bits.
     const INTEGER: f64 = 6_755_399_441_055_744.0;
     const LN_2_UPPER: f64 = 0.693_147_180_369_123_8;
     const LN_2_LOWER: f64 = 1.908_214_929_270_587_7e-10;
-    // Largest magnitudes with the high words 0x3fd62e42 (half of ln 2) and 0x3e300000 (2^-28): libm compares high words.
+    // Largest magnitudes with the high words 0x3fd62e42 (half of ln 2) and 0x3e300000 (2^-28): libm compares high
+    // words.
     const HALF_LN_2: f64 = f64::from_bits(0x3fd6_2e42_ffff_ffff);
     const TINY: f64 = f64::from_bits(0x3e30_0000_ffff_ffff);
     const P: [f64; 5] = [
@@ -163,7 +167,7 @@ pub fn exp_of_libm(x: f64) -> f64 {
     if !(MOST_LOSS..=0.0).contains(&x) {
         return libm::exp(x);
     }
-    // The power of two: `x / ln 2 - 1/2` cut towards zero.
+    // Power of two: `x / ln 2 - 1/2`, truncated towards zero.
     let wanted = x * std::f64::consts::LOG2_E - 0.5;
     let nearest = (wanted + INTEGER) - INTEGER;
     let cut = nearest + if nearest < wanted { 1.0 } else { 0.0 };
@@ -179,7 +183,7 @@ pub fn exp_of_libm(x: f64) -> f64 {
     f64::from_bits(value.to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
-/// Rotation by the rotation vector `w` (axis times angle, radians).
+/// Returns the rotation by the rotation vector `w` (axis times angle, radians).
 pub fn exp_rotation(w: &Vec3) -> Quat {
     let angle_squared = w.dot(w);
     // Below 1e-4 rad the series is exact to double precision and has no 0/0.
@@ -195,9 +199,9 @@ pub fn exp_rotation(w: &Vec3) -> Quat {
     normalised(scalar, w.x * scale, w.y * scale, w.z * scale)
 }
 
-/// Rotation vector of `q` (axis times angle), angle in `[0, pi]`.
+/// Returns the rotation vector of `q` (axis times angle, radians), with the angle in `[0, pi]`.
 pub fn log_rotation(q: &Quat) -> Vec3 {
-    // q and -q are the same rotation; take the short way round.
+    // q and -q are the same rotation; use the shorter one.
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
     let vector = Vec3::new(q.i * sign, q.j * sign, q.k * sign);
     let scalar = q.w * sign;
@@ -208,7 +212,7 @@ pub fn log_rotation(q: &Quat) -> Vec3 {
     vector * (2.0 * libm::atan2(sine, scalar) / sine)
 }
 
-/// Unit quaternion from four numbers of roughly unit length.
+/// Returns the unit quaternion of four numbers of approximately unit length.
 pub fn normalised(w: f64, i: f64, j: f64, k: f64) -> Quat {
     let inverse = 1.0 / (w * w + i * i + j * j + k * k).sqrt();
     Quat::new_unchecked(nalgebra::Quaternion::new(
@@ -228,7 +232,7 @@ mod tests {
         let mut worst = 0.0;
         for k in 0..=2_000_000 {
             let t = f64::from(k) / 2e6;
-            // Thick about zero, and out to the end.
+            // Dense about zero, and up to the limit.
             for x in [-t, -30.0 * t * t, -700.0 * t] {
                 let (found, wanted) = (exp_of_loss(x), libm::exp(x));
                 worst = fmax(worst, (found / wanted - 1.0).abs());
@@ -251,7 +255,7 @@ mod tests {
                 same(x);
             }
         }
-        // Where libm changes its sums, and where the power of two changes.
+        // Arguments at which libm changes its sums, and at which the power of two changes.
         let ln_2 = std::f64::consts::LN_2;
         let edges = (1..2000)
             .map(|n| 0.5 * f64::from(n) * ln_2)

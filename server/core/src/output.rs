@@ -1,49 +1,50 @@
-//! What one tick says. Trouble that is normal at 1 kHz (a full buffer, an exhausted budget) is
-//! data here, never an error.
+//! Output of one tick. Conditions that are normal at 1 kHz (a full list, exhausted substeps) are status bits, not
+//! errors.
 
 use crate::{MAX_TOOLS, Pose, Wrench};
 
 /// Status bits of one tool in one tick.
 pub mod status {
-    /// No hand holds the tool.
+    /// No hand holds the tool, or no valid pose has arrived yet.
     pub const ABSENT: u16 = 1;
-    /// The pose is too old (watchdog): force ramps to zero.
+    /// The pose is too old (watchdog) or was invalid for too long: the force ramps to zero.
     pub const STALE: u16 = 1 << 1;
-    /// Paused by the instructor: force ramps to zero.
+    /// The instructor has paused the session: the force ramps to zero.
     pub const PAUSED: u16 = 1 << 2;
     /// Force or torque was clamped to its limit.
     pub const SATURATED: u16 = 1 << 3;
-    /// The wrench's change was limited in this tick.
+    /// The change of the wrench was limited in this tick.
     pub const SLEW_LIMITED: u16 = 1 << 4;
-    /// Substeps ran out: the rest of the motion happens next tick.
+    /// The substeps ran out: the rest of the motion follows in the next tick.
     pub const EXHAUSTED: u16 = 1 << 5;
-    /// The solver gave no usable answer: the pose was kept.
+    /// The solver gave no usable answer: the pose was kept and the force ramps to zero.
     pub const SOLVER_FAILED: u16 = 1 << 6;
-    /// The input held a number that is not finite, or no rotation: the last good pose was used.
+    /// The pose in the input was not finite, beyond 10 m or not a rotation: the last valid pose was used.
     pub const BAD_INPUT: u16 = 1 << 7;
-    /// The hand moved faster than the clamp: the haptic pose was limited.
+    /// The hand moved or turned faster than the limit: the haptic pose was clamped.
     pub const SPEED_CLAMPED: u16 = 1 << 8;
-    /// The contact buffer was full at least once, or one sphere of the tool had more walls of one object about it than there
-    /// are rows for: contact prediction ran with a smaller distance.
+    /// The contact list or the problem was full at least once, or one sphere of the tool met too many walls of one
+    /// object ([`crate::blend::MAX_SEEDS`]). Contact prediction then used a smaller distance.
     pub const CONTACTS_FULL: u16 = 1 << 9;
-    /// The twist between hand and tool exceeds 90 degrees: torque no longer grows.
+    /// The twist between haptic and graphic tool exceeds 90 degrees: the torque no longer grows.
     pub const TWIST_SATURATED: u16 = 1 << 10;
-    /// The wrench is below full strength because a ramp is running.
+    /// The ramp of the wrench is below 1.
     pub const RAMPING: u16 = 1 << 11;
-    /// A number that is not finite was about to reach the hand; zero was sent instead.
+    /// A value was not finite, or the program reached an impossible case. A wrench that is not finite is sent as zero;
+    /// a tissue that is not finite is reset to rest.
     pub const FAULT: u16 = 1 << 12;
-    /// The force would have changed by more in this tick than the hand's own motion brings: the tool is on its way, outside of
-    /// everything, and goes on in the next tick.
+    /// The change of force was limited in this tick (`Params::max_settle_step`). The tool is on its way, without
+    /// penetration, and continues in the next tick.
     pub const SETTLING: u16 = 1 << 13;
 }
 
-/// How heavy a hand is on the floor of a pocket.
+/// Zone of the force of a tool on the floor of a pocket.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ForceZone {
-    /// As it should be, or no force at all.
+    /// Recommended probing force, or no force.
     #[default]
     Light,
-    /// Above the force that probing is done with (0.25 N by default): reads too deep.
+    /// Above the recommended probing force (0.25 N by default): the probing depth reads too deep.
     TooHeavy,
     /// Healthy tissue bleeds (0.5 N by default).
     Trauma,
@@ -61,54 +62,55 @@ impl ForceZone {
     ];
 }
 
-/// What a tool in a pocket reads.
+/// Reading of a tool in a pocket.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PocketReading {
     /// Index of the object that the pocket belongs to.
     pub object: u16,
-    /// Where the tip is around the tooth, radians from mesial over buccal, -pi to pi.
+    /// Angle of the tip about the tooth's axis, radians from mesial over buccal, -pi to pi.
     pub around: f64,
-    /// Probing depth: how far the very tip is below the gingival margin there, along the tooth's axis,
-    /// metres.
+    /// Probing depth, metres: distance of the tip below the gingival margin at this angle, along the tooth's axis.
     pub depth: f64,
     /// Force on the floor along the tooth's axis, newtons.
     pub floor_force: f64,
-    /// Zone that the force is in; it is left only when the force is under a share of the zone's threshold (`rearm`).
+    /// Zone of the force. A zone is left only when the force is under a share (`rearm`) of the zone's threshold.
     pub zone: ForceZone,
-    /// Whether the zone was entered in this tick, from a lighter one: an event.
+    /// Whether the zone was entered in this tick from a lighter zone: an event.
     pub entered_zone: bool,
 }
 
-/// What a tick says of one tool.
+/// Output of one tool in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolOutput {
-    /// For the hand: about the device point, world axes; after ramp, clamp and slew.
+    /// Wrench for the hand, about the device point, world axes; after ramp, clamp and slew.
     pub wrench: Wrench,
-    /// The same point and axes, before ramp, clamp and slew: minus the sum of the loads applied.
+    /// Wrench about the same point and axes before ramp, clamp and slew: minus the sum of the loads applied. Zero for
+    /// an absent tool.
     pub raw_wrench: Wrench,
-    /// Graphic tool: `world_from_tool`, constrained.
+    /// Pose of the graphic tool (constrained), `world_from_tool`.
     pub graphic: Pose,
-    /// Haptic tool after sanitising: `world_from_tool`.
+    /// Pose of the haptic tool after sanitising, `world_from_tool`.
     pub haptic: Pose,
     /// Bits of [`status`].
     pub status: u16,
-    /// Collide-and-solve passes made.
+    /// Number of substeps.
     pub substeps: u8,
-    /// Rows in the last problem.
+    /// Number of rows in the last problem.
     pub rows: u16,
-    /// Rows that carry load.
+    /// Number of rows with a positive multiplier.
     pub active: u16,
-    /// Smallest true gap after the move over the pairs in the problem, metres (negative:
-    /// penetration); `f64::INFINITY` without rows.
+    /// Smallest true gap after the move over the pairs in the problem, metres. Negative for penetration;
+    /// `f64::INFINITY` without rows.
     pub min_gap: f64,
-    /// Whether the tick converged: last step small (or held back: [`status::SETTLING`]), every true gap at least -0.5 um.
+    /// Whether the tick converged: the last step was small or limited ([`status::SETTLING`]), and no true gap is below
+    /// -0.5 um (default of `Params::converged_gap`).
     pub converged: bool,
-    /// What the tool reads in a pocket, while it is in one.
+    /// Reading of the pocket; `None` outside pockets.
     pub pocket: Option<PocketReading>,
 }
 
 impl ToolOutput {
-    /// What is said of a slot without a tool, or of one that was never held, at `pose` (`world_from_tool`).
+    /// Returns the output of a slot without a tool, or with a tool never held, at `pose` (`world_from_tool`).
     pub fn absent(pose: Pose) -> Self {
         Self {
             wrench: Wrench::ZERO,
@@ -129,10 +131,10 @@ impl ToolOutput {
 /// Output of one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TickOutput {
-    /// Number of this tick: the clock's grid, so skipped ticks leave holes.
+    /// Number of this tick on the clock's grid; skipped ticks leave gaps.
     pub tick: u64,
-    /// Chained hash over the previous hash, the input's bytes and the state.
+    /// Chained hash of the previous hash, the input's bytes and the state.
     pub hash: u64,
-    /// Per tool slot.
+    /// Output per tool slot.
     pub tools: [ToolOutput; MAX_TOOLS],
 }

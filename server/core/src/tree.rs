@@ -1,9 +1,9 @@
-//! Sphere trees: the one geometry of everything that touches or can be touched.
+//! Sphere trees: the geometry of tools and objects for contact.
 //!
-//! A node has two radii: the *contact* radius is the shape at that level, the *bound* radius
-//! encloses the contact spheres of all its descendants and of the node itself (so a parent's shape may
-//! be tight while culling stays safe). Trees are ragged: a node has at most eight children, and a
-//! childless node above the level in use stands for itself at every finer level.
+//! A node has two radii. The *contact* radius is the shape at the node's level. The *bound* radius encloses the contact
+//! spheres of the node and of all its descendants: culling is safe even where a parent's shape is tight. Trees are
+//! ragged, with at most eight children per node. A childless node above the level in use is the shape at every finer
+//! level.
 
 mod blending;
 
@@ -12,37 +12,37 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::{Vec3, fmax, norm};
 
-/// Most children of a node.
+/// Largest number of children of a node.
 pub const MAX_CHILDREN: usize = 8;
-/// Deepest level a tree may have.
+/// Deepest level of a tree.
 pub const MAX_LEVEL: u8 = 7;
-/// A ball: centre and radius, metres.
+/// Ball: centre and radius, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
-    /// Centre.
+    /// Centre, metres.
     pub centre: Vec3,
-    /// Radius.
+    /// Radius, metres.
     pub radius: f64,
 }
 
-/// One node of a tree. Nodes are stored level by level, children of a node side by side.
+/// Node of a tree. Nodes are stored level by level, with the children of a node side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Node {
     /// Centre in the object's frame, metres.
     pub centre: Vec3,
     /// Radius of the shape at this level, metres.
     pub contact_radius: f64,
-    /// Radius about `centre` that encloses the contact spheres of this node and all below it, metres.
+    /// Radius about `centre` that encloses the contact spheres of this node and of all its descendants, metres.
     pub bound_radius: f64,
     /// Index of the first child; meaningless without children.
     pub first_child: u32,
     /// Number of children, 0 to 8.
     pub children: u8,
-    /// Level, the root's is 0.
+    /// Level; 0 for the root.
     pub level: u8,
 }
 
-/// A tree of spheres in its object's frame. Immutable once built; always valid.
+/// Tree of spheres in its object's frame. Immutable and always valid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct SphereTree {
@@ -50,17 +50,17 @@ pub struct SphereTree {
     blending: Blending,
 }
 
-/// What a tree is made of, as it is stored.
+/// Stored form of a sphere tree.
 #[derive(Serialize, Deserialize)]
 struct Parts {
     nodes: Vec<Node>,
     blending: Blending,
 }
 
-/// Why nodes are not a sphere tree.
+/// Error of nodes that do not form a sphere tree.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TreeError {
-    /// There is no node at all.
+    /// The list of nodes is empty.
     #[error("a sphere tree needs at least one node, found none")]
     Empty,
     /// A number is not finite or a radius not positive.
@@ -68,11 +68,11 @@ pub enum TreeError {
     BadNumber {
         /// Index of the node.
         node: usize,
-        /// Which field.
+        /// Name of the field.
         field: &'static str,
         /// Value found.
         found: f64,
-        /// Whether it must be positive.
+        /// Whether the number must be positive.
         positive: bool,
     },
     /// Children or levels do not form a tree stored level by level.
@@ -80,33 +80,33 @@ pub enum TreeError {
     BadStructure {
         /// Index of the node.
         node: usize,
-        /// What is wrong.
+        /// Description of the error.
         what: &'static str,
     },
-    /// A node's bound does not enclose something below it.
+    /// The bound of a node does not enclose a child's bound.
     #[error(
         "node {node}: bound radius {bound:e} m does not enclose node {inner} (needs {needed:e} m)"
     )]
     Unbounded {
         /// Index of the node.
         node: usize,
-        /// Its bound radius.
+        /// Bound radius of the node, metres.
         bound: f64,
-        /// Node that sticks out.
+        /// Index of the child that sticks out.
         inner: usize,
-        /// Radius that would do.
+        /// Bound radius required, metres.
         needed: f64,
     },
     /// Blend lengths or insets do not fit the nodes.
     #[error("{field} {index}: found {found}, expected {expected}")]
     BadBlending {
-        /// Which list.
+        /// Name of the list.
         field: &'static str,
-        /// Index in it; where the list's length is wrong, the length.
+        /// Index in the list, or the length of a list with a wrong length.
         index: usize,
-        /// Value found; where the list's length is wrong, the length.
+        /// Value found, or the length of a list with a wrong length.
         found: f64,
-        /// What it must be.
+        /// Value expected.
         expected: &'static str,
     },
 }
@@ -128,10 +128,10 @@ impl From<SphereTree> for Parts {
 }
 
 impl SphereTree {
-    /// A tree from nodes stored level by level, root first, siblings adjacent, bounds already set.
+    /// Creates a tree from nodes with bounds, stored level by level, root first, siblings adjacent.
     ///
     /// # Errors
-    /// Says which node breaks which rule.
+    /// A node breaks a rule; the error has the node and the rule.
     pub fn from_nodes(nodes: Vec<Node>) -> Result<Self, TreeError> {
         validate(&nodes)?;
         Ok(Self {
@@ -140,27 +140,28 @@ impl SphereTree {
         })
     }
 
-    /// As [`SphereTree::from_nodes`], but computes every bound radius (the given ones are ignored).
+    /// Creates a tree like [`SphereTree::from_nodes`], but computes every bound radius and ignores the given ones.
     ///
     /// # Errors
-    /// Says which node breaks which rule.
+    /// A node breaks a rule; the error has the node and the rule.
     pub fn with_bounds(mut nodes: Vec<Node>) -> Result<Self, TreeError> {
         refit_bounds(&mut nodes);
         Self::from_nodes(nodes)
     }
 
-    /// A tree whose finest spheres are exactly `leaves`, grouped eight by eight along the longest
-    /// axis. Inner nodes are bounding spheres (their contact radius is their bound): right for
-    /// analytic shapes whose leaves are the whole shape.
+    /// Creates a tree with `leaves` as its finest spheres, grouped in eights along the longest axis.
+    ///
+    /// Inner nodes are bounding spheres, with the contact radius equal to the bound. Such a tree suits analytic shapes
+    /// whose leaves are the whole shape.
     ///
     /// # Errors
-    /// If there is no leaf, or a leaf is not finite and positive.
+    /// There is no leaf, a leaf is not finite and positive, or there are more leaves than seven levels hold.
     pub fn over_leaves(leaves: &[Sphere]) -> Result<Self, TreeError> {
         if leaves.is_empty() {
             return Err(TreeError::Empty);
         }
-        // Level by level: each node owns a group of leaves; a group larger than one is cut into
-        // up to eight by halving three times at the median of its longest axis.
+        // Each node owns a group of leaves. A group of several leaves is cut into up to eight parts: three halvings at
+        // the median of the longest axis.
         let mut nodes = vec![bounding_node(leaves, 0)];
         let mut groups = vec![leaves.to_vec()];
         let mut next = 0;
@@ -183,22 +184,22 @@ impl SphereTree {
             }
             next += 1;
         }
-        // Every leaf at its own depth is fine (ragged), breadth-first order keeps levels together.
+        // Leaves at different depths are valid (ragged). Breadth-first order keeps each level together.
         Self::with_bounds(nodes)
     }
 
-    /// All nodes, level by level; the root is the first.
+    /// Returns all nodes, level by level; the root is the first.
     #[inline]
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
-    /// Finest level.
+    /// Returns the finest level.
     pub fn depth(&self) -> u8 {
         self.nodes.last().map_or(0, |node| node.level)
     }
 
-    /// Nodes that are the shape at `level`: those of that level and childless ones above it.
+    /// Returns the nodes that form the shape at `level`: nodes of that level and childless nodes above.
     pub fn shape_at(&self, level: u8) -> impl Iterator<Item = (u32, &Node)> {
         self.nodes
             .iter()
@@ -207,7 +208,7 @@ impl SphereTree {
             .map(|(index, node)| (index as u32, node))
     }
 
-    /// Largest distance from `point` (object's frame) to the centre of any node, metres.
+    /// Returns the largest distance from `point` (object's frame) to the centre of any node, metres.
     pub fn lever_from(&self, point: &Vec3) -> f64 {
         self.nodes
             .iter()
@@ -216,13 +217,13 @@ impl SphereTree {
 }
 
 impl Node {
-    /// Whether this node stands for the shape at `level`.
+    /// Whether this node belongs to the shape at `level`.
     #[inline]
     pub fn is_shape_at(&self, level: u8) -> bool {
         self.level == level || (self.children == 0 && self.level < level)
     }
 
-    /// The contact sphere.
+    /// Returns the contact sphere.
     pub fn sphere(&self) -> Sphere {
         Sphere {
             centre: self.centre,
@@ -236,10 +237,10 @@ impl Node {
     }
 }
 
-/// Relative head-room of bounds over rounding.
+/// Relative headroom of bounds over rounding.
 const BOUND_SLACK: f64 = 1e-12;
 
-/// Bound radii from the contact radii, children before parents.
+/// Computes the bound radii from the contact radii, children before parents.
 pub(crate) fn refit_bounds(nodes: &mut [Node]) {
     for index in (0..nodes.len()).rev() {
         let node = nodes[index];
@@ -248,7 +249,7 @@ pub(crate) fn refit_bounds(nodes: &mut [Node]) {
             && node.child_range().end <= nodes.len()
             && node.child_range().start > index
         {
-            // Enclose descendants one by one through the children's bounds: safe and quick.
+            // The children's bounds enclose all deeper descendants: no need to visit these.
             for child in &nodes[node.child_range()] {
                 bound = fmax(
                     bound,
@@ -310,8 +311,8 @@ fn validate(nodes: &[Node]) -> Result<(), TreeError> {
         if node.children == 0 {
             continue;
         }
-        // Breadth-first storage makes every child follow the previous one's, which also rules
-        // out cycles, sharing and orphans.
+        // In breadth-first storage the children of each node follow those of the previous one. The check also rules out
+        // cycles, shared nodes and orphans.
         if node.first_child as usize != next_child {
             return bad("children are not stored level by level");
         }

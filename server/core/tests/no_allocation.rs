@@ -1,4 +1,4 @@
-//! A tick allocates nothing: counted, not believed.
+//! A tick allocates nothing: test with a counting allocator.
 
 mod counting;
 
@@ -65,7 +65,8 @@ fn blended(mut plate: Object) -> Object {
     plate
 }
 
-/// A plate on springs and one beside a tooth, both as printed.
+/// Returns three plates: a skeleton of springs and a gingiva, both by the equations as printed, and the gingiva's
+/// tooth.
 fn printed() -> Vec<Object> {
     let (mut tongue, mut gingiva) = (bumpy_plate(), bumpy_plate());
     let nodes: Vec<(u32, Vec3)> = tongue
@@ -146,7 +147,7 @@ fn allocates_nothing(objects: Vec<Object>) {
     assert_eq!(after - before, 0, "calls of the allocator");
 }
 
-/// The plate as a gingiva whose tooth stands along z beside it; its near half is the floor of the pocket.
+/// Makes the plate a gingiva whose tooth stands along z beside it. Its near half is the floor of the pocket.
 fn soft(mut plate: Object) -> Object {
     let axis = Vec3::z();
     let place = |node: &Node| Place {
@@ -212,7 +213,7 @@ fn two_tools_in_gingiva_beside_a_tooth_allocate_nothing() {
     assert_eq!(after - before, 0, "calls of the allocator");
 }
 
-/// A skeleton on every `every`-th sphere of the plate, everything within 3 mm joined, its rim fixed.
+/// Returns a skeleton on every `every`-th sphere of the plate, with springs within 3 mm and a fixed rim.
 fn skeleton_of(tree: &SphereTree, every: usize) -> SkeletonLevel {
     let leaves: Vec<u32> = tree.shape_at(7).map(|(k, _)| k).collect();
     let nodes: Vec<u32> = leaves.iter().copied().step_by(every).collect();

@@ -1,4 +1,4 @@
-//! The contact list of blended objects by what is summed together: one tool sphere against one object.
+//! Grouping of the contacts with blended objects: one group per pair of tool sphere and object.
 
 use std::ops::Range;
 
@@ -13,31 +13,34 @@ pub(crate) struct Group {
     pub object: u16,
     /// Tool slot.
     pub tool: u8,
-    /// Smallest core gap at the pose of the pass, metres.
+    /// Smallest core gap at the pose of the substep, metres.
     smallest: f64,
-    /// No blended gap is under this at the pose of the pass, metres; unknown before it was asked for.
+    /// Lower bound of the blended gaps at the pose of the substep, metres. Negative infinity until `Blender::rows` has
+    /// computed it.
     pub least: f64,
-    /// Its contacts begin here in [`Groups::order`].
+    /// Start of the group's contacts in `Groups::order`.
     first: u32,
-    /// And so many there are.
+    /// Number of contacts.
     count: u32,
 }
 
-/// The contacts of blended objects, tool sphere by tool sphere.
+/// Contacts with blended objects, grouped by tool sphere and object.
 #[derive(Debug)]
 pub(crate) struct Groups {
-    /// In the order in which the list comes to them.
+    /// Groups in the order of their first contacts in the contact list.
     pub all: Vec<Group>,
+    /// Indices of the contacts, group by group.
     order: Vec<u32>,
-    /// Scratch: place of the group of each contact of a run.
+    /// Scratch: index of the group of each contact of a run.
     of: Vec<u32>,
     /// Number of the group of each node of each tool, counted from 1; 0 for none.
     number: Vec<u32>,
+    /// Number of nodes per tool in `number`.
     stride: usize,
 }
 
 impl Groups {
-    /// Room for lists of at most `contacts` with tools of at most `nodes`.
+    /// Returns empty groups with capacity for `contacts` contacts and for tools of at most `nodes` nodes.
     pub fn with_capacity(contacts: usize, nodes: usize) -> Self {
         let nodes = if contacts > 0 { nodes } else { 0 };
         Self {
@@ -49,13 +52,13 @@ impl Groups {
         }
     }
 
-    /// Forgets all.
+    /// Removes all groups.
     pub fn clear(&mut self) {
         self.all.clear();
         self.order.clear();
     }
 
-    /// Groups a run of contacts on one object, whose core gaps `gap` tells.
+    /// Groups a run of contacts with one object. `gap` returns the core gap of a contact, metres.
     pub fn add(&mut self, contacts: &[Contact], run: Range<usize>, gap: impl Fn(&Contact) -> f64) {
         let place = |contact: &Contact| {
             usize::from(contact.tool) * self.stride + contact.tool_sphere as usize
@@ -97,7 +100,7 @@ impl Groups {
         }
     }
 
-    /// Place of the group with the smallest core gap at the pose of the pass.
+    /// Returns the index of the group with the smallest core gap at the pose of the substep; `None` without groups.
     pub fn nearest(&self) -> Option<usize> {
         (0..self.all.len()).reduce(|best, k| {
             if self.all[k].smallest < self.all[best].smallest {
@@ -108,21 +111,21 @@ impl Groups {
         })
     }
 
-    /// Indices of the contacts of a group, ascending.
+    /// Returns the indices of the contacts of a group, ascending.
     pub fn contacts(&self, group: &Group) -> &[u32] {
         &self.order[group.first as usize..(group.first + group.count) as usize]
     }
 }
 
 impl Group {
-    /// Whether no blended gap can be under `limit` after a motion of at most `moved` (metres).
+    /// Whether no blended gap can be under `limit` (metres) after a motion of at most `moved` (metres).
     pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
-        // (Every distance changes by what is moved at most, and so does their soft minimum.)
+        // A motion changes every distance, and therefore the soft minimum, by at most `moved`.
         if self.least - moved >= limit {
             return true;
         }
         let spare = self.smallest - moved - limit;
-        // The logarithm of the count lies between nothing and that of the next power of two: seldom to be asked for.
+        // The cheap bound, the logarithm of the next power of two, mostly saves the logarithm of the count.
         let most = std::f64::consts::LN_2 * f64::from(u32::BITS - self.count.leading_zeros());
         spare >= 0.0 && (spare >= blend * most || spare >= blend * libm::log(f64::from(self.count)))
     }

@@ -1,17 +1,19 @@
-//! How a blended surface bends inwards, which a pass has to know beside its slope.
+//! Hollowness: inward curvature of a blended surface, which a substep needs beside the slope.
 
 use super::{ContactRow, Member};
 use crate::contact::Contact;
 use crate::math::{Mat3, fmax};
 
-/// Sweeps of Jacobi's rotations: they converge quadratically, five end a 3x3 matrix.
+/// Maximum number of sweeps of Jacobi rotations. The convergence is quadratic; five sweeps diagonalise a 3x3 matrix.
 const JACOBI_SWEEPS: usize = 5;
-/// Share of the diagonal that may stand beside it at the end.
+/// Tolerance of the Jacobi rotations: sum of the off-diagonal entries relative to the diagonal.
 const NO_ANGLE: f64 = 1e-13;
 
-/// How a blended gap bends inwards: the positive part of minus its second derivative by the tool
-/// sphere's place, 1/m. The covariance of the normals over the blend length, less the
-/// roundness of the spheres; not zero in grooves and pits only.
+/// Hollowness of a blended gap, 1/m: the positive part of minus its second derivative by the position of the tool
+/// sphere.
+///
+/// Minus the second derivative is the covariance of the member normals over the blend length, minus the curvature of
+/// the spheres. The positive part is nonzero only in grooves and pits.
 pub(crate) fn hollowness(
     line: &ContactRow,
     members: &[Member],
@@ -28,7 +30,7 @@ pub(crate) fn hollowness(
     positive_part(bend)
 }
 
-/// The positive semi-definite part of a symmetric matrix, by Jacobi's rotations.
+/// Returns the positive semi-definite part of a symmetric matrix, by Jacobi rotations.
 fn positive_part(mut m: Mat3) -> Mat3 {
     let mut axes = Mat3::identity();
     for _ in 0..JACOBI_SWEEPS {

@@ -1,30 +1,40 @@
-//! Spheres blended into one smooth surface: rows that do not feel the single spheres.
+//! Blended rows: contact rows on one smooth surface over the spheres of a rigid object.
 //!
-//! A union of spheres is bumpy by its nature; a hand that presses a probe's tip 1 mm deep feels the bumps
-//! as ripple of the force. Here a tool's sphere `t` meets the *blended* surface of all spheres of
-//! the object. With the core gap `g_k = |p_t - c_k| - (r_k - b_k) - rho_t` (`b_k` the inset of sphere
-//! `k`) and the blend length `kappa` of the level, the row of the pair `(t, j)` has the gap
+//! A union of spheres is bumpy. A hand that presses a probe's tip 1 mm deep feels the bumps as ripple of the force. A
+//! tool sphere `t` therefore meets the *blended* surface of all spheres of the object.
+//!
+//! The core gap of sphere `k` is `g_k = |p_t - c_k| - (r_k - b_k) - rho_t`. Here `r_k` and `b_k` are the radius and the
+//! inset of the sphere, and `rho_t` is the radius of the tool sphere. With the blend length `kappa` of the level, the
+//! row of the pair `(t, j)` has the gap
 //!
 //! `s_j = -kappa ln sum_k a_jk exp(-g_k / kappa)`, and the Jacobian `sum_k w_k J_k`,
-//! `w_k = a_jk exp(-g_k / kappa) / sum`,
+//! `w_k = a_jk exp(-g_k / kappa) / sum`.
 //!
-//! where `a_jk` is 1 for neighbours on one smooth surface and falls to 0 for spheres that are touched
-//! from quite another side ([`compatibility`]). As `a_jj` is 1, `s_j <= g_j`: rows that hold keep the
-//! tool out of every core. The insets are calibrated offline so that the surface `s = 0` lies on
-//! the mesh; the union of hard spheres lies on it too, so without insets the blended surface would
-//! stand off by about `kappa` times the logarithm of the number of spheres in the sum.
+//! The compatibility `a_jk` is 1 for neighbours on one smooth surface. The value falls to 0 for spheres that are
+//! touched from a different side ([`compatibility`]). Because `a_jj` is 1, `s_j <= g_j`: valid rows keep the tool out
+//! of every core.
 //!
-//! The soft minimum is that of the exponential blend of implicit surfaces (Blinn 1982,
-//! doi:10.1145/357306.357310). One row per *seed* `j`, not one per tool sphere: in a groove the walls
-//! keep separate rows, so that the problem is convex there. On a smooth surface all seeds give nearly the
-//! same row; those that another one implies are left out. What is blended may still be hollow: passes that
-//! know only the slope there turn with the tool's way, by `-depth / radius` of it each time, and
-//! buzz where the press is deeper than the hollow's radius. The pass therefore also knows the bend
-//! (`hollowness`, and the module `metric`).
+//! The insets are calibrated offline so that the surface `s = 0` lies on the mesh. The union of hard spheres lies on
+//! the mesh too. Without insets the blended surface would stand off by about `kappa` times the logarithm of the number
+//! of spheres in the sum.
 //!
-//! Measured (probe tip, 1 mm deep, ellipsoid of 40, 25, 15 mm; rms of the force / median error of direction):
-//! hard spheres 2.0 % / 3.0 degrees at level 3, 0.34 % / 1.3 at level 4, 0.12 % / 0.6 at level 5; blended 0.56 % / 0.7
-//! and 0.15 % / 0.3 at levels 3 and 4. Other shapes, blend lengths and costs: the bench `ripple` of sulcus-cases.
+//! The soft minimum is that of the exponential blend of implicit surfaces (Blinn 1982, doi:10.1145/357306.357310).
+//! There is a row per *seed* `j`, not per tool sphere. In a groove the walls thus keep separate rows, and the problem
+//! is convex there. On a smooth surface all seeds give nearly the same row. Seeds implied by another row are left out.
+//!
+//! A blended surface can still be hollow. Substeps that know only the slope of a hollow oscillate: each lateral step is
+//! `-depth / radius` times the previous step. The oscillation grows where the press is deeper than the radius of the
+//! hollow. The metric of a substep therefore includes the curvature (`hollowness`, and the module `metric`).
+//!
+//! Measured with a probe tip, 1 mm deep, on an ellipsoid of 40, 25, 15 mm: rms of the force / median error of
+//! direction.
+//!
+//! | spheres | level 3 | level 4 | level 5 |
+//! |---|---|---|---|
+//! | hard | 2.0 % / 3.0 degrees | 0.34 % / 1.3 degrees | 0.12 % / 0.6 degrees |
+//! | blended | 0.56 % / 0.7 degrees | 0.15 % / 0.3 degrees | |
+//!
+//! Other shapes, blend lengths and costs: the bench `ripple` of sulcus-cases.
 
 mod groups;
 mod hollowness;
@@ -36,40 +46,44 @@ use crate::math::{Vec3, exp_of_loss, fclamp, fmax, fmin};
 pub(crate) use groups::{Group, Groups};
 pub(crate) use hollowness::hollowness;
 
-/// A sphere that would move the surface by less than this is left out, metres.
+/// Motion of the surface under which a sphere is ignored in the sum, metres.
 const UNFELT: f64 = 2e-8;
-/// Excess of the sagitta in blend lengths up to which two spheres are on one smooth surface. Over the pit between four
-/// spheres of a lattice that is blended as it should be, two that face each other have 4 to 6.
+/// Excess of the sagitta up to which two spheres are on one smooth surface, in blend lengths. Opposite spheres over the
+/// pit between four spheres of a properly blended lattice have an excess of 4 to 6.
 const ONE_SURFACE: f64 = 7.0;
-/// Excess from which they have nothing to do with one another.
+/// Excess of the sagitta from which two spheres are on separate surfaces, in blend lengths.
 const TWO_SURFACES: f64 = 12.0;
-/// A seed is left out where the rows before it hold all but this share of its sum: it could bind at most
-/// this share of the blend length before them.
+/// Share of its sum that a left-out seed may hold beyond an earlier row. The seed could bind earlier by at most this
+/// share of the blend length.
 const IMPLIED: f64 = 1e-3;
-/// Far above the rounding of a blended gap, far below anything that is felt, metres.
+/// Margin for the rounding of a blended gap, metres: far above the rounding, far below any perceptible distance.
 const ROUNDING: f64 = 1e-12;
-/// By how many blend lengths another seed's surface may be closer than that of the nearest core: where the
-/// one stands alone, hardly inset, and the other deep among many.
+/// Margin by which another seed's surface may be closer than that of the nearest core, in blend lengths. The case
+/// occurs where the nearest core stands alone with a small inset and the other core lies deep among many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
-/// Most rows of one tool sphere against one object: the walls of a pocket, its floor, and some. Seeds come by their own
-/// core's gap, not by that of the surface, so what has no room here may be what is touched: then only nearer ones are asked for.
+/// Maximum number of rows of one tool sphere against one object: the walls of a pocket, its floor, and a reserve. Seeds
+/// are ordered by their core gap, not by the gap of the surface, so a seed beyond the capacity may be touched. On
+/// overflow only seeds within a smaller limit get rows.
 pub const MAX_SEEDS: usize = 12;
 
-/// How many blend lengths above the smallest core gap a sphere still counts: there its share,
-/// `exp(-reach)` of the blend length, comes to 20 nm; there may be dozens.
+/// Returns the reach of a sphere, 4 to 10 blend lengths above the smallest core gap. At the reach, unless clamped, the
+/// sphere's share, `exp(-reach)` of the blend length, is 20 nm. Dozens of spheres can lie there.
 #[inline]
 pub fn reach(blend: f64) -> f64 {
     fclamp(libm::log(blend / UNFELT), 4.0, 10.0)
 }
 
-/// How far a sphere belongs to the surface of the seed: 1 wholly, 0 not at all, smooth between. Seen from the
-/// tool's sphere the two lie in directions of that `cosine`, the nearer of the two centres at `distance`
-/// (metres), and the sphere's core gap exceeds the seed's by `rise` (metres).
+/// Returns the compatibility of a sphere with a seed: 1 on one smooth surface, 0 on separate surfaces, smooth between.
 ///
-/// Over that angle a sphere drops away by the sagitta `(1 - cosine) distance`. On a surface that is
-/// flat or convex the other sphere's gap is larger by about as much; where it is as near in spite of the
-/// angle, it is another wall, and the excess in blend lengths, which means the same at any level, tells them
-/// apart.
+/// - `cosine`: cosine of the angle between the directions from the tool sphere to the two spheres.
+/// - `distance`: distance from the tool sphere to the nearer of the two centres, metres.
+/// - `rise`: core gap of the sphere minus the core gap of the seed, metres.
+/// - `blend`: blend length, metres.
+///
+/// Over that angle a sphere drops away by the sagitta `(1 - cosine) distance`. On a flat or convex surface the gap of
+/// the other sphere is larger by about the sagitta. A sphere with a much smaller `rise` belongs to another wall. The
+/// excess of the sagitta over `rise` separates the two cases. In blend lengths the excess has the same meaning at every
+/// level.
 #[inline]
 pub fn compatibility(cosine: f64, distance: f64, rise: f64, blend: f64) -> f64 {
     let excess = (1.0 - cosine) * distance - rise;
@@ -83,7 +97,7 @@ pub fn compatibility(cosine: f64, distance: f64, rise: f64, blend: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A tool sphere and a sphere of a blended object.
+/// Pair of a tool sphere and a sphere of a blended object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
     /// Index in the contact list.
@@ -92,9 +106,9 @@ pub(crate) struct Pair {
     pub gap: f64,
     /// Unit vector from the object's sphere to the tool's.
     pub normal: Vec3,
-    /// Between the centres, metres.
+    /// Distance between the centres, metres.
     pub distance: f64,
-    /// `exp(-(gap - smallest) / kappa)`.
+    /// Weight before compatibility: `exp(-(gap - smallest) / kappa)`; 0 until weighed.
     weight: f64,
 }
 
@@ -115,30 +129,30 @@ impl Pair {
 pub(crate) struct Member {
     /// Index in the contact list.
     pub contact: u32,
-    /// Between the centres, metres.
+    /// Distance between the centres, metres.
     pub distance: f64,
-    /// Share of the row's multiplier, 0 to 1; they add up to 1.
+    /// Share of the row's multiplier, 0 to 1. The shares of a row add up to 1.
     pub weight: f64,
 }
 
-/// One row of the problem.
+/// Contact row: a hard contact, or a seed on a blended object with its members.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactRow {
-    /// The contact that it is about, in a blended row its seed: tells tool, object and arm.
+    /// Index in the contact list of the contact, or of the seed of a blended row. Determines tool, object and arm.
     pub contact: u32,
     /// Gap, metres.
     pub gap: f64,
-    /// Derivative of the gap by the tool sphere's place: a unit normal, in a blended row the mean of those of
-    /// its members.
+    /// Derivative of the gap by the position of the tool sphere: a unit normal, or the weighted mean of the members'
+    /// normals.
     pub normal: Vec3,
-    /// Its members begin here in the list of all; none where the row is a contact of its own.
+    /// Start of the members in the list of all members; 0 for a hard contact.
     pub first: u32,
-    /// And so many there are.
+    /// Number of members; 0 for a hard contact.
     pub members: u32,
 }
 
 impl ContactRow {
-    /// The row of a hard contact.
+    /// Returns the row of a hard contact.
     #[inline]
     pub fn hard(index: usize, contact: &Contact) -> Self {
         Self {
@@ -151,24 +165,24 @@ impl ContactRow {
     }
 }
 
-/// Where rows are written.
+/// Destination of the written rows.
 pub(crate) struct Written<'a> {
-    /// The rows.
+    /// Contact rows.
     pub contact_rows: &'a mut Vec<ContactRow>,
-    /// The members of all of them.
+    /// Members of all rows, row by row.
     pub members: &'a mut Vec<Member>,
 }
 
-/// A node's core at its object's level in contact.
+/// Core of a node at the contact level of its object: the contact sphere reduced by the inset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Core {
-    /// Its radius, metres.
+    /// Radius of the core, metres.
     pub radius: f64,
-    /// And by how much that is less than the contact sphere's.
+    /// Inset: contact radius minus radius of the core, metres.
     pub inset: f64,
 }
 
-/// Cores of an object's nodes; none where it is not blended.
+/// Returns the cores of the nodes of object `k`; empty for an object without blending.
 pub(crate) fn cores(scene: &Scene, k: usize) -> Vec<Core> {
     if scene.blend_of(k) == 0.0 {
         return Vec::new();
@@ -185,35 +199,37 @@ pub(crate) fn cores(scene: &Scene, k: usize) -> Vec<Core> {
     core.collect()
 }
 
-/// A pair that is not wholly in a kept row's sum.
+/// Pair with a share under 1 in the sum of a kept row.
 #[derive(Clone, Copy, Debug)]
 struct LeftOut {
+    /// Index in `Blender::pairs`.
     pair: u32,
-    /// Its share there.
+    /// Share of the pair in the sum, 0 to 1.
     share: f64,
-    /// The most that this pair and those of the same row after it could add to another row's sum.
+    /// Upper bound of what this pair and the later pairs of the same row can add to the sum of another row.
     rest: f64,
 }
 
-/// Scratch: nothing in it outlives a call.
+/// Scratch for the rows of one tool sphere against one object. Results depend only on the pairs since
+/// [`Blender::begin`].
 #[derive(Debug)]
 pub(crate) struct Blender {
     /// Pairs of one tool sphere and one object.
     pairs: Vec<Pair>,
-    /// Pairs that kept rows leave out in part or wholly, row by row.
+    /// Pairs with a share under 1 in kept rows, row by row.
     left_out: Vec<LeftOut>,
-    /// Share of each pair in the row in question.
+    /// Share of each pair in the present row.
     shares: Vec<f64>,
-    /// Natural logarithm of each number of pairs; of none, 0.
+    /// Natural logarithm of each number of pairs; 0 for no pairs.
     logs: Vec<f64>,
-    /// A blend length and its [`reach`].
+    /// Last blend length, metres, and its [`reach`].
     reach: (f64, f64),
-    /// Largest weight beyond that.
+    /// Largest weight of a pair beyond that reach.
     unfelt: f64,
 }
 
 impl Blender {
-    /// Scratch for lists of at most `contacts`.
+    /// Returns scratch for lists of at most `contacts` contacts.
     pub fn with_capacity(contacts: usize) -> Self {
         Self {
             pairs: Vec::with_capacity(contacts),
@@ -227,7 +243,7 @@ impl Blender {
         }
     }
 
-    /// Begins with the pairs of another tool sphere and object.
+    /// Removes all pairs, for the next tool sphere and object.
     pub fn begin(&mut self) {
         self.pairs.clear();
     }
@@ -237,8 +253,8 @@ impl Blender {
         self.pairs.push(pair);
     }
 
-    /// Puts the nearest pair first, weighs the others against it and drops those that are both out of its
-    /// reach and farther than `kept`. Gives the smallest gap; nothing where there is no pair.
+    /// Moves the nearest pair to the front and sets the weights relative to it. Drops the pairs that are both out of
+    /// its reach and farther than `kept` (metres). Returns the smallest core gap, metres; `None` without pairs.
     fn weigh(&mut self, blend: f64, kept: f64) -> Option<f64> {
         let nearest = (0..self.pairs.len()).reduce(|best, k| {
             let (a, b) = (&self.pairs[k], &self.pairs[best]);
@@ -253,13 +269,13 @@ impl Blender {
         let farthest = fmax(smallest + self.reach.1 * blend, kept);
         self.pairs.retain(|pair| pair.gap <= farthest);
         for pair in &mut self.pairs {
-            // Never nothing: a seed on another wall, however far above the nearest, has its own row.
+            // Never zero: a seed on another wall, however far above the nearest, has its own row.
             pair.weight = exp_of_loss((smallest - pair.gap) / blend);
         }
         Some(smallest)
     }
 
-    /// How far pair `k` belongs to the surface of `seed`.
+    /// Returns the compatibility of pair `k` with `seed`, 0 to 1.
     #[inline]
     fn shared(&self, seed: &Pair, k: usize, blend: f64) -> f64 {
         let pair = &self.pairs[k];
@@ -271,7 +287,7 @@ impl Blender {
         )
     }
 
-    /// Blended gap of `seed`, metres.
+    /// Returns the blended gap of `seed`, metres.
     fn gap_of(&self, seed: &Pair, smallest: f64, blend: f64) -> f64 {
         let sum = (0..self.pairs.len()).fold(0.0, |sum, k| {
             sum + self.shared(seed, k, blend) * self.pairs[k].weight
@@ -279,7 +295,7 @@ impl Blender {
         smallest - blend * libm::log(sum)
     }
 
-    /// The smaller of `limit` and the smallest blended gap over all seeds, metres.
+    /// Returns the smaller of `limit` and the smallest blended gap over all seeds, metres.
     pub fn least(&mut self, blend: f64, limit: f64) -> f64 {
         let Some(smallest) = self.weigh(blend, f64::NEG_INFINITY) else {
             return limit;
@@ -303,7 +319,8 @@ impl Blender {
             return least;
         }
         for seed in &self.pairs[1..] {
-            // No more is in this seed's sum than in the nearest one's and what that leaves out.
+            // Upper bound of this seed's sum: the sum of the nearest seed plus the shares that the nearest seed leaves
+            // out.
             let more = self.left_out.iter().fold(sum, |more, left_out| {
                 let k = left_out.pair as usize;
                 let now = self.shared(seed, k, blend);
@@ -316,30 +333,32 @@ impl Blender {
         least
     }
 
-    /// Writes the rows of the pairs with a gap under `limit`, with their members. Where there are more of them than
-    /// [`MAX_SEEDS`] the limit is lowered until there is room. Returns the limit under which all rows are written (metres; 0 where
-    /// none was small enough), and what none of the gaps of these pairs is under.
+    /// Writes the rows of the seeds with a gap under `limit` (metres), with their members. On more rows than
+    /// [`MAX_SEEDS`] the limit is lowered until all rows fit.
+    ///
+    /// Returns the limit under which all rows are written, metres, and a lower bound of the gaps of these pairs,
+    /// metres. The limit is 0 when not even the smallest limit fits.
     pub fn rows(&mut self, blend: f64, limit: f64, written: &mut Written<'_>) -> (f64, f64) {
         let count = self.pairs.len();
-        // Within the limit the tool may come in this pass to any wall, not only to the nearest.
+        // Within the limit the tool may reach any wall in this substep, not only the nearest wall.
         let kept = limit + blend * self.logs[count];
         let Some(smallest) = self.weigh(blend, kept) else {
             return (limit, f64::INFINITY);
         };
-        // All on one surface, those that were dropped as near as they could be.
+        // Lower bound: all pairs on one surface, dropped pairs as near as possible.
         let dropped = (count - self.pairs.len()) as f64 * self.unfelt;
         let sum = self
             .pairs
             .iter()
             .fold(dropped, |sum, pair| sum + pair.weight);
         let least = smallest - blend * libm::log(sum) - ROUNDING;
-        // Not even the surface of the nearest?
+        // No row if even the surface of the nearest seed is beyond the limit, with the margin for other seeds.
         if least >= limit
             || self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
         {
             return (limit, least);
         }
-        // By gap, then by contact: which rows imply which depends on nothing else.
+        // Sorted by gap, then by contact: the choice of the implied rows must not depend on the order of the pairs.
         self.pairs
             .sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.contact.cmp(&b.contact)));
         let (contact_rows, members) = (written.contact_rows.len(), written.members.len());
@@ -348,7 +367,7 @@ impl Blender {
             if room <= SMALLEST_PREDICTION {
                 return (0.0, least);
             }
-            // At least the farthest of those that took up the room must go.
+            // At least the farthest of the written rows must go.
             let farthest = written.contact_rows[contact_rows..]
                 .iter()
                 .fold(0.0, |most, line| fmax(most, line.gap));
@@ -359,6 +378,7 @@ impl Blender {
         (room, least)
     }
 
+    /// Writes the rows of the seeds with a gap under `limit`. Returns false if they are more than [`MAX_SEEDS`].
     fn seeds(&mut self, smallest: f64, blend: f64, limit: f64, written: &mut Written<'_>) -> bool {
         let n = self.pairs.len();
         let most = blend * self.logs[n];
@@ -368,12 +388,13 @@ impl Blender {
         let mut seeds = 0;
         for j in 0..n {
             let seed = self.pairs[j];
-            // A seed so far up has its own core out of reach whatever else is near: where the surface is
-            // within reach, nearer spheres make it, and have their rows.
+            // This seed's own core is out of reach. A surface within reach is made by nearer spheres, which have their
+            // rows.
             if seed.gap - most >= limit {
                 return true;
             }
-            // What this row would hold beyond a row before it, as far as it matters.
+            // Smallest excess of this row's sum over that of an earlier row. A partial sum is enough once a threshold
+            // decides.
             let mut beyond = f64::INFINITY;
             let (little, much) = (IMPLIED * seed.weight, IMPLIED * all);
             for kept in 0..seeds {

@@ -33,7 +33,7 @@ fn rows(
     contact_rows.iter().map(|line| (*line, of(line))).collect()
 }
 
-/// Rows, their members, and what the blender says of them.
+/// Returns the rows, their members and the result of [`Blender::rows`].
 fn written(
     blender: &mut Blender,
     blend: f64,
@@ -48,7 +48,7 @@ fn written(
     (contact_rows, members, said)
 }
 
-/// Smallest blended gap over all seeds, straight from the definition.
+/// Returns the smallest blended gap over all seeds, directly from the definition.
 fn smallest(at: &Vec3, spheres: &[(Vec3, f64)], blend: f64) -> f64 {
     let seen: Vec<_> = spheres
         .iter()
@@ -74,7 +74,7 @@ fn smallest(at: &Vec3, spheres: &[(Vec3, f64)], blend: f64) -> f64 {
     })
 }
 
-/// A plate of spheres about the origin in the plane with that normal.
+/// Returns a plate of spheres around the origin, in the plane rotated by `turn`.
 fn plate(turn: &Mat3, radius: f64, spacing: f64) -> impl Iterator<Item = (Vec3, f64)> {
     let turn = *turn;
     (-8..=8).flat_map(move |i| {
@@ -94,7 +94,7 @@ fn turned(angle: f64) -> Mat3 {
 #[test]
 fn on_a_smooth_surface_one_row_is_all_and_it_is_flat() {
     let spheres: Vec<_> = plate(&Mat3::identity(), 1e-3, 2.5e-4).collect();
-    // Bumps of the hard plate: 16 um over the pits of the lattice.
+    // The hard plate has bumps of 16 um over the pits of the lattice.
     let mut gaps = Vec::new();
     for k in 0..40 {
         let at = Vec3::new(1.3e-5 * f64::from(k), 0.7e-5 * f64::from(k), 4e-4);
@@ -211,7 +211,8 @@ proptest! {
         let spheres: Vec<_> = places.iter().map(|p| (Vec3::new(p.0, p.1, p.2), p.3)).collect();
         let rows = rows(&at, &spheres, blend, 1.0);
         let least = rows.iter().map(|(line, _)| line.gap).fold(f64::INFINITY, fmin);
-        // Rows that were left out would bind at most this much earlier; so would spheres out of reach.
+        // Left-out rows would bind earlier by at most this share of the blend length. Spheres out of reach add the
+        // second term.
         let little = 1.01 * IMPLIED + spheres.len() as f64 * libm::exp(-reach(blend));
         prop_assert!((least - smallest(&at, &spheres, blend)).abs() <= little * blend + 1e-15);
         for (line, members) in &rows {
@@ -240,16 +241,16 @@ proptest! {
         prop_assert!(room <= limit);
         prop_assert!(least <= smallest(&at, &spheres, blend));
         prop_assert!(least - norm(&by) <= smallest(&(at + by), &spheres, blend));
-        // What lies clear of the limit by this bound has no row.
+        // A lower bound at or above the limit means no row under the limit.
         prop_assert!(!any || least < limit);
     }
 }
 
-/// In a fissure a tip had more rows than there was room for, and the one that it was 1.9 um deep in was not among them: ticks
-/// there never converged.
+/// Regression: in a fissure a tip had more rows than the capacity. The wall that the tip was 1.9 um deep in had no row,
+/// and ticks there never converged.
 #[test]
 fn more_walls_than_there_is_room_for_are_told() {
-    // Walls all round, one a little farther than the other.
+    // Walls all around, each slightly farther than the one before.
     let walls = |count: usize| -> Vec<(Vec3, f64)> {
         (0..count)
             .map(|k| {
@@ -262,20 +263,20 @@ fn more_walls_than_there_is_room_for_are_told() {
             })
             .collect()
     };
-    // So thin that neighbours on the circle are walls of their own.
+    // The blend length is so small that neighbours on the circle are separate walls.
     let blend = 2e-6;
     for (count, all) in [(MAX_SEEDS, true), (MAX_SEEDS + 1, false)] {
         let (contact_rows, _, (room, _)) =
             written(&mut pairs(&Vec3::zeros(), &walls(count)), blend, 1e-5);
         assert_eq!(room == 1e-5, all, "{count} walls: {room}");
-        // Where there is no room for those within the limit, there is for all those within a shorter one.
+        // On overflow all rows within a shorter limit fit.
         let within = contact_rows.iter().filter(|line| line.gap < room).count();
         assert!(
             within <= MAX_SEEDS && (!all || within == MAX_SEEDS),
             "{count} walls"
         );
     }
-    // Nearer only: fewer walls, and room for all of them.
+    // A smaller limit holds fewer walls, and all of their rows fit.
     let near = walls(MAX_SEEDS + 1);
     let at = Vec3::new(3e-6, 0.0, 0.0);
     let (contact_rows, _, (room, _)) = written(&mut pairs(&at, &near), blend, -1e-6);

@@ -1,11 +1,12 @@
-//! Which objects a tool can come near at all: the others cost nothing, however many there are.
+//! Broad phase: the objects that a tool can reach. Far objects cost nothing, however many there are.
 //!
-//! For each tool and object a lower bound of their distance is found once, and holds until the tool has gone that far:
-//! what is `l` from the surface cannot be touched before the path of the working point (and what the object itself
-//! moves, if it yields) adds up to `l`. A turn carries a sphere by its lever, so the bound is that of `gap - turn lever`,
-//! and it ends with that turn. The next end of all bounds is one number, and as long as it is not reached the list of what is near
-//! stays as it is. (Root balls say nothing here: a probe's handle makes its ball as large as the mouth. The bound is found by a
-//! descent into both trees that ends where the pair's balls are small beside their distance.)
+//! A lower bound of the distance is cached for each pair of tool and object. The bound `l` is valid until the path of
+//! the working point plus the motion of a yielding object adds up to `l`. A turn of the tool carries a sphere by its
+//! lever: the bound is that of `gap - turn * lever`, and expires with that turn. The earliest expiry over all objects
+//! is kept: the list of near objects stays valid until then.
+//!
+//! Root spheres give no useful bound, because a probe's handle makes the root sphere as large as the mouth. A bound
+//! comes from a descent into both trees, which stops at pairs of nodes that are small compared with their distance.
 
 use super::posed::{Lever, Posed, PosedTool, reach_of};
 use super::predictor::Predictor;
@@ -15,49 +16,55 @@ use crate::math::{Mat3, Vec3, fmax, fmin, norm};
 use crate::tree::Node;
 use crate::{MAX_TOOLS, Scene};
 
-/// What is closer than this and the farthest that a pass looks is near, metres. Larger: fewer descents, more of what is
-/// near, for which lists of neighbours are made (a list takes ten times as long as a bound, and holds for 0.05 mm).
+/// Margin beyond the search distance of a pass within which an object counts as near, metres.
+///
+/// A larger margin means fewer descents and more near objects, for which neighbour lists are built. A list takes ten
+/// times as long as a bound, and stays valid for 0.05 mm.
 const MARGIN: f64 = 1.5e-4;
-/// Path after which what is near is looked at again, metres.
+/// Path after which a near object is tested again, metres.
 const AGAIN: f64 = 3e-4;
-/// Turns that a bound may hold for, the first that leaves the object far: sum of Frobenius norms of differences of rotation
-/// matrices. (A tenth of a radian at the far end of a handle is a centimetre, a tooth's width.)
+/// Turns for which a bound may stay valid, tried in order until the object is far: sums of Frobenius norms of
+/// differences of rotation matrices.
+///
+/// A turn of 0.1 rad moves the far end of a handle by 10 mm, the width of a tooth.
 const TURNS: [f64; 3] = [0.1, 0.02, 4e-3];
-/// Most pairs of nodes tested for one bound; what takes more is taken to be near. (At 256 three descents of four with a mirror's
-/// handle among teeth ended here, and three times as many lists were made.)
+/// Limit of tested node pairs for one bound. An object beyond the limit counts as near.
+///
+/// At 256, three of four descents with a mirror's handle among teeth stopped at the limit, and three times as many
+/// lists were built.
 const MOST_TESTS: usize = 2000;
-/// Size of a pair's balls, in units of the distance between them, up to which they are not opened: a bound need not be sharp,
-/// and at 0.5 most descents took more tests than there is time for.
+/// Ratio of the radii of a node pair to its bound below which the pair is not opened. A bound need not be sharp. At 0.5
+/// most descents exceeded the time available for tests.
 const SMALL: f64 = 2.0;
-/// Far above the rounding of all sums here, metres.
+/// Rounding allowance, far above the rounding of all sums here, metres.
 const ROUNDING: f64 = 1e-6;
 
-/// Path (metres) and turn at which something ends.
+/// Expiry of cached data: path of the tool (metres) and turn.
 #[derive(Clone, Copy, Debug)]
 struct End {
     path: f64,
     turn: f64,
 }
 
-/// What is known of one tool.
+/// Cached data of one tool.
 #[derive(Debug)]
 struct OfTool {
-    /// Where it was last, and what its path and its turns add up to.
+    /// Last position of the working point and last rotation, and the path and turn accumulated so far.
     at: Vec3,
     rotation: Mat3,
     gone: End,
-    /// Per object: end of what is known, and whether it is near.
+    /// Expiry of the bound, and whether the object is near; per object.
     known: Vec<(End, bool)>,
-    /// The first of these ends; nothing is known before the first look.
+    /// Earliest expiry of all objects; `None` before the first query.
     next: Option<End>,
     near: Vec<u16>,
 }
 
-/// What is near each tool, for one scene. Saves work and never shows in an answer.
+/// Near objects of each tool in one scene. A cache: results do not depend on the cache.
 #[derive(Debug)]
 pub(crate) struct Broad {
     tools: [OfTool; MAX_TOOLS],
-    /// Per object: how much farther than elsewhere a pass looks there, where spheres are blended, metres.
+    /// Additional search distance of a pass where spheres are blended, metres; per object.
     farther: Vec<f64>,
     all: Vec<u16>,
     stack: Vec<(u32, u32, f64)>,
@@ -98,14 +105,14 @@ impl Broad {
         }
     }
 
-    /// Nothing is known any more.
+    /// Invalidates all cached bounds.
     pub fn forget(&mut self) {
         for tool in &mut self.tools {
             tool.next = None;
         }
     }
 
-    /// The spheres of object `k` have moved by up to `motion` metres.
+    /// Shortens the cached bounds of object `k` after a motion of its spheres by up to `motion` metres.
     pub fn object_moved(&mut self, k: usize, motion: f64) {
         for tool in &mut self.tools {
             let end = &mut tool.known[k].0;
@@ -113,16 +120,17 @@ impl Broad {
             if let Some(next) = &mut tool.next {
                 next.path = fmin(next.path, end.path);
             }
-            // What is not a number is no bound.
+            // NaN is no valid bound.
             if end.path.is_nan() {
                 tool.next = None;
             }
         }
     }
 
-    /// Indices, ascending, of the objects that `tool`, the one that [`Predictor::begin`] was called with, may come closer
-    /// to than a pass that looks `d` far looks. `displaced` says how far (metres) the spheres of an object are at most from
-    /// where they rest.
+    /// Returns the indices, ascending, of the objects that `tool` may reach within the search distance `d` of a pass.
+    ///
+    /// `tool` must be the tool of the last [`Predictor::begin`]. `displaced` returns the largest displacement of an
+    /// object's spheres from rest, metres.
     pub fn near(
         &mut self,
         scene: &Scene,
@@ -180,7 +188,7 @@ impl Broad {
                     work.bounds += 1;
                     work.tested += tests;
                     bound = found;
-                    // (What takes too long with one turn does with the next.)
+                    // A descent over the test limit exceeds it with a smaller turn as well.
                     if bound.is_some() || tests > MOST_TESTS as u64 {
                         break;
                     }
@@ -209,13 +217,15 @@ impl Broad {
     }
 }
 
-/// Frobenius norm.
+/// Returns the Frobenius norm.
 fn norm_of(m: &Mat3) -> f64 {
     m.norm_squared().sqrt()
 }
 
-/// A lower bound of `gap - turn lever` over all pairs of contact spheres, metres; none where some pair is, or may be, under
-/// `enough`. And how many pairs of nodes that tested.
+/// Returns a lower bound of `gap - turn * lever` over all pairs of contact spheres, metres, and the number of tested
+/// node pairs.
+///
+/// The bound is `None` when some pair is or may be at or below `enough`, or when the test limit is reached.
 fn clearance(
     tool: &PosedTool<'_>,
     posed: &mut Posed,
@@ -270,7 +280,7 @@ fn clearance(
                 stack.push((t, o, low));
             }
         }
-        // The nearest first: it bounds the others best.
+        // Nearest first: the smallest bound prunes most of the others.
         if let Some(nearest) =
             (first..stack.len()).min_by(|a, b| stack[*a].2.total_cmp(&stack[*b].2))
         {

@@ -1,9 +1,9 @@
-//! The making of a list of neighbours of a tissue whose spheres are larger than the tool's: which spheres of the tool
-//! come within reach of each of the tissue's.
+//! Neighbour search for a tissue with spheres larger than the tool's: each sphere of the tissue descends the tool's
+//! tree.
 //!
-//! The balls about families of large overlapping spheres that have moved say next to nothing: on a tongue every sphere
-//! of a mirror was tested against a third of all families, and a list took 110 us. The tool is rigid, and its
-//! families keep their tight bounds, so here each of the tissue's spheres goes down the tool's tree.
+//! Bounds of sibling families are loose where large overlapping spheres have moved. On a tongue, every sphere of a
+//! mirror was tested against a third of all families, and a list took 110 us. The tool is rigid and its families keep
+//! tight bounds, so the search uses the tool's tree.
 
 use super::neighbours::ROUNDING;
 use super::packs::{Felt, Packs};
@@ -12,23 +12,24 @@ use crate::math::{Vec3, fmax};
 use crate::scene::tool::Tool;
 use crate::tree::{Node, Sphere};
 
-/// Turn of the tool that a list of soft spheres allows for: largest Frobenius norm of a difference of rotation matrices.
+/// Turn of the tool for which a list of a tissue's spheres is valid: largest Frobenius norm of a difference of rotation
+/// matrices.
 pub(super) const TURN: f64 = 1.7e-2;
 
-/// A tool's families, in its own frame, each sphere grown by how far a turn of [`TURN`] can move it.
+/// Families of a tool in the tool's frame, each sphere grown by its motion under a turn of [`TURN`].
 #[derive(Debug)]
 pub(super) struct CoarseSearch {
     packs: Packs,
     /// Largest lever of a sphere of the tool, metres.
     longest: f64,
-    /// Families of the tool that come within reach of the present sphere, ascending.
+    /// Queue of the tool's families within reach of the current sphere, ascending.
     open: Vec<u32>,
 }
 
-/// Most spheres of an object, for each of the tool's, to be searched for one by one.
+/// Largest ratio of the number of the object's spheres to that of the tool's for a search sphere by sphere.
 const MOST: f64 = 2.0;
 
-/// Number and mean radius (metres) of the spheres that are the shape at `level`.
+/// Returns the number and the mean radius (metres) of the spheres that form the shape at `level`.
 fn shape(nodes: &[Node], level: u8) -> (f64, f64) {
     let shape = nodes.iter().filter(|node| node.is_shape_at(level));
     let (count, sum) = shape.fold((0.0, 0.0), |(count, sum), node| {
@@ -38,7 +39,8 @@ fn shape(nodes: &[Node], level: u8) -> (f64, f64) {
 }
 
 impl CoarseSearch {
-    /// For `tool` on an object, where that one's spheres are the larger ones, and not many more.
+    /// Creates the search for `tool` on an object. Returns `None` if the object's spheres are smaller on average, or
+    /// more than twice as numerous as the tool's.
     pub fn new(tool: &Tool, (nodes, level): (&[Node], u8)) -> Option<Self> {
         let own = tool.tree.nodes();
         let ((count, radius), (own_count, own_radius)) =
@@ -66,9 +68,11 @@ impl CoarseSearch {
         })
     }
 
-    /// Calls `found` with each sphere of the tool, ascending, that is closer to `sphere` (world axes) than `reach` and the turn
-    /// `turn` of the longest lever, beside the turn that all are grown by; until it says that there is no more room.
-    /// Returns how many spheres were tested, none where the room was not enough.
+    /// Calls `found` with each sphere of the tool, ascending, within `reach` (metres) of `sphere` (world axes).
+    ///
+    /// The reach grows by `turn` times the longest lever, in addition to the growth by [`TURN`] of each sphere. The
+    /// search stops when `found` returns false for lack of room. Returns the number of spheres tested, or `None` after
+    /// such a stop.
     pub fn run(
         &mut self,
         (tool, posed): (&PosedTool<'_>, &Posed),
@@ -88,7 +92,7 @@ impl CoarseSearch {
         open.clear();
         open.push(0);
         let mut next = 0;
-        // The tree's order is level by level, and so is that of a queue.
+        // A queue keeps the order of the tree, which is level by level.
         while let Some(&p) = open.get(next) {
             next += 1;
             let family = &packs.families[p as usize];

@@ -1,14 +1,15 @@
-//! The plain traversal: two trees at once, the larger node opened first.
+//! Plain traversal: two trees at once, the larger node opened first.
 
 use super::posed::{Lever, Posed, PosedTool, reach_of};
 use super::{ContactList, ContactsFull, Distance};
 use crate::tree::Node;
 
-/// The deepest stack: a pop pushes at most eight pairs, seven remain per level of either tree.
+/// Capacity of the stack. A pop pushes at most eight pairs, so seven remain for each level of either tree.
 pub(crate) const STACK: usize = 7 * 2 * (crate::tree::MAX_LEVEL as usize + 1) + 8;
 
-/// Appends every pair of contact spheres with a gap under `d` to `out`; `levers` as the predictor has them. Counts the pairs of nodes
-/// that it tests in `tested`.
+/// Appends every pair of contact spheres with a gap under `d` to `out`.
+///
+/// `levers` are those of the predictor. `tested` counts the tested pairs of nodes.
 pub(super) fn traverse(
     tool: &PosedTool<'_>,
     posed: &mut Posed,
@@ -40,7 +41,6 @@ pub(super) fn traverse(
             }
             continue;
         }
-        // Open the larger of the two that can be opened.
         let open_tool = !tool_is_shape
             && (object_is_shape || tool_node.bound_radius > object_node.bound_radius);
         if open_tool {

@@ -1,22 +1,24 @@
-//! The making of a list of neighbours: which families of an object come within reach of which spheres of a tool.
+//! Construction of a neighbour list: the families of an object within reach of each sphere of a tool.
 //!
-//! The tool's tree is opened first, pair by pair with the object's families. What its spheres may then reach is a
-//! front of pairs (family, sphere) that goes down the object's tree level by level. A front is worked through
-//! without a branch that depends on what a test says, so that one test need not wait for the one before: on a molar
-//! of 32,000 spheres a list takes a quarter less time than by a traversal that keeps a stack.
+//! The tool's tree is opened first, pair by pair with the object's families. The result is a front of pairs (family,
+//! sphere), which descends the object's tree level by level. A front has no branch that depends on the result of a
+//! test, so that tests do not wait for each other. On a molar of 32,000 spheres a list takes a quarter less time than
+//! with a traversal by stack.
 
 use super::dual::STACK;
 use super::packs::{Felt, Packs};
 use super::posed::{Lever, Posed, PosedTool, reach_of};
 use crate::tree::MAX_CHILDREN;
 
-/// Most pairs of a front.
+/// Capacity of a front, pairs.
 const MOST: usize = 8192;
-/// How much looser an object's family must fit than the tool's node to be opened first: what the tool is opened
-/// to early is tested against fewer families later. Measured: 3, 10 and 30 cost a little more, 1 twice as much.
+/// Ratio of looseness, object family to tool node, from which the object is opened first. Below this ratio the tool is
+/// opened: its spheres are then tested against fewer families later.
+///
+/// Measured: 3, 10 and 30 cost a little more, 1 costs twice as much.
 const TOOL_FIRST: f64 = 6.0;
 
-/// Pairs of one level of the object's tree, and their successors.
+/// Pairs of one level of the object's tree.
 #[derive(Debug)]
 struct Front {
     families: Vec<u32>,
@@ -24,15 +26,15 @@ struct Front {
     len: usize,
 }
 
-/// Scratch of the making of lists.
+/// Buffers for building neighbour lists.
 #[derive(Debug)]
 pub(super) struct Search {
     stack: Vec<(u32, u32)>,
     now: Front,
     next: Front,
-    /// Where and how far each sphere of the tool is felt for; only of those in the front.
+    /// Search ball of each sphere of the tool; valid only for spheres in the front.
     felt: Vec<Felt>,
-    /// Family and sphere of what was found: `family << 32 | sphere`.
+    /// Pairs found: `family << 32 | sphere`.
     keys: Vec<u64>,
     found: usize,
 }
@@ -46,7 +48,7 @@ impl Front {
         }
     }
 
-    /// Appends the families of `lanes` after `first`; writes eight and counts those that there are.
+    /// Appends the families `first + lane` for the set bits of `lanes`. Writes all eight slots and counts the set bits.
     #[inline]
     fn push(&mut self, first: u32, lanes: u8, sphere: u32) {
         let families = &mut self.families[self.len..self.len + MAX_CHILDREN];
@@ -58,7 +60,7 @@ impl Front {
     }
 }
 
-/// The set bits of each byte, ascending.
+/// Set bits of each byte, ascending.
 static LANES: [[u32; MAX_CHILDREN]; 256] = {
     let mut lanes = [[0; MAX_CHILDREN]; 256];
     let mut byte = 0;
@@ -77,7 +79,7 @@ static LANES: [[u32; MAX_CHILDREN]; 256] = {
 };
 
 impl Search {
-    /// For lists of up to `most` pairs, of tools of up to `tool_nodes` nodes.
+    /// Allocates buffers for lists of up to `most` pairs, of tools of up to `tool_nodes` nodes.
     pub fn new(tool_nodes: usize, most: usize) -> Self {
         Self {
             stack: Vec::with_capacity(STACK),
@@ -89,18 +91,18 @@ impl Search {
         }
     }
 
-    /// What was found, `family << 32 | sphere`, ascending.
+    /// Returns the pairs found, `family << 32 | sphere`, ascending.
     pub fn keys(&self) -> &[u64] {
         &self.keys[..self.found]
     }
 
-    /// Where and how far a sphere of the tool that was found is felt for.
+    /// Returns the search ball of a tool sphere among the pairs found.
     pub fn felt(&self, sphere: u32) -> Felt {
         self.felt[sphere as usize]
     }
 
-    /// Finds the pairs of a family and a sphere of the tool that are closer than `slack` (of the lever of what is
-    /// felt for). Whether there are no more than `most`, and how many spheres were tested.
+    /// Finds the pairs of a family and a tool sphere closer than `slack`, a function of the lever. Returns whether all
+    /// pairs fit (at most `most`), and the number of spheres tested.
     pub fn run(
         &mut self,
         tool: &PosedTool<'_>,
@@ -124,7 +126,7 @@ impl Search {
         (fits, tested)
     }
 
-    /// Begins the front: opens the tool down to its spheres.
+    /// Starts the front: opens the tool down to its spheres. Returns false if the front is full.
     fn open_tool(
         &mut self,
         tool: &PosedTool<'_>,
@@ -177,7 +179,7 @@ impl Search {
         true
     }
 
-    /// Takes the front down one level; false when there is no room.
+    /// Moves the front down by one level. Returns false if the front or the list is full.
     fn descend(&mut self, (packs, level): (&Packs, u8), most: usize, tested: &mut u64) -> bool {
         self.next.len = 0;
         let len = self.now.len;
@@ -188,7 +190,7 @@ impl Search {
             let family = &packs.families[p as usize];
             let felt = self.felt[t as usize];
             let (shapes, parents) = family.shapes_and_parents(level);
-            // Which of both there are hardly ever changes within a front.
+            // Both conditions rarely change within a front, so that their branches are predicted well.
             if parents != 0 {
                 *tested += 8;
                 let near = parents & packs.bounds[p as usize].within(felt);

@@ -1,14 +1,18 @@
-//! Contact prediction (the paper's CCP, section 3.2): tree against tree, with the graphic tool's
-//! spheres grown by `d`.
+//! Contact prediction (CCP, section 3.2 of the paper): tree against tree, with the graphic tool's spheres grown by the
+//! prediction distance `d`.
 //!
-//! Every pair of contact spheres closer than `d` becomes a [`Contact`]; as long as no sphere moves
-//! more than `d` before the next pass, no pair outside the list can touch. The tick's trust
-//! region keeps that promise, which makes this a continuous collision detection.
+//! Every pair of contact spheres closer than `d` becomes a [`Contact`]. No pair outside the list can touch while no
+//! sphere moves more than `d` before the next pass. The trust region of the tick enforces this limit, which makes the
+//! method a continuous collision detection.
 //!
-//! The plain way is to traverse both trees anew in every pass (`dual`). What a tool cannot come near is left out (`broad`). What was near is kept while the tool
-//! stays near: for what is rigid the families of spheres (`neighbours`), found by `front` in a layout for it
-//! (`packs`), for what yields the pairs of spheres (`soft`; by `front`, too, or where its spheres are large
-//! by `coarse`). Which of the ways answered never shows in the answer.
+//! - `dual`: plain traversal of both trees in every pass. The reference, without a cache.
+//! - `broad`: skips objects that a tool cannot reach.
+//! - `neighbours`: cached pairs (family of spheres, tool sphere) for rigid objects. `front` builds the lists in the
+//!   layout of `packs`.
+//! - `soft`: cached pairs of spheres for tissues. `front` builds the lists, or `coarse` for a tissue with large
+//!   spheres.
+//!
+//! All methods give the same contacts, bit for bit.
 
 pub(crate) mod broad;
 mod coarse;
@@ -30,7 +34,7 @@ pub use predictor::{Predictor, Work};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::tissue::Site;
 
-/// A pair of contact spheres close enough to touch before the next pass.
+/// Pair of contact spheres that may touch before the next pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Tool slot.
@@ -50,13 +54,13 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Order of the rows: by object, object sphere, tool, tool sphere.
+    /// Returns the sort key of the contact: object, object sphere, tool, tool sphere.
     #[inline]
     pub fn key(&self) -> (u16, u32, u8, u32) {
         (self.object, self.object_sphere, self.tool, self.tool_sphere)
     }
 
-    /// What the object's tissue sees of it.
+    /// Returns the contact as seen by the object's tissue: sphere and normal.
     #[inline]
     pub fn site(&self) -> Site {
         Site {
@@ -66,8 +70,9 @@ impl Contact {
     }
 }
 
-/// The contacts of one pass, at most `limit` of them: a number of its own, not a `Vec`'s capacity,
-/// which an allocator may round up.
+/// Contacts of one pass, at most `limit` of them.
+///
+/// The limit is a field, because an allocator may round up the capacity of a `Vec`.
 #[derive(Debug)]
 pub struct ContactList {
     contacts: Vec<Contact>,
@@ -75,17 +80,17 @@ pub struct ContactList {
     overflow: Overflow,
 }
 
-/// What happens to a contact that finds the list full.
+/// Policy for a contact that finds the list full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {
-    /// The query ends: the caller asks again with a smaller distance.
+    /// The query stops with [`ContactsFull`]; the caller retries with a smaller distance.
     Stop,
-    /// The contact with the largest gap makes room, if it is larger.
+    /// The new contact replaces the contact with the largest gap, if its own gap is smaller.
     KeepSmallestGaps,
 }
 
 impl ContactList {
-    /// An empty list with room for `most` contacts in any query.
+    /// Creates an empty list with room for `most` contacts in any query.
     pub fn with_capacity(most: usize) -> Self {
         Self {
             contacts: Vec::with_capacity(most),
@@ -94,27 +99,26 @@ impl ContactList {
         }
     }
 
-    /// Empties the list for a query of at most `limit` contacts.
+    /// Empties the list and sets the limit and the overflow policy of the next query.
     pub fn begin(&mut self, limit: usize, overflow: Overflow) {
         self.contacts.clear();
         (self.limit, self.overflow) = (limit, overflow);
     }
 
-    /// What was found, in no particular order until [`ContactList::sort`].
+    /// Returns the contacts found, unordered until [`ContactList::sort`].
     #[inline]
     pub fn as_slice(&self) -> &[Contact] {
         &self.contacts
     }
 
-    /// Sorts by [`Contact::key`].
-    /// Contacts that come in order, as they do for one tool among rigid things, cost one look each.
+    /// Sorts by [`Contact::key`]. The contacts of one tool on rigid objects come sorted and cost one comparison each.
     pub fn sort(&mut self) {
         self.contacts.sort_unstable_by_key(Contact::key);
     }
 
     #[inline(always)]
     fn push(&mut self, contact: Contact) -> Result<(), ContactsFull> {
-        // One more than this and the list is full, which is rare.
+        // Fast path: below `limit - 1` contacts neither overflow nor heap construction is due.
         if self.contacts.len() + 1 < self.limit {
             self.contacts.push(contact);
             return Ok(());
@@ -149,7 +153,7 @@ impl ContactList {
         }
     }
 
-    /// Restores the heap (largest gap first) below `at`.
+    /// Restores the heap property (largest gap first) below the index `at`.
     fn sift_down(&mut self, mut at: usize) {
         loop {
             let mut largest = at;
@@ -169,42 +173,46 @@ impl ContactList {
     }
 }
 
-/// Whether `a` goes before `b` does when room is short: larger gap, then larger key, so that the
-/// choice does not depend on the order of the query.
+/// Whether `a` is dropped before `b` when the list is full: larger gap, then larger key. The order is total, so that
+/// the result does not depend on the order of the query.
 fn outranks(a: &Contact, b: &Contact) -> bool {
     a.gap > b.gap || (a.gap == b.gap && a.key() > b.key())
 }
 
-/// By how much a distance shrinks where a list has no room. Finer steps cost more queries of a fast tool and let it go
-/// farther in a tick.
+/// Factor by which a prediction distance shrinks when the contact list overflows.
+///
+/// A larger factor costs more queries for a fast tool and lets the tool move farther in a tick.
 pub(crate) const SHORTER: f64 = 0.7;
 /// Prediction distance at which full lists keep the smallest gaps, metres.
 pub(crate) const SMALLEST_PREDICTION: f64 = 1e-6;
 
-/// How close spheres must be to count: `base + turn * lever`, with the lever of the tool's sphere from
-/// the working point. A tool that moves by `base` and turns by `turn` carries no sphere farther.
+/// Prediction distance `base + turn * lever`, with the lever of the tool's sphere from the working point.
+///
+/// A tool that moves by `base` and turns by `turn` carries no sphere farther.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// The same for every sphere, metres.
+    /// Part that is the same for every sphere, metres.
     pub base: f64,
-    /// Per metre of lever, radians.
+    /// Part per metre of lever, radians.
     pub turn: f64,
 }
 
 impl Distance {
-    /// For a sphere with this lever, metres.
+    /// Returns the distance for a sphere with this lever, metres.
     #[inline]
     pub fn at(&self, lever: f64) -> f64 {
         self.base + self.turn * lever
     }
 
-    /// So much shorter that fewer contacts are within it, no less than [`SMALLEST_PREDICTION`]; the turn's part goes altogether where little is left
-    /// at the longest lever.
+    /// Returns the distance shortened by [`SHORTER`]; see [`Distance::shortened`]. `longest` is the longest lever,
+    /// metres.
     pub(crate) fn shorter(&self, longest: f64) -> Self {
         self.shortened(SHORTER, longest)
     }
 
-    /// The same, `share` as long.
+    /// Returns the distance multiplied by `share`, with a base of at least [`SMALLEST_PREDICTION`].
+    ///
+    /// The turn becomes 0 when the distance at the longest lever is at most `2 * SMALLEST_PREDICTION`.
     pub(crate) fn shortened(&self, share: f64, longest: f64) -> Self {
         Self {
             base: crate::math::fmax(share * self.base, SMALLEST_PREDICTION),
@@ -223,16 +231,17 @@ impl From<f64> for Distance {
     }
 }
 
-/// The list of contacts is full: what it holds is not all.
+/// Error of a full contact list. The list then holds an arbitrary part of the contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactsFull;
 
-/// Factor of how long what is known of object `k` holds: of about 1, and other for each, so that not all of them end in one tick.
+/// Per-object factor (0.75 to 1.25) on how long cached contact data stays valid. The golden ratio spreads the factors,
+/// so that caches do not all expire in the same tick.
 pub(crate) fn spread(k: usize) -> f64 {
     0.75 + 0.5 * (k as f64 * 0.618_033_988_75).fract()
 }
 
-/// World position of a point of the tool.
+/// Returns the world position of a point of the tool.
 #[inline]
 pub(crate) fn centre(rotation: &Mat3, pose: &Pose, point: &Vec3) -> Vec3 {
     pose.position + rotation * point

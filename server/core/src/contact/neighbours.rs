@@ -1,10 +1,10 @@
-//! The neighbours of one tool on one rigid object: pairs (family of siblings, tool sphere) that can come
-//! closer than `d` before the tool has moved by more than a skin.
+//! Neighbour list of one tool on one rigid object: pairs (family of siblings, tool sphere).
 //!
-//! Verlet's list (Phys. Rev. 159, 98, 1967, doi:10.1103/PhysRev.159.98) with two changes. It ends one level
-//! above the spheres, so that it is short, quick to make, and tested eight spheres at a time. And its skin is
-//! not one distance but a translation and a turn: a sphere with the lever `l` from the working point may move
-//! `translation + turn l`, so spheres near the tip need not wait for what the far end of the shaft does.
+//! The list holds all pairs that can come closer than `d` before the tool has moved by more than a skin. Such a list is
+//! Verlet's (Phys. Rev. 159, 98, 1967, doi:10.1103/PhysRev.159.98) with two changes:
+//! - The list ends one level above the spheres: short, quick to build, and tested eight spheres at a time.
+//! - The skin is a translation and a turn: a sphere with the lever `l` from the working point may move by `translation
+//!   + turn * l`. Spheres near the tip therefore do not depend on the motion of the far end of the shaft.
 
 use super::front::Search;
 use super::packs::{Felt, Packs};
@@ -13,50 +13,53 @@ use super::{ContactList, ContactsFull, Distance, spread};
 use crate::math::{Mat3, Vec3, fclamp, fmax, norm};
 use crate::tree::Node;
 
-/// Most pairs in a list.
+/// Largest number of pairs in a list.
 pub(super) const CAPACITY: usize = 4096;
-/// Translation that a list allows for, metres, times its [`spread`]. Larger: fewer, longer lists. Measured with a probe round a
-/// molar: with twice as much of this and of the turn the mean tick at level 5 takes a tenth longer, at level 3 a fifth
-/// less, and the median at level 5 a fifth longer.
+/// Translation for which a list is valid, metres, times its [`spread`]. A larger value means fewer and longer lists.
+///
+/// Measured with a probe round a molar, with this value and the turn doubled. At level 5 the mean tick takes a tenth
+/// longer and the median a fifth longer; at level 3 the mean takes a fifth less.
 const TRANSLATION: f64 = 5e-5;
-/// Turn that a list allows for: largest Frobenius norm of a difference of rotation matrices.
+/// Turn for which a list is valid, times its [`spread`]: largest Frobenius norm of a difference of rotation matrices.
 const TURN: f64 = 8.5e-3;
-/// A tool that has gone farther than a list allows for when that is asked for again is fast: the next one allows for this share of
-/// how far it went, at most so many times what it does else. Otherwise a fast hand takes a list in every pass.
+/// Share of a fast tool's motion since the last list for which the next list is valid. A tool is fast if this share
+/// exceeds [`TRANSLATION`] or [`TURN`]. Without the enlargement a fast hand needs a new list in every pass.
 const FAST: f64 = 0.7;
+/// Limit of the enlargement for a fast tool, in units of [`TRANSLATION`] and [`TURN`].
 const FASTEST: f64 = 4.0;
-/// Most tool spheres that one family is tested against before its contacts are written; where more
-/// are near, the contacts need sorting.
+/// Largest number of tool spheres tested against one family before its contacts are written. With more spheres the
+/// contacts need sorting.
 const RUN: usize = 192;
-/// Added to every reach: far above rounding at the 10 m that a scene may span, far below anything else.
+/// Length added to every reach, metres. Far above rounding at the 10 m that a scene may span, far below any other
+/// length.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// A list and what it holds for.
+/// Neighbour list and the range of its validity.
 #[derive(Debug)]
 pub(super) struct Neighbours {
-    /// Family and place in `spheres`, in the order of both.
+    /// Family and index in `spheres`, sorted by both.
     pairs: Vec<(u32, u32)>,
     /// Nodes of the tool in the list.
     spheres: Vec<u32>,
-    /// Where they are, and how far from there an object's surface counts: as of the present query.
+    /// World positions and search balls of `spheres` in the current query.
     placed: Vec<Placed>,
     rotation: Mat3,
     working_point: Vec3,
-    /// Level of the tool and of the object; none before the first list.
+    /// Levels of the tool and of the object; `None` before the first list.
     levels: Option<(u8, u8)>,
-    /// Translation plus prediction distance that it holds for, metres.
+    /// Translation plus prediction distance for which the list is valid, metres.
     reach: f64,
-    /// Turn that it holds for, what the distance itself has of it included.
+    /// Turn for which the list is valid, including the turn of the prediction distance.
     turn: f64,
-    /// Factor of what a list allows for.
+    /// Factor on the translation and turn of a list; see [`spread`].
     spread: f64,
-    /// Most pairs that it has room for.
+    /// Capacity, pairs.
     most: usize,
-    /// Whether all pairs found room.
+    /// Whether all pairs fitted into the list.
     usable: bool,
 }
 
-/// A sphere of the tool in world axes.
+/// Sphere of the tool in world axes.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     at: Vec3,
@@ -65,7 +68,7 @@ struct Placed {
 }
 
 impl Neighbours {
-    /// Room for the neighbours of a tool of so many `spheres` on object `k`, which has so many `families`.
+    /// Allocates the list for a tool with `spheres` nodes on object `k` with `families` families.
     pub fn new(spheres: usize, (k, families): (usize, usize)) -> Self {
         let pairs = CAPACITY.min(spheres.saturating_mul(families));
         Self {
@@ -83,19 +86,19 @@ impl Neighbours {
         }
     }
 
-    /// Whether the list is whole; where it is not, only a traversal can tell.
+    /// Whether the list is complete. Only a traversal answers queries of an incomplete list.
     pub fn usable(&self) -> bool {
         self.usable
     }
 
-    /// Spheres tested by a query.
+    /// Returns the number of spheres tested by a query.
     pub fn tests(&self) -> u64 {
         8 * self.pairs.len() as u64
     }
 
     /// Whether no pair outside the list can be closer than `d` at this pose.
     pub fn covers(&self, posed: &Posed, levels: (u8, u8), d: Distance) -> bool {
-        // |(R - R0) x| <= |R - R0|_F |x|, for any matrices.
+        // Bound on the motion of any point x: |(R - R0) x| <= |R - R0|_F |x|, for any matrices.
         let turned = posed.rotation - self.rotation;
         let spare = self.turn - d.turn;
         let moved = norm(&(posed.working_point - self.working_point));
@@ -105,7 +108,7 @@ impl Neighbours {
             && spare >= 0.0
     }
 
-    /// Makes the list for this pose; returns how many pairs of nodes that tested.
+    /// Builds the list for this pose. Returns the number of tested pairs of nodes.
     pub fn list(
         &mut self,
         tool: &PosedTool<'_>,
@@ -132,7 +135,7 @@ impl Neighbours {
             let found = search.run(tool, posed, (packs, level), levers, slack, self.most);
             self.usable = found.0;
             tested += found.1;
-            // What is too much for a fast tool may have room as it is else.
+            // The range enlarged for a fast tool did not fit; retry with the normal range.
             if self.usable || (further == translation && turn == turns) {
                 break;
             }
@@ -155,7 +158,7 @@ impl Neighbours {
         tested
     }
 
-    /// Appends the contacts under `d`, in order.
+    /// Appends the contacts under `d`, sorted if no family has more than [`RUN`] tool spheres in the list.
     pub fn query(
         &mut self,
         tool: &PosedTool<'_>,
@@ -190,7 +193,7 @@ impl Neighbours {
                 *mask = shapes & balls.within(placed.felt);
                 any |= *mask;
             }
-            // Sphere by sphere of the object, so that the contacts come sorted.
+            // Object spheres outermost, so that the contacts come sorted.
             while any != 0 {
                 let lane = any.trailing_zeros();
                 any &= any - 1;
@@ -212,7 +215,7 @@ impl Neighbours {
     }
 }
 
-/// How much farther than its radius a tool's sphere must be felt for.
+/// Returns the search distance beyond the radius of a tool sphere, metres, as a function of its lever.
 #[inline]
 pub(super) fn slack(reach: f64, turn: f64) -> impl Fn(f64) -> f64 {
     move |lever| fmax(0.0, reach) + turn * lever + ROUNDING

@@ -1,15 +1,15 @@
-//! An object's tree laid out for the cache: siblings side by side, one array per coordinate.
+//! Cache-friendly layout of an object's tree: siblings side by side, one array per coordinate.
 
 use wide::f32x8;
 
 use crate::math::{Vec3, fmax, norm};
 use crate::tree::{MAX_CHILDREN, Node, Sphere};
 
-/// Relative head-room of the filter in single precision: four times what its rounding can take.
+/// Relative headroom of the single-precision filter, four times its rounding error.
 const HEADROOM: f64 = 1e-6;
 
-/// A ball that is tested against eight at once: centre about the object's origin, and how far it reaches, in single
-/// precision.
+/// Search ball, tested against eight balls at once, in single precision: centre relative to the object's origin, and
+/// reach.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Felt {
     x: f32,
@@ -19,7 +19,7 @@ pub(super) struct Felt {
 }
 
 impl Felt {
-    /// At `from` the object's origin, metres.
+    /// Creates the ball with its centre at `from`, relative to the object's origin, metres.
     #[inline]
     pub fn new(from: &Vec3, reach: f64) -> Self {
         Self {
@@ -31,8 +31,10 @@ impl Felt {
     }
 }
 
-/// Eight balls in single precision, coordinate by coordinate, about the object's origin: a filter that lets
-/// through a little too much and never too little. One ball per lane; empty lanes hold nothing of meaning.
+/// Eight balls in single precision, one per lane, coordinates relative to the object's origin.
+///
+/// A conservative filter: may report a ball slightly out of reach, never misses a ball in reach. Empty lanes have no
+/// meaning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Balls {
     x: f32x8,
@@ -41,18 +43,18 @@ pub(super) struct Balls {
     r: f32x8,
 }
 
-/// Where the siblings stand in the tree.
+/// Family of siblings in the tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Family {
-    /// First sibling's index in the tree.
+    /// Index of the first sibling in the tree.
     pub first: u32,
-    /// Pack of the first sibling that has children; those of the others follow.
+    /// Pack of the first sibling that has children; the packs of the others follow.
     pub first_pack: u32,
-    /// Siblings, a bit each.
+    /// Bit mask of the siblings.
     pub members: u8,
-    /// Siblings with children, a bit each.
+    /// Bit mask of the siblings with children.
     parents: u8,
-    /// As many lowest bits as there are siblings with children.
+    /// Bit mask of the used lanes of `bounds`: the `n` lowest bits for `n` siblings with children.
     inner: u8,
     /// Level of the siblings.
     pub level: u8,
@@ -62,23 +64,23 @@ pub(super) struct Family {
 #[derive(Debug)]
 pub(super) struct Packs {
     pub families: Vec<Family>,
-    /// Bounds of the siblings with children, side by side in the order of their packs.
+    /// Bounds of the siblings with children, in the order of their packs.
     pub bounds: Vec<Balls>,
     /// Contact spheres of the siblings.
     pub shapes: Vec<Balls>,
-    /// By how much the loosest bound in the family exceeds its node's shape, metres.
+    /// Largest excess of a bound over its node's contact radius in the family, metres.
     pub loose: Vec<f64>,
-    /// Where all coordinates count from: the centre of the root.
+    /// Origin of all coordinates: the centre of the root.
     pub origin: Vec3,
 }
 
 impl Packs {
-    /// Of a tree that stays as it is: with tight bounds, which take long to find.
+    /// Creates the packs of a rigid tree, with tight bounds. These bounds are costly to compute.
     pub fn new(nodes: &[Node]) -> Self {
         Self::about(nodes, &tight_bounds(nodes))
     }
 
-    /// Of a tree whose spheres move: see [`Packs::fit`].
+    /// Creates the packs of a tree with moving spheres; see [`Packs::fit`].
     pub fn moving(nodes: &[Node]) -> Self {
         Self::about(nodes, &own_bounds_of(nodes).collect::<Vec<_>>())
     }
@@ -104,7 +106,7 @@ impl Packs {
         packs
     }
 
-    /// Brings families made by [`Packs::moving`] to where the nodes of their tree are now.
+    /// Updates packs made by [`Packs::moving`] to the current nodes of the tree.
     pub fn fit(&mut self, nodes: &[Node]) {
         self.origin = nodes[0].centre;
         let Self {
@@ -150,14 +152,14 @@ impl Packs {
     }
 }
 
-/// By how much the loosest of the bounds exceeds its node's shape, metres.
+/// Returns the largest excess of a bound over its node's contact radius, metres.
 fn looseness<'a>(bounded: impl Iterator<Item = (&'a Node, Sphere)>) -> f64 {
     bounded.fold(0.0, |most, (node, bound)| {
         fmax(most, bound.radius - node.contact_radius)
     })
 }
 
-/// The balls about the nodes' own centres.
+/// Returns the bounding balls about the nodes' own centres.
 fn own_bounds_of<'a>(nodes: impl IntoIterator<Item = &'a Node>) -> impl Iterator<Item = Sphere> {
     nodes.into_iter().map(|node| Sphere {
         centre: node.centre,
@@ -165,11 +167,12 @@ fn own_bounds_of<'a>(nodes: impl IntoIterator<Item = &'a Node>) -> impl Iterator
     })
 }
 
-/// Rounds of the approach to the smallest enclosing ball.
+/// Iterations towards the smallest enclosing ball.
 const ROUNDS: u32 = 24;
 
-/// For each node a ball about all contact spheres below it, smaller than the one about its own centre: that
-/// one sticks out on every side by what one descendant needs on one.
+/// Returns a ball about all contact spheres below each node, no larger than the ball about the node's own centre.
+///
+/// The ball about the own centre extends in all directions as far as the farthest descendant needs in one.
 fn tight_bounds(nodes: &[Node]) -> Vec<Sphere> {
     let mut bounds: Vec<Sphere> = own_bounds_of(nodes).collect();
     for (index, node) in nodes.iter().enumerate().rev() {
@@ -179,7 +182,7 @@ fn tight_bounds(nodes: &[Node]) -> Vec<Sphere> {
         let first = node.first_child as usize;
         let below = first..first + usize::from(node.children);
         let shapes = nodes[below.clone()].iter().map(Node::sphere);
-        // A childless node has no more below it than its shape.
+        // Nothing lies below a childless node: its shape suffices.
         let deeper = below.filter(|&child| nodes[child].children > 0);
         bounds[index] = enclosing(bounds[index], || {
             shapes
@@ -190,8 +193,10 @@ fn tight_bounds(nodes: &[Node]) -> Vec<Sphere> {
     bounds
 }
 
-/// A ball about all `balls`, by the first steps of Badoiu and Clarkson's approach to the smallest one (SODA 2003,
-/// "Smaller core-sets for balls"): towards the farthest point, by less each time. `start` encloses them, too.
+/// Returns a ball that encloses all `balls`: the smallest found, or `start`, which encloses all of them too.
+///
+/// The method is the first steps of Badoiu and Clarkson's approach to the smallest enclosing ball (SODA 2003, "Smaller
+/// core-sets for balls"). Each step moves the centre towards the farthest point, by a decreasing share.
 fn enclosing<I: Iterator<Item = Sphere>>(start: Sphere, balls: impl Fn() -> I) -> Sphere {
     let mut best = start;
     let sum = balls().fold((Vec3::zeros(), 0.0), |(sum, n), ball| {
@@ -222,7 +227,7 @@ fn enclosing<I: Iterator<Item = Sphere>>(start: Sphere, balls: impl Fn() -> I) -
 }
 
 impl Family {
-    /// Siblings that are the shape at `level`.
+    /// Returns the bit mask of the siblings that form the shape at `level`.
     #[inline]
     pub fn shapes_at(&self, level: u8) -> u8 {
         if self.level == level {
@@ -232,7 +237,8 @@ impl Family {
         }
     }
 
-    /// The same, and the lanes of `bounds` of those that have the shape at `level` below them.
+    /// Returns the mask of [`Family::shapes_at`] and the mask of the `bounds` lanes to descend into for the shape at
+    /// `level`.
     #[inline]
     pub fn shapes_and_parents(&self, level: u8) -> (u8, u8) {
         if self.level == level {
@@ -257,7 +263,7 @@ impl Balls {
         Self { x, y, z, r }
     }
 
-    /// Lanes whose ball may be closer to the centre of `felt` than that reaches.
+    /// Returns the mask of the lanes with a ball that may be within the reach of `felt`.
     #[inline(always)]
     pub fn within(&self, felt: Felt) -> u8 {
         let x = f32x8::splat(felt.x) - self.x;

@@ -1,17 +1,17 @@
-//! A tool at a pose: its spheres in world axes, as far as a query needs them, and their levers.
+//! Tool at a pose: its spheres in world axes, computed on demand, and their levers.
 
 use super::{Contact, centre};
 use crate::math::{Mat3, Pose, Vec3, norm};
 use crate::tree::{Node, Sphere};
 
-/// A tree at a pose: what one side of a query needs.
+/// Sphere tree of a tool at a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedTool<'a> {
     /// Nodes in the tool's frame.
     pub nodes: &'a [Node],
     /// `world_from_tool`.
     pub pose: &'a Pose,
-    /// Level in contact.
+    /// Level of the tree in contact.
     pub level: u8,
     /// Working point in the tool's frame.
     pub working_point: &'a Vec3,
@@ -19,20 +19,20 @@ pub struct PosedTool<'a> {
     pub slot: u8,
 }
 
-/// A tool's spheres in world axes, as far as they are needed.
+/// Spheres of a tool in world axes, computed on demand.
 #[derive(Debug)]
 pub(super) struct Posed {
     pub rotation: Mat3,
     pub position: Vec3,
     pub working_point: Vec3,
     centres: Vec<Vec3>,
-    /// Pass in which the centre was filled.
+    /// Pass in which each centre was computed.
     stamps: Vec<u32>,
     pass: u32,
 }
 
 impl Posed {
-    /// Room for the spheres of a tool with so many nodes.
+    /// Allocates space for a tool with `nodes` nodes.
     pub fn with_capacity(nodes: usize) -> Self {
         Self {
             rotation: Mat3::identity(),
@@ -44,7 +44,7 @@ impl Posed {
         }
     }
 
-    /// Begins the queries of one tool at one pose.
+    /// Starts the queries of one tool at one pose.
     pub fn begin(&mut self, tool: &PosedTool<'_>) {
         self.rotation = tool.pose.orientation.to_rotation_matrix().into_inner();
         self.position = tool.pose.position;
@@ -56,8 +56,9 @@ impl Posed {
         }
     }
 
-    /// World centre of a node of the tool. Always inlined: a result that comes back through memory piece by piece
-    /// cannot be read as a whole without a stall.
+    /// Returns the world centre of a node of the tool.
+    ///
+    /// Always inlined: a result returned through memory piece by piece stalls a read of the whole.
     #[inline(always)]
     pub fn centre_of(&mut self, tool: &PosedTool<'_>, node: u32) -> Vec3 {
         let at = node as usize;
@@ -70,7 +71,7 @@ impl Posed {
         centre
     }
 
-    /// The contact of two spheres, if their gap is under `d`: the one place that decides it.
+    /// Returns the contact of two spheres if their gap is under `d`. All methods of contact prediction decide here.
     #[inline(always)]
     pub fn contact(
         &self,
@@ -86,7 +87,7 @@ impl Posed {
             return None;
         }
         let distance = squared.sqrt();
-        // Concentric spheres have no normal: any direction is as good, take up.
+        // Concentric spheres have no normal; z is an arbitrary choice.
         let normal = if distance > 1e-12 {
             between / distance
         } else {
@@ -104,17 +105,17 @@ impl Posed {
     }
 }
 
-/// Distance of a tool's node from the working point, metres.
+/// Distances of a tool's node from the working point, metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lever {
-    /// Of its centre.
+    /// Distance of the node's own centre.
     pub own: f64,
-    /// Of the farthest centre that can be below it.
+    /// Upper bound of the distances of all centres below the node.
     pub below: f64,
 }
 
 impl Lever {
-    /// The one that counts when the node is the shape, or stands for those below it.
+    /// Returns `own` for a node that is the shape, `below` for a node that stands for its descendants.
     #[inline]
     pub fn of(&self, is_shape: bool) -> f64 {
         if is_shape { self.own } else { self.below }
@@ -132,7 +133,7 @@ pub(super) fn levers(tool: &crate::scene::tool::Tool) -> Vec<Lever> {
     tool.tree.nodes().iter().map(lever).collect()
 }
 
-/// What culling must allow for: a shape node only itself, an inner node all below it.
+/// Returns the culling radius, metres: the contact radius of a shape node, the bound radius of an inner node.
 #[inline]
 pub(crate) fn reach_of(node: &Node, is_shape: bool) -> f64 {
     if is_shape {

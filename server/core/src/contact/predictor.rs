@@ -1,4 +1,4 @@
-//! One tool against one object after the other, by the way that suits the object.
+//! Contact prediction of one tool against one object at a time, by list or by traversal.
 
 use super::dual::{STACK, traverse};
 use super::front::Search;
@@ -10,42 +10,41 @@ use crate::MAX_TOOLS;
 use crate::scene::Scene;
 use crate::tree::Node;
 
-/// What contact prediction did since the workspace was made: counts, so the same on every machine.
+/// Work counters of contact prediction since the workspace was created. The counts are the same on every machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Queries of one tool against one object.
     pub queries: u64,
-    /// Pairs of spheres tested, each sphere of a family counted.
+    /// Tested pairs of spheres; every sphere of a tested family counts.
     pub tested: u64,
-    /// Lists of neighbours made anew.
+    /// Neighbour lists built.
     pub lists: u64,
-    /// Queries that no list could answer.
+    /// Queries without a usable list, answered by traversal.
     pub unlisted: u64,
-    /// Bounds of the distance of a tool and an object found anew.
+    /// Bounds computed for the distance of a tool to an object.
     pub bounds: u64,
 }
 
-/// Contact prediction for one scene. What it keeps from query to query saves work and never
-/// shows in an answer.
+/// Contact prediction for one scene, with caches. Results do not depend on the caches.
 #[derive(Debug)]
 pub struct Predictor {
     pub(super) posed: Posed,
     pub(super) stack: Vec<(u32, u32)>,
-    /// Families of each rigid object; none for what yields.
+    /// Families of each rigid object; `None` for a yielding object.
     packs: Vec<Option<Packs>>,
-    /// Per tool and object, tools outermost.
+    /// Neighbour lists by tool and object, tools outermost.
     neighbours: Vec<Option<Neighbours>>,
-    /// Per tool and node.
+    /// Levers by tool and node.
     pub(super) levers: [Vec<Lever>; MAX_TOOLS],
     pub(super) search: Search,
-    /// Place in a list's spheres of each node of a tool.
+    /// Index of each tool node in the spheres of the list being built.
     places: Vec<u32>,
     pub(crate) work: Work,
     plain: bool,
 }
 
 impl Predictor {
-    /// Contact prediction for `scene`: rigid objects are taken to stay as they are.
+    /// Creates contact prediction for `scene`. Rigid objects must not change.
     pub fn new(scene: &Scene) -> Self {
         let packs: Vec<Option<Packs>> = scene
             .objects
@@ -83,8 +82,8 @@ impl Predictor {
         }
     }
 
-    /// The same without any memory: every query traverses both trees from their roots. Slower, the same
-    /// answers: what the other is tested against.
+    /// Creates contact prediction without caches: every query traverses both trees from their roots. Slower, with the
+    /// same results; the reference in tests.
     pub fn plain(scene: &Scene) -> Self {
         Self {
             plain: true,
@@ -92,32 +91,34 @@ impl Predictor {
         }
     }
 
-    /// Whether nothing is kept from query to query.
+    /// Whether the predictor works without caches.
     pub(crate) fn is_plain(&self) -> bool {
         self.plain
     }
 
-    /// The spheres of the tool in `slot`, the one that [`Predictor::begin`] was called with, and their levers.
+    /// Returns the posed spheres and the levers of the tool in `slot`, the tool of the last [`Predictor::begin`].
     pub(super) fn posed_for(&mut self, slot: u8) -> (&mut Posed, &[Lever]) {
         (&mut self.posed, &self.levers[usize::from(slot)])
     }
 
-    /// What was done so far.
+    /// Returns the work done so far.
     pub fn work(&self) -> Work {
         self.work
     }
 
-    /// Begins the queries of one tool at one pose.
+    /// Starts the queries of one tool at one pose.
     pub fn begin(&mut self, tool: &PosedTool<'_>) {
         self.posed.begin(tool);
     }
 
-    /// Appends every pair of contact spheres of `tool`, the one that [`Predictor::begin`] was called with,
-    /// and `object` (its index in the scene, its nodes in world axes, its level in contact) with a gap
-    /// under `d` to `out`: a distance, or one that grows with the lever of the tool's sphere.
+    /// Appends every pair of contact spheres of `tool` and `object` with a gap under `d` to `out`.
+    ///
+    /// `tool` must be the tool of the last [`Predictor::begin`]. `object` is the index in the scene, the nodes in world
+    /// axes and the level in contact. `d` is a constant distance, or a [`Distance`] that grows with the lever of the
+    /// tool's sphere.
     ///
     /// # Errors
-    /// When `out` is full and [`super::Overflow::Stop`] holds; it then has an arbitrary part.
+    /// `out` is full and its policy is [`super::Overflow::Stop`]; `out` then holds an arbitrary part of the contacts.
     pub fn predict(
         &mut self,
         tool: &PosedTool<'_>,

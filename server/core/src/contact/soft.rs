@@ -1,8 +1,8 @@
-//! The neighbours of one tool on one tissue: pairs of spheres that can come closer than `d` before tool and
-//! tissue together have moved by more than a skin.
+//! Neighbour list of one tool on one tissue: pairs of spheres.
 //!
-//! As `neighbours` has them for what is rigid, but down to the single spheres, whose centres are asked of the
-//! tissue's model in every pass: only those in the list, and no tree is brought to the shape meanwhile.
+//! The list holds all pairs that can come closer than `d` before tool and tissue together have moved by more than a
+//! skin. The list of `neighbours` for rigid objects ends at families; here the list goes down to single spheres. The
+//! tissue model computes the centres of the listed spheres in every pass. The tree is not refitted for a query.
 
 use super::coarse::{CoarseSearch, TURN};
 use super::neighbours::{CAPACITY, slack};
@@ -15,43 +15,44 @@ use crate::scene::tool::Tool;
 use crate::tissue::Tissue;
 use crate::tree::Node;
 
-/// Motion of tool and tissue together that a list allows for, metres, times its [`spread`].
+/// Motion of tool and tissue together for which a list is valid, metres, times its [`spread`].
 const TRANSLATION: f64 = 2.6e-4;
 
-/// A list and what it holds for.
+/// Neighbour list and the range of its validity.
 #[derive(Debug)]
 pub(crate) struct SoftNeighbours {
-    /// Place in `spheres` and tool's node, in the order of both.
+    /// Index in `spheres` and node of the tool, sorted by both.
     pairs: Vec<(u32, u32)>,
     /// Nodes of the object in the list, ascending.
     spheres: Vec<u32>,
-    /// Where they are, as of the present query.
+    /// Centres of `spheres` in the current query.
     centres: Vec<Vec3>,
-    /// Families of the object, brought to its shape for each list.
+    /// Families of the object, refitted to the tissue's shape for each fine list.
     packs: Packs,
-    /// The tool's families, where it is they that are searched.
+    /// Search in the tool's families, for a tissue with spheres larger than the tool's.
     coarse: Option<CoarseSearch>,
-    /// Scratch: which lanes of a family come within reach of each sphere.
+    /// Buffer: lanes of a family within reach of each tool sphere.
     masks: Vec<u8>,
     rotation: Mat3,
     working_point: Vec3,
-    /// Shape of the tissue when the list was made, and whether that was its rest.
+    /// Shape of the tissue when the list was built, and whether this was the rest shape.
     shape: Vec<f64>,
     at_rest: bool,
-    /// Level of the tool; none before the first list.
+    /// Level of the tool; `None` before the first list.
     level: Option<u8>,
-    /// Translation plus prediction distance that it holds for, metres.
+    /// Translation plus prediction distance for which the list is valid, metres.
     reach: f64,
-    /// Turn that it holds for, what the distance itself has of it included.
+    /// Turn for which the list is valid, including the turn of the prediction distance.
     turn: f64,
-    /// Factor of the translation that a list allows for.
+    /// Factor on [`TRANSLATION`]; see [`spread`].
     spread: f64,
-    /// Whether all pairs found room.
+    /// Whether all pairs fitted into the list.
     usable: bool,
 }
 
 impl SoftNeighbours {
-    /// For a tool on the tissue of object `k`, of so many numbers of shape, on the nodes of its object and their level.
+    /// Creates the list for a tool on object `k`, whose shape has `shape_len` numbers. `nodes` are the object's at
+    /// `level`.
     pub fn new(
         tool: Option<&Tool>,
         (k, shape_len): (usize, usize),
@@ -76,17 +77,18 @@ impl SoftNeighbours {
         }
     }
 
-    /// The list holds for nothing any more.
+    /// Invalidates the list.
     pub fn forget(&mut self) {
         self.level = None;
     }
 
-    /// Whether the list is whole; where it is not, only a traversal can tell.
+    /// Whether the list is complete. Only a traversal answers queries of an incomplete list.
     pub fn usable(&self) -> bool {
         self.usable
     }
 
-    /// Whether no pair outside the list can be closer than `d` at this pose and shape; no shape is the rest.
+    /// Whether no pair outside the list can be closer than `d` at this pose and shape. The shape `None` is the rest
+    /// shape.
     pub fn covers(
         &self,
         predictor: &Predictor,
@@ -112,7 +114,8 @@ impl SoftNeighbours {
         }
     }
 
-    /// Makes the list for this pose and shape, the object's nodes brought to the shape, at its level.
+    /// Builds the list for this pose and shape. `nodes` are the object's, refitted to the shape; `level` is the
+    /// object's.
     pub fn list(
         &mut self,
         predictor: &mut Predictor,
@@ -142,7 +145,7 @@ impl SoftNeighbours {
         }
     }
 
-    /// Sphere by sphere of the object, down the tool's tree.
+    /// Builds the list sphere by sphere of the object, each down the tool's tree.
     fn list_coarse(
         &mut self,
         search: &mut CoarseSearch,
@@ -186,7 +189,7 @@ impl SoftNeighbours {
         }
     }
 
-    /// By the object's families.
+    /// Builds the list from the object's families.
     fn list_fine(
         &mut self,
         predictor: &mut Predictor,
@@ -220,11 +223,11 @@ impl SoftNeighbours {
             let shapes = family.shapes_at(level);
             self.masks.clear();
             self.masks.extend(now.iter().map(|key| {
-                // As near as the search found some sphere of the family: which ones?
+                // The search reports families; this test selects the spheres.
                 shapes & balls.within(search.felt(*key as u32))
             }));
             let mut any = self.masks.iter().fold(0, |any, mask| any | mask);
-            // Sphere by sphere of the object, so that the pairs come sorted.
+            // Object spheres outermost, so that the pairs come sorted.
             while any != 0 {
                 if self.pairs.len() == CAPACITY {
                     self.usable = false;
@@ -247,7 +250,7 @@ impl SoftNeighbours {
         }
     }
 
-    /// Appends the contacts under `d`, in order; `nodes` are the object's, for their radii.
+    /// Appends the contacts under `d`, sorted. `nodes` are the object's, used for their radii.
     pub fn query(
         &mut self,
         predictor: &mut Predictor,

@@ -1,4 +1,4 @@
-//! Whatever is kept between queries, the contacts are those of every leaf against every leaf.
+//! Contacts with caches equal those of every leaf against every leaf.
 
 use proptest::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::tissue::{TissueModel, tests::Winkler};
 use crate::tree::{Node, Sphere, SphereTree};
 use crate::{DisplayMesh, Object, Params, Scene, Tool};
 
-/// Numbers in [0, 1) that are the same everywhere.
+/// Pseudo-random numbers in [0, 1), the same on every platform.
 struct Random(u64);
 
 impl Random {
@@ -25,7 +25,7 @@ impl Random {
     }
 }
 
-/// Balls on a bumpy ellipsoid: inner nodes with tight shapes, as a fitted tree has, and ragged leaves.
+/// Returns a tree of balls on a bumpy ellipsoid: inner nodes with tight shapes as in a fitted tree, and ragged leaves.
 fn bumpy(count: usize, semi_axes: Vec3, centre: Vec3, random: &mut Random) -> SphereTree {
     let balls: Vec<Sphere> = (0..count)
         .map(|_| {
@@ -79,7 +79,7 @@ fn tool(tree: SphereTree) -> Tool {
     }
 }
 
-/// Two rods, three rigid things and one that yields.
+/// Returns a scene with two rods, three rigid objects and one yielding object.
 fn scene(seed: u64) -> Scene {
     let random = &mut Random(seed);
     let rod = |count, random: &mut Random| {
@@ -111,7 +111,7 @@ fn scene(seed: u64) -> Scene {
     }
 }
 
-/// Every number of every contact as bits, in order.
+/// Returns every number of every contact as bits, in order.
 fn bits(list: &ContactList) -> Vec<[u64; 11]> {
     let of = |c: &Contact| {
         let mut all = [0; 11];
@@ -128,15 +128,15 @@ fn bits(list: &ContactList) -> Vec<[u64; 11]> {
 
 struct Query {
     poses: [Pose; 2],
-    /// Of the tools and of the objects.
+    /// Levels of the tools and of the objects.
     levels: (u8, u8),
-    /// Per object.
+    /// Prediction distance per object.
     d: [Distance; 4],
     limit: usize,
     overflow: Overflow,
 }
 
-/// All tools against all objects.
+/// Queries all tools against all objects. Returns whether the list had room for all contacts.
 fn ask(scene: &Scene, query: &Query, predictor: &mut Predictor, out: &mut ContactList) -> bool {
     out.begin(query.limit, query.overflow);
     let mut fits = true;
@@ -158,7 +158,7 @@ fn ask(scene: &Scene, query: &Query, predictor: &mut Predictor, out: &mut Contac
     fits
 }
 
-/// Every shape sphere of the tools against every one of the objects.
+/// Lists the contacts of every shape sphere of the tools with every shape sphere of the objects.
 fn brute_force(scene: &Scene, query: &Query, out: &mut ContactList) {
     out.begin(query.limit, query.overflow);
     for (slot, tool) in scene.tools.iter().enumerate() {
@@ -260,7 +260,7 @@ fn a_long_walk_finds_the_contacts_of_brute_force_to_the_last_bit() {
         found > 800 && empty > 20,
         "{found} with contacts, {empty} without"
     );
-    // Three of four objects are rigid: were no list ever used twice, 3/4 of the queries would make one.
+    // Three of four objects are rigid: without reuse of lists, 3/4 of the queries would build one.
     assert!(made * 2 < queries, "{made} lists in {queries} queries");
 }
 
@@ -304,7 +304,7 @@ fn a_full_list_says_so_at_the_same_query_and_keeps_the_same_contacts() {
 
 #[test]
 fn a_list_without_room_is_answered_by_the_traversal() {
-    // 2,700 spheres about the same place against a rod of 120: more pairs than a list holds.
+    // 2,700 spheres at nearly the same place against a rod of 120 spheres: more pairs than a list holds.
     let mut scene = scene(2);
     let heap: Vec<Sphere> = (0..2700)
         .map(|k| Sphere {
@@ -340,7 +340,7 @@ proptest! {
         away in (-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64), shift in -10.0..10.0f64, d in 0.0..1e-3f64,
         hair in -1e-13..1e-15f64,
     ) {
-        // A point that is within reach of the first ball by a hair, or on the edge.
+        // A point at the reach of the first ball, within rounding.
         let shift = Vec3::new(shift, -shift, 0.5 * shift);
         let nodes: Vec<Node> = balls.iter().map(|&(x, y, z, r)| Node {
             centre: shift + Vec3::new(x, y, z), contact_radius: r, bound_radius: r, first_child: 0, children: 0, level: 1,

@@ -1,47 +1,52 @@
-//! Active-set solver of the contact problem: no allocation, bounded, same bits everywhere.
+//! Active-set solver of the contact problem: no allocation, bounded work, bit-identical results on all machines.
 //!
-//! It works on the dual, which is quickest while few rows bear load, as nearly always. Where more than
-//! a few dozen do and nothing yields (a flat tool on a flat face), it begins anew in the six unknowns
-//! of each tool (`rigid`), whose cost does not grow with them. The answer is unique, so both ways
-//! lead to the same.
+//! The solver works on the dual, which is fastest while few rows bear load. Few loaded rows are the normal case. A
+//! problem without tissue can have many active rows, as with a flat tool on a flat face. At 32 active rows such a
+//! problem restarts in the six unknowns of each tool (`rigid`). The cost of `rigid` does not grow with the number of
+//! active rows. The solution is unique, so both methods give the same result.
 //!
-//! Goldfarb and Idnani (1983, doi:10.1007/BF02591962) with a unit Hessian is, on the dual, the
-//! non-negative least-squares scheme of Lawson and Hanson (1974, chapter 23): rows enter by the
-//! largest violation, `H_PP s = -b_P` is solved on the active set `P`, and rows whose multiplier
-//! would turn negative leave. The Cholesky factor of `H_PP` grows by a row and shrinks by Givens
-//! rotations. Until it ends an iterate violates rows, so only a `Solved` answer may be applied.
+//! The method is that of Goldfarb and Idnani (1983, doi:10.1007/BF02591962) with a unit Hessian. On the dual this
+//! method equals the non-negative least-squares scheme of Lawson and Hanson (1974, chapter 23):
 //!
-//! Where something yields, rows enter in blocks: those that bore load in the tick's last pass first, then all
-//! that are violated about as much as the worst. Every step goes downhill on the dual, so when a block
-//! gained nothing the next row enters alone, which always does.
+//! - The row with the largest violation enters.
+//! - `H_PP s = -b_P` is solved on the active set `P`.
+//! - Rows whose multiplier would turn negative leave.
+//!
+//! The Cholesky factor of `H_PP` grows by a row and shrinks by Givens rotations. Every iterate before the end violates
+//! rows, so only a `Solved` result may be applied.
+//!
+//! With tissue, rows enter in blocks. The first block is the warm start: rows that bore load in the previous substep.
+//! Each later block is the set of rows with at least half of the worst violation. Every step decreases the dual
+//! objective. After a block without progress the next row enters alone. A single row always makes progress, apart from
+//! rounding.
 
 use super::rigid::RigidScratch;
 use super::{ContactSolver, Problem, Solution, SolveStatus, dot, dot6};
 use crate::math::fmax;
 
-/// Active rows at which the six unknowns of a tool are the better place to work.
+/// Number of active rows from which a problem without tissue is solved in the six unknowns of each tool.
 const MANY: usize = 32;
-/// Share of the worst violation from which a row enters together with the worst.
+/// Share of the worst violation from which a row enters in the same block.
 const BLOCK: f64 = 0.5;
-/// Rows enter while their violation exceeds this share of the problem's scale.
+/// Entry tolerance: rows enter while their violation exceeds this share of the problem's scale.
 const ENTRY_TOLERANCE: f64 = 1e-11;
-/// Head-room for rounding in `w`, per unit of the largest `H_ii lambda_i`.
+/// Rounding allowance of `w`, per unit of the largest `H_ii lambda_i`.
 const ROUNDING: f64 = 1e-14;
 
-/// Scratch of the solver.
+/// Active-set solver with its scratch.
 #[derive(Debug)]
 pub struct ActiveSet {
-    /// For problems without tissue.
+    /// Scratch for problems without tissue.
     rigid: RigidScratch,
-    /// Row indices in the order in which they entered.
+    /// Row indices in the order of entry.
     active: Vec<usize>,
-    /// Whether a row is active, or barred until the active set changes.
+    /// State of each row.
     state: Vec<RowState>,
     /// Lower Cholesky factor of `H` over `active`, row-major with stride `capacity`.
     factor: Vec<f64>,
     /// Right-hand side and solution over `active`.
     work: Vec<f64>,
-    /// Slack of every row.
+    /// Slack of each row, metres; in use with tissue only.
     slack: Vec<f64>,
     /// Rows that enter together.
     block: Vec<usize>,
@@ -52,12 +57,12 @@ pub struct ActiveSet {
 enum RowState {
     Free,
     Active,
-    /// Entered and left at once through rounding: not tried again until something else changes.
+    /// Entered and left at once through rounding; excluded until another row makes progress.
     Barred,
 }
 
 impl ActiveSet {
-    /// Room for problems of up to `capacity` rows, with tissue or without.
+    /// Returns a solver for problems of up to `capacity` rows, with or without tissue.
     pub fn with_capacity(capacity: usize) -> Self {
         Self {
             rigid: RigidScratch::with_capacity(capacity),
@@ -65,7 +70,7 @@ impl ActiveSet {
         }
     }
 
-    /// Room for problems of up to `capacity` rows without tissue: a small factor is enough.
+    /// Returns a solver for problems of up to `capacity` rows without tissue. A small factor is enough for them.
     pub fn rigid_only(capacity: usize) -> Self {
         Self {
             rigid: RigidScratch::with_capacity(capacity),
@@ -89,8 +94,7 @@ impl ActiveSet {
         }
     }
 
-    /// Appends row `p` to the factor. False when the matrix is not positive definite in
-    /// these digits.
+    /// Appends row `p` to the factor. Returns false when the matrix is not numerically positive definite.
     fn append(&mut self, problem: &Problem<'_>, p: usize) -> bool {
         let n = self.active.len();
         let mut pivot = problem.gram(p, p);
@@ -103,7 +107,7 @@ impl ActiveSet {
             row[k] = entry;
             pivot -= entry * entry;
         }
-        // Exactly, the pivot is at least eps; rounding may eat some of it, not all.
+        // In exact arithmetic the pivot is at least `eps`. Rounding normally removes only a part of it.
         if !(pivot > 0.0 && pivot.is_finite()) {
             return false;
         }
@@ -122,7 +126,7 @@ impl ActiveSet {
             self.factor
                 .copy_within(row * stride..row * stride + row + 1, (row - 1) * stride);
         }
-        // Row j (old j + 1) now has one entry right of the diagonal: rotate it away.
+        // Row j, the former row j + 1, has one entry right of the diagonal, which a Givens rotation removes.
         for j in k..n - 1 {
             let (a, b) = (self.factor[j * stride + j], self.factor[j * stride + j + 1]);
             let r = (a * a + b * b).sqrt();
@@ -136,8 +140,8 @@ impl ActiveSet {
         }
     }
 
-    /// Removes all active rows that bear nothing and whose next multiplier, in `work`, is not positive: with
-    /// them nothing can move.
+    /// Removes all active rows without load whose next multiplier, in `work`, is not positive. Such rows limit every
+    /// step to zero.
     fn remove_idle(&mut self, solution: &Solution) {
         for k in (0..self.active.len()).rev() {
             if self.work[k] <= 0.0 && solution.lambda[self.active[k]] == 0.0 {
@@ -153,7 +157,7 @@ impl ActiveSet {
             let row = &self.factor[i * stride..][..=i];
             self.work[i] = (self.work[i] - dot(&row[..i], &self.work[..i])) / row[i];
         }
-        // Row by row here too: what is solved is taken out of all that comes after it at once.
+        // Row by row here too: each solved entry is subtracted at once from all entries that are still to be solved.
         for i in (0..n).rev() {
             let row = &self.factor[i * stride..][..=i];
             let (before, rest) = self.work.split_at_mut(i);
@@ -164,8 +168,8 @@ impl ActiveSet {
         }
     }
 
-    /// One step of iterative refinement on the active set: takes out what the factor's rounding
-    /// left, which matters for nearly parallel rows.
+    /// Performs one step of iterative refinement on the active set. The step removes the rounding error of the factor,
+    /// which matters for nearly parallel rows.
     fn refine(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         let y = problem.primal(&solution.lambda);
         for (k, &i) in self.active.iter().enumerate() {
@@ -177,7 +181,7 @@ impl ActiveSet {
         }
     }
 
-    /// The free row whose slack is the most negative, if it is under `-tolerance`.
+    /// Returns the free row with the most negative slack, if this slack is under `-tolerance` (metres).
     fn most_violated(
         &mut self,
         problem: &Problem<'_>,
@@ -195,7 +199,7 @@ impl ActiveSet {
             self.slack.clear();
             self.slack
                 .extend((0..m).map(|i| problem.rigid_slack(i, &solution.lambda, &solution.y)));
-            // Only active rows bear load; C is symmetric, so its rows are its columns.
+            // Only active rows bear load. `C` is symmetric, so its rows are its columns.
             for &j in &self.active {
                 let load = solution.lambda[j];
                 for (w, c_ij) in self.slack.iter_mut().zip(&c[j * m..(j + 1) * m]) {
@@ -213,12 +217,12 @@ impl ActiveSet {
         let rows = problem.rows.iter().zip(loads).enumerate();
         let free = rows.filter(|(_, (_, (state, _)))| **state == RowState::Free);
         if self.active.is_empty() {
-            // Nothing is loaded: the slack is the bias.
+            // Without load the slack is the bias.
             for (i, (row, _)) in free {
                 look(i, row.bias);
             }
         } else {
-            // The slack again, without asking every row for the tissue: this is where most of a solve goes.
+            // Slack without the tissue check per row: most of the time of a solve is spent here.
             let (first, second) = solution.y.split_at(6);
             for (i, (row, (_, load))) in free {
                 let y = if row.tool == 0 { first } else { second };
@@ -261,7 +265,7 @@ impl ContactSolver for ActiveSet {
             if self.block.is_empty() {
                 let tolerance = base_tolerance + ROUNDING * largest;
                 let Some(worst) = self.most_violated(problem, solution, tolerance) else {
-                    // Refine, and look once more with the cleaner numbers.
+                    // Refinement reduces the rounding error, which may reveal another violated row.
                     if refinements < 2 && !self.active.is_empty() {
                         refinements += 1;
                         self.refine(problem, solution);
@@ -303,7 +307,7 @@ impl ContactSolver for ActiveSet {
                     self.work[k] = -problem.rows[i].bias;
                 }
                 self.substitute();
-                // How far towards `work` before the first multiplier reaches zero.
+                // Share of the way to `work` up to the first multiplier that reaches zero.
                 let (mut share, mut leaving) = (1.0, None);
                 for (k, &i) in self.active.iter().enumerate() {
                     let (now, next) = (solution.lambda[i], self.work[k]);
@@ -338,7 +342,7 @@ impl ContactSolver for ActiveSet {
                 .block
                 .iter()
                 .any(|&i| self.state[i] == RowState::Active);
-            // Something moved: rows barred earlier may try again.
+            // After progress, barred rows become free again.
             if gained {
                 for state in &mut self.state {
                     if *state == RowState::Barred {

@@ -1,4 +1,4 @@
-//! A second opinion on the last problems of a tick, for `replay --audit` and the tests.
+//! Audit of the last problems of a tick by an independent solver, for `replay --audit` and the tests.
 
 use super::{
     ContactSolver, Solution, SolveStatus, SolverKind, active_set::ActiveSet, clarabel::Clarabel,
@@ -6,21 +6,23 @@ use super::{
 use crate::math::{Vec3, fmax, norm};
 use crate::{MAX_TOOLS, Scene, Workspace};
 
-/// What the other solver says of a tick's last problem.
+/// Verdict of the other solver on the last problems of a tick, the worst of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Residual of the optimality conditions of the tick's own answer, relative
-    /// ([`super::Problem::kkt_residual`]).
+    /// Residual of the optimality conditions of the tick's own solution, relative ([`super::Problem::kkt_residual`]).
     pub kkt_residual: f64,
-    /// Whether the other solver answered at all.
+    /// Whether the other solver solved every problem.
     pub judge_solved: bool,
-    /// Largest distance between the two answers' working points, metres; 0 when the judge did not answer.
+    /// Largest distance between the working points of the two solutions, metres; 0 without a solution of the other
+    /// solver.
     pub pose_difference: f64,
 }
 
-/// Solves the last problems of `ws` (one for each tool, or one for both) again with the solver that
-/// the scene does *not* use, and gives the worst verdict. `None` when the tick had no contact rows or
-/// no usable answer. Allocates; not for the tick.
+/// Solves the last problems of `ws` again with the solver that the scene does *not* use. There is one problem for each
+/// tool, or one for both.
+///
+/// Returns the worst verdict, or `None` when the tick had no contact rows or no usable solution. Allocates; not for use
+/// in a tick.
 pub fn audit(scene: &Scene, ws: &Workspace) -> Option<Verdict> {
     let mut worst: Option<Verdict> = None;
     for (problem, own) in ws.last_problems(scene) {

@@ -1,8 +1,8 @@
-//! The judge: the same problem through Clarabel's interior point (doi:10.48550/arXiv.2405.12762).
+//! Reference solver: the contact problem through Clarabel's interior point (doi:10.48550/arXiv.2405.12762).
 //!
-//! Works in millimetres, where its default tolerances mean 5e-5 mm instead of 2e-3. It allocates
-//! and reads a clock for its own statistics (no time limit is set, so the clock decides nothing):
-//! the one exception to the core's rules, never used in a tick unless the scene asks for it.
+//! The solver works in millimetres, where its default tolerances mean 5e-5 mm instead of 2e-3 mm. This module is the
+//! one exception to the core's rules: it allocates, and reads a clock for its own statistics. No time limit is set, so
+//! the clock affects no result. A tick uses this solver only if the scene selects it.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -12,30 +12,36 @@ use clarabel::solver::{
 use super::{ContactSolver, Problem, ProblemRow, Solution, SolveStatus, UNKNOWNS};
 use crate::math::fmax;
 
-/// Clarabel behind the solver interface, rows added as they are found to be violated: of hundreds a dozen or two bear load, and
-/// on tissue the interior point's work grows with the cube of their number. Ends where [`AllRows`] does. Stateless.
+/// Clarabel behind the solver interface, with rows added when they are violated. Of hundreds of rows one or two dozen
+/// bear load. With tissue the work of the interior point grows with the cube of the number of rows. The result is that
+/// of [`AllRows`]. Stateless.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Clarabel;
 
-/// Clarabel with every row from the beginning.
+/// Clarabel with all rows from the start.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AllRows;
 
-/// Rows that are added at once, the most violated first; as many as there are already where these are more.
+/// Maximum number of rows added per round, the most violated first; the current number of rows if that is larger.
 const BATCH: usize = 16;
 
-/// Rounds in which rows that bear nothing are dropped again (what an answer costs grows with each round, so none comes back for
-/// ever; but numbers are rounded): loads under this share of the largest, of rows open by this much, metres.
+/// Round from which open rows without load are no longer dropped. In exact arithmetic the cost of the solution grows
+/// with each round, so no row set recurs. Rounding can break this rule, hence the limit.
 const DROPPING: u32 = 20;
+/// Load under which a row counts as unloaded, as a share of the largest load.
 const NOTHING: f64 = 1e-9;
+/// Slack from which a row counts as open, metres.
 const OPEN: f64 = 1e-8;
 
-/// How far below zero a row that is left out may be, metres: a hundredth of what an answer's own rows are below it.
+/// Tolerated violation of a left-out row, metres: a hundredth of the violation that a solution leaves in its own rows.
 const VIOLATED: f64 = 1e-13;
 
-/// Tolerances, tried in turn. Clarabel's defaults (1e-8) leave 2e-2 mm on grossly infeasible sets, 1e-12 is out of its reach;
-/// and where rows oppose one another (`opposed-0`) one problem of a hundred ends in insufficient progress at 1e-11 and is
-/// solved at 1e-10. What is not solved at any of them has no answer.
+/// Tolerances of Clarabel, tried in turn. A problem not solved at any of them has no solution.
+///
+/// - Clarabel's default, 1e-8, leaves 2e-2 mm on grossly infeasible sets.
+/// - 1e-12 is out of Clarabel's reach.
+/// - With opposed rows (`opposed-0`) one problem of a hundred ends in insufficient progress at 1e-11, and is solved at
+///   1e-10.
 const TOLERANCES: [f64; 3] = [1e-11, 1e-10, 1e-9];
 
 /// Millimetres per metre.
@@ -71,7 +77,7 @@ impl ContactSolver for Clarabel {
             solve_as_it_is(&rows, &mut answer);
             iterations += answer.iterations;
             if answer.status != SolveStatus::Solved {
-                // Rows that stand open steady a problem: four ticks of `peg-in-hole` have an answer with them only.
+                // Open rows stabilise a problem: four ticks of `peg-in-hole` have a solution only with them.
                 AllRows.solve(problem, solution);
                 solution.iterations += iterations;
                 return;
@@ -88,7 +94,7 @@ impl ContactSolver for Clarabel {
     }
 }
 
-/// Some rows of a problem.
+/// Subset of the rows of a problem.
 #[derive(Default)]
 struct Part {
     of: Vec<usize>,
@@ -97,7 +103,7 @@ struct Part {
 }
 
 impl Part {
-    /// Adds the rows that are violated most; whether there were any.
+    /// Adds the most violated rows. Returns whether any row was violated.
     fn add_violated(&mut self, problem: &Problem<'_>, lambda: &[f64], y: &[f64; UNKNOWNS]) -> bool {
         let mut violated: Vec<(f64, usize)> = (0..problem.rows.len())
             .filter(|i| !self.of.contains(i))
@@ -110,7 +116,7 @@ impl Part {
         !violated.is_empty()
     }
 
-    /// Drops the rows that bear nothing and stand open.
+    /// Drops the open rows without load, and sets their multipliers to zero.
     fn drop_open(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         let most = solution.lambda.iter().fold(0.0, |most, x| fmax(most, *x));
         let bears = |i: usize| {
@@ -129,7 +135,7 @@ impl Part {
         }
     }
 
-    /// These rows as a problem of their own.
+    /// Returns the subset as a problem of its own.
     fn problem<'a>(&'a mut self, all: &Problem<'_>) -> Problem<'a> {
         self.rows.clear();
         self.rows.extend(self.of.iter().map(|i| all.rows[*i]));
@@ -149,7 +155,7 @@ impl Part {
     }
 }
 
-/// Whether every number is finite: Clarabel takes a bias that is not for a row that is wide open.
+/// Whether every number of the problem is finite. Clarabel accepts a bias that is not finite as a wide open row.
 fn is_finite(problem: &Problem<'_>) -> bool {
     let rows = problem.rows.iter().flat_map(|row| {
         let bias = std::iter::once(row.bias);
@@ -167,8 +173,10 @@ fn reset(solution: &mut Solution, rows: usize) {
     solution.status = SolveStatus::NumericalError;
 }
 
-/// Variables `x = (y, z)`: minimise `1/2 |y|^2 + 1/2 |z|^2` subject to `b + A y + L z >= 0`
-/// with `L L' = C + eps I`. The multipliers of the rows are lambda. `solution` was reset.
+/// Solves the problem with all of its rows. `solution` must be reset before the call.
+///
+/// Variables `x = (y, z)`: minimise `1/2 |y|^2 + 1/2 |z|^2` subject to `b + A y + L z >= 0` with `L L' = C + eps I`.
+/// The multipliers of the rows are lambda.
 fn solve_as_it_is(problem: &Problem<'_>, solution: &mut Solution) {
     let m = problem.rows.len();
     if m == 0 {
@@ -212,7 +220,7 @@ fn solve_as_it_is(problem: &Problem<'_>, solution: &mut Solution) {
     }
 }
 
-/// One run of the solver; none where it refuses the problem.
+/// Runs the solver once. Returns `None` when the solver refuses the problem.
 fn attempt(
     (a, b): (&CscMatrix<f64>, &[f64]),
     (n, m): (usize, usize),
@@ -235,10 +243,10 @@ fn attempt(
     Some(solver.solution)
 }
 
-/// `[-A, -L]` in compressed columns, millimetres and newtons.
+/// Returns `[-A, -L]` in compressed columns, millimetres and newtons.
 fn constraint_matrix(problem: &Problem<'_>, factor: &Factor, n: usize) -> CscMatrix<f64> {
     let m = problem.rows.len();
-    // y is sqrt(J): lengths scale by 1e3 and stiffness by 1e-3, so a scales by sqrt(1e3).
+    // The unit of `y` is sqrt(J). Lengths scale by 1e3 and stiffness by 1e-3, so `a` scales by sqrt(1e3).
     let root = MM.sqrt();
     let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
     for column in 0..n {

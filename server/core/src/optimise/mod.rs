@@ -1,15 +1,18 @@
-//! The one small problem of a tick, and two solvers behind one interface.
+//! Contact problem of a substep, and two solvers behind one interface.
 //!
-//! In G-scaled coordinates `y` (twelve: six per tool), relative to the unconstrained optimum:
+//! In G-scaled coordinates `y` (twelve unknowns, six per tool), relative to the unconstrained optimum:
 //!
 //! minimise `1/2 |y|^2 + 1/2 lambda' (C + eps I) lambda` subject to
 //! `w = b + A y + (C + eps I) lambda >= 0`, whose dual is the linear complementarity problem
 //!
 //! `0 <= lambda  ⟂  w = H lambda + b >= 0`, `H = A A' + C + eps I`, `y = A' lambda`.
 //!
-//! `A` (m x 12) holds one row per sphere pair, `b` the gaps at the unconstrained optimum (metres),
-//! `C` (m x m) the tissue's compliance along the normals (m/N), `eps` the contact compliance (m/N)
-//! that keeps every row set feasible. Paper: Eq. 18 to 20, with the tissue inside.
+//! - `A` (m x 12): one row per contact row.
+//! - `b`: gaps at the unconstrained optimum, metres.
+//! - `C` (m x m): compliance of the tissue along the normals, m/N.
+//! - `eps`: contact compliance, m/N, which keeps every row set feasible.
+//!
+//! Source: Eq. 18 to 20 of the paper, with the tissue inside.
 
 pub mod active_set;
 pub mod audit;
@@ -21,72 +24,71 @@ use serde::{Deserialize, Serialize};
 use crate::MAX_TOOLS;
 use crate::math::{fmax, fmin};
 
-/// Unknowns of the problem: six for each tool.
+/// Number of unknowns of the problem: six for each tool.
 pub const UNKNOWNS: usize = 6 * MAX_TOOLS;
 
-/// Which solver answers.
+/// Solver of the contact problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SolverKind {
-    /// Own dual active set: no allocation, deterministic, runs the tick.
+    /// Dual active-set solver of this crate: no allocation, deterministic. Default in the tick.
     ActiveSet,
-    /// Clarabel's interior point: the judge. Allocates, reads a clock for its own statistics.
+    /// Interior-point solver Clarabel, the reference in audits. Allocates, and reads a clock for its own statistics.
     Clarabel,
 }
 
-/// One row of `A` with its bias.
+/// Problem row: one row of `A` with its bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProblemRow {
-    /// Nonzero part of the row, in G-scaled coordinates: translation, then rotation.
+    /// Nonzero part of the row of `A`, in G-scaled coordinates: translation, then rotation.
     pub a: [f64; 6],
-    /// Which tool's six unknowns it acts on.
+    /// Slot of the tool whose six unknowns the row acts on.
     pub tool: u8,
     /// Gap at the unconstrained optimum, metres.
     pub bias: f64,
 }
 
-/// The problem of one collision pass.
+/// Contact problem of one substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
-    /// Rows, at most the capacity the solver was made for.
+    /// Problem rows, at most the capacity of the solver.
     pub rows: &'a [ProblemRow],
-    /// `C`, row-major m x m, metres per newton; `None` when nothing touched yields.
+    /// Compliance `C` of the tissue, row-major m x m, metres per newton; `None` when no touched object yields.
     pub tissue: Option<&'a [f64]>,
-    /// `eps`, metres per newton; positive.
+    /// Contact compliance `eps`, metres per newton; positive.
     pub contact_compliance: f64,
-    /// Rows that bore load when a problem like this was solved a moment ago: where a solver may begin. Does
-    /// not change where it ends.
+    /// Warm start: indices of the rows that bore load in the previous similar problem. Does not affect the solution.
     pub warm_start: &'a [u32],
-    /// Iteration cap.
+    /// Maximum number of iterations.
     pub max_iterations: usize,
 }
 
-/// How a solve ended.
+/// Result status of a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolveStatus {
-    /// The answer satisfies the conditions.
+    /// The solution satisfies the optimality conditions.
     Solved,
-    /// The cap was reached: the iterate is infeasible and must not be applied.
+    /// The iteration limit was reached. The iterate is infeasible and must not be applied.
     IterationLimit,
-    /// Numbers broke down: nothing may be applied.
+    /// The solve failed numerically. The iterate must not be applied.
     NumericalError,
 }
 
-/// An answer. Usable only when the status says so.
+/// Solution of a problem, usable only with [`SolveStatus::Solved`].
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Multipliers, newtons, one per row (capacity: the solver's).
+    /// Multipliers, newtons, one per row. The capacity is that of the solver.
     pub lambda: Vec<f64>,
-    /// `A' lambda`, the step relative to the unconstrained optimum, G-scaled.
+    /// Step relative to the unconstrained optimum, `A' lambda`, G-scaled.
     pub y: [f64; UNKNOWNS],
-    /// How it ended.
+    /// Result status.
     pub status: SolveStatus,
-    /// Iterations used.
+    /// Number of iterations.
     pub iterations: u32,
 }
 
 impl Solution {
-    /// Room for `capacity` rows.
+    /// Returns an empty solution with capacity for `capacity` rows.
     pub fn with_capacity(capacity: usize) -> Self {
         Self {
             lambda: Vec::with_capacity(capacity),
@@ -97,20 +99,20 @@ impl Solution {
     }
 }
 
-/// A solver of [`Problem`]s; holds its own scratch, nothing of which outlives a solve.
+/// Solver of [`Problem`]s with its own scratch. No content of the scratch outlives a solve.
 pub trait ContactSolver {
-    /// Solves `problem` into `solution`.
+    /// Solves `problem` and writes the result to `solution`.
     fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution);
 }
 
 impl Problem<'_> {
-    /// `C_ij` of the tissue, 0 where nothing yields.
+    /// Returns `C_ij` of the tissue, metres per newton; 0 without tissue.
     #[inline]
     pub fn tissue_at(&self, i: usize, j: usize) -> f64 {
         self.tissue.map_or(0.0, |c| c[i * self.rows.len() + j])
     }
 
-    /// `H_ij`.
+    /// Returns `H_ij`, metres per newton.
     #[inline]
     pub fn gram(&self, i: usize, j: usize) -> f64 {
         let (a, b) = (&self.rows[i], &self.rows[j]);
@@ -122,7 +124,7 @@ impl Problem<'_> {
         geometry + self.tissue_at(i, j) + if i == j { self.contact_compliance } else { 0.0 }
     }
 
-    /// `w_i = b_i + a_i y + ((C + eps I) lambda)_i`, metres.
+    /// Returns the slack `w_i = b_i + a_i y + ((C + eps I) lambda)_i`, metres.
     #[inline]
     pub fn slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
         let mut w = self.rigid_slack(i, lambda, y);
@@ -133,14 +135,14 @@ impl Problem<'_> {
         w
     }
 
-    /// The same without the tissue's part.
+    /// Returns the slack without the part of the tissue, metres.
     #[inline]
     pub(crate) fn rigid_slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
         let row = &self.rows[i];
         row.bias + dot6(&row.a, y_of(y, row.tool)) + self.contact_compliance * lambda[i]
     }
 
-    /// `A' lambda`.
+    /// Returns `A' lambda`.
     #[inline]
     pub fn primal(&self, lambda: &[f64]) -> [f64; UNKNOWNS] {
         let mut y = [0.0; UNKNOWNS];
@@ -155,16 +157,18 @@ impl Problem<'_> {
         y
     }
 
-    /// Largest absolute bias, metres: the scale that tolerances refer to.
+    /// Returns the largest absolute bias, metres: the scale of the tolerances.
     pub fn scale(&self) -> f64 {
         self.rows
             .iter()
             .fold(0.0, |scale, row| fmax(scale, row.bias.abs()))
     }
 
-    /// How far `lambda` is from a solution: `max_i |min(H_ii lambda_i, w_i)|` relative to the
-    /// largest `|b_i|`. Zero exactly at the solution. `w` is evaluated from the rows, not from
-    /// anything a solver kept.
+    /// Returns the residual of the optimality conditions, `max_i |min(H_ii lambda_i, w_i)|` relative to the largest
+    /// `|b_i|`.
+    ///
+    /// The residual is zero exactly at the solution. `w` is evaluated from the rows, not from values cached by a
+    /// solver. Without a nonzero bias the residual is absolute, metres.
     pub fn kkt_residual(&self, lambda: &[f64]) -> f64 {
         let y = self.primal(lambda);
         let (mut worst, scale) = (0.0, self.scale());
@@ -181,7 +185,7 @@ fn y_of(y: &[f64; UNKNOWNS], tool: u8) -> &[f64] {
     &y[6 * usize::from(tool)..][..6]
 }
 
-/// Inner product of two lists of one length, in four sums at once.
+/// Returns the inner product of two lists of equal length, accumulated in four parallel sums.
 #[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     debug_assert_eq!(a.len(), b.len());
@@ -199,7 +203,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Inner product of six numbers, in index order.
+/// Returns the inner product of six numbers, summed in index order.
 #[inline]
 pub fn dot6(a: &[f64; 6], b: &[f64]) -> f64 {
     let b = &b[..6];

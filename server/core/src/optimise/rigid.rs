@@ -1,15 +1,16 @@
-//! The problem without tissue, in the six unknowns of each tool rather than in its multipliers.
+//! Solver of the problem without tissue, in the six unknowns of each tool instead of the multipliers.
 //!
-//! Without `C` the multipliers are `lambda_i = max(0, -g_i) / eps` with `g_i = b_i + a_i y`, so `y`
-//! minimises the convex, piecewise quadratic
+//! Without `C` the multipliers are `lambda_i = max(0, -g_i) / eps` with `g_i = b_i + a_i y`. Then `y` minimises the
+//! convex, piecewise quadratic function
 //!
-//! `f(y) = 1/2 |y|^2 + 1/(2 eps) sum min(0, b_i + a_i y)^2`,
+//! `f(y) = 1/2 |y|^2 + 1/(2 eps) sum min(0, b_i + a_i y)^2`.
 //!
-//! and rows of different tools share nothing. Newton's method on the active set `P = {g_i < 0}`
-//! solves `(eps I + A_P' A_P) y = -A_P' b_P`; with an exact line search it ends after finitely many
-//! steps (Mangasarian, A finite Newton method for classification, Optimization Methods and Software
-//! 17, 2002). A step costs O(m), whatever the number of active
-//! rows: a flat tool on a flat face, with hundreds of rows that bear load, is no harder than a tip.
+//! Rows of different tools are independent. Newton's method on the active set `P = {g_i < 0}` solves
+//! `(eps I + A_P' A_P) y = -A_P' b_P`. With an exact line search the method ends after finitely many steps
+//! (Mangasarian, A finite Newton method for classification, Optimization Methods and Software 17, 2002).
+//!
+//! A step costs O(m), whatever the number of active rows. A flat tool on a flat face, with hundreds of loaded rows, is
+//! no harder than a tip.
 
 #![allow(
     clippy::needless_range_loop,
@@ -19,18 +20,18 @@
 use super::{Problem, Solution, SolveStatus, dot6};
 use crate::math::fmax;
 
-/// Scratch: gaps at the present `y`, and their rates along the step.
+/// Scratch: gaps at the present `y`, metres, and their rates along the step.
 #[derive(Debug)]
 pub(super) struct RigidScratch {
     gaps: Vec<f64>,
     rates: Vec<f64>,
 }
 
-/// Rounding of a gap, per unit of what it is summed from: a few units in the last place.
+/// Rounding of a gap, per unit of its summands: a few units in the last place.
 const GAP_ROUNDING: f64 = 1e-15;
-/// Rounds of refinement of the multipliers at the end.
+/// Number of refinements of the final multipliers.
 const REFINEMENTS: u32 = 2;
-/// Steps of the exact line search; each passes at least one kink or halves the bracket.
+/// Maximum number of steps of the exact line search. Each step passes at least one kink or halves the bracket.
 const LINE_SEARCH_STEPS: u32 = 64;
 
 type Six = [f64; 6];
@@ -43,7 +44,7 @@ impl RigidScratch {
         }
     }
 
-    /// Solves each tool's problem. `solution.lambda` has one zero per row on entry.
+    /// Solves the problem of each tool. `solution.lambda` must hold one zero per row on entry.
     pub fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         solution.status = SolveStatus::Solved;
         for tool in 0..crate::MAX_TOOLS {
@@ -74,8 +75,8 @@ impl RigidScratch {
             let Some(factor) = factorise(local.hessian, eps) else {
                 return SolveStatus::NumericalError;
             };
-            // A whole step that changes no row's side lands on the minimum of its piece, which is the
-            // minimum: what is left of the gradient is rounding.
+            // A whole step without a change of sign in any row reaches the minimum of its piece, which is the global
+            // minimum. The rest of the gradient is rounding.
             if local.norm <= local.rounding || (whole_step && !local.changed) {
                 self.multipliers(problem, tool, &factor, solution);
                 return SolveStatus::Solved;
@@ -94,7 +95,8 @@ impl RigidScratch {
         }
     }
 
-    /// Gaps, gradient and Hessian (both times eps) at `y`; knows the gaps of the point before.
+    /// Computes gaps, gradient and Hessian at `y`, both derivatives times `eps`. Compares the gaps with those of the
+    /// previous point.
     fn at(&mut self, problem: &Problem<'_>, tool: usize, y: &Six) -> Local {
         let eps = problem.contact_compliance;
         let mut local = Local {
@@ -137,8 +139,8 @@ impl RigidScratch {
         local
     }
 
-    /// `lambda_i = -g_i / eps` on the active set, refined: `g_i` is a small difference of large
-    /// numbers, and `(A A' + eps I) delta = residual` takes out what it lost (Woodbury, six by six).
+    /// Computes `lambda_i = -g_i / eps` on the active set and refines the result. `g_i` is a small difference of large
+    /// numbers. The solution of `(A A' + eps I) delta = residual` restores the lost digits (Woodbury, six by six).
     fn multipliers(
         &self,
         problem: &Problem<'_>,
@@ -171,8 +173,9 @@ impl RigidScratch {
         }
     }
 
-    /// Where the derivative of `f` along `step` vanishes, from 0 towards 1. The derivative is
-    /// piecewise linear and rising, so secants from the right never overshoot to the left of the root's piece.
+    /// Returns the share of `step`, 0 to 1, at which the derivative of `f` along the step vanishes; 1 if the derivative
+    /// stays negative. The derivative is piecewise linear and rising. Newton steps are kept inside a bracket of the
+    /// root.
     fn line_search(
         &mut self,
         problem: &Problem<'_>,
@@ -197,7 +200,7 @@ impl RigidScratch {
             }
             for (gap, rate) in self.gaps.iter().zip(&self.rates) {
                 let at = gap + t * rate;
-                // At a kink the rows that are about to be violated count.
+                // At a kink, rows that are about to be violated count.
                 if at < 0.0 || (at == 0.0 && *rate < 0.0) {
                     slope += at * rate;
                     curvature += rate * rate;
@@ -217,7 +220,7 @@ impl RigidScratch {
                 high = t;
             }
             let next = t - slope / curvature;
-            // Newton on a rising piecewise linear function may leave the bracket at a kink: halve.
+            // A Newton step on a rising, piecewise linear function may leave the bracket at a kink: bisect.
             let next = if next > low && next < high {
                 next
             } else {
@@ -232,20 +235,20 @@ impl RigidScratch {
     }
 }
 
-/// Derivatives at a point, both times eps.
+/// Derivatives of `f` at a point, both times `eps`.
 struct Local {
     gradient: Six,
     /// Lower half of `A_P' A_P`.
     hessian: [Six; 6],
-    /// Largest entry of the gradient.
+    /// Largest absolute entry of the gradient.
     norm: f64,
-    /// What rounding can leave of it at the solution.
+    /// Estimate of the gradient that rounding leaves at the solution.
     rounding: f64,
-    /// Whether a row changed sides since the point before.
+    /// Whether a gap changed its sign since the previous point.
     changed: bool,
 }
 
-/// Lower Cholesky factor of `eps I + hessian`.
+/// Returns the lower Cholesky factor of `eps I + hessian`; `None` when that matrix is not positive definite.
 fn factorise(mut l: [Six; 6], eps: f64) -> Option<[Six; 6]> {
     for i in 0..6 {
         l[i][i] += eps;

@@ -1,37 +1,39 @@
-//! The quadratic form that a pass minimises, and the coordinates in which it is the identity.
+//! Metric of a substep: the quadratic form that the substep minimises, with the coordinates that make it the identity.
 //!
-//! It is the coupling `G = diag(k_t, k_r)`. Where a tool presses on a blended surface that bends
-//! inwards, the second derivative of that constraint times the press is added (the Hessian of the
-//! Lagrangian, as in sequential quadratic programming; Nocedal and Wright 2006, chapter 18). Only the
-//! step is changed: at its end, where the step is nothing, the forces are those of the coupling.
+//! The base of the metric is the coupling `G = diag(k_t, k_r)`. A blended surface that bends inwards under a tool adds
+//! the second derivative of its constraint times the press. The sum is the Hessian of the Lagrangian, as in sequential
+//! quadratic programming (Nocedal and Wright 2006, chapter 18). The addition affects only the step. At convergence the
+//! step is zero, and the forces are those of the coupling.
 
 use crate::math::{Mat3, Vec3, norm};
 use crate::scene::tool::Tool;
 
-/// Share of the force, and newtons, up to which what the bend adds does not count.
+/// Tolerance of the force that the added curvature contributes: share of the coupling force, plus newtons.
 const SETTLED: (f64, f64) = (2e-3, 2e-5);
 
-/// Metric of one tool, about its working point, world axes.
+/// Metric of one tool, around its working point, world axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metric {
+    /// Stiffness of the coupling: translation (N/m) and rotation (N m/rad).
     stiffness: (f64, f64),
+    /// Square roots of both stiffnesses.
     roots: (f64, f64),
-    /// What was added to the coupling; none mostly.
+    /// Stiffness added to the coupling; `None` in most substeps.
     bent: Option<Bent>,
-    /// Force of the coupling at the beginning of the pass, newtons.
+    /// Force of the coupling at the start of the substep, newtons.
     force: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Bent {
-    /// Added to the coupling: translation, then rotation.
+    /// Stiffness added to the coupling: translation, then rotation.
     added: [[f64; 6]; 6],
-    /// Lower Cholesky factor of the whole.
+    /// Lower Cholesky factor of the whole stiffness.
     factor: [[f64; 6]; 6],
 }
 
 impl Metric {
-    /// For a tool that is not there.
+    /// Metric of an absent tool.
     pub const UNIT: Metric = Metric {
         stiffness: (1.0, 1.0),
         roots: (1.0, 1.0),
@@ -39,7 +41,7 @@ impl Metric {
         force: 0.0,
     };
 
-    /// The coupling.
+    /// Returns the metric of the coupling of `tool`.
     pub fn of(tool: &Tool) -> Self {
         let stiffness = (tool.stiffness_n_per_m, tool.stiffness_nm_per_rad);
         Self {
@@ -50,11 +52,11 @@ impl Metric {
         }
     }
 
-    /// Adds the stiffness `hollow` (N/m, symmetric, positive semi-definite) of a point at `arm` from the
-    /// working point.
+    /// Adds the stiffness `hollow` of a point at `arm` from the working point. `hollow` (N/m) is symmetric and positive
+    /// semi-definite. `arm` is in metres, world axes.
     pub fn add(&mut self, hollow: &Mat3, arm: &Vec3) {
         let mut added = self.bent.map_or([[0.0; 6]; 6], |bent| bent.added);
-        // The point moves by v + w x arm = v - [arm] w.
+        // Motion of the point: `v + w x arm = v - [arm] w`.
         let lever = -arm.cross_matrix();
         let (mixed, turn) = (hollow * lever, lever.transpose() * hollow * lever);
         for i in 0..3 {
@@ -77,7 +79,7 @@ impl Metric {
                     products.fold(0.0, |sum, product| sum + product)
                 };
                 let entry = factor[i][j] - sum(&factor[i], &factor[j]);
-                // Adding to a positive definite matrix what is not negative leaves it so.
+                // The root exists: a positive definite plus a positive semi-definite matrix is positive definite.
                 factor[i][j] = if i == j {
                     entry.sqrt()
                 } else {
@@ -88,8 +90,9 @@ impl Metric {
         self.bent = Some(Bent { added, factor });
     }
 
-    /// The step to the hand, `v` (metres) and `w` (radians), in coordinates in which the metric is the
-    /// identity: where the pass would end without contact.
+    /// Returns the step that the substep would make without contact, in coordinates in which the metric is the
+    /// identity. `v` (metres) and `w` (radians) lead from the graphic to the haptic pose. Stores the force of the
+    /// coupling.
     pub fn scaled_free_step(&mut self, v: &Vec3, w: &Vec3) -> [f64; 6] {
         self.force = self.stiffness.0 * norm(v);
         match &self.bent {
@@ -104,7 +107,8 @@ impl Metric {
         }
     }
 
-    /// A row in those coordinates: derivative of a gap by translation and by rotation.
+    /// Returns a row in the coordinates of [`Metric::scaled_free_step`], from the derivative of the gap by translation
+    /// and by rotation.
     #[inline]
     pub fn scaled_row(&self, translation: &Vec3, rotation: &Vec3) -> [f64; 6] {
         match &self.bent {
@@ -119,7 +123,8 @@ impl Metric {
         }
     }
 
-    /// Translation (metres) and rotation vector (radians) from those coordinates.
+    /// Returns translation (metres) and rotation vector (radians) of the step `y` in the coordinates of
+    /// [`Metric::scaled_free_step`].
     pub fn step(&self, y: &[f64; 6]) -> (Vec3, Vec3) {
         match &self.bent {
             None => (
@@ -133,7 +138,7 @@ impl Metric {
         }
     }
 
-    /// Whether what the bend adds to the forces over this step is too little to matter.
+    /// Whether the force that the added curvature contributes over this step is within the tolerance.
     pub fn settled(&self, v: &Vec3, w: &Vec3) -> bool {
         let Some(bent) = &self.bent else {
             return true;
@@ -146,7 +151,7 @@ impl Metric {
 }
 
 impl Bent {
-    /// `L x = b`.
+    /// Solves `L x = b`.
     fn forward(&self, mut x: [f64; 6]) -> [f64; 6] {
         for i in 0..6 {
             for k in 0..i {
@@ -157,7 +162,7 @@ impl Bent {
         x
     }
 
-    /// `L' x = b`.
+    /// Solves `L' x = b`.
     fn backward(&self, mut x: [f64; 6]) -> [f64; 6] {
         for i in (0..6).rev() {
             for k in i + 1..6 {

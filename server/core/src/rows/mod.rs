@@ -1,5 +1,5 @@
-//! What each row of a pass is about: a contact, or on a blended object a place of its surface; and how such
-//! a surface bends there.
+//! Contact rows of a substep, and the curvature of the blended surfaces under load. A row is a hard contact, or a seed
+//! on a blended object.
 
 pub(crate) mod metric;
 
@@ -13,12 +13,12 @@ use crate::rows::metric::Metric;
 use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 
-/// Blended gap up to which a surface is taken to be touched, metres.
+/// Blended gap up to which a surface counts as touched, metres.
 const TOUCHING: f64 = 2e-6;
-/// Share of the coupling's stiffness under which the bend of a surface is too little to matter.
+/// Share of the coupling's stiffness under which the curvature of a surface is ignored.
 const LEAST_BEND: f64 = 0.1;
 
-/// Ranges of what is sorted by object that are about one object.
+/// Returns the ranges of items of the same object, in a list sorted by object.
 pub(crate) fn runs<T>(
     items: &[T],
     object: impl Fn(&T) -> u16,
@@ -36,7 +36,7 @@ pub(crate) fn runs<T>(
     })
 }
 
-/// Sorts the contacts with blended objects by what is summed together; to be done once for a list of contacts.
+/// Groups the contacts with blended objects by tool sphere and object. Runs once per contact list.
 pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, index: usize) {
     let Substep {
         contacts, groups, ..
@@ -54,9 +54,11 @@ pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, index: usize) {
     }
 }
 
-/// Writes what each row within `d` is about: a contact, or on a blended object a seed with its members. In the
-/// order of the contacts' objects; tool sphere by tool sphere on a blended one. Returns the share of `d` within which every tool
-/// sphere had room for all of its rows, 1 as a rule. The list of contacts reaches farther than `d` where that was `narrowed` since.
+/// Writes the contact rows within the prediction distance `d`: hard contacts, and seeds with their members on blended
+/// objects. The rows are in the order of the contacts' objects, and on a blended object grouped by tool sphere.
+///
+/// `narrowed` means that `d` is shorter than the distance of the contact list. Returns the share of `d` within which
+/// the rows of every tool sphere fit, normally 1.
 pub(crate) fn write_rows(
     scene: &Scene,
     ws: &mut Workspace,
@@ -79,7 +81,7 @@ pub(crate) fn write_rows(
         let k = usize::from(contacts[run.start].object);
         let blend = scene.blend_of(k);
         if blend == 0.0 {
-            // (What the list holds beyond `d` is left out where `d` has become shorter since.)
+            // The list holds contacts beyond `d` if `d` was shortened: skip them.
             let near = |index: &usize| {
                 let contact = &contacts[*index];
                 !narrowed || contact.gap <= d.at(norm(&contact.arm))
@@ -89,7 +91,7 @@ pub(crate) fn write_rows(
             continue;
         }
         let nodes = scene.objects[k].tree.nodes();
-        // The list's gap is that of the contact spheres.
+        // The gap in the contact list is that of the contact spheres, not of the cores.
         let inset = |contact: &Contact| ws.cores[k][contact.object_sphere as usize].inset;
         let begun = next;
         next += groups.all[begun..].partition_point(|group| usize::from(group.object) == k);
@@ -121,7 +123,7 @@ pub(crate) fn write_rows(
     share
 }
 
-/// Leaves out the rows with the largest gaps until `most` are left; false when all were kept.
+/// Drops the rows with the largest gaps until `most` rows are left. Returns false when no row was dropped.
 pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, index: usize, most: usize) -> bool {
     let contact_rows = &mut ws.substeps[index].contact_rows;
     if contact_rows.len() <= most {
@@ -131,7 +133,7 @@ pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, index: usize, most: usize) 
     ws.gaps.extend(contact_rows.iter().map(|row| row.gap));
     let (below, limit, _) = ws.gaps.select_nth_unstable_by(most, f64::total_cmp);
     let limit = *limit;
-    // Of those as far as the first that has no room, the first ones stay.
+    // Of the rows with exactly the limiting gap, the first ones stay.
     let mut room = most - below.iter().filter(|gap| **gap < limit).count();
     contact_rows.retain(|row| {
         let tie = row.gap == limit && room > 0;
@@ -141,15 +143,18 @@ pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, index: usize, most: usize) 
     true
 }
 
-/// Lever of a group's tool sphere about the working point, metres.
+/// Returns the lever of a group's tool sphere around the working point, metres.
 pub(crate) fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64 {
     let first = groups.contacts(group)[0];
     norm(&contacts[first as usize].arm)
 }
 
-/// Adds to the metric of tool `t` how the surfaces that it presses on bend inwards, times the press. In
-/// a groove rounder than the press is deep, passes that know only the slope turn to and fro for ever; with
-/// the bend they are Newton's and settle in two or three. Changes the way, not where it ends.
+/// Adds to the metric of tool `t` the inward curvature of the touched surfaces times the press. `stretch` is the way
+/// from the graphic to the haptic working point, metres.
+///
+/// In a groove with a radius smaller than the depth of the press, substeps that know only the slope oscillate without
+/// end. With the curvature they are Newton steps and converge in two or three. The curvature changes the path, not its
+/// end.
 pub(crate) fn bend(
     scene: &Scene,
     substep: &Substep,
@@ -166,15 +171,15 @@ pub(crate) fn bend(
             && row.gap <= TOUCHING
             && row.normal.dot(stretch) < 0.0
     };
-    // Each row counts the whole press: where several share it that is too much, and steps are shorter than they
-    // might be; shared out evenly it was too little in a groove, and ticks there did not converge.
+    // Each row counts the whole press. Where several rows share the press, the steps are shorter than necessary. Shared
+    // out evenly, the curvature was too small in a groove, and ticks there did not converge.
     for row in substep.contact_rows.iter().filter(touching) {
         let contact = &contacts[row.contact as usize];
         let press = -stiffness * row.normal.dot(stretch);
         let first = row.first as usize;
         let members = &substep.members[first..first + row.members as usize];
         let blend = scene.blend_of(usize::from(contact.object));
-        // No bend is sharper than that of two opposite normals.
+        // No curvature is larger than that of two opposite normals.
         if press / blend < LEAST_BEND * stiffness {
             continue;
         }

@@ -1,43 +1,54 @@
-//! The stiffest coupling that a hand's device can display.
+//! Upper limit of the coupling stiffness that a haptic device can display.
 //!
-//! A spring that is computed once a period and arrives late gives back more energy than it took, and the hand feels it buzz. The
-//! device's own damping takes that energy out as long as `K < b / (T/2 + t_d)`: `b` the damping of the device, `T` its period,
-//! `t_d` the delay of the loop. Without delay this is the bound of Colgate and Schenkel (J. Robotic Systems 14:37, 1997), with
-//! delay the small-gain form that Hulin et al. treat (IEEE TCST 22:1, 2014). Translation and rotation are judged each by itself.
-//! Measured in a pocket of 3 mm at 1 kHz: 2 and 5 N/mm are quiet, 10 N/mm buzzes by 0.14 N and 20 N/mm by 0.21 N.
+//! A spring computed once a period and displayed with delay returns more energy than it took, and the hand feels a
+//! buzz. The device's own damping dissipates that energy while `K < b / (T/2 + t_d)`:
+//! - `b`: damping of the device,
+//! - `T`: period of the loop,
+//! - `t_d`: delay of the loop.
+//!
+//! Without delay this is the bound of Colgate and Schenkel (J. Robotic Systems 14:37, 1997). With delay it is the
+//! small-gain form in Hulin et al. (IEEE TCST 22:1, 2014). Translation and rotation are checked separately.
+//!
+//! Measured in a pocket of 3 mm at 1 kHz: 2 and 5 N/mm are quiet. The stiffness of 10 N/mm buzzes by 0.14 N, that of 20
+//! N/mm by 0.21 N.
 
 use std::fmt;
 
 use crate::{Scene, Tool};
 
-/// Damping of the hand's device in translation, N s/m: that of the simulated device. CHAI3D dares 4 N s/m of a Touch at 1 kHz,
-/// 5 of a Premium, 6 of an Inverse3 and 20 to 30 of devices with parallel arms.
+/// Damping of the haptic device in translation, N s/m: that of the simulated device.
+///
+/// Largest dampings in CHAI3D, N s/m, at 1 kHz for the Touch:
+/// - Touch 4, Premium 5, Inverse3 6,
+/// - devices with parallel arms 20 to 30.
 pub const DEVICE_DAMPING: f64 = 4.0;
 
-/// Damping of the hand's device in rotation, N m s/rad: that of the simulated device. CHAI3D dares 0.004 of a Premium 6DOF and
-/// 0.07 of a sigma.7.
+/// Damping of the haptic device in rotation, N m s/rad: that of the simulated device.
+///
+/// Largest dampings in CHAI3D, N m s/rad: 0.004 for a Premium 6DOF and 0.07 for a sigma.7.
 pub const DEVICE_SPIN_DAMPING: f64 = 0.01;
 
-/// Delay of the loop, seconds: a datagram's way to the station and back over a wired link. Source: median of 0.18 ms measured
-/// with quinn, both ends on one machine.
+/// Delay of the loop, seconds: a datagram to the station and back over a wired link.
+///
+/// Source: median of 0.18 ms measured with quinn, both ends on one machine.
 pub const LINK_DELAY: f64 = 2e-4;
 
-/// The stiffness, N/m or N m/rad, from which a device of `damping` (N s/m or N m s/rad) cannot display a coupling that is
-/// computed every `period` seconds.
+/// Returns the stiffness limit, N/m or N m/rad, of a coupling computed every `period` seconds. `damping` is that of the
+/// device, N s/m or N m s/rad. At or above the limit the device cannot display the coupling.
 pub fn limit(damping: f64, period: f64) -> f64 {
     damping / (0.5 * period + LINK_DELAY)
 }
 
-/// A tool whose coupling is too stiff to be displayed.
+/// Coupling of a tool that is too stiff to be displayed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TooStiff {
     /// Name of the tool.
     pub tool: String,
-    /// Whether it is the coupling in rotation; else that in translation.
+    /// Whether the coupling is that in rotation; otherwise in translation.
     pub turns: bool,
     /// Stiffness found, N/m or N m/rad.
     pub found: f64,
-    /// Stiffness that it must stay under, in the same unit.
+    /// Limit that the stiffness must stay under, in the same unit.
     pub limit: f64,
     /// Period of the loop, seconds.
     pub period: f64,
@@ -70,7 +81,7 @@ impl fmt::Display for TooStiff {
     }
 }
 
-/// A positive number with three significant digits.
+/// Positive number, displayed with three significant digits (three decimals below 1).
 struct Short(f64);
 
 impl fmt::Display for Short {
@@ -89,13 +100,13 @@ impl fmt::Display for Short {
     }
 }
 
-/// The couplings of a scene that no device displays at the scene's rate, in the order of its tools.
+/// Returns the couplings of a scene that are too stiff at the scene's rate, in the order of the tools.
 pub fn too_stiff(scene: &Scene) -> Vec<TooStiff> {
     let tools = scene.tools.iter();
     tools.flat_map(|tool| of(tool, scene.tick_s())).collect()
 }
 
-/// Those of one tool.
+/// Returns the couplings of one tool that are too stiff.
 fn of(tool: &Tool, period: f64) -> Vec<TooStiff> {
     let couplings = [
         (false, tool.stiffness_n_per_m, DEVICE_DAMPING),

@@ -1,7 +1,6 @@
-//! The constant part of a simulation: trees, tissue models, parameters, display meshes.
+//! Constant part of a simulation: sphere trees, tissue models, parameters, display meshes.
 //!
-//! A compiled scene is bytes: built and hashed offline, validated once on load, carried by every
-//! recording.
+//! A compiled scene is a byte string: built and hashed offline, validated once on load, part of every recording.
 
 pub mod displayable;
 pub mod params;
@@ -23,97 +22,101 @@ use crate::tree::SphereTree;
 pub const SCENE_VERSION: u16 = 7;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
-/// Most rows of a problem where something yields, both tools' together: the matrix of compliances is dense.
-/// All of them can bear load, and enter one by one: more would take more iterations than a tick has.
+/// Largest number of rows of a problem with a yielding object, for both tools together.
+///
+/// The compliance matrix is dense. All rows can bear load and enter the active set one at a time: more rows would take
+/// more iterations than a tick allows.
 const MAX_TISSUE_ROWS: usize = 256;
-/// Contacts that the list of a scene with blended surfaces can hold for each of `max_contacts`.
+/// Capacity of the contact list of a scene with blended surfaces, per contact of `max_contacts`.
 const CONTACTS_PER_ROW: usize = 4;
-/// Largest compiled scene that is read, bytes.
+/// Largest compiled scene accepted, bytes.
 const MAX_SCENE_BYTES: usize = 256 << 20;
 
-/// Something that can be touched.
+/// Object of a scene that tools can touch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Object {
-    /// Name, for people.
+    /// Name for display.
     pub name: String,
-    /// FDI number of a tooth; 0 for anything else.
+    /// FDI number of a tooth; 0 for other objects.
     pub fdi: u8,
-    /// Spheres, in **world** axes at rest, metres.
+    /// Sphere tree, in **world** axes at rest, metres.
     pub tree: SphereTree,
-    /// Level of the tree in contact unless the input says otherwise.
+    /// Level of the tree in contact.
     pub level: u8,
-    /// How it yields.
+    /// Tissue model: rigid or yielding.
     pub tissue: TissueModel,
-    /// To look at, world axes at rest.
+    /// Display mesh, world axes at rest.
     pub mesh: DisplayMesh,
-    /// For each vertex of `mesh` the leaf of the tree that carries it when the tissue moves; empty where
-    /// the mesh is not what the tree stands for.
+    /// Leaf of the tree that carries each vertex of `mesh` when the tissue moves. Empty where the mesh does not show
+    /// the surface of the tree.
     pub carriers: Vec<u32>,
 }
 
-/// Everything constant.
+/// Constant data of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
-    /// Name, for people.
+    /// Name for display.
     pub name: String,
-    /// Hash of what this was compiled from (scene file and meshes), hexadecimal.
+    /// Hash of the sources (scene file and meshes), hexadecimal.
     pub source_hash: String,
     /// Parameters of the tick.
     pub params: Params,
-    /// One or two tools.
+    /// Tools, one or two.
     pub tools: Vec<Tool>,
-    /// What can be touched, in a fixed order.
+    /// Objects that tools can touch, in a fixed order.
     pub objects: Vec<Object>,
 }
 
-/// Why bytes are not a scene, or a scene is not usable.
+/// Error of compiled bytes that are no scene, or of a scene that is not usable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// The bytes do not begin as a compiled scene does.
+    /// The bytes are no compiled scene: wrong first bytes, wrong length or not decodable.
     #[error("not a compiled scene: {0}")]
     Format(String),
-    /// Another version of the layout.
+    /// The layout has another version.
     #[error("compiled scene has version {found}, expected {SCENE_VERSION}; build it again")]
     Version {
         /// Version found.
         found: u16,
     },
-    /// The bytes were damaged.
+    /// The bytes are damaged.
     #[error("compiled scene is damaged: checksum is {found:016x}, expected {expected:016x}")]
     Checksum {
         /// Checksum of the bytes.
         found: u64,
-        /// Checksum the file claims.
+        /// Checksum in the header.
         expected: u64,
     },
     /// A parameter is out of range.
     #[error(transparent)]
     Params(#[from] ParamError),
-    /// A tissue model cannot stand.
+    /// A tissue model is invalid.
     #[error("{part}: {source}")]
     Tissue {
         /// Object.
         part: String,
-        /// What is wrong.
+        /// Error of the tissue model.
         source: TissueError,
     },
-    /// A field is wrong.
+    /// A field is invalid.
     #[error("{part}: {field} is {found}, expected {expected}")]
     Field {
-        /// Tool or object.
+        /// Name of the tool or object.
         part: String,
-        /// Field.
+        /// Name of the field.
         field: &'static str,
         /// Value found.
         found: String,
-        /// What it must be.
+        /// Value expected.
         expected: &'static str,
     },
 }
 
 impl Object {
-    /// The highest point of its spheres in contact, and the box about those whose centres lie no more than `below` metres under it: of
-    /// a tooth, what its crown takes up. (It does not depend on where spheres are crowded.) Metres, world axes at rest.
+    /// Returns the highest point of the spheres in contact, and the box about the spheres with centres at most `below`
+    /// metres under that point. Metres, world axes at rest.
+    ///
+    /// For a tooth, the box encloses the crown. The result does not depend on the density of the spheres.
     pub fn top(&self, below: f64) -> (f64, [Vec3; 2]) {
         let spheres = || {
             self.tree
@@ -134,14 +137,14 @@ impl Object {
 }
 
 impl Scene {
-    /// Seconds that one tick of this scene simulates.
+    /// Duration that one tick of this scene simulates, seconds.
     #[inline]
     pub fn tick_s(&self) -> f64 {
         self.params.tick_s()
     }
 
-    /// Blend length in force on object `k`, metres; 0 where its spheres are touched as they are. Blending is
-    /// for what is rigid: tissue compliance acts on single spheres.
+    /// Returns the blend length used on object `k`, metres; 0 without blending. Only rigid objects are blended: tissue
+    /// compliance acts on single spheres.
     #[inline]
     pub fn blend_of(&self, k: usize) -> f64 {
         let object = &self.objects[k];
@@ -152,7 +155,7 @@ impl Scene {
         }
     }
 
-    /// Contacts that one tool's list can hold. A blended row has many.
+    /// Returns the capacity of the contact list per tool. A blended row has many contacts.
     pub(crate) fn most_contacts(&self) -> usize {
         let rows = usize::from(self.params.max_contacts);
         let blended = (0..self.objects.len()).any(|k| self.blend_of(k) > 0.0);
@@ -163,13 +166,13 @@ impl Scene {
         }
     }
 
-    /// Whether anything in it can yield.
+    /// Whether the scene has a yielding object.
     pub fn yields(&self) -> bool {
         self.objects.iter().any(|object| !object.tissue.is_rigid())
     }
 
-    /// Rows that one problem can hold: as many as there can be contacts, but where something yields no more
-    /// than its dense matrix has room for.
+    /// Returns the largest number of rows of one problem. With a yielding object the dense compliance matrix limits the
+    /// number; otherwise there can be as many rows as contacts.
     pub(crate) fn most_rows(&self) -> usize {
         if self.yields() {
             usize::from(self.params.max_contacts).min(MAX_TISSUE_ROWS)
@@ -178,10 +181,10 @@ impl Scene {
         }
     }
 
-    /// Compiled bytes: magic, version, checksum, bincode.
+    /// Returns the compiled bytes: magic, version, checksum, bincode.
     ///
     /// # Errors
-    /// Only when the scene is too large to encode.
+    /// The scene cannot be encoded.
     pub fn to_bytes(&self) -> Result<Vec<u8>, SceneError> {
         let body = bincode::serde::encode_to_vec(self, bincode::config::standard())
             .map_err(|error| SceneError::Format(error.to_string()))?;
@@ -193,10 +196,10 @@ impl Scene {
         Ok(bytes)
     }
 
-    /// Reads compiled bytes and validates the scene.
+    /// Reads compiled bytes and validates the scene. Never panics.
     ///
     /// # Errors
-    /// Says what is wrong; never panics, whatever the bytes.
+    /// The bytes are no compiled scene of this version, are damaged, or contain an invalid scene.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SceneError> {
         let Some((head, body)) = bytes.split_at_checked(18) else {
             return Err(SceneError::Format(format!(
@@ -231,10 +234,10 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Checks every part; a scene that passes cannot make a tick panic.
+    /// Checks every part of the scene. A tick on a valid scene does not panic.
     ///
     /// # Errors
-    /// Names the part, the field, the value found and the value expected.
+    /// A part is invalid: the error has the part, the field, the value found and the value expected.
     pub fn validate(&self) -> Result<(), SceneError> {
         self.params.validate()?;
         let field = |part: &str, field, found: String, expected| {
@@ -267,7 +270,8 @@ impl Scene {
                 .iter()
                 .map(|object| (&object.name, &object.tree)),
         ) {
-            // The root encloses all: farther spheres would leave nothing of the motion per pass.
+            // The root encloses all spheres. With farther spheres the trust region would allow hardly any motion per
+            // pass.
             let root = &tree.nodes()[0];
             let reach = norm(&root.centre) + root.bound_radius;
             if !within(reach, 0.0, 10.0) {
@@ -334,7 +338,7 @@ impl Scene {
             if let TissueModel::Gingiva(model) = &object.tissue
                 && model.level != object.level
             {
-                // Spheres of another level would not yield.
+                // Only spheres of the gingiva's level yield.
                 return field(
                     &format!("object `{}`", object.name),
                     "level of the gingiva",

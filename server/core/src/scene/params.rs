@@ -1,4 +1,4 @@
-//! Parameters of the tick, in one place. They travel in the scene and so in every recording.
+//! Parameters of the tick, stored in the scene and so in every recording.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,65 +8,71 @@ use crate::optimise::SolverKind;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Params {
-    /// Ticks a second. Default 1000, range 250..8000. Faster: textures and harder walls can be displayed (a device shows a stiffness
-    /// of about `2 b / T` at most), and less time for a tick. What is said per millisecond keeps its meaning at any rate.
+    /// Tick rate, 1/s. Default 1000, range 250..8000. A higher rate displays textures and harder walls, and leaves less
+    /// time for a tick. A device displays a stiffness of at most about `2 b / T`. Parameters per millisecond do not
+    /// depend on the rate.
     pub rate_hz: u16,
-    /// Smallest contact-prediction distance, metres. Default 3e-6, range 1e-6..1e-3. Larger: fewer
-    /// substeps, more rows. Source: notes of the prototype, section 2 (the paper's fixed 0.5 mm
-    /// is larger than the sphere spacing at level 3).
+    /// Smallest contact-prediction distance, metres. Default 3e-6, range 1e-6..1e-3. Larger: fewer substeps, more rows.
+    /// Source: notes of the prototype, section 2. The paper's fixed 0.5 mm is larger than the sphere spacing at level
+    /// 3.
     pub predict_min: f64,
-    /// Largest contact-prediction distance, metres. Default 5e-4 (the paper's d, section 3.2).
+    /// Largest contact-prediction distance, metres. Default 5e-4 (the paper's d, section 3.2), range
+    /// `predict_min`..1e-2.
     pub predict_max: f64,
-    /// Prediction distance per metre that the hand moved in this tick. Default 1.2.
+    /// Prediction distance per metre of motion: of the hand in the first substep, of the remaining step in later
+    /// substeps. Default 1.2, range 0..10.
     pub predict_gain: f64,
-    /// Prediction distance added to the motion, metres. Default 3e-6: a tenth of the prototype's costs a few more
-    /// passes and saves most of the rows at fine levels.
+    /// Prediction distance added to the motion, metres. Default 3e-6, range 0..1e-3. A tenth of the prototype's value
+    /// costs a few more passes and saves most of the rows at fine levels.
     pub predict_bias: f64,
-    /// Share of the prediction distance that the graphic tool may move between two collision
-    /// passes. Default 0.95, range 0.1..0.99: at 1 or more the guarantee is lost.
+    /// Share of the prediction distance that the graphic tool may move between two collision passes. Default 0.95,
+    /// range 0.1..0.99. At 1 or more contacts could be missed.
     pub trust: f64,
-    /// Most collide-and-solve passes in a tick. Default 8, range 1..64. More: faster hands stay exact,
-    /// longer worst tick.
+    /// Largest number of substeps in a tick. Default 8, range 1..64. More substeps keep faster hands exact and lengthen
+    /// the worst tick.
     pub max_substeps: u8,
-    /// A pass whose step stays under this ends the tick, metres. Default 5e-5.
+    /// Largest step of a substep that ends the tick, metres. Default 5e-5, range 1e-9..1e-3.
     pub converged_step: f64,
-    /// Deepest true gap of a converged tick, metres. Default 5e-7.
+    /// Deepest penetration (true gap below zero) of a converged tick, metres. Default 5e-7, range 1e-10..1e-5.
     pub converged_gap: f64,
-    /// Compliance on every row's diagonal, m/N. Default 1e-8 (1e-5 mm/N): keeps any row set
-    /// feasible. The prototype's 1e-7 spends the whole allowed gap (0.5 um) on 5 N at one sphere,
-    /// after which no tick converges; at 1e-8 the solver's residual is still under 1e-9.
+    /// Compliance on the diagonal of every row, m/N. Default 1e-8 (1e-5 mm/N), range 1e-12..1e-3. The compliance keeps
+    /// any set of rows feasible. The prototype's 1e-7 uses up the allowed gap (0.5 um) with 5 N on one sphere, and no
+    /// tick converges. At 1e-8 the solver's residual is still under 1e-9.
     pub contact_compliance: f64,
-    /// Which solver answers in the tick.
+    /// Solver used in the tick. Default: the active set.
     pub solver: SolverKind,
-    /// Iteration cap of the solver. Default 400, range 10..10000.
+    /// Iteration limit of the solver. Default 400, range 10..10000.
     pub max_iterations: u16,
-    /// Contacts that each tool's list can hold (four times as many where surfaces are blended, whose rows have
-    /// many each). Default 1024, range 16..4096; where something yields a problem holds at most 256 rows (its
-    /// matrix is dense). Where more sphere pairs are close the tick looks less far ahead.
+    /// Capacity of each tool's contact list. Default 1024, range 16..4096. With blended surfaces the capacity is four
+    /// times as large, because a blended row has many contacts. With a yielding object a problem holds at most 256
+    /// rows, because the compliance matrix is dense. On overflow the tick uses a shorter prediction distance.
     pub max_contacts: u16,
-    /// Whether trees that were calibrated for it are touched as one smooth surface, blended from their
-    /// spheres ([`crate::blend`]); otherwise every sphere is touched as it is. Default true. Without, a tick
-    /// on a tooth takes a third to a tenth of the time, and the spheres are felt as ripple: measured on the
-    /// ellipsoid, 2.0 % instead of 0.6 % of the force at level 3. Source: the bench `ripple`.
+    /// Whether trees calibrated for blending are touched as one smooth surface ([`crate::blend`]); otherwise every
+    /// sphere is touched as it is. Default true. Without blending a tick on a tooth takes a third to a tenth of the
+    /// time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3: 2.0 % of the force without
+    /// blending, 0.6 % with. Source: the bench `ripple`.
     pub blend: bool,
-    /// Fastest believable hand, m/s; faster input is clamped and counted. Default 10.
+    /// Speed limit of the hand, m/s. Default 10, range 0.1..100. Faster input is clamped and flagged as
+    /// `SPEED_CLAMPED`.
     pub max_hand_speed: f64,
-    /// Fastest believable turn, rad/s. Default 100.
+    /// Limit of the hand's angular speed, rad/s. Default 100, range 1..1000.
     pub max_hand_spin: f64,
-    /// Largest force sent to a hand, N. Default 3.3 (continuous force of common 6-DoF styluses).
+    /// Largest force sent to a hand, N. Default 3.3 (continuous force of common 6-DoF styluses), range 0.01..50.
     pub max_force: f64,
-    /// Largest torque sent to a hand, N m. Default 0.2.
+    /// Largest torque sent to a hand, N m. Default 0.2, range 1e-4..5.
     pub max_torque: f64,
-    /// Largest change of force per millisecond, N. Default 0.5; 1 N per millisecond is a wall at 2 m/s.
+    /// Largest change of force per millisecond, N. Default 0.5, range 1e-3..50. A wall at 2 m/s takes 1 N per
+    /// millisecond.
     pub max_force_step: f64,
-    /// Largest change of torque per millisecond, N m. Default 0.03.
+    /// Largest change of torque per millisecond, N m. Default 0.03, range 1e-5..5.
     pub max_torque_step: f64,
-    /// Largest change of the **raw** force in a millisecond beyond what the hand's own motion brings (`k_t |dq_h|`), N, once a tool
-    /// bears load. Default 0.02: a tool that comes loose then settles at 20 N/s and is not felt as a click. 50 is as good as none.
+    /// Largest change of the **raw** force per millisecond beyond the change by the hand's own motion (`k_t |dq_h|`),
+    /// N. Applies to a tool that already bears load. Default 0.02, range 1e-3..50. At the default a tool that comes
+    /// loose settles at 20 N/s, which is not felt as a click. A value of 50 has practically no effect.
     pub max_settle_step: f64,
-    /// Milliseconds in which the wrench ramps from zero to full after (re)entry. Default 100.
+    /// Duration of the wrench's ramp from zero to full after entry or re-entry, milliseconds. Default 100.
     pub ramp_up_ms: u16,
-    /// Milliseconds in which it ramps to zero on pause, stale pose or absence. Default 20.
+    /// Duration of the ramp to zero on pause, stale pose or absence, milliseconds. Default 20.
     pub ramp_down_ms: u16,
 }
 
@@ -100,7 +106,7 @@ impl Default for Params {
     }
 }
 
-/// A parameter outside its range.
+/// Error of a parameter outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("parameter `{field}` is {found}, expected {expected}")]
 pub struct ParamError {
@@ -108,30 +114,31 @@ pub struct ParamError {
     pub field: &'static str,
     /// Value found.
     pub found: f64,
-    /// What it must be.
+    /// Range expected.
     pub expected: &'static str,
 }
 
 impl Params {
-    /// Seconds that a tick simulates.
+    /// Duration that a tick simulates, seconds.
     #[inline]
     pub fn tick_s(&self) -> f64 {
         1.0 / f64::from(self.rate_hz)
     }
 
-    /// Nanoseconds between two ticks on a clock.
+    /// Interval between two ticks on a clock, nanoseconds.
     #[inline]
     pub fn tick_ns(&self) -> u64 {
         1_000_000_000 / u64::from(self.rate_hz.max(1))
     }
 
-    /// Milliseconds that a tick simulates: what is said per millisecond, times this, is per tick. Exactly 1 at 1 kHz.
+    /// Duration that a tick simulates, milliseconds; exactly 1 at 1 kHz. Converts a parameter per millisecond to one
+    /// per tick.
     #[inline]
     pub fn tick_ms(&self) -> f64 {
         1e3 / f64::from(self.rate_hz)
     }
 
-    /// Ticks in `seconds`, to the nearest.
+    /// Returns the number of ticks in `seconds`, to the nearest.
     #[inline]
     pub fn ticks_in(&self, seconds: f64) -> u64 {
         (seconds * f64::from(self.rate_hz) + 0.5) as u64
@@ -140,7 +147,7 @@ impl Params {
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// Names the first field out of range, with the value found and the range expected.
+    /// A field is out of range: the error has its name, the value found and the range expected.
     pub fn validate(&self) -> Result<(), ParamError> {
         let checks: [(&'static str, f64, bool, &'static str); 19] = [
             (

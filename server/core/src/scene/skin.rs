@@ -1,21 +1,19 @@
-//! The triangle mesh that people see, carried by the spheres of a tree.
+//! Display mesh carried by the spheres of a tree.
 //!
-//! A vertex moves by a weighted sum of the displacements of the spheres about it, `u_v = sum_i w_vi u_i`. The weights are
+//! A vertex moves by a weighted sum of the displacements of nearby spheres, `u_v = sum_i w_vi u_i`. The weights are
 //! those of moving least squares with a linear basis (Lancaster and Salkauskas 1981,
-//! doi:10.1090/S0025-5718-1981-0616367-1): a line through the nearby displacements, fitted anew at each vertex with
-//! weights that fall to zero, slope and curvature too, beyond the nearest few dozen. So
-//! - they sum to 1, and any motion that is linear in the place (shift, turn, stretch, shear) is followed exactly,
-//! - they change smoothly from vertex to vertex: no facet ends where a sphere does.
+//! doi:10.1090/S0025-5718-1981-0616367-1). A linear function is fitted to the nearby displacements at each vertex. The
+//! fit's own weights fall to zero, with slope and curvature, beyond the nearest few dozen spheres. Consequences:
+//! - The weights sum to 1, and any motion linear in the position (shift, turn, stretch, shear) is followed exactly.
+//! - The weights change smoothly from vertex to vertex, without facets at the limits of spheres.
 //!
-//! Forces go the other way by the same weights, `f_i = sum_v w_vi f_v`: no work is lost or made, and force and torque
-//! stay what they were.
+//! Forces use the same weights, `f_i = sum_v w_vi f_v`: work, force and torque are conserved.
 //!
-//! An organ by its surface compliance says more than its spheres do: there the surface itself goes where the masters about it say, and
-//! the spheres only touch for it (one that makes a held underside moves with the back that it makes, too). Its carriers are the
-//! masters that move.
+//! The carriers of an organ with a surface compliance are its moving masters, not its spheres. The spheres then serve
+//! contact only. A sphere that forms both the moving back and the held underside would carry the underside along.
 //!
-//! Where the spheres say too little of the slope (all about one plane or line, and the vertex beside it), a line through
-//! them would be a guess: there the weights go over, smoothly, to the plain weighted mean.
+//! Spheres near one plane or line leave the slope undetermined for a vertex beside them. There the weights change
+//! smoothly to the plain weighted mean.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -24,30 +22,32 @@ use crate::scene::Object;
 use crate::tissue::TissueModel;
 use crate::tree::SphereTree;
 
-/// Rank of the neighbours about whose distance spheres cease to be felt.
+/// Rank of the neighbours whose mean distance determines the range of the spheres.
 const CARRIERS: usize = 48;
-/// How much farther they are felt.
+/// Factor on that distance.
 const REACH: f64 = 1.3;
-/// Sum of the weights' sizes up to which the fitted line is trusted, and from which only the mean is: 1 is a mean of
-/// what lies about, more is a line drawn out beyond it.
+/// Limit of the sum of the weights' magnitudes up to which the linear fit is used alone. The sum is 1 for a mean; more
+/// means an extrapolation.
 const TRUSTED: f64 = 8.0;
+/// Sum of the weights' magnitudes from which only the weighted mean is used.
 const DISTRUSTED: f64 = 16.0;
-/// Added to the slope's part of the normal equations, of their scale: decides what nothing else does.
+/// Ridge on the slope terms of the normalised normal equations. Decides only slopes that the data leave undetermined.
 const RIDGE: f64 = 1e-14;
 
-/// What carries each vertex of a mesh, and how much of each: nodes of a tree, or the masters of a surface compliance.
-/// [`crate::Workspace::carriers_moved`] says where they have gone.
+/// Carriers of each vertex of a mesh, with their weights: nodes of a tree, or masters of a surface compliance.
+///
+/// [`crate::Workspace::carriers_moved`] returns the displacements of the carriers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisplaySkin {
-    /// Where each vertex's entries begin; one more for the end.
+    /// Index of each vertex's first entry, followed by the number of entries.
     first: Vec<u32>,
-    /// Node of the tree (or master) and weight.
+    /// Carrier (node of the tree, or master) and weight.
     entries: Vec<(u32, f64)>,
 }
 
 impl DisplaySkin {
-    /// The skin of `vertices` over spheres at `centres` (node of the tree and place at rest), all in one frame, metres.
-    /// Without any sphere nothing carries them.
+    /// Creates the skin of `vertices` over spheres at `centres` (node of the tree and rest position), all in one frame,
+    /// metres. Without spheres the vertices have no carriers.
     pub fn new(centres: &[(u32, Vec3)], vertices: &[Vec3]) -> Self {
         let mut skin = Self {
             first: vec![0],
@@ -73,7 +73,7 @@ impl DisplaySkin {
         skin
     }
 
-    /// The skin of an object's display mesh.
+    /// Creates the skin of an object's display mesh.
     pub fn of(object: &Object) -> Self {
         let vertices: Vec<Vec3> = object
             .mesh
@@ -84,8 +84,8 @@ impl DisplaySkin {
         Self::of_tissue(&object.tree, object.level, &object.tissue, &vertices)
     }
 
-    /// The skin of `vertices` (metres, the frame of the tree): over the spheres of a `level`, or over the masters where the tissue
-    /// has some.
+    /// Creates the skin of `vertices` (metres, the frame of the tree), over the masters of the tissue. A tissue without
+    /// masters uses the spheres of `level`.
     pub fn of_tissue(
         tree: &SphereTree,
         level: u8,
@@ -111,18 +111,19 @@ impl DisplaySkin {
         skin
     }
 
-    /// Vertices of the mesh.
+    /// Returns the number of vertices of the mesh.
     pub fn vertices(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
 
-    /// Nodes of the tree (or masters) that carry vertex `v`, with their weights.
+    /// Returns the carriers of vertex `v`, with their weights.
     #[inline]
     pub fn carriers(&self, v: usize) -> &[(u32, f64)] {
         &self.entries[self.first[v] as usize..self.first[v + 1] as usize]
     }
 
-    /// Writes how far each vertex goes when the carriers have gone `moved` (by index; metres).
+    /// Writes the displacement of each vertex, metres, for the displacements `moved` of the carriers (by index,
+    /// metres).
     pub fn displacements(&self, moved: &[Vec3], out: &mut [Vec3]) {
         for (v, out) in out.iter_mut().enumerate().take(self.vertices()) {
             let of = |sum: Vec3, (node, w): &(u32, f64)| sum + moved[*node as usize] * *w;
@@ -130,7 +131,7 @@ impl DisplaySkin {
         }
     }
 
-    /// Adds to `loads` (by carrier; newtons) what `forces` on the vertices load the carriers with.
+    /// Adds the loads by `forces` on the vertices to `loads` (by carrier, newtons).
     pub fn loads(&self, forces: &[Vec3], loads: &mut [Vec3]) {
         for (v, force) in forces.iter().enumerate().take(self.vertices()) {
             for (node, w) in self.carriers(v) {
@@ -140,24 +141,25 @@ impl DisplaySkin {
     }
 }
 
-/// How far from a vertex spheres are felt there, metres, from their distances, ascending. A mean over ranks: where two
-/// neighbours change places, it has hardly a kink.
+/// Returns the range of the spheres about a vertex, metres, from their distances in ascending order.
+///
+/// The range is a mean over ranks, so that an exchange of two neighbours causes hardly a kink.
 fn reach(near: &[(f64, usize)]) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     let last = near.len().saturating_sub(1);
     for rank in 0..2 * CARRIERS {
-        // Parabola over the ranks. Those that there are not count as the last, and farther.
+        // Parabola over the ranks. Missing ranks count as the last one, at a growing distance.
         let share = (rank + 1) as f64 / (CARRIERS as f64 + 0.5) - 1.0;
         let weight = fmax(1.0 - share * share, 0.0);
         let beyond = 1.0 + rank.saturating_sub(last) as f64 / CARRIERS as f64;
         sum += weight * beyond * near.get(rank.min(last)).map_or(1.0, |(d, _)| *d);
         total += weight;
     }
-    // The same place twice is no reason to divide by nothing.
+    // Lower limit: coincident positions must not cause a division by zero.
     fmax(REACH * sum / total, 1e-9)
 }
 
-/// Weights of neighbours at `offsets` from the vertex, in units of the reach.
+/// Returns the weights of neighbours at `offsets` from the vertex, in units of the range.
 fn weights(offsets: &[Vec3]) -> Vec<f64> {
     // Wendland's function, smooth to the second derivative (1995, doi:10.1007/BF02123482).
     let kernel = |offset: &Vec3| {
@@ -167,7 +169,7 @@ fn weights(offsets: &[Vec3]) -> Vec<f64> {
     let kernels: Vec<f64> = offsets.iter().map(kernel).collect();
     let total: f64 = kernels.iter().sum();
     if total <= 0.0 {
-        // All but out of reach: the mean.
+        // All neighbours are at the limit of the range: plain mean.
         return vec![1.0 / offsets.len() as f64; offsets.len()];
     }
     let basis = |offset: &Vec3| Vector4::new(1.0, offset.x, offset.y, offset.z);
@@ -184,7 +186,7 @@ fn weights(offsets: &[Vec3]) -> Vec<f64> {
         .zip(&kernels)
         .map(|(offset, w)| line.map_or(0.0, |line| line.dot(&basis(offset)) * w / total))
         .collect();
-    // Rounding and the ridge leave a little of the sum.
+    // Rounding and the ridge leave the sum slightly off 1.
     let sum: f64 = fitted.iter().sum();
     let size: f64 = fitted.iter().map(|w| w.abs()).sum();
     let trust = fclamp((DISTRUSTED - size) / (DISTRUSTED - TRUSTED), 0.0, 1.0);

@@ -1,4 +1,4 @@
-//! Everything that outlives a tick, every warm start included; saved and restored exactly.
+//! State between ticks, including every warm start; saved and restored exactly.
 
 mod tissues;
 
@@ -8,25 +8,25 @@ use crate::math::{Pose, Vec3, Wrench, norm, normalised};
 use crate::scene::params::within;
 use crate::{MAX_TOOLS, Scene};
 
-/// What outlives a tick of one tool.
+/// State of one tool between ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
-    /// Last haptic pose after sanitising; meaningful when `entered`.
+    /// Last haptic pose after sanitising; meaningful if `entered`.
     pub haptic: Pose,
     /// Graphic pose.
     pub graphic: Pose,
     /// Whether the tool was present in the last tick.
     pub entered: bool,
-    /// Ticks in a row whose pose was unusable.
+    /// Number of consecutive ticks with an invalid pose.
     pub bad_ticks: u16,
-    /// Ramp of the wrench, 0 to 1.
+    /// Ramp factor of the wrench, 0 to 1.
     pub gain: f64,
     /// Wrench sent last, about the device point.
     pub sent: Wrench,
     /// Raw wrench of the last tick in which the tool was present, about the device point.
     pub raw: Wrench,
-    /// Axis of the last twist between hand and tool; kept beyond 170 degrees, where the logarithm
-    /// flips.
+    /// Axis of the last twist between haptic and graphic tool. Kept beyond 170 degrees, where the logarithm flips its
+    /// sign.
     pub twist_axis: Vec3,
 }
 
@@ -37,37 +37,37 @@ pub struct State {
     pub tick: u64,
     /// Chained hash after the last tick; 0 before the first.
     pub hash: u64,
-    /// Per tool slot.
+    /// State per tool slot.
     pub tools: [ToolState; MAX_TOOLS],
-    /// Load by each tool on each object, tool-major: force and torque about the world's origin.
+    /// Load by each tool on each object, tools outermost: force and torque about the world's origin.
     pub loads: Vec<Wrench>,
     /// State of all tissues, object after object.
     pub tissue: Tissues,
 }
 
-/// Why bytes are not a state of this scene.
+/// Error of bytes that are not a state of this scene.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// Another version of the layout.
+    /// The layout has another version.
     #[error("state has version {found}, expected {STATE_VERSION}")]
     Version {
         /// Version found.
         found: u16,
     },
-    /// Wrong length.
+    /// The bytes have the wrong length.
     #[error("state has {found} bytes, what they say takes {expected} in this scene")]
     Length {
         /// Bytes found.
         found: usize,
-        /// Bytes expected, as far as was read.
+        /// Bytes expected, as far as they were read.
         expected: usize,
     },
-    /// A number that no tick can produce.
+    /// The bytes contain a number that no tick produces.
     #[error("state, byte {offset}: {what}")]
     Value {
-        /// Where.
+        /// Offset of the number, bytes.
         offset: usize,
-        /// What is wrong.
+        /// Description of the error.
         what: &'static str,
     },
 }
@@ -78,7 +78,7 @@ pub const STATE_VERSION: u16 = 2;
 const TOOL_BYTES: usize = 2 * 7 * 8 + 1 + 2 + 8 + 2 * 6 * 8 + 3 * 8;
 
 impl State {
-    /// The state before the first tick: tools parked, tissue at rest.
+    /// Returns the state before the first tick: tools parked, tissue at rest.
     pub fn new(scene: &Scene) -> Self {
         let parked = |slot: usize| {
             let park = scene
@@ -105,7 +105,7 @@ impl State {
         }
     }
 
-    /// Most bytes that a state of `scene` takes: when nothing is at rest.
+    /// Returns the largest number of bytes of a state of `scene`: with no load zero and no tissue at rest.
     pub fn most_bytes(scene: &Scene) -> usize {
         let tissues = Tissues::new(scene);
         18 + MAX_TOOLS * TOOL_BYTES
@@ -114,17 +114,21 @@ impl State {
             + tissues.len() * 8
     }
 
-    /// Exact bytes, little-endian: version (u16), tick and hash (u64); per tool slot its poses, ramp, wrenches and axis
-    /// (f64); per tool and object a byte, 0 where there is no load, else 1 and the load (six f64); per object that
-    /// yields a byte, 0 at rest, else 1 and its numbers (f64); per tool slot whether it has entered (a byte) and its bad
-    /// ticks (u16). So what nobody touches takes a byte, and each state has one way to be written.
+    /// Returns the exact bytes, little-endian, in this order:
+    /// - version (u16), tick and hash (u64),
+    /// - per tool slot: poses, ramp, wrenches and axis (f64),
+    /// - per tool and object: a byte 0 without load, otherwise a byte 1 and the load (six f64),
+    /// - per yielding object: a byte 0 at rest, otherwise a byte 1 and the object's numbers (f64),
+    /// - per tool slot: whether the tool has entered (a byte), and its bad ticks (u16).
+    ///
+    /// A zero load or a tissue at rest takes a single byte, and each state has exactly one encoding.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.write_bytes(&mut bytes);
         bytes
     }
 
-    /// Appends the exact bytes; allocates only when `bytes` lacks capacity.
+    /// Appends the exact bytes. Allocates only if `bytes` lacks capacity.
     pub fn write_bytes(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&STATE_VERSION.to_le_bytes());
         bytes.extend_from_slice(&self.tick.to_le_bytes());
@@ -164,7 +168,7 @@ impl State {
     /// Inverse of [`State::to_bytes`] for the same scene.
     ///
     /// # Errors
-    /// When the version or the length is another, or a number is one that no tick can produce.
+    /// The version or the length differs, or a number is one that no tick produces.
     pub fn from_bytes(scene: &Scene, bytes: &[u8]) -> Result<Self, StateError> {
         let mut reader = Reader { bytes, at: 0 };
         let version = u16::from_le_bytes(reader.take()?);
@@ -224,14 +228,14 @@ impl State {
     }
 }
 
-/// What no tick produces must not come in by a file: a wrench beyond the scene's limits, a ramp beyond
-/// one, a tick that cannot be counted on from.
+/// Checks the state against values that no tick produces. Invalid are: a ramp outside 0 to 1, a wrench beyond the
+/// scene's limits, a twist axis longer than 1, a tick beyond counting.
 fn check_ranges(scene: &Scene, state: &State) -> Result<(), StateError> {
     let bad = |what| Err(StateError::Value { offset: 0, what });
     if state.tick > u64::MAX / 2 {
         return bad("a tick beyond counting");
     }
-    // Head-room for rounding in the clamp.
+    // Headroom for rounding in the clamp.
     const ROUNDING: f64 = 1.0 + 1e-9;
     for tool in &state.tools {
         if !within(tool.gain, 0.0, 1.0) {
@@ -254,7 +258,8 @@ fn put(x: f64, bytes: &mut Vec<u8>) {
     bytes.extend_from_slice(&x.to_bits().to_le_bytes());
 }
 
-/// All at once: one by one each asks whether there is room, which takes longer than hashing them.
+/// Appends all numbers in one step. Separate appends each check the capacity, which takes longer than hashing the
+/// numbers.
 fn put_all(numbers: &[f64], bytes: &mut Vec<u8>) {
     let begin = bytes.len();
     bytes.resize(begin + 8 * numbers.len(), 0);
@@ -268,7 +273,7 @@ fn put_wrench(wrench: &Wrench, bytes: &mut Vec<u8>) {
     numbers.for_each(|x| put(*x, bytes));
 }
 
-/// Whether all numbers of a wrench are zero without a sign, as in [`Wrench::ZERO`].
+/// Whether all numbers of a wrench are positive zeros, as in [`Wrench::ZERO`].
 fn is_plain_zero(wrench: &Wrench) -> bool {
     let numbers = wrench.force.iter().chain(wrench.torque.iter());
     numbers.fold(0, |bits, x| bits | x.to_bits()) == 0
@@ -344,7 +349,7 @@ impl Reader<'_> {
                 what: "a quaternion that is not of unit length",
             });
         }
-        // Bit-exact: not normalised again, a unit quaternion only by construction.
+        // No normalisation: the quaternion must keep its bits. Its length was checked above.
         let mut orientation = normalised(1.0, 0.0, 0.0, 0.0);
         *orientation.as_mut_unchecked() = nalgebra::Quaternion::new(w, i, j, k);
         Ok(Pose {

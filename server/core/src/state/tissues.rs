@@ -1,25 +1,27 @@
-//! The numbers of all tissues, and which tissues are at rest: those cost nothing in a tick, in its hash and in a snapshot.
+//! Numbers of all tissues, with a flag for each tissue at rest. A tissue at rest costs nothing in a tick, and a byte in
+//! its hash and in a snapshot.
 
 use std::ops::{Deref, Range};
 
 use crate::Scene;
 
-/// Numbers of all tissues, object after object, and for each object that yields whether all of its numbers are zero. That
-/// flag is part of the state and always true to the numbers: whoever changes them goes through `Tissues::settle`.
+/// Numbers of all tissues, object after object, with a flag for each yielding object: whether all its numbers are zero.
+///
+/// The flag is part of the state and always agrees with the numbers: every change must end with `Tissues::settle`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tissues {
     numbers: Vec<f64>,
     parts: Vec<Part>,
 }
 
-/// One object's.
+/// Numbers of one yielding object.
 #[derive(Clone, Debug, PartialEq)]
 struct Part {
     range: Range<usize>,
     at_rest: bool,
 }
 
-/// All numbers, object after object.
+/// Slice of all numbers, object after object.
 impl Deref for Tissues {
     type Target = [f64];
     fn deref(&self) -> &[f64] {
@@ -28,7 +30,7 @@ impl Deref for Tissues {
 }
 
 impl Tissues {
-    /// All tissues of `scene` at rest.
+    /// Creates all tissues of `scene` at rest.
     pub(super) fn new(scene: &Scene) -> Self {
         let mut end = 0;
         let soft = scene
@@ -50,33 +52,33 @@ impl Tissues {
         }
     }
 
-    /// Number of objects that yield.
+    /// Returns the number of yielding objects.
     pub(super) fn parts(&self) -> usize {
         self.parts.len()
     }
 
-    /// Whether all numbers of the yielding object `slot` (counted among those that yield) are zero.
+    /// Whether all numbers of the yielding object `slot` (index among the yielding objects) are zero.
     #[inline]
     pub fn at_rest(&self, slot: usize) -> bool {
         self.parts[slot].at_rest
     }
 
-    /// Numbers of the yielding object `slot`.
+    /// Returns the numbers of the yielding object `slot`.
     pub fn of(&self, slot: usize) -> &[f64] {
         &self.numbers[self.parts[slot].range.clone()]
     }
 
-    /// Numbers of the yielding object `slot`, to be changed: `Tissues::settle` must follow.
+    /// Returns the numbers of the yielding object `slot` for a change; `Tissues::settle` must follow.
     pub(crate) fn of_mut(&mut self, slot: usize) -> &mut [f64] {
         &mut self.numbers[self.parts[slot].range.clone()]
     }
 
-    /// Notes whether the yielding object `slot` is at rest after its numbers were changed. One that has a number that is
-    /// not finite goes back to rest; returns whether it had none.
+    /// Updates the rest flag of the yielding object `slot` after a change of its numbers. An object with a number that
+    /// is not finite is reset to rest. Returns whether all numbers were finite.
     pub(crate) fn settle(&mut self, slot: usize) -> bool {
         let Part { range, at_rest } = &mut self.parts[slot];
         let numbers = &mut self.numbers[range.clone()];
-        // (What is finite times zero is zero, all else is not a number: without a branch for each.)
+        // A finite number times zero is zero, any other is NaN: a test without a branch per number.
         let magnitude = |x: f64| x.to_bits() & !(1 << 63);
         let (any, wrong) = numbers.iter().fold((0, 0), |(any, wrong), x| {
             (any | magnitude(*x), wrong | magnitude(x * 0.0))
@@ -84,7 +86,7 @@ impl Tissues {
         let finite = wrong == 0;
         *at_rest = any == 0 || !finite;
         if *at_rest {
-            // (Zeros have one sign at rest.)
+            // At rest every zero is positive: one encoding.
             numbers.fill(0.0);
         }
         finite

@@ -1,4 +1,4 @@
-//! One pass's list of contacts, as far as it has room.
+//! Contact list of one substep, within its capacity.
 
 use crate::Scene;
 use crate::blend::reach;
@@ -8,24 +8,30 @@ use crate::state::State;
 use crate::tick::posed::{posed, substep_of};
 use crate::tick::workspace::Workspace;
 
-/// How far a pass looks, and with how much of the reach of blended surfaces.
+/// Prediction distance and blend share that fit into the contact list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fits {
+    /// Prediction distance.
     pub d: Distance,
+    /// Share of the reach of blended surfaces, 0 to 1.
     pub share: f64,
 }
 
-/// Lists the contacts at the present poses and shapes, within `d` or as far as the list reaches: while it
-/// is full it halves `d`, which costs passes only, then the reach of blended surfaces, which are then made
-/// of fewer spheres. Returns what it used and whether anything was cut. Where even the smallest distance
-/// finds more than the list holds (a flat tool on a flat face), the smallest gaps are kept: what is left
-/// out lies within that smallest distance, no pass moves farther, and the next one ranks anew.
+/// Lists the contacts at the present poses and shapes, within `d` or within the distance that fits into the list.
+/// Returns the distance and the share used, and whether either was cut or a contact was dropped.
+///
+/// On overflow `d` shrinks by a factor of 0.7, which costs only more substeps. With blended surfaces, once `d` is
+/// within twice `Params::predict_min`, the share of their reach is halved instead. Blended surfaces then consist of
+/// fewer spheres. A share of 0.1 or less is set to 0 on the next overflow, and after that `d` shrinks further.
+///
+/// Even the smallest distance can overflow, as with a flat tool on a flat face. The list then keeps the smallest gaps.
+/// The dropped contacts are within the smallest distance. No substep moves farther, and the next substep ranks again.
 pub(crate) fn collide(
     scene: &Scene,
     state: &State,
     ws: &mut Workspace,
     group: &[usize],
-    // Blended surfaces are made of spheres from farther away; where there is no room for them, of fewer.
+    // Blended surfaces list spheres from farther away; the share scales this additional reach.
     (mut d, mut share): (Distance, f64),
 ) -> (Fits, bool) {
     let limit = scene.most_contacts() * group.len();
@@ -83,7 +89,7 @@ pub(crate) fn collide(
             }
         }
         contacts.sort();
-        // In the last resort a full list has left out the largest gaps.
+        // At the smallest distance a full list has dropped the largest gaps.
         let full = overflow == Overflow::KeepSmallestGaps && contacts.as_slice().len() == limit;
         return (Fits { d, share }, cut || full);
     }

@@ -1,4 +1,4 @@
-//! True gaps after a move: from the centres where they are now, not from the linearisation.
+//! True gaps after a step: from the present centres of the spheres, not from the linearisation.
 
 use crate::blend::Pair;
 use crate::contact::{Contact, Distance, centre};
@@ -10,8 +10,11 @@ use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 use crate::{MAX_TOOLS, Scene};
 
-/// Smallest true gap of each tool and of all after a motion of at most `moved`: of the spheres, or where they
-/// are blended of the surface, made anew from where they are now, as far as it is under `d`.
+/// Computes the smallest true gap of each tool, metres, into `outcomes`, and returns the smallest of all. `gone` is an
+/// upper bound of the motion since the contact list.
+///
+/// The gaps are those between contact spheres. On a blended object the gaps are those of the surface, evaluated again
+/// at the present poses, as far as under `d`.
 pub(crate) fn true_gaps(
     scene: &Scene,
     state: &State,
@@ -39,7 +42,7 @@ pub(crate) fn true_gaps(
         }
     }
     let (blender, cores) = (&mut ws.blender, &ws.cores);
-    // The nearest group first: what it leaves is soon clear of it.
+    // The nearest group goes first: its gap lets most of the others be skipped.
     let nearest = groups.nearest();
     let others = groups.all.iter().enumerate();
     let others = others.filter(|(k, _)| Some(*k) != nearest);
@@ -79,7 +82,7 @@ pub(crate) fn true_gaps(
         .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
 }
 
-/// Gap of a pair at the present pose and shape, from the centres, not from the linearisation.
+/// Returns the gap of a pair at the present pose and shape, metres, from the centres, not from the linearisation.
 #[inline]
 fn true_gap(
     scene: &Scene,

@@ -1,9 +1,10 @@
-//! One group of tools brought to where it can go: predict, optimise, move, look again, until the step is small and every
-//! true gap is closed to rounding. Which tools are a group, and which tissues belong to it, is said in `groups`.
+//! Substeps of one group of tools: contact prediction, optimisation, step, check of the true gaps. Substeps repeat
+//! until the step is small and every true gap is within its tolerance. The module `groups` decides which tools form a
+//! group and which tissues belong to it.
 //!
-//! The trust region holds the motion of the graphic tool plus that of the tissue under the
-//! prediction distance, so nothing is passed through between two passes at any speed: the
-//! continuous collision detection that the paper left open.
+//! The trust region keeps the motion of the graphic tool plus that of the tissue under the prediction distance. Thus
+//! the tool passes through no object between two substeps, at any speed. This is the continuous collision detection
+//! that the paper left open.
 
 use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
 use crate::math::{Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
@@ -26,30 +27,31 @@ use crate::tick::workspace::Workspace;
 use crate::tick::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
-/// How much farther each pass of a tick looks at least than the one before, and how far at most for that
-/// reason alone, metres: farther than its own motion a pass only lists more rows.
+/// Factor by which the minimum prediction distance grows from substep to substep of a tick.
 const WIDENING: f64 = 6.0;
+/// Limit of that growth, metres. A prediction distance far beyond the motion only lists more rows.
 const WIDEST: f64 = 5e-5;
-/// How much farther the first pass looks where something yields: that moves, too, about as far as the tool, and of both
-/// no more may be done than was looked for. Measured with the mirror on the tongue: at 1 three ticks of four took a second pass,
-/// at 4 rows cost what passes save.
+/// Factor on `Params::predict_gain` for a group with tissue near. Tissue moves about as far as the tool, and the
+/// prediction distance must cover both motions. Measured with the mirror on the tongue: at 1, three of four ticks took
+/// a second substep. At 4, the additional rows cost as much as the saved substeps.
 const YIELDS: f64 = 2.5;
 
-/// One group of tools in a tick.
+/// Substeps of one group of tools in a tick.
 pub(crate) struct GroupSolve<'a> {
-    /// Slots, ascending.
+    /// Tool slots, ascending.
     group: &'a [usize],
-    /// Which of the workspace's passes it uses.
+    /// Index in `Workspace::substeps`.
     index: usize,
-    /// Farthest that a sphere of a tool is from its working point, metres.
+    /// Largest distance of a tool's sphere from its working point, metres.
     longest: f64,
     /// Prediction distance per metre of motion.
     gain: f64,
-    /// Prediction distance of this pass, and what the next ones look at least.
+    /// Prediction distance of this substep.
     d: Distance,
+    /// Minimum prediction distance of the next substeps, metres.
     floor: f64,
-    /// What the list of contacts had room for, once it was full: the next pass is near there, and finding it out anew costs more than
-    /// all the rest.
+    /// Distance that fits into the contact list, after an overflow. The next substep starts near it, because a new
+    /// search costs more than all the rest.
     fits: Option<Fits>,
     substeps: u8,
     status: u16,
@@ -84,7 +86,7 @@ impl<'a> GroupSolve<'a> {
         solve
     }
 
-    /// How far the first pass looks.
+    /// Returns the prediction distance of the first substep.
     fn first_distance(&self, request: &TickRequest<'_>) -> Distance {
         let moved = self.group.iter().map(|&t| request.goals[t].moved);
         let turned = self.group.iter().map(|&t| request.goals[t].turned);
@@ -92,8 +94,8 @@ impl<'a> GroupSolve<'a> {
         self.distance(request, moved.fold(0.0, most), turned.fold(0.0, most))
     }
 
-    /// How far a pass looks that may move by `moved` (metres) and turn by `turned`. A turn moves spheres by their levers: what
-    /// is near the tip need not look as far as the shaft.
+    /// Returns the prediction distance of a substep that may move by `moved` (metres) and turn by `turned` (radians). A
+    /// turn moves spheres by their levers, so spheres near the tip need less distance than the shaft.
     fn distance(&self, request: &TickRequest<'_>, moved: f64, turned: f64) -> Distance {
         let params = &request.scene.params;
         let base = fclamp(
@@ -108,11 +110,12 @@ impl<'a> GroupSolve<'a> {
         }
     }
 
-    /// Takes over every tissue out of its rest that a tool is near enough to look at in the first pass, or that could come
-    /// back onto a tool at once.
+    /// Claims every tissue out of rest that a tool may meet in the first substep. The distance to the tool is within
+    /// the prediction distance, or within the motion of the tissue back to its free shape. A group without such a
+    /// tissue falls back to the prediction distance for rigid objects.
     ///
     /// # Errors
-    /// When another group has it.
+    /// Another group has claimed such a tissue.
     pub fn claim_tissues(
         &mut self,
         request: &TickRequest<'_>,
@@ -168,10 +171,10 @@ impl<'a> GroupSolve<'a> {
         Ok(())
     }
 
-    /// Predicts the contacts of the next pass, and takes over every tissue among them.
+    /// Predicts the contacts of the next substep, and claims every tissue among them.
     ///
     /// # Errors
-    /// When another group has one.
+    /// Another group has claimed such a tissue.
     pub fn predict_contacts<P: StageProbe>(
         &mut self,
         request: &TickRequest<'_>,
@@ -190,10 +193,10 @@ impl<'a> GroupSolve<'a> {
         let (found, mut cut) = collide(scene, state, ws, self.group, (self.d, share));
         self.d = found.d;
         group_contacts(scene, ws, index);
-        // What has no room for its rows looks less far, as a full list of contacts does; the list itself serves again.
+        // Rows without room shorten the prediction distance, as a full contact list does. The contact list stays valid.
         let mut narrowed = false;
         loop {
-            // (The rows of who had room reach farther then, which is no harm.)
+            // Rows of tool spheres that had room then reach farther, which does no harm.
             let room = write_rows(scene, ws, index, (self.d, narrowed));
             if room < 1.0 {
                 cut = true;
@@ -233,7 +236,7 @@ impl<'a> GroupSolve<'a> {
         Ok(())
     }
 
-    /// Solves the pass and moves; whether another look is due.
+    /// Solves the substep and moves tools, tissue and loads. Returns whether another substep is due.
     pub fn solve_and_step<P: StageProbe>(
         &mut self,
         request: &TickRequest<'_>,
@@ -250,7 +253,7 @@ impl<'a> GroupSolve<'a> {
             settled,
         }) = target
         else {
-            // An unusable answer is never applied: pose and load stay as they are.
+            // An unusable solution is never applied: pose and load stay as they are.
             self.status |= status::SOLVER_FAILED;
             ws.substeps[index].applied = None;
             return false;
@@ -261,7 +264,7 @@ impl<'a> GroupSolve<'a> {
             let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
             (moved, turned) = (fmax(moved, v), fmax(turned, w));
             motion = fmax(motion, v + w * ws.levers[t]);
-            // Motion and allowance both grow linearly with the lever: what holds at both ends holds between.
+            // Motion and limit are both linear in the lever: a share valid at both ends is valid between.
             for lever in [0.0, ws.levers[t]] {
                 let (motion, allowed) = (v + w * lever, params.trust * self.d.at(lever));
                 if motion > allowed {
@@ -274,7 +277,7 @@ impl<'a> GroupSolve<'a> {
         let share = fmin(share, eased);
         apply(scene, state, ws, self.group, &step, share);
         ws.substeps[index].applied = Some(share);
-        // What turns about the working point moves a little farther than its lever says.
+        // Safety margin of 1 % on the linear bound of the motion.
         let gone = Distance {
             base: 1.01 * share * moved,
             turn: 1.01 * share * turned,
@@ -294,13 +297,13 @@ impl<'a> GroupSolve<'a> {
             self.converged = true;
             return false;
         }
-        // A tick that needs many passes must not be held by how little each of them sees.
+        // A tick with many substeps must not be limited by a short prediction distance in each.
         self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
         self.d = self.distance(request, moved * (1.0 - share), turned * (1.0 - share));
         self.substeps < params.max_substeps
     }
 
-    /// How it went, for the tools of the group.
+    /// Writes the outcomes of the group's tools to `all`.
     pub fn finish(mut self, ws: &Workspace, all: &mut [ToolOutcome; MAX_TOOLS]) {
         let failed = self.status & status::SOLVER_FAILED != 0;
         if !self.converged && !failed {
@@ -314,7 +317,7 @@ impl<'a> GroupSolve<'a> {
             };
             let outcome = &mut self.outcomes[t];
             outcome.rows = ours().count() as u16;
-            // Multipliers that were not applied load nothing.
+            // Multipliers of an unusable solution load nothing.
             outcome.active = if failed {
                 0
             } else {
@@ -328,7 +331,10 @@ impl<'a> GroupSolve<'a> {
     }
 }
 
-/// Notes that the tissue in `slot` belongs to the group that uses the pass `first`.
+/// Claims the tissue in `slot` for the group with the substep `index`.
+///
+/// # Errors
+/// Another group has claimed the tissue.
 fn claim_tissue(ws: &mut Workspace, slot: usize, index: usize) -> Result<(), TissueConflict> {
     match ws.owners[slot] {
         Some(owner) if owner == index => Ok(()),
@@ -341,10 +347,10 @@ fn claim_tissue(ws: &mut Workspace, slot: usize, index: usize) -> Result<(), Tis
     }
 }
 
-/// Steps per tool: translation of the working point (metres) and rotation vector (radians).
+/// Step of each tool: translation of the working point (metres) and rotation vector (radians).
 type Steps = [(Vec3, Vec3); MAX_TOOLS];
 
-/// Builds and solves the problem of this pass; `None` when the answer is unusable.
+/// Builds and solves the problem of this substep. Returns `None` when the solution is unusable.
 fn optimise(
     scene: &Scene,
     state: &State,
@@ -431,10 +437,10 @@ fn optimise(
     finite.then_some(answer)
 }
 
-/// What a pass found.
+/// Solution of a substep.
 struct Answer {
     steps: Steps,
-    /// Whether the forces are those of the coupling, not of the bent metric.
+    /// Whether the forces are those of the coupling, without a relevant part of the added curvature.
     settled: bool,
 }
 
@@ -477,7 +483,7 @@ fn apply(
             .zip(&*targets)
         {
             if *target == Wrench::ZERO && *load == Wrench::ZERO {
-                // (Of one sign, so that it takes no room.)
+                // Turns -0.0 into 0.0: the bytes of the state omit only plain zeros.
                 *load = Wrench::ZERO;
                 continue;
             }

@@ -1,4 +1,4 @@
-//! What the hand asks for: the haptic pose made safe, and the way from the graphic tool to it.
+//! Haptic pose: validation of the input, twist from the graphic to the haptic tool, and wrench at the device.
 
 use crate::input::RawPose;
 use crate::math::{Pose, Quat, Vec3, Wrench, exp_rotation, log_rotation, norm, normalised};
@@ -7,18 +7,18 @@ use crate::scene::params::Params;
 use crate::scene::tool::Tool;
 use crate::state::ToolState;
 
-/// A twist beyond this no longer raises the torque, radians.
+/// Largest twist that still raises the torque, radians (90 degrees).
 const TWIST_LIMIT: f64 = std::f64::consts::FRAC_PI_2;
-/// Beyond this the logarithm's axis may flip, so the last axis is kept, radians (170 degrees).
+/// Angle beyond which the axis of the logarithm may flip and the last axis is kept, radians (170 degrees).
 const AXIS_KEPT_BEYOND: f64 = 170.0 * std::f64::consts::PI / 180.0;
 
-/// The raw pose if every number is finite and believable and it is a rotation. `-0.0` becomes `0.0`.
+/// Returns the raw pose if all numbers are finite and plausible and the quaternion is a rotation. `-0.0` becomes `0.0`.
 fn checked(raw: &RawPose) -> Option<Pose> {
     let widen = |x: f32| f64::from(x) + 0.0;
     let p = raw.position.map(widen);
     let q = raw.orientation.map(widen);
     let length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    // A hand is within 10 m of the mouth; a unit quaternion in f32 is within 1e-6 of unit length.
+    // A hand is within 10 m of the mouth. A unit quaternion in f32 is within 1e-6 of unit length; 10 % is tolerated.
     let believable = p.iter().all(|x| x.abs() <= 10.0) && length > 0.81 && length < 1.21;
     believable.then(|| {
         Pose::new(
@@ -28,7 +28,8 @@ fn checked(raw: &RawPose) -> Option<Pose> {
     })
 }
 
-/// Haptic pose of this tick and status bits; the last pose when the input is unusable.
+/// Returns the haptic pose of this tick and status bits. Speed and spin of the hand are clamped to the limits of
+/// `params` over `ticks` ticks. An invalid input gives the last pose and [`status::BAD_INPUT`].
 pub(crate) fn sanitise(
     raw: &RawPose,
     params: &Params,
@@ -59,18 +60,18 @@ pub(crate) fn sanitise(
     (pose, bits)
 }
 
-/// A quaternion product drifts from unit length by rounding; take that out every time.
+/// Returns the quaternion scaled to unit length. Products of quaternions drift from unit length by rounding.
 pub(crate) fn renormalised(q: &Quat) -> Quat {
     normalised(q.w, q.i, q.j, q.k)
 }
 
-/// Rotation vector from the graphic to the haptic tool, world axes, at most 90 degrees long, and
-/// whether it was cut.
+/// Returns the rotation vector from the graphic to the haptic tool and whether it was clamped. World axes, radians, at
+/// most 90 degrees long.
 pub(crate) fn twist(haptic: &Quat, graphic: &Quat, kept_axis: &Vec3) -> (Vec3, bool) {
     let mut w = log_rotation(&(haptic * graphic.inverse()));
     let mut angle = norm(&w);
     if angle > AXIS_KEPT_BEYOND && w.dot(kept_axis) < 0.0 {
-        // The same rotation the other way round, along the axis the hand has felt so far.
+        // The same rotation the other way round, along the axis that the hand has felt so far.
         w *= 1.0 - std::f64::consts::TAU / angle;
         angle = std::f64::consts::TAU - angle;
     }
@@ -81,7 +82,7 @@ pub(crate) fn twist(haptic: &Quat, graphic: &Quat, kept_axis: &Vec3) -> (Vec3, b
     }
 }
 
-/// Axis to keep for the next tick.
+/// Returns the twist axis to keep for the next tick.
 pub(crate) fn kept_axis(haptic: &Quat, graphic: &Quat, before: &Vec3) -> Vec3 {
     let w = log_rotation(&(haptic * graphic.inverse()));
     let angle = norm(&w);
@@ -92,10 +93,12 @@ pub(crate) fn kept_axis(haptic: &Quat, graphic: &Quat, before: &Vec3) -> Vec3 {
     }
 }
 
-/// The raw wrench for the hand: minus the loads on everything, moved from the world's origin to
-/// the device point. The load acts on the graphic tool's working point and reaches the hand through
-/// the coupling, so the lever to the device point is the haptic tool's (which makes the wrench
-/// the exact gradient of the coupling's energy).
+/// Returns the raw wrench for the hand: minus `load`, the sum of the loads on all objects, moved from the world's
+/// origin to the device point.
+///
+/// The load acts on the working point of the graphic tool and reaches the hand through the coupling. The lever to the
+/// device point is therefore that of the haptic tool. With this lever the wrench is the exact gradient of the
+/// coupling's energy.
 pub(crate) fn wrench_at_device(
     load: &Wrench,
     tool: &Tool,
@@ -200,7 +203,7 @@ mod tests {
 
     #[test]
     fn the_wrench_is_the_gradient_of_the_couplings_energy() {
-        // E(q_h) = 1/2 kt |x_h - x_g|^2 + 1/2 kr |log(R_h R_g')|^2; the hand feels -dE/dq_h.
+        // E(q_h) = 1/2 kt |x_h - x_g|^2 + 1/2 kr |log(R_h R_g')|^2; the wrench on the hand is -dE/dq_h.
         let (kt, kr) = (500.0, 0.5);
         let working_point = Vec3::new(0.01, -0.02, -0.08);
         let graphic = Pose::new(

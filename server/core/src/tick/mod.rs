@@ -1,21 +1,22 @@
-//! One haptic tick: input in, wrench out, state forward.
+//! Haptic tick: takes the input, returns the wrench, advances the state.
 //!
 //! Boxes of the flowchart in the paper's Fig. 2, and the functions that implement them:
 //!
 //! | Fig. 2 | equations | here |
 //! |---|---|---|
 //! | configuration of the haptic tool | | `haptic::sanitise` |
-//! | deformation without contact (our addition) | 1, 4, 5 | `begin_tissues`, `Yielding::evaluate`, `Tissue::free_step` |
-//! | collision detection, contact prediction | section 3.2 | `GroupSolve::predict_contacts`, `collide`, `Predictor::predict` |
-//! | optimisation, with the compliance of the tissue inside | 18 to 20 | `GroupSolve::solve_and_step`, `optimise`, `ActiveSet::solve` |
+//! | deformation without contact (addition) | 1, 4, 5 | `begin_tissues`, `Yielding::evaluate`, `Tissue::free_step` |
+//! | collision detection, contact prediction | section 3.2 | `predict_contacts`, `collide`, `Predictor::predict` |
+//! | optimisation, with the compliance of the tissue | 18 to 20 | `solve_and_step`, `optimise`, `ActiveSet::solve` |
 //! | spring-sphere skeleton | 1 to 10 | `yield_target`, `Tissue::apply` of `tissue::skeleton` and `tissue::surface` |
 //! | local deformation of the gingiva | 11 to 16 | `yield_target`, `Tissue::apply` of `tissue::gingiva` |
 //! | update of the sphere tree | 17 | `Yielding::refit`, `tissue::refit` |
 //! | force and torque | 18 | `finish_tool`, `wrench_at_device`, `wrench::limited` |
 //!
-//! A tick repeats collision detection, optimisation, deformation and tree update in *substeps* until the step has reached
-//! its goal. `groups` decides which tools share one problem, `group_solve` runs the substeps of one group, `commit_tissues`
-//! stores the final shapes in the state. `tissue::printed` implements the equations as printed, for comparison.
+//! A tick repeats collision detection, optimisation, deformation and tree update in *substeps* until the step has
+//! reached its goal. `groups` decides which tools share one problem, `group_solve` runs the substeps of one group,
+//! `commit_tissues` stores the final shapes in the state. `tissue::printed` implements the equations as printed, for
+//! comparison.
 
 mod collide;
 mod gaps;
@@ -205,7 +206,7 @@ fn commit_tissues(
             continue;
         };
         let tip = hand.graphic.transform(&hand.tool.tip);
-        // Where pockets overlap, the pocket with the nearer wall sphere gives the reading.
+        // Of overlapping pockets, the pocket with the nearer wall sphere gives the reading.
         let mut nearest = f64::INFINITY;
         for (slot, ball) in &ws.pockets {
             let from = tip - ball.centre;
@@ -227,10 +228,10 @@ fn commit_tissues(
     (readings, fault)
 }
 
-/// Fraction, per tool, of the last substep's loads on `object` that the tissue bears, in [0, 1].
+/// Returns the fraction, per tool, of the last substep's loads on `object` that the tissue bears, in [0, 1].
 ///
-/// The fraction is 1 when the whole step was applied. Otherwise the load `f` on the object is a blend of the last tick's
-/// load and the target `g` of the substep, and the fraction is its projection, `f . g / g . g`.
+/// The fraction is 1 when the whole step was applied. Otherwise the load `f` on the object is a blend of the last
+/// tick's load and the target `g` of the substep. The fraction is then the projection `f . g / g . g`.
 fn applied(
     substep: &Substep,
     (loads, objects): (&[Wrench], usize),
@@ -254,7 +255,7 @@ fn applied(
         let borne = loads
             .get(t * objects + object)
             .map_or(0.0, |load| load.force.dot(&request[t]));
-        // Never more than the pass request for: its shape is made for that.
+        // At most the load of the substep, for which the shape was computed.
         fclamp(borne / squared, 0.0, 1.0)
     })
 }

@@ -62,7 +62,7 @@ pub(crate) struct TickRequest<'a> {
     pub goals: &'a [ToolGoal; MAX_TOOLS],
     /// Haptic poses of the present tools, by slot.
     pub held: &'a Held,
-    /// Level of detail of the tissues, 0 for the finest.
+    /// Level of detail of the tissues, 0 for the coarsest.
     pub detail: u8,
 }
 

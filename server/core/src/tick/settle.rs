@@ -1,10 +1,13 @@
-//! No click: what a force may change by in one tick.
+//! Limit on the change of a force within one tick, which prevents clicks.
 //!
-//! A tool that comes loose (off an edge, from between two spheres into the next gap) has its next place of rest a tenth of a
-//! millimetre and more away, and would be there at once: felt as a click, however slowly the hand goes. So a force that a tool
-//! already bears changes in a tick by what the hand's own motion brings (`k_t |dq_h|`) and by [`Params::max_settle_step`]
-//! beyond that; tool, tissue and loads go the share of the last pass's step that keeps to it, and on from there in the next tick.
-//! Between two places where nothing is penetrated lies, on rows that are linear, no other kind.
+//! A tool that comes loose has its next place of rest a tenth of a millimetre or more away. Examples are a slip off an
+//! edge, or from between two spheres into the next gap. Without a limit the tool would be there within one tick. The
+//! hand would feel a click, however slow its motion.
+//!
+//! The force that a tool already bears therefore has a limited change per tick. The limit is the change by the hand's
+//! own motion (`k_t |dq_h|`) plus [`Params::max_settle_step`] per millisecond. Tool, tissue and loads move by the share
+//! of the last substep's step that keeps the limit. The motion continues in the next tick. On linear rows every place
+//! between two places without penetration is free of penetration.
 //!
 //! [`Params::max_settle_step`]: crate::Params::max_settle_step
 
@@ -14,12 +17,14 @@ use crate::state::State;
 use crate::tick::request::TickRequest;
 use crate::tick::workspace::Workspace;
 
-/// Share per millisecond, on top, of what the coupling of a tool that is behind its hand has and the tool does not bear yet: where substeps
-/// have run out, as after lost packets, it comes in a tenth of a second or two whatever the way.
+/// Rate per millisecond at which a tool catches up with its hand, as a share of the coupling force not yet borne.
+/// Replaces `Params::max_settle_step` where larger. After exhausted substeps, as after lost packets, the tool arrives
+/// within one or two tenths of a second, whatever the distance.
 const CATCH_UP: f64 = 0.03;
 
-/// What the force of each tool may change by in this tick, newtons.
+/// Limits on the change of each tool's force in this tick, newtons.
 pub(crate) struct Settle {
+    /// Limit per tool slot, newtons; infinite without limit.
     most: [f64; MAX_TOOLS],
     objects: usize,
 }
@@ -29,7 +34,7 @@ impl Settle {
         let mut most = [f64::INFINITY; MAX_TOOLS];
         for &t in group {
             let (tool, kept) = (&request.scene.tools[t], &state.tools[t]);
-            // First touch takes what it takes.
+            // The first touch has no limit.
             if !kept.entered || kept.raw.force == Vec3::zeros() {
                 continue;
             }
@@ -48,7 +53,8 @@ impl Settle {
         }
     }
 
-    /// Share of a pass's step after which the first of the group's forces has changed by as much as it may; 1 where none does.
+    /// Returns the share of the substep's step, 0 to 1, at which the first force of the group reaches its limit; 1 if
+    /// none does.
     pub fn share(&self, state: &State, ws: &Workspace, group: &[usize]) -> f64 {
         let mut share = 1.0;
         let substep = &ws.substeps[group.first().copied().unwrap_or(0)];
@@ -58,7 +64,7 @@ impl Settle {
             if most == f64::INFINITY {
                 continue;
             }
-            // Sums of the loads on the objects; the wrench is minus them.
+            // Sum of the loads on the objects, which is minus the wrench.
             let now = state.loads[t * objects..(t + 1) * objects]
                 .iter()
                 .fold(Vec3::zeros(), |sum, load| sum + load.force);
@@ -70,7 +76,7 @@ impl Settle {
             if norm(&(gone + step)) <= most {
                 continue;
             }
-            // Where |gone + share step| is as much as it may be.
+            // Solution of `|gone + share step| = most`.
             let (a, b) = (step.dot(&step), gone.dot(&step));
             let c = gone.dot(&gone) - most * most;
             let root = fmax(b * b - a * c, 0.0).sqrt();

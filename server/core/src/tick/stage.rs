@@ -1,15 +1,15 @@
-//! How the stages of a tick are timed without a clock in the core.
+//! Stages of a tick, and the probe that times them without a clock in the core.
 
 /// Stages of a tick, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Input checks and the free step of tissue.
+    /// Input checks and free step of the tissues.
     Prepare,
     /// Contact prediction: tree against tree.
     Collide,
     /// The constrained optimisation.
     Optimise,
-    /// Loads to the tissue, wrench, ramps.
+    /// Commit of the tissues, wrench and ramps.
     Apply,
     /// State hash.
     Hash,
@@ -26,15 +26,15 @@ impl Stage {
     ];
 }
 
-/// Told when a stage begins; the previous one ends there.
+/// Observer of the stages of a tick. A stage ends when the next begins.
 pub trait StageProbe {
-    /// `stage` begins now.
+    /// Called when `stage` begins.
     fn begin(&mut self, stage: Stage);
-    /// The tick is over.
+    /// Called at the end of the tick.
     fn end(&mut self);
 }
 
-/// Times nothing and costs nothing.
+/// Probe that records nothing and costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoProbe;
 

@@ -1,43 +1,44 @@
-//! One pass of a tick: contacts, the problem made of them, and its answer.
+//! Substep of a tick: contacts, the problem made of them, and its solution.
 
 use crate::blend::{ContactRow, Groups, MAX_SEEDS, Member};
 use crate::contact::{Contact, ContactList, Overflow};
 use crate::optimise::{ProblemRow, Solution};
 
-/// Gap under which a row is taken to have borne load at the end of the last tick, metres: what touched then has none,
-/// and the tick begins where that one ended.
+/// Gap under which a row counts as loaded at the end of the last tick, metres. A row touched then has no gap, and the
+/// tick starts from that pose.
 const TOUCHING: f64 = 1e-6;
 
-/// Contacts, problem and answer of the last pass of one group of tools.
+/// Contacts, problem and solution of the last substep of one group of tools.
 #[derive(Debug)]
 pub(crate) struct Substep {
     pub contacts: ContactList,
-    /// What each row is about.
+    /// Contact rows, in the order of `rows`.
     pub contact_rows: Vec<ContactRow>,
-    /// Contacts of blended objects by tool sphere.
+    /// Contacts with blended objects, grouped by tool sphere and object.
     pub groups: Groups,
     /// Members of the blended rows, row by row.
     pub members: Vec<Member>,
     pub rows: Vec<ProblemRow>,
-    /// What each contact bears, newtons: its row's multiplier, or its shares of those of blended rows.
+    /// Load on each contact, newtons: the multiplier of its row, or the sum of its shares of blended rows.
     pub shares: Vec<f64>,
     pub solution: Solution,
-    /// Keys of the contacts whose rows bore load in the tick's last pass, sorted.
+    /// Keys of the contacts whose rows bore load in the previous substep of this tick, sorted.
     pub bearing: Vec<(u16, u32, u8, u32)>,
-    /// Rows of these contacts in this pass; in a tick's first pass, which knows of no other, those that touch.
+    /// Warm start: rows of the contacts in `bearing`, or the touching rows if `bearing` is empty.
     pub warm_start: Vec<u32>,
-    /// Compliance of the tissue in the rows' directions, row by row; none in a scene where nothing yields.
+    /// Compliance of the tissue in the directions of the rows, row-major, m/N; empty in a scene without yielding
+    /// objects.
     pub gram: Vec<f64>,
-    /// Whether it belongs to this pass.
+    /// Whether `gram` is part of the problem of this substep.
     pub tissue: bool,
-    /// Places in [`Workspace::yielding`] of the tissues that this group's tools came near in this tick.
+    /// Indices in `Workspace::yielding` of the tissues that the group has claimed in this tick.
     pub tissues: Vec<usize>,
-    /// Share of its answer that was applied; none where the solver had no usable one.
+    /// Share of the step that was applied, 0 to 1; `None` without a usable solution.
     pub applied: Option<f64>,
 }
 
 impl Substep {
-    /// Room for so many rows, and so many that share a dense matrix.
+    /// Returns an empty substep with capacity for `rows` rows, and for `dense` rows in the dense matrix.
     pub fn with_capacity(
         (rows, dense): (usize, usize),
         blended: bool,
@@ -75,7 +76,7 @@ impl Substep {
         self.tissues.clear();
     }
 
-    /// Remembers which contacts' rows bear load.
+    /// Stores the keys of the contacts whose rows bear load.
     pub fn note_bearing(&mut self) {
         self.bearing.clear();
         let contacts = self.contacts.as_slice();
@@ -86,8 +87,8 @@ impl Substep {
         self.bearing.sort_unstable();
     }
 
-    /// Finds the rows with which the solver begins: of the contacts that bore load in the last pass, or in a tick's first
-    /// that touch already.
+    /// Selects the rows with which the solver starts: rows of the contacts that bore load in the previous substep.
+    /// Without such contacts, as in the first substep of a tick, the touching rows are selected.
     pub fn find_bearing(&mut self) {
         self.warm_start.clear();
         if self.bearing.is_empty() {
@@ -105,7 +106,7 @@ impl Substep {
         }
     }
 
-    /// Each contact with its load.
+    /// Returns each contact with its load, newtons.
     pub fn loaded(&self) -> impl Iterator<Item = (&Contact, f64)> {
         self.contacts
             .as_slice()
@@ -113,7 +114,7 @@ impl Substep {
             .zip(self.shares.iter().copied())
     }
 
-    /// Shares the multipliers out among the contacts.
+    /// Distributes the multipliers of the rows to the contacts.
     pub fn share_out(&mut self) {
         self.shares.clear();
         self.shares.resize(self.contacts.as_slice().len(), 0.0);

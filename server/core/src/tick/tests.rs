@@ -9,7 +9,7 @@ use crate::*;
 mod apart;
 mod soft_bed;
 
-/// A straight rod of spheres along z, radius 0.25 mm at the tip, whose frame is at the device.
+/// Returns a straight rod of spheres of radius 0.25 mm along z, with its frame at the device.
 pub(crate) fn rod_tool(working_point: Vec3) -> Tool {
     let spheres: Vec<Sphere> = (0..60)
         .map(|k| Sphere {
@@ -69,7 +69,7 @@ fn at(position: Vec3, orientation: Quat) -> TickInput {
     input
 }
 
-/// Tip height `z` above the ball's top pole.
+/// Returns the input with the tip at height `z` above the ball's top pole, metres.
 fn tip_at(z: f64) -> TickInput {
     at(Vec3::new(0.0, 0.0, 0.09025 + z), Quat::identity())
 }
@@ -90,7 +90,7 @@ fn a_press_on_a_rigid_ball_stops_at_the_surface_with_hookes_force() {
     }
     assert!(out.tools[0].converged);
     let force = out.tools[0].wrench.force;
-    // 2 mm deep at 500 N/m, less the f32 of the input.
+    // 2 mm deep at 500 N/m, up to the f32 precision of the input.
     assert!(
         (force.z - 1.0).abs() < 1e-3 && force.x.abs() < 1e-4,
         "{force:?}"
@@ -121,7 +121,7 @@ fn loads_on_objects_are_the_wrench_and_the_coupling() {
         }
         let tool = &scene.tools[0];
         let o = &out.tools[0];
-        // From the multipliers, summed again here.
+        // Wrench from the multipliers, summed independently.
         let mut from_lambda = Wrench::ZERO;
         for (contact, lambda) in ws.contacts() {
             assert!(lambda >= 0.0);
@@ -131,7 +131,7 @@ fn loads_on_objects_are_the_wrench_and_the_coupling() {
         let from_lambda = from_lambda.moved(&(o.haptic.orientation * tool.working_point));
         assert!(norm(&(from_lambda.force - o.raw_wrench.force)) < 1e-9);
         assert!(norm(&(from_lambda.torque - o.raw_wrench.torque)) < 1e-9);
-        // From the coupling: G (q_g - q_h).
+        // Wrench from the coupling: G (q_g - q_h).
         let stretch =
             o.graphic.transform(&tool.working_point) - o.haptic.transform(&tool.working_point);
         let spring = Wrench {
@@ -187,7 +187,7 @@ fn a_yielding_ball_shares_the_press_by_both_compliances() {
 fn entry_travels_from_the_park_pose_and_the_force_ramps() {
     let scene = scene(vec![ball(0.01, TissueModel::Rigid)]);
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-    // The hand comes in already deep inside the ball.
+    // The hand starts deep inside the ball.
     let mut last = 0.0;
     for k in 0..300 {
         let out = tick(&scene, &mut state, &mut ws, &tip_at(-0.002), &mut NoProbe);
@@ -239,7 +239,7 @@ fn the_same_inputs_give_the_same_hashes_from_a_snapshot_and_a_fresh_workspace() 
     let mut restored = State::from_bytes(&scene, &snapshot).expect("own bytes");
     assert_eq!(restored.to_bytes(), snapshot);
     for k in 200..400 {
-        // A fresh workspace every tick: nothing in it may outlive one.
+        // A fresh workspace in every tick: no cache may affect a result.
         let mut fresh = Workspace::new(&scene);
         let hash = tick(&scene, &mut restored, &mut fresh, &input(k), &mut NoProbe).hash;
         assert_eq!(hash, hashes[k as usize], "tick {k}");
@@ -270,7 +270,7 @@ fn one_flipped_bit_of_input_changes_the_hash() {
 
 #[test]
 fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
-    // A plate so dense that 16 rows cannot hold what lies within d.
+    // The plate is so dense that 16 rows cannot hold the contacts within `d`.
     let spheres: Vec<Sphere> = (0..400)
         .map(|k| Sphere {
             centre: Vec3::new(
@@ -296,11 +296,11 @@ fn a_full_contact_list_is_said_and_nothing_is_passed_through() {
             &mut NoProbe,
         );
         full |= out.tools[0].status & status::CONTACTS_FULL != 0;
-        // The tip (device at 90.25 mm above it) stays above the plate's crest.
+        // The tip, 90.25 mm below the device, stays above the plate's crest.
         assert!(out.tools[0].graphic.position.z > 0.09025 - 1e-4, "tick {k}");
     }
     assert!(full);
-    // And the way back is open: a full list must not hold the tool.
+    // A full list must not hold the tool on its way back.
     let mut lag = f64::INFINITY;
     for k in 0..300 {
         let out = tick(
@@ -434,7 +434,7 @@ fn a_device_that_sends_only_unusable_poses_is_let_go() {
     assert!((last - 1.0).abs() < 1e-3, "{last}");
 }
 
-/// A bumpy plate, its spheres blended or not.
+/// Returns a bumpy plate of spheres with blend length `blend`, metres; 0 for hard spheres.
 fn plate(blend: f64) -> Object {
     let spheres: Vec<Sphere> = (0..900)
         .map(|k| Sphere {
@@ -457,7 +457,7 @@ fn plate(blend: f64) -> Object {
     plate
 }
 
-/// Over the plate, 1 mm deep, tilted.
+/// Returns the input of tick `k` over the plate: tilted, down to 1 mm deep.
 fn over_plate(k: u32) -> TickInput {
     let s = f64::from(k) / 400.0;
     let tilt = exp_rotation(&Vec3::new(0.2 * s, -0.1 * s, 0.05));
@@ -490,7 +490,7 @@ fn on_a_blended_surface_contacts_add_up_to_the_wrench_and_to_the_loads() {
         assert!(norm(&(at_hand.force - o.raw_wrench.force)) < 1e-9);
         assert!(norm(&(at_hand.torque - o.raw_wrench.torque)) < 1e-9);
         assert!(norm(&(state.loads[0].force + sum.force)) < 1e-9);
-        // And the coupling: G (q_g - q_h).
+        // Wrench from the coupling: G (q_g - q_h).
         let stretch =
             o.graphic.transform(&tool.working_point) - o.haptic.transform(&tool.working_point);
         let spring = stretch * tool.stiffness_n_per_m;

@@ -1,4 +1,4 @@
-//! Scratch of a tick.
+//! Workspace: scratch and caches of a tick.
 
 use crate::MAX_TOOLS;
 use crate::blend::{Blender, Core, cores};
@@ -14,50 +14,50 @@ use crate::tick::yielding::Yielding;
 use crate::tissue::{Site, SiteLoad, TissueModel};
 use crate::tree::Sphere;
 
-/// Scratch of a tick, sized when the scene loads. What outlives a tick in it saves work and never
-/// shows in a result: a fresh one gives the same bits.
+/// Scratch and caches of a tick, allocated when the scene loads. A cache saves work and never affects a result: a fresh
+/// workspace gives the same bits.
 #[derive(Debug)]
 pub struct Workspace {
     pub(crate) predictor: Predictor,
-    /// What each tool can come near at all.
+    /// Broad phase: the objects that each tool can come near.
     pub(crate) broad: Broad,
-    /// Per tool, or in the first tool's place where both share one problem.
+    /// Last substep of each group, at the slot of its first tool.
     pub(crate) substeps: [Substep; MAX_TOOLS],
     pub(crate) active_set: ActiveSet,
     pub(crate) blender: Blender,
-    /// Cores of each object's nodes; none where it is not blended.
+    /// Cores of the nodes of each object; empty for an object without blending.
     pub(crate) cores: Vec<Vec<Core>>,
-    /// Gaps of the rows, to choose among them.
+    /// Scratch: gaps of the rows, for the selection of the smallest.
     pub(crate) gaps: Vec<f64>,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
     pub(crate) loads: Vec<Wrench>,
-    /// What can yield, in the order of the scene's objects.
+    /// Yielding objects, in the order of the scene's objects.
     pub(crate) yielding: Vec<Yielding>,
-    /// For each object its place in `yielding`.
+    /// Index in `yielding` of each object; `None` for a rigid object.
     pub(crate) slots: Vec<Option<usize>>,
-    /// Places in `yielding` of what was request in this tick: all that is not at rest, or has a tool near.
+    /// Indices in `yielding` of the tissues evaluated in this tick: out of rest, driven by the hands, or near a tool.
     pub(crate) awake: Vec<usize>,
-    /// Whose pass each of `yielding` belongs to in this tick.
+    /// Index of the substep that owns each tissue in this tick; `None` without an owner.
     pub(crate) owners: Vec<Option<usize>>,
-    /// What ends a query at the first pair.
+    /// Contact list of capacity 1, which ends a query at the first pair.
     pub(crate) any: ContactList,
-    /// As many zeros as the longest configuration has numbers.
+    /// Zeros, as many as the longest configuration has numbers.
     pub(crate) zeros: Vec<f64>,
-    /// Graphic poses and loads as the tick began.
+    /// Graphic poses and loads at the start of the tick.
     pub(crate) before: ([Pose; MAX_TOOLS], Vec<Wrench>),
-    /// Whether both tools always share one problem: for tests.
+    /// Whether both tools always share one problem; for tests.
     pub(crate) together: bool,
-    /// Places in `yielding` of the pockets, and the balls outside of which no tip reads them.
+    /// Indices in `yielding` of the pockets, each with the ball outside of which no tip reads the pocket.
     pub(crate) pockets: Vec<(usize, Sphere)>,
     pub(crate) tick_loads: Vec<SiteLoad>,
-    /// Largest distance of a sphere from the working point, per tool, metres.
+    /// Largest distance of a sphere's centre from the working point, per tool, metres.
     pub(crate) levers: [f64; MAX_TOOLS],
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Workspace {
-    /// Scratch for `scene`.
+    /// Returns the workspace for `scene`.
     pub fn new(scene: &Scene) -> Self {
         let yielding = Yielding::all(scene);
         let blended = (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
@@ -118,15 +118,17 @@ impl Workspace {
         }
     }
 
-    /// Contacts of each tool's last problem, sorted, with their loads (newtons): what a test, a view or
-    /// an audit wants to know. A load is the multiplier of the contact's row; on a blended surface
-    /// the sum of its shares in the rows' multipliers. Normals times loads add up to the wrench.
+    /// Returns the contacts of the last problem of each group, sorted, with their loads in newtons; for tests, views
+    /// and audits.
+    ///
+    /// The load of a hard contact is the multiplier of its row. On a blended surface the load is the sum of the
+    /// contact's shares in the multipliers of the rows. Normals times loads add up to the wrench.
     pub fn contacts(&self) -> impl Iterator<Item = (&Contact, f64)> {
         self.substeps.iter().flat_map(Substep::loaded)
     }
 
-    /// The last problem of each tool (or of both together) and its answer, for an independent solver to
-    /// judge.
+    /// Returns the last problem of each group with its solution, for a check by an independent solver. A group is one
+    /// tool, or both together.
     pub fn last_problems(&self, scene: &Scene) -> impl Iterator<Item = (Problem<'_>, &Solution)> {
         let contact_compliance = scene.params.contact_compliance;
         let max_iterations = usize::from(scene.params.max_iterations);
@@ -146,8 +148,8 @@ impl Workspace {
         })
     }
 
-    /// The same, except that contact prediction traverses the trees anew in every pass: slower, the same
-    /// bits. For tests and measurements.
+    /// Returns a workspace without caches in contact prediction: the trees are traversed in every substep. Slower, the
+    /// same bits; for tests and measurements.
     pub fn plain(scene: &Scene) -> Self {
         Self {
             predictor: Predictor::plain(scene),
@@ -155,7 +157,7 @@ impl Workspace {
         }
     }
 
-    /// The same, except that both tools always share one problem: slower, and the same to rounding. For tests.
+    /// Returns a workspace in which both tools always share one problem. Slower, the same up to rounding; for tests.
     pub fn together(scene: &Scene) -> Self {
         Self {
             together: true,
@@ -163,24 +165,24 @@ impl Workspace {
         }
     }
 
-    /// What contact prediction did since this workspace was made.
+    /// Returns the counts of contact prediction since this workspace was created.
     pub fn work(&self) -> Work {
         self.predictor.work()
     }
 
-    /// Present configuration of object `k` at the end of the last tick (displacements), empty for
-    /// a rigid one.
+    /// Returns the configuration of object `k` at the end of the last tick: displacements from rest; empty for a rigid
+    /// object.
     pub fn shape_of(&self, k: usize) -> &[f64] {
         self.slots[k].map_or(&[], |slot| &self.yielding[slot].shape)
     }
 
-    /// Whether object `k` was touched in the last tick or is on its way back to rest; never a rigid one.
+    /// Whether object `k` was touched in the last tick or is on its way back to rest; false for a rigid object.
     pub fn is_awake(&self, k: usize) -> bool {
         self.slots[k].is_some_and(|slot| !self.yielding[slot].still)
     }
 
-    /// How far the carriers of object `k`'s [`crate::DisplaySkin`] had gone at the end of the last tick, by index, world axes,
-    /// metres.
+    /// Returns the displacements of the carriers of object `k`'s [`crate::DisplaySkin`] at the end of the last tick, by
+    /// index, world axes, metres.
     pub fn carriers_moved(&self, scene: &Scene, k: usize) -> Vec<Vec3> {
         let (object, shape) = (&scene.objects[k], self.shape_of(k));
         if let TissueModel::Surface(_) = object.tissue {
@@ -197,8 +199,8 @@ impl Workspace {
         moved
     }
 
-    /// Centres of the nodes `ids` of object `k` at the end of the last tick, world axes, metres; false
-    /// for a rigid object, whose centres are the tree's.
+    /// Writes the centres of the nodes `ids` of object `k` at the end of the last tick to `out`, world axes, metres.
+    /// Returns false for a rigid object, whose centres are those of the tree.
     pub fn centres_of(&self, k: usize, ids: &[u32], out: &mut [Vec3]) -> bool {
         let Some(slot) = self.slots[k] else {
             return false;

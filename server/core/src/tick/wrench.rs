@@ -1,20 +1,21 @@
-//! From the raw wrench to what a hand is sent: ramp, clamp, slew. All inside the tick, so that
-//! recorded wrenches replay.
+//! Limited wrench for the hand: ramp, clamp and slew of the raw wrench. All three run inside the tick, so that recorded
+//! wrenches replay.
 
 use crate::math::{Vec3, Wrench, fmin, norm};
 use crate::output::status;
 use crate::scene::params::Params;
 
-/// What bears on the wrench besides the contacts.
+/// Conditions on the wrench besides the contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Conditions {
-    /// Full strength is wanted: present, fresh and not paused.
+    /// Whether full strength is wanted: tool present, pose fresh, no pause, problem solved.
     pub wanted: bool,
-    /// Force limit in force, newtons.
+    /// Force limit in this tick, newtons.
     pub force_limit: f64,
 }
 
-/// Ramp, clamp and slew one wrench. Returns what to send, the new ramp value and status bits.
+/// Applies ramp, clamp and slew to one wrench. Returns the wrench to send, the new ramp value (0 to 1) and status bits.
+/// A value that is not finite gives a zero wrench and [`status::FAULT`].
 pub(crate) fn limited(
     raw: &Wrench,
     sent: &Wrench,
@@ -55,7 +56,7 @@ pub(crate) fn limited(
             params.max_torque_step * ms,
             status::SLEW_LIMITED,
         );
-    // Where a limit was lowered the slew leads down to it; the scene's own limits hold at once.
+    // After a lowered limit the slew leads down to it. The scene's own limits hold at once.
     let force = clamp(force, params.max_force, status::SATURATED);
     let torque = clamp(torque, params.max_torque, status::SATURATED);
     let wrench = Wrench { force, torque };

@@ -1,4 +1,4 @@
-//! Tissue in a tick: where it is, its part of the problem, and where it goes under the answer.
+//! Tissue in a tick: its configuration, its part of the problem, and its target under the multipliers.
 
 use crate::blend::ContactRow;
 use crate::contact::soft::SoftNeighbours;
@@ -12,39 +12,41 @@ use crate::tissue::{Gram, Hands, Tissue, refit};
 use crate::tree::Node;
 use crate::{MAX_TOOLS, Scene};
 
-/// An object that can yield, in a workspace.
+/// Yielding object in a workspace.
 #[derive(Debug)]
 pub(crate) struct Yielding {
     /// Index in the scene.
     pub object: usize,
-    /// Its model, made ready.
+    /// Tissue model, prepared for this object.
     pub model: Box<dyn Tissue>,
-    /// Present configuration.
+    /// Present configuration: displacements from rest.
     pub shape: Vec<f64>,
-    /// Configuration at the end of the tick if nothing touched it.
+    /// Configuration at the end of the tick without contact.
     pub free: Vec<f64>,
-    /// Configuration under the multipliers, and how far the spheres would go there, metres.
+    /// Configuration under the multipliers.
     target: Vec<f64>,
+    /// Largest motion of a sphere from `shape` to `target`, metres.
     to_target: f64,
-    /// Whether it is at rest, would stay there and is not touched: then it costs nothing.
+    /// Whether the tissue is at rest, stays at rest and is not touched. Such a tissue costs nothing.
     pub still: bool,
-    /// Whether the model was request in this tick: not while the state is at rest and nobody comes near.
-    request: bool,
-    /// Whether it must be request in any case.
+    /// Whether the model was evaluated in this tick: false while the state is at rest and no tool is near.
+    evaluated: bool,
+    /// Whether the model must be evaluated in every tick ([`Tissue::goes_by_hands`]).
     goes_by_hands: bool,
-    /// How far its spheres would go to the free configuration, metres.
+    /// Largest motion of a sphere to the free configuration, metres.
     pub relaxing: f64,
-    /// Nodes at the present shape, if `fitted`; not kept while still.
+    /// Nodes at the present shape if `fitted`; invalid while `still`.
     nodes: Vec<Node>,
     fitted: bool,
-    /// What is near each tool.
+    /// Cached neighbours of each tool.
     near: [SoftNeighbours; MAX_TOOLS],
+    /// Indices of all nodes, and scratch for their centres, for a refit.
     ids: Vec<u32>,
     centres: Vec<Vec3>,
 }
 
 impl Yielding {
-    /// All that yields in `scene`, in the order of its objects.
+    /// Returns the yielding objects of `scene`, in the order of its objects.
     pub fn all(scene: &Scene) -> Vec<Self> {
         let ready = scene.objects.iter().enumerate().filter_map(|(k, object)| {
             let model = object
@@ -60,7 +62,7 @@ impl Yielding {
                 target: vec![0.0; len],
                 to_target: 0.0,
                 still: true,
-                request: false,
+                evaluated: false,
                 relaxing: 0.0,
                 nodes: nodes.to_vec(),
                 fitted: false,
@@ -74,36 +76,38 @@ impl Yielding {
         ready.collect()
     }
 
-    /// Whether a tick with `state` in slot `slot` may leave it alone, as the one before did.
+    /// Whether a tick with `state` may skip the tissue in `slot`, as the previous tick did.
     #[inline]
     pub fn may_sleep(&self, state: &State, slot: usize) -> bool {
-        !self.request && !self.goes_by_hands && state.tissue.at_rest(slot)
+        !self.evaluated && !self.goes_by_hands && state.tissue.at_rest(slot)
     }
 
-    /// Where it is as a tick begins; returns how far its spheres moved from where this workspace had them, metres.
+    /// Sets the configurations at the start of a tick. Returns the largest motion of a sphere since the last
+    /// configuration in this workspace, metres.
     pub fn begin(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
         if self.goes_by_hands || !state.tissue.at_rest(slot) {
             return self.evaluate(state, slot, hands);
         }
-        // (An unasked one has been put to rest before.)
-        if !self.request {
+        // Already reset to rest in an earlier tick; nothing to do.
+        if !self.evaluated {
             return 0.0;
         }
         std::mem::swap(&mut self.shape, &mut self.target);
         self.shape.fill(0.0);
         self.free.fill(0.0);
-        (self.still, self.request, self.fitted, self.relaxing) = (true, false, false, 0.0);
+        (self.still, self.evaluated, self.fitted, self.relaxing) = (true, false, false, 0.0);
         self.model.motion(&self.target, &self.shape)
     }
 
-    /// Asks the model where it is and would be; returns how far its spheres moved from where this workspace had them.
+    /// Evaluates the model: present and free configuration. Returns the largest motion of a sphere since the last
+    /// configuration in this workspace, metres.
     pub fn evaluate(&mut self, state: &State, slot: usize, hands: &Hands<'_>) -> f64 {
         std::mem::swap(&mut self.shape, &mut self.target);
         let state = state.tissue.of(slot);
         self.still = self
             .model
             .free_step(state, hands, &mut self.shape, &mut self.free);
-        (self.request, self.fitted) = (true, false);
+        (self.evaluated, self.fitted) = (true, false);
         self.relaxing = if self.still {
             0.0
         } else {
@@ -112,12 +116,13 @@ impl Yielding {
         self.model.motion(&self.target, &self.shape)
     }
 
-    /// Whether the model was request in this tick.
+    /// Whether the model was evaluated in this tick.
     pub fn is_evaluated(&self) -> bool {
-        self.request
+        self.evaluated
     }
 
-    /// How far any sphere is from where it rests, metres; `zeros` are as many as a configuration has, or more.
+    /// Returns the largest distance of a sphere from its place at rest, metres. `zeros` must be at least as long as a
+    /// configuration.
     pub fn displaced(&self, zeros: &[f64]) -> f64 {
         if self.still {
             0.0
@@ -126,18 +131,18 @@ impl Yielding {
         }
     }
 
-    /// Goes all the way to where it would be without contact.
+    /// Sets the configuration to the one without contact.
     pub fn relax(&mut self) {
         self.shape.copy_from_slice(&self.free);
         self.fitted = false;
     }
 
-    /// Nothing that was found at an earlier shape counts any more.
+    /// Invalidates the cached neighbours of all tools.
     pub fn forget(&mut self) {
         self.near.iter_mut().for_each(SoftNeighbours::forget);
     }
 
-    /// Brings the nodes to the present shape.
+    /// Updates the nodes to the present shape.
     fn refit(&mut self) {
         if !self.still && !self.fitted {
             let Self {
@@ -153,8 +158,11 @@ impl Yielding {
         }
     }
 
-    /// Appends every pair of contact spheres of `tool` and this object at its present shape with a gap under
-    /// `d` to `out`.
+    /// Appends to `out` every pair of contact spheres of `tool` and this object with a gap under `d`, at the present
+    /// shape.
+    ///
+    /// # Errors
+    /// The list is full and its overflow mode is `Overflow::Stop`.
     pub fn predict(
         &mut self,
         scene: &Scene,
@@ -182,14 +190,14 @@ impl Yielding {
             }
             predictor.work.unlisted += 1;
         }
-        // The traversal counts itself.
+        // `Predictor::predict` counts the query itself.
         predictor.work.queries -= 1;
         self.refit();
         let nodes = if self.still { at_rest } else { &self.nodes };
         predictor.predict(tool, (index, nodes, object.level), d, out)
     }
 
-    /// Centre of a node at the present shape, whether refit or not, world axes, metres.
+    /// Returns the centre of a node at the present shape, world axes, metres. Needs no refit.
     pub fn centre(&self, scene: &Scene, node: u32) -> Vec3 {
         if self.still {
             return scene.objects[self.object].tree.nodes()[node as usize].centre;
@@ -199,7 +207,7 @@ impl Yielding {
         centre[0]
     }
 
-    /// Goes a share of the way to where the multipliers press it; returns how far its spheres moved at most, metres.
+    /// Moves by `share` of the way to the target configuration. Returns the largest motion of a sphere, metres.
     pub fn advance(&mut self, share: f64) -> f64 {
         if self.still {
             return 0.0;
@@ -212,8 +220,8 @@ impl Yielding {
     }
 }
 
-/// The tissue's part of the problem: compliance and the way from the free shape. False when
-/// nothing touched yields.
+/// Fills in the tissue's part of the problem: the compliance, and the displacement from the free shape in the biases.
+/// Returns false when no touched object yields.
 pub(crate) fn fill_tissue(ws: &mut Workspace, index: usize) -> bool {
     let Substep {
         contacts,
@@ -248,14 +256,14 @@ pub(crate) fn fill_tissue(ws: &mut Workspace, index: usize) -> bool {
             .model
             .add_gram(&ws.sites, &mut Gram::new(gram, m, run.start));
         if yielding.still {
-            // Where it is is where it would be.
+            // The present shape is the free shape: no bias to add.
             continue;
         }
-        // n . (u_k - u0): the rows are written at the present shape, the load acts on the free one.
+        // n . (u_k - u0): the rows are written at the present shape, the load acts on the free shape.
         let mut last = (None, Vec3::zeros());
         for (problem_row, row) in rows[run.clone()].iter_mut().zip(&contact_rows[run]) {
             let contact = about(row);
-            // Rows of one sphere stand together.
+            // Rows of one sphere are adjacent, so its displacement is cached.
             if last.0 != Some(contact.object_sphere) {
                 let mut centre = [Vec3::zeros(); 2];
                 let [now, free] = &mut centre;
@@ -270,8 +278,8 @@ pub(crate) fn fill_tissue(ws: &mut Workspace, index: usize) -> bool {
     true
 }
 
-/// Finds the configurations of the group's tissues under the multipliers; returns the largest motion to there, which each
-/// tissue keeps for [`Yielding::advance`].
+/// Computes the configurations of the group's tissues under the multipliers, and the motion to each for
+/// [`Yielding::advance`]. Returns the largest motion, metres.
 pub(crate) fn yield_target(ws: &mut Workspace, index: usize) -> f64 {
     let substep = &ws.substeps[index];
     let mut motion = 0.0;

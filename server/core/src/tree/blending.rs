@@ -1,4 +1,4 @@
-//! How a tree's spheres are blended: lengths by level, insets by node, and what they must be.
+//! Blending of a tree's spheres: lengths by level, insets by node, and their validation.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,50 +7,53 @@ use crate::math::fmin;
 
 /// Largest blend length, metres.
 const MAX_BLEND: f64 = 0.01;
-/// Shortest blend length that is not none, metres: shorter ones are lost in rounding.
+/// Smallest blend length other than 0, metres. Shorter lengths are lost in rounding.
 pub const MIN_BLEND: f64 = 1e-7;
 
-/// How the spheres of a level are blended into one smooth surface ([`crate::blend`]); empty where
-/// they are touched as they are.
+/// Parameters that blend the spheres of a level into one smooth surface ([`crate::blend`]). Empty for a tree without
+/// blending.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Blending {
-    /// Blend length of each level, root first, metres; 0 where the level's spheres are hard.
+    /// Blend length of each level, root first, metres, 1e-7 to 0.01; 0 for a level without blending.
     pub lengths: Vec<f64>,
-    /// Inset of each node, metres: its core, which is never penetrated, has the contact radius less
-    /// the inset. It belongs to the node's own level; a childless node that stands for itself at a
-    /// finer level has its inset shrunk there as the blend length is.
+    /// Inset of each node, metres, from 0 to less than the contact radius.
+    ///
+    /// The radius of a node's core, which is never penetrated, is the contact radius minus the inset. The inset belongs
+    /// to the node's own level. For a childless node at a finer level the inset shrinks in proportion to the blend
+    /// length.
     pub insets: Vec<f64>,
 }
 
 impl SphereTree {
-    /// The same nodes, blended like that.
+    /// Returns the same nodes with this blending.
     ///
     /// # Errors
-    /// If there is not one length for each level (or none at all) and one inset for each node, a
-    /// length is not 0 to 10 mm, or an inset does not leave a core.
+    /// The number of lengths is not that of the levels, or the number of insets is not that of the nodes. Two empty
+    /// lists are valid. A length is neither 0 nor 1e-7 to 0.01 m. An inset is negative, or not under the contact
+    /// radius.
     pub fn with_blending(mut self, blending: Blending) -> Result<Self, TreeError> {
         blending.validate(&self)?;
         self.blending = blending;
         Ok(self)
     }
 
-    /// How the spheres are blended.
+    /// Returns the blending of the spheres.
     pub fn blending(&self) -> &Blending {
         &self.blending
     }
 
-    /// Blend length at `level`, metres; 0 where the spheres are touched as they are.
+    /// Returns the blend length at `level`, metres; 0 without blending.
     #[inline]
     pub fn blend_at(&self, level: u8) -> f64 {
         let lengths = &self.blending.lengths;
         match lengths.get(usize::from(level)) {
             Some(length) => *length,
-            // Below the finest level there is nothing but it.
+            // Levels below the finest one have its shape.
             None => lengths.last().copied().unwrap_or(0.0),
         }
     }
 
-    /// Radius of the core of node `index` when the tree is in contact at `level`, metres.
+    /// Returns the core radius of node `index` for a tree in contact at `level`, metres.
     #[inline]
     pub fn core_radius(&self, index: u32, level: u8) -> f64 {
         let node = &self.nodes[index as usize];

@@ -1,4 +1,4 @@
-//! The system's allocator with each thread's calls counted, for tests of any crate that say that something allocates nothing.
+//! System allocator with a count of calls per thread, for tests that a function allocates nothing.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -31,7 +31,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Calls by this thread so far.
+/// Returns the number of calls of the allocator by this thread.
 pub fn calls() -> u64 {
     CALLS.get()
 }

@@ -1,6 +1,7 @@
-//! What contact prediction keeps from tick to tick saves work and changes nothing: hashes of whole sessions
-//! with it, without it, and with a workspace that forgets everything after each tick. And the work itself,
-//! counted, grows far slower than the number of spheres.
+//! Contact prediction with caches: same results with less work.
+//!
+//! Whole sessions must have the same hashes with caches, without caches, and with a new workspace in every tick. The
+//! work, as a count, must grow far slower than the number of spheres.
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::*;
@@ -42,7 +43,7 @@ fn a_crown_session_has_the_same_hashes_with_and_without_memory() {
     }
     assert!(contact > 800, "in contact in {contact} of {ticks} ticks");
     let work = kept.work();
-    // (Without memory every object is asked in every pass: as often as there are occasions for a list.)
+    // Without caches every pass queries every object: the number of occasions for a list.
     let occasions = plain.work().queries;
     assert_eq!(work.unlisted, 0);
     assert!(work.queries < occasions, "{work:?} of {occasions}");
@@ -54,11 +55,11 @@ fn a_crown_session_has_the_same_hashes_with_and_without_memory() {
     );
 }
 
-/// An ellipsoid the size of a molar as inscribed balls, and a probe's end as a row of beads.
+/// Returns a scene with an ellipsoid of inscribed balls, the size of a molar, and a probe's end as a row of beads.
 fn molar_like(balls: u32) -> Scene {
     let semi_axes = Vec3::new(5e-3, 5.5e-3, 6e-3);
     let inscribed = (0..balls).map(|k| {
-        // Fibonacci's lattice on the sphere.
+        // Fibonacci lattice on the sphere.
         let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(balls);
         let (turn, ring) = (2.399_963_229_728_653 * f64::from(k), (1.0 - z * z).sqrt());
         let on = Vec3::new(ring * libm::cos(turn), ring * libm::sin(turn), z);
@@ -102,8 +103,8 @@ fn molar_like(balls: u32) -> Scene {
     }
 }
 
-/// Spheres tested per tick while the tip is drawn round the top at 12 mm/s, half a millimetre deep, and the tool
-/// turns at 1 rad/s.
+/// Returns the number of spheres tested per tick. The tip moves round the top at 12 mm/s, half a millimetre deep, and
+/// the tool turns at 1 rad/s.
 fn tested_per_tick(scene: &Scene, ws: &mut Workspace) -> f64 {
     let mut state = State::new(scene);
     let (mut contact, mut before) = (0, 0);

@@ -1,5 +1,5 @@
-//! The tick's solver before its judge: the same problems through `active_set` and Clarabel, and
-//! each answer before the optimality conditions themselves.
+//! Solver of the tick against a reference: the same problems with `active_set` and Clarabel. Each answer must also
+//! satisfy the optimality conditions.
 
 // A test, not the core: its own arithmetic need not be bit-identical.
 #![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
@@ -58,8 +58,8 @@ impl Dice {
     }
 }
 
-/// A row of a tool sphere at `arm` from the working point, touched along `normal`, whose gap at
-/// the unconstrained optimum is `bias`.
+/// Returns the row of a tool sphere at `arm` from the working point with the contact normal `normal`. `bias` is the gap
+/// at the unconstrained optimum.
 fn row(normal: Vec3, arm: Vec3, bias: f64, tool: u8) -> ProblemRow {
     let (n, m) = (normal / KT.sqrt(), arm.cross(&normal) / KR.sqrt());
     ProblemRow {
@@ -111,7 +111,7 @@ fn rows(family: Family, m: usize, dice: &mut Dice) -> Vec<ProblemRow> {
     rows
 }
 
-/// Compliance of soft tissue under the rows: an exponential kernel, positive definite.
+/// Returns the compliance of soft tissue under the rows: an exponential kernel, positive definite.
 fn tissue(m: usize, dice: &mut Dice) -> Vec<f64> {
     let at: Vec<f64> = (0..m).map(|_| dice.range(0.0, 4.0)).collect();
     let compliance = dice.range(1e-5, 5e-3);
@@ -119,8 +119,8 @@ fn tissue(m: usize, dice: &mut Dice) -> Vec<f64> {
     (0..m * m).map(entry).collect()
 }
 
-/// Largest difference of the two answers' poses, millimetres: translation, and rotation at 20 mm
-/// from the working point.
+/// Returns the largest difference of the two answers' poses, millimetres: translation, and rotation at 20 mm from the
+/// working point.
 fn pose_difference_mm(a: &Solution, b: &Solution) -> f64 {
     let part =
         |s: &Solution, at: usize, root: f64| Vec3::new(s.y[at], s.y[at + 1], s.y[at + 2]) / root;
@@ -133,7 +133,7 @@ fn pose_difference_mm(a: &Solution, b: &Solution) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Rows that a tick can hold.
+/// Largest number of rows in a problem.
 const CAPACITY: usize = 512;
 
 #[test]
@@ -151,7 +151,7 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
     for set in 0..SETS {
         let family = FAMILIES[set % FAMILIES.len()];
         let m = match set % 50 {
-            // Rarely as many as a tick can hold: a flat tool on a flat face.
+            // Occasional full capacity: a flat tool on a flat face.
             0 if set % 500 == 0 => CAPACITY,
             0 => 120,
             k if k < 10 => 30,
@@ -159,7 +159,7 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
         };
         let rows = rows(family, m, &mut dice);
         let compliance = (set / FAMILIES.len() % 4 == 3).then(|| tissue(m, &mut dice));
-        // The tick's eps, and the prototype's.
+        // Contact compliances of the prototype (1e-7) and of the tick's default (1e-8), m/N.
         let contact_compliance = if set % 2 == 0 { 1e-7 } else { 1e-8 };
         let problem = Problem {
             rows: &rows,
@@ -202,7 +202,7 @@ fn both_solvers_agree_on_ten_thousand_row_sets() {
     );
 }
 
-/// The judge in the tick begins with the rows that are violated most: it must end where it would with all of them.
+/// Clarabel in the tick starts with the most violated rows. The result must equal that with all rows.
 #[test]
 fn rows_that_are_added_as_they_are_violated_end_where_all_of_them_do() {
     const SETS: usize = 600;
@@ -215,7 +215,7 @@ fn rows_that_are_added_as_they_are_violated_end_where_all_of_them_do() {
     let mut kkt = [0.0_f64; 2];
     for set in 0..SETS {
         let m = match set % 100 {
-            // As many as there is room for on tissue.
+            // Full capacity of a problem on tissue.
             0..=5 => 256,
             _ => 20 + (dice.unit() * 60.0) as usize,
         };
@@ -275,7 +275,7 @@ fn numbers_that_are_not_finite_give_no_answer() {
                 match place {
                     0 => rows[2].bias = bad,
                     1 => rows[2].a[4] = bad,
-                    // (It is symmetric.)
+                    // The matrix is symmetric.
                     _ => (soft[2], soft[2 * m]) = (bad, bad),
                 }
                 let problem = Problem {
@@ -287,7 +287,8 @@ fn numbers_that_are_not_finite_give_no_answer() {
                 };
                 let mut own = ActiveSet::with_capacity(m);
                 let solvers: [&mut dyn ContactSolver; 3] = [&mut Clarabel, &mut AllRows, &mut own];
-                // (The tick's own solver looks at biases; in a tick they are made of the rows, and not finite where these are not.)
+                // The tick's own solver checks the biases only. In a tick biases are computed from the rows, and are
+                // not finite where rows are not.
                 for solver in solvers.into_iter().take(if place == 0 { 3 } else { 2 }) {
                     solver.solve(&problem, &mut solution);
                     let status = solution.status;

@@ -1,4 +1,4 @@
-//! The tick: judged by Clarabel, coherent with its own caches.
+//! Integration tests of the tick: comparison with the solver Clarabel, and comparison with and without caches.
 
 mod coherence;
 mod judge;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::math::{Pose, exp_rotation, fmax};
 
-/// Centres of spheres under the upper side of a bent sheet, two deep, and vertices above them.
+/// Returns centres of spheres in an uneven layer under a bent sheet, and vertices on the sheet.
 fn sheet() -> (Vec<(u32, Vec3)>, Vec<Vec3>) {
     let height = |x: f64, y: f64| 0.02 - 8.0 * x * x - 5.0 * y * y;
     let mut centres = Vec::new();
@@ -13,7 +13,7 @@ fn sheet() -> (Vec<(u32, Vec3)>, Vec<Vec3>) {
                 4e-3 * (j + 0.3 * libm::cos(2.0 * i + j)),
             );
             let depth = 4e-3 + 1.5e-3 * libm::sin(1.7 * i - 2.9 * j);
-            // Nodes of a tree are numbered with gaps.
+            // Ids with gaps, as the nodes of a tree have.
             let id = 2 * centres.len() as u32 + 3;
             centres.push((id, Vec3::new(x, y, height(x, y) - depth)));
         }
@@ -30,10 +30,10 @@ fn sheet() -> (Vec<(u32, Vec3)>, Vec<Vec3>) {
     (centres, vertices)
 }
 
-/// By node of the tree, how far its sphere goes.
+/// Returns the displacement of each sphere, by node of the tree.
 fn field(centres: &[(u32, Vec3)], of: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
     let nodes = centres.iter().map(|(id, _)| *id + 1).max().unwrap_or(0);
-    // What carries nothing must not be read.
+    // NaN in unused nodes detects a read of them.
     let mut moved = vec![Vec3::repeat(f64::NAN); nodes as usize];
     for (id, at) in centres {
         moved[*id as usize] = of(at);
@@ -125,7 +125,7 @@ fn nothing_jumps_along_the_surface_whatever_the_nearest_spheres_are() {
         })
         .collect();
     let skin = DisplaySkin::new(&centres, &line);
-    // As rough as a field on the spheres can be.
+    // Roughest possible field on the spheres.
     let rough = field(&centres, |p| {
         Vec3::new(
             libm::sin(9e4 * p.x),
@@ -139,14 +139,14 @@ fn nothing_jumps_along_the_surface_whatever_the_nearest_spheres_are() {
     let kink = slopes
         .windows(2)
         .fold(0.0, |most, s| fmax(most, norm(&(s[1] - s[0]))));
-    // Neighbours 2 um apart differ by next to nothing, and so do the slopes between them: no facet begins.
+    // Vertices 2 um apart differ by almost nothing, and so do the slopes between them: no facet edge.
     assert!(steepest * 2e-6 < 0.01, "{steepest} per metre");
     assert!(kink < 0.02 * steepest, "{kink} of {steepest}");
 }
 
 #[test]
 fn what_lies_beside_too_few_or_flat_spheres_follows_their_mean() {
-    // One plane of centres, and vertices off it.
+    // Centres in one plane, vertices off the plane.
     let flat: Vec<(u32, Vec3)> = (0..49_u32)
         .map(|k| (k, Vec3::new(f64::from(k % 7), f64::from(k / 7), 0.0) * 2e-3))
         .collect();

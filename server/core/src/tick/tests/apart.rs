@@ -1,11 +1,11 @@
-//! Two tools with a problem each, and many parts: what is left out never shows, and parts that no tool is near are not
-//! looked at.
+//! Tests of two tools with separate problems, and of scenes with many objects. Skipped work never affects a result.
+//! Objects without a tool near are not evaluated.
 
 use super::soft_bed::bed;
 use super::*;
 use crate::math::exp_rotation;
 
-/// A bed of springs with its middle at `x`, y = 0.
+/// Returns a bed of springs centred at `x` (metres), y = 0.
 fn bed_at(x: f64) -> Object {
     let mut object = bed(16);
     let spheres: Vec<Sphere> = object
@@ -20,7 +20,8 @@ fn bed_at(x: f64) -> Object {
     object
 }
 
-/// Two rods over two beds 20 mm apart, each with a rigid ball under it, and `far` beds and balls where no rod comes.
+/// Returns a scene of two rods over two beds 20 mm apart, each with a rigid ball below. Another `far` soft and `far`
+/// rigid beds lie out of reach of the rods.
 fn two_beds(far: usize) -> Scene {
     let mut objects = vec![bed_at(-0.01), bed_at(0.01)];
     for x in [-0.01, 0.01] {
@@ -44,7 +45,7 @@ fn two_beds(far: usize) -> Scene {
     scene
 }
 
-/// Both rods pressed in, lifted, drawn about and tilted; `between` metres apart.
+/// Returns the input of both rods, `between` metres apart: pressed in, lifted, moved around and tilted.
 fn both(k: u32, between: f64) -> TickInput {
     let mut input = TickInput::IDLE;
     for (t, slot) in input.tools.iter_mut().enumerate() {
@@ -69,7 +70,7 @@ fn both(k: u32, between: f64) -> TickInput {
     input
 }
 
-/// Largest difference between two runs' poses (metres, radians), forces sent (newtons) and tissues (metres).
+/// Returns the largest difference between two runs: poses (metres, radians), forces sent (newtons), tissues (metres).
 fn differ(a: (&TickOutput, &State), b: (&TickOutput, &State)) -> f64 {
     let tools = a.0.tools.iter().zip(&b.0.tools).map(|(a, b)| {
         let turn = a.graphic.orientation * b.graphic.orientation.inverse();
@@ -88,14 +89,14 @@ fn differ(a: (&TickOutput, &State), b: (&TickOutput, &State)) -> f64 {
 #[test]
 fn tools_that_touch_different_things_have_the_same_answer_apart_and_together() {
     let mut scene = two_beds(0);
-    // From one state and in one pass both have the same rows; later passes begin where each came to.
+    // From one state both runs have the same rows in the first substep. Later substeps start from different poses.
     scene.params.max_substeps = 1;
     let mut apart = (State::new(&scene), Workspace::new(&scene));
     let mut joint = (State::new(&scene), Workspace::together(&scene));
     let (mut touched, mut most) = (0, 0.0);
     for k in 0..3000 {
         let input = both(k, 0.02);
-        // From one state: small differences must not add up.
+        // Same state in both runs: small differences must not add up.
         joint.0 = apart.0.clone();
         let a = tick(&scene, &mut apart.0, &mut apart.1, &input, &mut NoProbe);
         let b = tick(&scene, &mut joint.0, &mut joint.1, &input, &mut NoProbe);
@@ -137,7 +138,7 @@ fn both_tools_on_one_tissue_share_a_problem() {
 
 #[test]
 fn a_tissue_that_both_reach_late_in_a_tick_begins_it_anew_and_nothing_shows() {
-    // The second rod comes over to the first one's bed and goes back, fast: a pass sees a little of the way.
+    // The second rod moves to the first rod's bed and back, fast: a substep covers only a part of the way.
     let scene = two_beds(2);
     let mut kept = (State::new(&scene), Workspace::new(&scene));
     let mut plain = (State::new(&scene), Workspace::plain(&scene));
@@ -157,7 +158,7 @@ fn a_tissue_that_both_reach_late_in_a_tick_begins_it_anew_and_nothing_shows() {
         touched += u32::from(both);
         joint += u32::from(both && kept.1.last_problems(&scene).count() == 1);
         if k % 97 == 0 {
-            // From a snapshot, with a workspace that knows nothing.
+            // Restored from a snapshot, with a fresh workspace.
             let bytes = kept.0.to_bytes();
             let back = State::from_bytes(&scene, &bytes).expect("its own bytes");
             assert_eq!(back, kept.0);
@@ -179,7 +180,7 @@ fn what_is_not_near_costs_no_query_no_list_and_a_byte() {
         let mut longest = 0;
         for k in 0..1500 {
             if k == 100 {
-                // The tools have come in.
+                // The tools have entered.
                 begun = ws.work();
             }
             tick(&scene, &mut state, &mut ws, &both(k, 0.02), &mut NoProbe);
@@ -196,9 +197,9 @@ fn what_is_not_near_costs_no_query_no_list_and_a_byte() {
     let (few, many) = (run(0), run(10));
     assert_eq!(few.0, many.0, "queries, lists, unlisted");
     assert!(few.0[0] > 1000);
-    // Twenty parts more, two tools: hardly a bound in a tick.
+    // Twenty more objects and two tools: less than one more bound per tick.
     assert!(many.1 - few.1 < 1400, "{} and {} bounds", few.1, many.1);
-    // A load by each tool on each part, and each bed's tissue.
+    // A byte for the load by each tool on each object, and a byte for each soft bed's tissue.
     assert_eq!(many.2 - few.2, 2 * 20 + 10);
 }
 
@@ -231,7 +232,7 @@ fn a_tissue_at_rest_has_no_numbers_in_the_bytes_and_none_may_be_put_there() {
         .count();
     assert!(loads > 0);
     assert_eq!(bytes.len(), rest + 8 * numbers + 48 * loads);
-    // The same with the first bed's numbers all zero: a tissue at rest that takes room.
+    // The same bytes with zeros as the first bed's numbers: a tissue at rest must take no room.
     let tail = 3 * MAX_TOOLS;
     let end = bytes.len() - tail - 1;
     let mut zeros = bytes.clone();
@@ -241,7 +242,7 @@ fn a_tissue_at_rest_has_no_numbers_in_the_bytes_and_none_may_be_put_there() {
         State::from_bytes(&scene, &zeros),
         Err(state::StateError::Value { .. })
     ));
-    // Cut, lengthened, of another version.
+    // Truncated, extended, or of another version.
     for cut in [0, 1, 17, bytes.len() / 2, bytes.len() - 1] {
         assert!(State::from_bytes(&scene, &bytes[..cut]).is_err(), "{cut}");
     }

@@ -1,8 +1,8 @@
-//! Tools on a bed of spheres, each on its own spring.
+//! Tests of tools on a bed of spheres, each sphere on its own spring.
 
 use super::*;
 
-/// `n` by `n` spheres of 0.3 mm, `spacing` apart, whose tops are at z = 0.
+/// Returns `n` by `n` spheres of radius 0.3 mm, `spacing` metres apart, with their tops at z = 0.
 fn spheres(n: i32, spacing: f64) -> Vec<Sphere> {
     let place = |k: i32| spacing * (f64::from(k) - 0.5 * f64::from(n - 1));
     (0..n * n)
@@ -50,7 +50,7 @@ fn what_is_kept_of_a_tissue_never_shows() {
         touched += u32::from(a.tools[0].active > 0);
     }
     assert!(touched > 1000, "{touched} ticks in contact");
-    // What makes lists tests eight spheres at once and counts them all.
+    // Construction of a list tests eight spheres at once and counts all of them.
     let (lists, plainly) = (kept.1.work().lists, plain.1.work().tested);
     let kept = kept.1.work().tested / 8;
     assert!(2 * kept < plainly, "{kept} tests and {plainly}");
@@ -60,7 +60,7 @@ fn what_is_kept_of_a_tissue_never_shows() {
 
 #[test]
 fn more_rows_than_a_dense_problem_holds_are_said_and_the_nearest_kept() {
-    // A plate of 400 spheres comes down flat on a bed of as many.
+    // A plate of 400 spheres comes down flat on a bed of 400 spheres.
     let mut scene = scene(vec![bed(20)]);
     let plate: Vec<Sphere> = spheres(20, 2.5e-4)
         .into_iter()
