@@ -39,6 +39,7 @@ pub use record::row::Row;
 pub use record::statement::{SessionEnd, SignedStatement, Statement};
 pub use record::verify::{Signature, Signed, Verdict, verify};
 pub use record::viewers::Viewers;
+pub use record::writer::{RecordedTick, SessionWriter};
 pub use record::written::WrittenError;
 pub use replay::audit::{AuditReport, AuditRow, audit_tick};
 pub use replay::compare::{Apart, CompareError, ComparisonReport, Side, compare};

@@ -11,7 +11,8 @@ use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{
-    Events, Level, Recorder, Row, SessionEnd, SessionHeader, Shapes, StationKey, Views,
+    Events, RecordedTick, Recorder, Row, SessionEnd, SessionHeader, SessionWriter, Shapes,
+    StationKey,
 };
 
 use super::zones::{entered, zone_line};
@@ -61,13 +62,12 @@ pub fn run(
     header.mode = Some(prepared.mode);
     header.station = "virtual".into();
     header.started_unix_ns = started;
-    let (mut recorder, recording) = Recorder::create_in(folder, &header, &key)?;
+    let (recorder, recording) = Recorder::create_in(folder, &header, &key)?;
 
     let scene = prepared.scene.clone();
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-    recorder.snapshot(started, 0, &state.to_bytes())?;
-    let mut views = Views::open(&scene, &mut recorder, started)?;
-    let (mut sampler, mut shapes) = (views.sampler(), Shapes::new(&scene));
+    let mut writer = SessionWriter::begin(recorder, &scene, started, &state.to_bytes(), None)?;
+    let (mut sampler, mut shapes) = (writer.sampler(), Shapes::new(&scene));
     let (mut cpu, mut wall) = (histogram(), histogram());
     let mut shown = Shown::NOTHING;
     let mut observer = Observer::new(&scene);
@@ -97,37 +97,33 @@ pub fn run(
         observer.observe(&scene, &input, &output, &ws);
         let now = started + k * scene.params.tick_ns();
         let row = Row::new(now, &input, &output);
-        recorder.push(&row)?;
         let due = sampler.is_due(output.tick);
         if due {
             sampler.read(output.tick, &ws, &mut shapes);
         }
-        let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
-        views.tick(
-            &mut recorder,
-            &scene,
-            &row,
-            &output,
-            cpu_ns,
-            due.then_some(&shapes),
-        )?;
-        for said in events.observe(&scene, &output, &ws) {
-            recorder.event(now, said.level(), &said.to_string())?;
-        }
-        for call in calls(&mut prepared.operator) {
-            recorder.event(now, Level::Info, &call.at(k).to_string())?;
-        }
+        let recorded = RecordedTick {
+            row: &row,
+            output: &output,
+            cpu_ns: u32::try_from(cpu_ns).unwrap_or(u32::MAX),
+            shapes: due.then_some(&shapes),
+        };
+        let found = events.observe(&scene, &output, &ws);
+        let called = calls(&mut prepared.operator);
+        let occurrences = found
+            .into_iter()
+            .chain(called.iter().map(|call| call.at(k)));
+        writer.tick(&scene, &recorded, occurrences)?;
         for (_, reading) in entered(&output) {
             bar.say(&zone_line(k as f64 * scene.tick_s(), &reading));
         }
         if k.is_multiple_of(scene.params.ticks_in(SNAPSHOT_EVERY_S)) {
-            recorder.snapshot(now, k, &state.to_bytes())?;
+            writer.snapshot(now, k, &state.to_bytes())?;
         }
         if k.is_multiple_of(500) {
             bar.set("performing", k as f64 / ticks as f64);
         }
     }
-    recorder.finish(SessionEnd {
+    writer.finish(SessionEnd {
         ticks: done,
         exhausted: observer.measures().exhausted,
         ..SessionEnd::default()

@@ -9,19 +9,19 @@ use std::time::Duration;
 use rtrb::{Consumer, Producer};
 use sulcus_core::{Scene, State, TickOutput, Vec3};
 use sulcus_link::Bell;
+use sulcus_link::clock::unix_ns;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{ClientHello, Event};
 use sulcus_sessions::exercise::events::{LOST, Look};
 use sulcus_sessions::{
-    Events, Exercise, Level, Occurrence, RecordError, Recorder, Row, Sampler, SessionEnd,
-    SessionHeader, Shapes, StationKey, Views,
+    Events, Exercise, Level, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
+    SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
 use crate::ServerConfig;
 use crate::session::changes::Changes;
 use crate::session::handoff::Flags;
 use crate::session::levels::InForce;
-use sulcus_link::clock::unix_ns;
 
 /// How often the queue is emptied. It holds four seconds at any rate; the recorder itself flushes every 100 ms
 /// of record time.
@@ -87,7 +87,7 @@ impl Plan {
 }
 
 /// A recorder with header, scene and the state before the first tick, and its file's name.
-pub(crate) struct Open(Recorder, String, Narrator, Views);
+pub(crate) struct Open(SessionWriter, String, Narrator);
 
 /// Finds the events of a session.
 pub(crate) struct Narrator {
@@ -122,7 +122,7 @@ impl Open {
 
     /// What copies the shapes for viewers.
     pub fn sampler(&self) -> Sampler {
-        self.3.sampler()
+        self.0.sampler()
     }
 }
 
@@ -154,7 +154,7 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         ..SessionHeader::new(config.scene_bytes.to_vec())
     };
     let key = station_key(config.station_key.as_deref()).map_err(|error| error.to_string())?;
-    let (mut recorder, path) = Recorder::create_in(&config.recordings, &header, &key)
+    let (recorder, path) = Recorder::create_in(&config.recordings, &header, &key)
         .map_err(|error| error.to_string())?;
     let name = path
         .file_name()
@@ -162,13 +162,11 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
         .to_string_lossy()
         .into_owned();
     let begin = State::new(&config.scene).to_bytes();
-    let views = recorder
-        .snapshot(plan.started_unix_ns, 0, &begin)
-        .and_then(|()| recorder.event(plan.started_unix_ns, Level::Info, &plan.client))
-        .and_then(|()| Views::open(&config.scene, &mut recorder, plan.started_unix_ns))
+    let (started, opening) = (plan.started_unix_ns, Some(plan.client.as_str()));
+    let mut writer = SessionWriter::begin(recorder, &config.scene, started, &begin, opening)
         .map_err(|error| error.to_string())?;
-    recorder.flush().map_err(|error| error.to_string())?;
-    Ok(Open(recorder, name, Narrator::new(config), views))
+    writer.flush().map_err(|error| error.to_string())?;
+    Ok(Open(writer, name, Narrator::new(config)))
 }
 
 /// The key that signs recordings: in the file named, else at its usual place; made on first use.
@@ -186,11 +184,10 @@ pub(crate) fn spawn(
     flags: Arc<Flags>,
     bell: Bell,
 ) -> std::io::Result<JoinHandle<Report>> {
-    let Open(recorder, file_name, narrator, views) = open;
+    let Open(writer, file_name, narrator) = open;
     let thread = Thread {
-        recorder,
+        writer,
         narrator,
-        views,
         look: None,
         shapes: None,
         changes: Changes::default(),
@@ -222,9 +219,8 @@ impl Drop for Alarm {
 }
 
 struct Thread {
-    recorder: Recorder,
+    writer: SessionWriter,
     narrator: Narrator,
-    views: Views,
     /// The newest.
     look: Option<(u64, Vec<Vec3>)>,
     /// The newest.
@@ -251,7 +247,7 @@ impl Thread {
             match self.network.try_recv() {
                 Ok(FromNetwork::Event(event)) => {
                     let text = format!("{} at tick {}: {}", event.kind, event.tick, event.json);
-                    let result = self.recorder.event(unix_ns(), Level::Info, &text);
+                    let result = self.writer.event(unix_ns(), Level::Info, &text);
                     self.check(result);
                 }
                 Ok(FromNetwork::End(summary)) => break Some(summary),
@@ -275,14 +271,14 @@ impl Thread {
                 data: serde_json::json!({ "count": unsaid }),
             };
             let result = self
-                .recorder
+                .writer
                 .event(unix_ns(), Level::Warning, &lost.to_string());
             self.check(result);
         }
         let text = sulcus_sessions::record::ended::line(summary.end);
-        let result = self.recorder.event(unix_ns(), Level::Info, &text);
+        let result = self.writer.event(unix_ns(), Level::Info, &text);
         self.check(result);
-        let finished = self.recorder.finish(SessionEnd {
+        let finished = self.writer.finish(SessionEnd {
             ticks: summary.ticks,
             skipped: summary.skipped,
             dropped_rows: summary.rows_dropped,
@@ -316,7 +312,7 @@ impl Thread {
                     tick,
                     bytes,
                 } => {
-                    let result = self.recorder.snapshot(unix_ns, tick, &bytes);
+                    let result = self.writer.snapshot(unix_ns, tick, &bytes);
                     // There is room for every buffer that was ever made.
                     let _ = self.returned.snapshots.push(bytes);
                     result
@@ -334,32 +330,25 @@ impl Thread {
         cpu_ns: u32,
         in_force: InForce,
     ) -> Result<(), RecordError> {
-        self.recorder.push(row)?;
-        for changed in self.changes.take(row.tick, in_force) {
-            self.recorder
-                .event(row.time_unix_ns, changed.level(), &changed.to_string())?;
-        }
         let look = self.look.take();
-        let ours = look.as_ref().filter(|(tick, _)| *tick == output.tick);
+        let centres = look.as_ref().filter(|(tick, _)| *tick == output.tick);
+        let centres = centres.map(|(_, centres)| centres.as_slice());
         let Narrator { scene, events } = &mut self.narrator;
-        for said in events.take(scene, output, ours.map(|(_, centres)| centres.as_slice())) {
-            let level = said.level();
-            self.recorder
-                .event(row.time_unix_ns, level, &said.to_string())?;
-        }
-        if let Some((_, centres)) = look {
-            let _ = self.returned.looks.push(centres);
-        }
+        let changed = self.changes.take(row.tick, in_force);
+        let found = events.take(scene, output, centres);
         let shapes = self.shapes.take();
-        let scene = &self.narrator.scene;
-        let written = self.views.tick(
-            &mut self.recorder,
-            scene,
+        let recorded = RecordedTick {
             row,
             output,
             cpu_ns,
-            shapes.as_deref(),
-        );
+            shapes: shapes.as_deref(),
+        };
+        let written = self
+            .writer
+            .tick(scene, &recorded, changed.into_iter().chain(found));
+        if let Some((_, centres)) = look {
+            let _ = self.returned.looks.push(centres);
+        }
         if let Some(shapes) = shapes {
             let _ = self.returned.shapes.push(shapes);
         }
@@ -401,9 +390,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("folder");
         let path = folder.path().join("session.mcap");
         let key = || StationKey::from_seed([1; 32]);
-        let mut recorder =
+        let recorder =
             Recorder::create(&path, &SessionHeader::new(vec![]), key()).expect("created");
-        recorder.snapshot(0, 0, &[]).expect("snapshot");
         let (mut entries, entries_out) = rtrb::RingBuffer::new(8);
         let (snapshots, _snapshots) = rtrb::RingBuffer::new(1);
         let (looks, _looks) = rtrb::RingBuffer::new(1);
@@ -434,8 +422,8 @@ mod tests {
             events: Events::new(&scene, &Exercise::free("free", 1.0)),
             scene,
         };
-        let views = Views::open(&narrator.scene, &mut recorder, 0).expect("opened");
-        let open = Open(recorder, "session.mcap".into(), narrator, views);
+        let writer = SessionWriter::begin(recorder, &narrator.scene, 0, &[], None);
+        let open = Open(writer.expect("begun"), "session.mcap".into(), narrator);
         let thread = spawn(
             open,
             entries_out,

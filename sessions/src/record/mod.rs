@@ -71,4 +71,5 @@ pub mod times;
 pub mod verify;
 pub mod viewers;
 pub(crate) mod walk;
+pub mod writer;
 pub mod written;
