@@ -14,6 +14,15 @@
 //! # Strictness
 //! Decoding accepts exactly the bytes that encoding writes. A wrong version, kind, length or flag byte and trailing
 //! bytes are typed [`CodecError`]s. No input causes a panic.
+//!
+//! ```
+//! use sulcus_proto::{ServerMessage, frame};
+//!
+//! let bytes = frame::encode(&ServerMessage::Epoch(7))?;
+//! let message: ServerMessage = frame::decode(&bytes[frame::LENGTH_BYTES..])?;
+//! assert_eq!(message, ServerMessage::Epoch(7));
+//! # Ok::<(), sulcus_proto::CodecError>(())
+//! ```
 
 pub mod codec;
 pub mod control;

@@ -7,6 +7,15 @@
 //! - [`pages`]: HTML of one session and of a class
 //! - [`export`]: tables and meshes for other programs
 //! - [`cli`]: the program `sulcus-sessions`
+//!
+//! ```
+//! use sulcus_sessions::{Recording, ReplayOptions, replay};
+//!
+//! let recording = Recording::open("tests/corpus/hard-wedge.mcap".as_ref())?;
+//! let report = replay(&recording, &ReplayOptions::default(), &mut |_| ())?;
+//! assert!(report.identical && report.chain_ok);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 

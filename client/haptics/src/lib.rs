@@ -8,6 +8,19 @@
 //!
 //! [`Display`] is steps 3 and 4 for one hand. This crate knows no clock, no socket and no device driver. Begin at
 //! [`device::Device`], the interface of a haptic device.
+//!
+//! ```
+//! use sulcus_core::{Params, Vec3, Wrench};
+//! use sulcus_haptics::{Display, Limits, PassivityParams, SlewLimits, gated};
+//!
+//! let limits = Limits { force_n: 3.3, torque_nm: 0.2 };
+//! let mut display = Display::new(PassivityParams::default(), SlewLimits::from(&Params::default()));
+//! let sent = Wrench { force: Vec3::new(0.0, 0.0, 100.0), torque: Vec3::zeros() };
+//! // A watchdog that is half open passes half of the clamped force; the slew limit passes 0.5 N of it per millisecond.
+//! let wanted = gated(&sent, 0.5, &limits);
+//! assert!((wanted.force.z - 1.65).abs() < 1e-12);
+//! assert_eq!(display.next(&wanted, 0.5).force.z, 0.5);
+//! ```
 
 pub mod device;
 pub mod display;

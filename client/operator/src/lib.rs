@@ -26,7 +26,7 @@ mod travel;
 pub mod tremor;
 mod wall;
 
-use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput};
+use sulcus_core::{MAX_TOOLS, Pose, ToolInput};
 
 pub use habit::Habit;
 pub use hand::{Hand, HandParams};
@@ -93,9 +93,5 @@ impl Operator {
 
 /// A present tool at `pose`, as the wire would carry it.
 pub fn present(pose: &Pose) -> ToolInput {
-    ToolInput {
-        pose: RawPose::from(pose),
-        present: true,
-        ..ToolInput::ABSENT
-    }
+    ToolInput::at(pose)
 }

@@ -54,6 +54,15 @@ impl ToolInput {
         age_ticks: 0,
         buttons: 0,
     };
+
+    /// Input of a held tool at `pose`, in the precision of the wire: fresh, no button held.
+    pub fn at(pose: &crate::Pose) -> Self {
+        Self {
+            pose: RawPose::from(pose),
+            present: true,
+            ..Self::ABSENT
+        }
+    }
 }
 
 /// Input of one tick.

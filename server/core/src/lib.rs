@@ -17,6 +17,52 @@
 //! SI throughout: metres, newtons, newton-metres, radians, seconds. World frame: x anterior, y to the patient's left, z
 //! up. A transform is named `a_from_b`.
 //!
+//! # Example
+//! A ball of 1 mm, pressed 1 mm into a rigid ball of the same size. `examples/press.rs` prints a whole second of it.
+//! ```
+//! use sulcus_core::{tissue::TissueModel, *};
+//!
+//! let ball = SphereTree::over_leaves(&[Sphere { centre: Vec3::zeros(), radius: 1e-3 }])?;
+//! let tool = Tool {
+//!     name: "ball".into(),
+//!     tree: ball.clone(),
+//!     level: 3,
+//!     working_point: Vec3::zeros(),
+//!     tip: Vec3::new(0.0, 0.0, -1e-3),
+//!     tip_axis: -Vec3::z(),
+//!     stiffness_n_per_m: 500.0,
+//!     stiffness_nm_per_rad: 0.5,
+//!     park: Pose::new(Vec3::new(0.0, 0.0, 0.02), Quat::identity()),
+//!     bands: vec![],
+//!     mesh: DisplayMesh::default(),
+//! };
+//! let object = Object {
+//!     name: "ball".into(),
+//!     fdi: 0,
+//!     tree: ball,
+//!     level: 3,
+//!     tissue: TissueModel::Rigid,
+//!     mesh: DisplayMesh::default(),
+//!     carriers: vec![],
+//! };
+//! let scene = Scene {
+//!     name: "two balls".into(),
+//!     source_hash: "none".into(),
+//!     params: Params::default(),
+//!     tools: vec![tool],
+//!     objects: vec![object],
+//! };
+//! let (mut state, mut workspace) = (State::new(&scene), Workspace::new(&scene));
+//! let mut input = TickInput::IDLE;
+//! let mut force = 0.0;
+//! for _ in 0..200 {
+//!     input.tools[0] = ToolInput::at(&Pose::new(Vec3::new(0.0, 0.0, 1e-3), Quat::identity()));
+//!     force = tick(&scene, &mut state, &mut workspace, &input, &mut NoProbe).tools[0].wrench.force.z;
+//! }
+//! assert!((force - 0.5).abs() < 1e-3, "500 N/m times 1 mm, {force} N");
+//! # Ok::<(), TreeError>(())
+//! ```
+//!
 //! # Scope
 //! No friction, no gravity, no collision between tools.
 
