@@ -4,6 +4,8 @@
 //! cargo run --release -p sulcus-core --example press
 //! ```
 
+#![expect(clippy::disallowed_macros, reason = "an example prints")]
+
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::*;
 
@@ -49,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut state, mut workspace) = (State::new(&scene), Workspace::new(&scene));
     for k in 1..=1000 {
         // The hand moves down through the plate: 4 mm above to 2 mm below in 0.6 s, then it rests.
-        let z = 4e-3 - 6e-3 * f64::min(f64::from(k) / 600.0, 1.0);
+        let z = 4e-3 - 6e-3 * sulcus_core::math::fmin(f64::from(k) / 600.0, 1.0);
         let mut input = TickInput::IDLE;
         input.tools[0] = ToolInput::at(&Pose::new(Vec3::new(0.0, 0.0, z), Quat::identity()));
         let out = tick(&scene, &mut state, &mut workspace, &input, &mut NoProbe).tools[0];
