@@ -1,4 +1,7 @@
-//! The programs from outside, over real sockets and real files: how the tests start them.
+//! Tests of the programs from outside, over real sockets and real files: how a test starts a program and reads its output.
+//!
+//! [`Place`] is a folder for one test, [`Program`] a program of the workspace, [`Ended`] its result, [`Serving`] a running
+//! server. The tests themselves stand in `tests/it`.
 
 mod program;
 

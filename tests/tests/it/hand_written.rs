@@ -1,6 +1,6 @@
 //! Hand-written files are read in one way only.
 
-use std::path::Path;
+use crate::sources::{MEMBERS, root, walk};
 
 /// Sources that may name the reader of TOML: the two ways to [`sulcus_core::exactly`], and the reader of a recording's patient,
 /// which looks at single values of a table.
@@ -13,12 +13,9 @@ const READERS: [&str; 3] = [
 /// TOML's own reader drops what a list has beyond its field's length. A file that is read past the exact reader would again.
 #[test]
 fn nothing_reads_toml_past_the_exact_reader() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("the workspace");
     let (mut seen, mut found) = (0, Vec::new());
-    for member in ["proto", "server", "client", "sessions", "tests"] {
-        walk(&root.join(member), &mut |path, text| {
+    for member in MEMBERS {
+        walk(&root().join(member), &mut |path, text| {
             seen += 1;
             let reads = [
                 "toml::from_str",
@@ -27,7 +24,7 @@ fn nothing_reads_toml_past_the_exact_reader() {
                 "toml::Deserializer",
             ];
             if reads.iter().any(|call| text.contains(call)) {
-                let path = path.strip_prefix(root).expect("below it");
+                let path = path.strip_prefix(root()).expect("below it");
                 found.push(path.to_string_lossy().into_owned());
             }
         });
@@ -36,17 +33,4 @@ fn nothing_reads_toml_past_the_exact_reader() {
     found.retain(|path| !path.ends_with("tests/it/hand_written.rs"));
     found.sort();
     assert_eq!(found, READERS);
-}
-
-fn walk(folder: &Path, see: &mut dyn FnMut(&Path, &str)) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            if !path.ends_with("target") {
-                walk(&path, see);
-            }
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            see(&path, &std::fs::read_to_string(&path).expect("text"));
-        }
-    }
 }

@@ -3,6 +3,7 @@
 mod addresses;
 mod couplings;
 mod demo;
+mod documents;
 mod export;
 mod folders;
 mod full_disk;
@@ -17,4 +18,6 @@ mod readers;
 mod refusals;
 mod replays;
 mod report;
+mod sources;
 mod station;
+mod tidy;
