@@ -111,6 +111,14 @@ pub enum BuildError {
         /// Why.
         source: SpringsError,
     },
+    /// No parametric tooth has this number. The check of the scene file refuses such a number first.
+    #[error("{part}: fdi is {fdi}, expected a lower tooth, 31 to 37 or 41 to 47")]
+    NoSuchTooth {
+        /// Object.
+        part: String,
+        /// FDI number found.
+        fdi: u8,
+    },
     /// A patient's gingiva cannot be laid out.
     #[error("patient: {0}")]
     Patient(String),

@@ -140,13 +140,16 @@ impl Compiler<'_> {
         let part = format!("object `{}`", entry.name);
         let mesh = match entry.kind {
             Some(ObjectKind::Molar) => entry.molar.clone().unwrap_or_default().mesh(),
-            Some(ObjectKind::Tooth) => match Tooth::lower(entry.fdi) {
-                Some(tooth) => tooth
-                    .with_sizes(&entry.sizes.clone().unwrap_or_default())
-                    .mesh_of_side(),
-                // (The file was checked to name one that is drawn.)
-                None => TriMesh::default(),
-            },
+            Some(ObjectKind::Tooth) => {
+                let fdi = entry.fdi;
+                let tooth = Tooth::lower(fdi);
+                let tooth = tooth.ok_or_else(|| BuildError::NoSuchTooth {
+                    part: part.clone(),
+                    fdi,
+                })?;
+                let sizes = entry.sizes.clone().unwrap_or_default();
+                tooth.with_sizes(&sizes).mesh_of_side()
+            }
             Some(ObjectKind::Tongue) => entry.tongue.clone().unwrap_or_default().mesh(),
             Some(ObjectKind::Gingiva) => return self.gingiva(entry, all),
             None if entry.tissue.is_gingiva() => return self.sounded_gingiva(entry, all),
