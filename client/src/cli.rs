@@ -7,15 +7,15 @@ use sulcus_core::optimise::SolverKind;
 use sulcus_operator::Habit;
 use sulcus_sessions::Mode;
 
-/// Periodontal training with touch: the student's side.
+/// Client of the Sulcus simulator for periodontal training with force feedback.
 ///
-/// Without a command it runs the demo: an embedded server on loopback, a simulated operator who holds the tongue
-/// aside with a mirror and probes two molars of a whole mouth over real QUIC, in about a minute, the session recorded to
-/// MCAP and replayed as a check.
+/// Without a command the client runs the demo, which lasts about a minute. The demo starts a server on the loopback
+/// interface. A simulated operator holds the tongue aside with a mirror and probes two molars. The session is recorded,
+/// replayed as a check, and graded.
 #[derive(Debug, Parser)]
 #[command(name = "sulcus-client", version, after_long_help = EXAMPLES)]
 pub struct Cli {
-    /// What to do; the demo when omitted.
+    /// Command. Default: `demo`
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -37,10 +37,10 @@ recording is not complete), 2 wrong usage or bad input.";
 /// Commands of the client.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run one whole recorded session against an embedded server
+    /// Run one whole session against an embedded server: recorded, replayed, graded
     #[command(after_long_help = EXAMPLES)]
     Demo(DemoArgs),
-    /// Join a server that is already running
+    /// Join a running server
     #[command(after_long_help = EXAMPLES)]
     Run(RunArgs),
 }
@@ -48,45 +48,44 @@ pub enum Command {
 /// Arguments of `demo`.
 #[derive(Clone, Debug, Args)]
 pub struct DemoArgs {
-    /// Lock-step without sockets or clock, faster than real time
+    /// Run without sockets and without a clock, faster than real time
     #[arg(long = "virtual")]
     pub virtual_time: bool,
-    /// Length of the session in seconds; the exercise's own when omitted (a hard case has its own always)
+    /// Length of the session, seconds. Default: the length of the exercise. A hard case ignores this option
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
-    /// What to perform: an exercise by name (`--list-exercises`), a file of one (ending in .toml), or a hard case as
-    /// `hard/NAME`
+    /// Exercise: a name of `--list-exercises`, an exercise file that ends in .toml, or a hard case as `hard/NAME`
     #[arg(long, value_name = "NAME", default_value = "bimanual")]
     pub exercise: String,
-    /// List the exercises and stop
+    /// List the exercises, then exit
     #[arg(long)]
     pub list_exercises: bool,
-    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
+    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
-    /// Scene file (TOML); when omitted the exercise's own: a molar, a molar with a pocket, or a whole mouth
+    /// Scene file (TOML). Default: the scene of the exercise (a molar, a molar with a pocket, or a whole mouth)
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Seed of chance: a generated patient (when omitted the scene's own) and the hand's tremor (when omitted 1)
+    /// Random seed of the generated patient and of the hand's tremor. Default: the scene's patient, and 1 for the tremor
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Solver in the tick: `active-set`, or the judge `clarabel` (slow: with --virtual)
+    /// Solver of the tick: `active-set`, or the independent `clarabel`, which is slower than real time: use it with --virtual
     #[arg(long, value_enum, default_value = "active-set")]
     pub solver: SolverArg,
-    /// Ticks a second, 250 to 8000; the scene's own when omitted (1000 unless its file says so)
+    /// Ticks per second, 250 to 8000. Default: the rate of the scene file, else 1000
     #[arg(long, value_name = "HZ")]
     pub rate_hz: Option<u16>,
-    /// Folder for recordings; created when missing
+    /// Folder for recordings. A missing folder is created
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
-    /// Opaque learner id for the recording, never a name: letters, digits, - and _, one digit at least
+    /// Opaque learner id for the recording, never a name: letters, digits, `-` and `_`, with at least one digit
     #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
-    /// What the session is for: it goes into the recording, and `sulcus-sessions grade` shows the grade accordingly; the demo
-    /// itself shows depths and grade after practice only
+    /// Purpose of the session. The purpose is recorded, and `sulcus-sessions grade` presents the grade by it. The demo
+    /// prints depths and grade for practice only
     #[arg(long, value_enum, default_value_t)]
     pub mode: Mode,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub json: bool,
 }
@@ -94,53 +93,53 @@ pub struct DemoArgs {
 /// Arguments of `run`.
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
-    /// Address of the server; of a name with several addresses, each is tried
+    /// Address of the server. All addresses of a name are tried in turn
     #[arg(long, value_name = "HOST:PORT")]
     pub server: String,
-    /// The server's ticket, one line as it prints it: token and certificate together; also from the
-    /// environment as SULCUS_TICKET, where other users of the machine cannot see it
+    /// Ticket that the server prints: token and certificate in one line. The environment variable SULCUS_TICKET hides the
+    /// ticket from other users of the machine
     #[arg(long, value_name = "LINE", conflicts_with_all = ["token", "certificate"])]
     pub ticket: Option<String>,
-    /// The server's token, with --certificate
+    /// Token of the server; needs --certificate
     #[arg(long, value_name = "T", requires = "certificate")]
     pub token: Option<String>,
-    /// The server's certificate (DER), as `sulcus-server serve --certificate-out` writes it
+    /// Certificate of the server (DER), written by `sulcus-server serve --certificate-out`
     #[arg(long, value_name = "FILE", requires = "token")]
     pub certificate: Option<PathBuf>,
-    /// Device: only `simulated` so far
+    /// Haptic device. The only device is `simulated`
     #[arg(long, value_name = "NAME", default_value = "simulated")]
     pub device: String,
-    /// What the simulated operator performs: an exercise by name, or a file of one (ending in .toml); a station that offers
-    /// another refuses, one that offers `free` does not
+    /// Exercise of the simulated operator: a name, or an exercise file that ends in .toml. A server with another exercise
+    /// refuses the client; a server with the exercise `free` accepts any
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
-    /// Performs it badly: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
+    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
-    /// Scene that the simulated operator knows, when it is not the exercise's own; must be the server's
+    /// Scene file for the simulated operator; must be the server's scene. Default: the scene of the exercise
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Seed of the generated patient, where the server was given one; must be the same
+    /// Seed of the generated patient; must be the server's seed
     #[arg(long, value_name = "N")]
     pub patient_seed: Option<u64>,
-    /// The server's ticks a second, 250 to 8000; the scene's own when omitted (1000 unless its file says so)
+    /// Ticks per second of the server, 250 to 8000. Default: the rate of the scene file, else 1000
     #[arg(long, value_name = "HZ")]
     pub rate_hz: Option<u16>,
-    /// Length of the session in seconds; the exercise's own when omitted
+    /// Length of the session, seconds. Default: the length of the exercise
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
-    /// Read what is called from standard input, a line each while the hands work: tooth, site and depth, then what else was
-    /// called of recession (mm, negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3), such
-    /// as `36 mb 5 -2 b`. The simulated operator then calls nothing, and the session lasts until it is done and the input ends
+    /// Read called findings from standard input, a line each: tooth, site and depth in mm, then optional recession in mm
+    /// (negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3). Example: `36 mb 5 -2 b`.
+    /// The simulated operator then calls nothing. The session ends when the operator has finished and the input has ended
     #[arg(long)]
     pub readings: bool,
-    /// Seed of the simulated operator's tremor
+    /// Random seed of the simulated operator's tremor
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Opaque learner id for the recording, never a name: letters, digits, - and _, one digit at least
+    /// Opaque learner id for the recording, never a name: letters, digits, `-` and `_`, with at least one digit
     #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub json: bool,
 }
@@ -148,9 +147,9 @@ pub struct RunArgs {
 /// Solver names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SolverArg {
-    /// Own dual active set.
+    /// Dual active-set solver of this project.
     ActiveSet,
-    /// Clarabel's interior point.
+    /// Interior-point solver Clarabel.
     Clarabel,
 }
 
@@ -173,7 +172,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 impl DemoArgs {
-    /// Seed of the hand's tremor, and of the habit's mistakes.
+    /// Random seed of the hand's tremor and of the habit's errors.
     pub fn hand_seed(&self) -> u64 {
         self.seed.unwrap_or(1)
     }

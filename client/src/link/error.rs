@@ -56,7 +56,9 @@ pub enum LinkError {
     #[error("the connection to the server was lost: {0}")]
     Lost(String),
     /// The server did not confirm the end.
-    #[error("the server said no goodbye; its recording may still be whole")]
+    #[error(
+        "the connection ended without the goodbye of the server; the recording may still be complete"
+    )]
     NoGoodbye,
     /// TLS or the system refuses something.
     #[error("cannot set up the link: {0}")]

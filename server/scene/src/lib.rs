@@ -7,6 +7,7 @@
 //! no randomness but fixed seeds, no dependence on the number of threads.
 
 pub mod anatomy;
+pub mod cache;
 pub mod compile;
 pub mod error;
 pub mod file;
@@ -17,8 +18,8 @@ mod parallel;
 mod random;
 pub mod tree;
 
+pub use cache::default_cache_dir;
 pub use compile::built_in::{BuiltIn, NotBuiltIn, compile_built_in};
-pub use compile::cache::default_cache_dir;
 pub use compile::{
     BuildError, BuildOptions, Compiled, compile_default, compile_file, compile_text,
 };

@@ -18,28 +18,28 @@ pub(super) struct ExportArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
-    /// Folder for what is written; of several recordings each has a folder of its own in it
+    /// Folder for the output. Several recordings get a folder each inside it
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
-    /// Tables ticks.csv and events.csv (the default where no meshes are asked for)
+    /// Write the tables ticks.csv and events.csv. Default without --meshes
     ///
-    /// Columns of numbers hold numbers. Text that a spreadsheet would take for a number, a date or a formula begins with an apostrophe,
-    /// a hash always: a program that reads the tables drops a leading apostrophe.
+    /// Columns of numbers hold numbers. Text that a spreadsheet would read as a number, a date or a formula begins with an
+    /// apostrophe, and so does every hash. Programs that read the tables drop a leading apostrophe.
     #[arg(long)]
     pub(super) csv: bool,
-    /// A line of ticks.csv for every N ticks
+    /// Write a line of ticks.csv for every N ticks
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) every_ticks: u64,
-    /// Meshes as they were deformed
+    /// Write the deformed meshes in this format
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, default_missing_value = "ply")]
     pub(super) meshes: Option<Format>,
-    /// Meshes at this time, seconds from the first tick; may be given more than once
+    /// Write meshes at this time, seconds from the first tick. The option may be repeated
     #[arg(long, value_name = "SECONDS", requires = "meshes")]
     pub(super) at: Vec<f64>,
-    /// Meshes every so many seconds (the default where no time is given: 1)
+    /// Write meshes every so many seconds. Default without --at: 1
     #[arg(long, value_name = "SECONDS", requires = "meshes")]
     pub(super) every: Option<f64>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
 }

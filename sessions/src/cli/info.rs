@@ -18,11 +18,11 @@ pub(super) struct InfoArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
-    /// Write every whole chunk of a torn or damaged recording (one FILE) to this new file, with a proper end, and say what is
-    /// missing. A replay of it begins again with the first snapshot behind each gap; it cannot be graded
+    /// Recover one truncated or damaged recording: write every whole chunk to this new file, and report each gap. A replay
+    /// of the new file continues from the first snapshot behind each gap. The new file cannot be graded
     #[arg(long, value_name = "OUT")]
     pub(super) recover: Option<PathBuf>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
 }

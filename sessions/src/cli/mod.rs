@@ -21,7 +21,7 @@ use serde_json::json;
 use print::complain;
 use sulcus_program::{output, say};
 
-/// Looks at recorded sessions: what they are, and whether they are what happened.
+/// Inspect, replay, grade, review and export recorded sessions.
 #[derive(Parser)]
 #[command(
     name = "sulcus-sessions",
@@ -35,26 +35,26 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Says what recordings hold: duration, scene, exercise, station, size, ending, signature
+    /// Print the content of recordings: duration, scene, exercise, station, size, ending, signature
     #[command(
         after_long_help = "A recording that was cut off (kill -9, power loss, full disk) is read as far as it goes; --recover makes a whole file of it and of one that is damaged: every whole chunk, behind the damage too, an index, a proper end, and a note of what is missing. Between the gaps its signatures hold, and a replay begins again with the first snapshot behind each gap; a session with a gap or without its end cannot be graded.\n\nExamples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending\n  sulcus-sessions info torn.mcap --recover whole.mcap"
     )]
     Info(info::InfoArgs),
-    /// Runs recorded sessions again and compares every state, wrench, snapshot and signature
+    /// Replay recordings and compare every state, wrench, snapshot and signature
     #[command(
         long_about = replay::ABOUT,
         after_long_help = replay::EXAMPLES
     )]
     Replay(replay::ReplayArgs),
-    /// Writes a session for the Rerun viewer: starts the program `sulcus-review`
+    /// Show a session in the Rerun viewer; starts the program `sulcus-review`
     Review(review::ReviewArgs),
-    /// Writes recorded sessions as tables and meshes for other programs
+    /// Export recordings as tables and meshes for other programs
     #[command(
         long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact; events.csv holds the recorded log, and a recording whose signature does not hold or that was cut off is said to be so (exit code 1). ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those that people see, deformed as the tissue was; meshes/frames.csv says which file shows which part when.",
         after_long_help = "Examples:\n  sulcus-sessions export session.mcap --out session\n  sulcus-sessions export session.mcap --out session --csv --every-ticks 10\n  sulcus-sessions export session.mcap --out session --meshes obj --at 12.5 --at 13"
     )]
     Export(export::ExportArgs),
-    /// Grades recorded sessions from their replay: table, JSON, CSV, pages with a periodontal chart
+    /// Grade recordings from their replay: table, JSON, CSV, pages with a periodontal chart
     #[command(long_about = grade::LONG_ABOUT, after_long_help = grade::EXAMPLES)]
     Grade(grade::GradeArgs),
 }

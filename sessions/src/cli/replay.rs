@@ -50,63 +50,63 @@ pub(super) struct ReplayArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
-    /// Begin here, in seconds of session time, with the snapshot before it
+    /// Begin at this session time, seconds, from the snapshot before it
     #[arg(long, value_name = "S")]
     from: Option<f64>,
-    /// End here, in seconds of session time
+    /// End at this session time, seconds
     #[arg(long, value_name = "S")]
     to: Option<f64>,
-    /// Let an independent solver judge the answer of every tick
+    /// Check the solution of every tick by an independent solver
     #[arg(long)]
     audit: bool,
     #[command(flatten)]
     what_if: WhatIfArgs,
-    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. A
-    /// station keeps its own as `station.pub` beside its key: $SULCUS_STATE_DIR, else ~/.local/state/sulcus
+    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. The public key
+    /// of a station is `station.pub` in $SULCUS_STATE_DIR, else in ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
     signer: Option<PathBuf>,
-    /// Files replayed at once; all cores unless said otherwise
+    /// Number of files replayed at once. Default: the number of cores
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
 }
 
-/// What is to be different.
+/// Changes of a what-if comparison.
 #[derive(Args)]
 #[group(id = "what_if", multiple = true, conflicts_with = "audit")]
 struct WhatIfArgs {
-    /// What if: this solver in the tick
+    /// What if: another solver of the tick
     #[arg(long, value_enum)]
     solver: Option<Solver>,
-    /// What if: tissue like this
+    /// What if: another model of all tissues
     #[arg(long, value_enum)]
     tissue: Option<Tissue>,
-    /// What if: everything rigid touched at this level of its sphere tree (as far as its tree goes)
+    /// What if: rigid objects at this level of their sphere trees, or at the finest level below it
     #[arg(long, value_name = "N")]
     level: Option<u8>,
-    /// What if: tissues that have two levels of detail at this one, 0 or 1
+    /// What if: tissues with two levels of detail at this level, 0 or 1
     #[arg(long, value_name = "N")]
     detail: Option<u8>,
-    /// What if: trees calibrated for it touched as one smooth surface, or every sphere as it is
+    /// What if: blended surfaces of the calibrated trees on or off
     #[arg(long, value_enum)]
     blend: Option<Switch>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Solver {
-    /// The solver of the tick
+    /// Solver of the tick: dual active set
     ActiveSet,
-    /// The judge
+    /// Independent solver: interior point
     Clarabel,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Tissue {
-    /// Nothing yields
+    /// All tissues rigid
     Rigid,
-    /// Springs and gingivae by the paper's own equations
+    /// Skeletons and gingivae by the equations as printed in the paper
     Printed,
 }
 

@@ -55,7 +55,9 @@ pub enum StateError {
         found: u16,
     },
     /// The bytes have the wrong length.
-    #[error("state has {found} bytes, what they say takes {expected} in this scene")]
+    #[error(
+        "state has {found} bytes, expected {expected} bytes for this scene and their own counts"
+    )]
     Length {
         /// Bytes found.
         found: usize,

@@ -13,7 +13,7 @@ use sulcus_scene::anatomy::patient::{Condition, LOWER, Patient, Sides, ToothChar
 /// Make and check patient files: what a mouth's pockets are like, site by site.
 #[derive(Clone, Debug, Args)]
 pub struct PatientArgs {
-    /// What to do.
+    /// Action.
     #[command(subcommand)]
     pub action: PatientAction,
 }
@@ -21,17 +21,17 @@ pub struct PatientArgs {
 /// What `patient` can do.
 #[derive(Clone, Debug, Subcommand)]
 pub enum PatientAction {
-    /// Write a generated patient into a file, to be edited and named in a scene file (`patient = "FILE"` under `[mouth]`).
+    /// Write a generated patient to a file. A scene file names it by `patient = "FILE"` under `[mouth]`.
     ///
     /// Example: sulcus-server patient make --condition periodontitis --seed 7 --out patient.toml
     Make {
-        /// healthy, gingivitis or periodontitis
+        /// Condition: healthy, gingivitis or periodontitis
         #[arg(long, value_name = "NAME", default_value = "periodontitis")]
         condition: Condition,
-        /// Another seed, another patient; the same one on every machine
+        /// Random seed of the patient. A seed gives the same patient on every machine
         #[arg(long, value_name = "N", default_value_t = 1)]
         seed: u64,
-        /// The file; one that is there already is left alone
+        /// File to write. An existing file is not overwritten
         #[arg(long, value_name = "FILE")]
         out: PathBuf,
     },

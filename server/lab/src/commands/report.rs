@@ -20,19 +20,19 @@ use sulcus_program::ProgressLines;
     after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --paper --out report --peers peers.json\n  sulcus-server report --paper=whole-mouth\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
 )]
 pub struct ReportArgs {
-    /// Fewer cases and repeats: under a minute instead of under ten
+    /// Measure fewer cases with fewer repeats: under a minute instead of under ten
     #[arg(long)]
     quick: bool,
-    /// The paper, too: everything that it prints beside what is measured here. With a part: that part alone, printed here
+    /// Measure the numbers of the paper, too. With a part: measure and print this part only
     #[arg(long, value_name = "PART", num_args = 0..=1, require_equals = true)]
     paper: Option<Option<Part>>,
-    /// Folder for the page and the numbers, made when missing
+    /// Folder for page and numbers. A missing folder is created
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
-    /// Numbers of `cargo bench -p sulcus-peers --features rapier`: other engines beside this one
+    /// File with the numbers of other engines, written by `cargo bench -p sulcus-peers --features rapier`
     #[arg(long, value_name = "FILE")]
     peers: Option<PathBuf>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     json: bool,
 }

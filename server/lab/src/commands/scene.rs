@@ -17,7 +17,7 @@ use crate::picture::{MOUTH, Still};
 /// Check, draw and compile scene files.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
-    /// What to do.
+    /// Action.
     #[command(subcommand)]
     pub action: SceneAction,
 }
@@ -25,13 +25,13 @@ pub struct SceneArgs {
 /// What `scene` can do.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SceneAction {
-    /// Read a scene file, check everything it names, say what it holds.
+    /// Read a scene file, check every file that it names, and print its content.
     ///
     /// Example: sulcus-server scene check server/scenes/crown.toml
     Check {
         /// Scene file (TOML).
         file: PathBuf,
-        /// Print one JSON object on the last line of standard output.
+        /// Print one JSON object as the last line of standard output.
         #[arg(long)]
         json: bool,
     },
@@ -41,38 +41,38 @@ pub enum SceneAction {
     Picture {
         /// Scene file (TOML).
         file: PathBuf,
-        /// Folder for the pictures; made if it is not there.
+        /// Folder for the pictures. A missing folder is created.
         #[arg(long)]
         out: PathBuf,
-        /// Draw only objects whose names contain this; may be given more than once.
+        /// Draw only objects whose names contain this text. The option may be repeated.
         #[arg(long)]
         only: Vec<String>,
-        /// Pixels of the longer edge.
+        /// Length of the longer edge, pixels.
         #[arg(long, default_value_t = 1200, value_parser = clap::value_parser!(u16).range(64..=8000))]
         pixels: u16,
     },
-    /// Build the trees of all built-in scenes anew, into the file that the program brings along (takes minutes). For
-    /// those who change a shape.
+    /// Build the trees of all built-in scenes into the file that the program carries. The build takes minutes. A change of
+    /// a built-in shape needs it.
     ///
     /// Example: sulcus-server scene family --out server/scenes/family.bin
     Family {
-        /// The file.
+        /// File to write.
         #[arg(long)]
         out: PathBuf,
     },
-    /// Compile a scene file into the bytes that the server and every recording carry.
+    /// Compile a scene file into the binary scene that servers and recordings use.
     ///
     /// Example: sulcus-server scene build server/scenes/crown.toml --out crown.scene
     Build {
         /// Scene file (TOML).
         file: PathBuf,
-        /// Where to write; default: the scene file's name with the ending .scene.
+        /// File to write. Default: the name of the scene file with the extension .scene.
         #[arg(long)]
         out: Option<PathBuf>,
-        /// Build every tree anew instead of taking it from the cache.
+        /// Build every tree, without the cache.
         #[arg(long)]
         no_cache: bool,
-        /// Print one JSON object on the last line of standard output.
+        /// Print one JSON object as the last line of standard output.
         #[arg(long)]
         json: bool,
     },

@@ -11,7 +11,7 @@ use sulcus_core::{DisplaySkin, SphereTree, Vec3};
 use sulcus_fem::TetMesh;
 use sulcus_fem::files::read_mesh;
 use sulcus_program::PathText;
-use sulcus_scene::compile::cache::kept_or_built;
+use sulcus_scene::cache::kept_or_built;
 use sulcus_scene::default_cache_dir;
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::mesh::check::check;

@@ -9,7 +9,6 @@ pub mod jaw;
 pub mod mouth;
 pub mod patient;
 pub mod sections;
-mod sounded;
 pub mod sulcus;
 pub mod tongue;
 pub mod tooth;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sulcus_core::Scene;
 
-use crate::compile::cache;
+use crate::cache;
 use crate::compile::{BuildOptions, Compiled};
 
 /// Prefix of the file names of compiled scenes.

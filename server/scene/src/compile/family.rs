@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sulcus_core::SphereTree;
 
-use crate::compile::cache;
+use crate::cache;
 
 static FAMILY: &[u8] = include_bytes!("../../../scenes/family.bin");
 

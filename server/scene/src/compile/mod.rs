@@ -2,11 +2,12 @@
 //! (or taken from the cache), put in place, validated.
 
 pub mod built_in;
-pub mod cache;
 mod compiled_cache;
 pub mod family;
+mod mouth;
 pub(crate) mod parts;
 pub mod printed;
+mod sounded;
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,8 @@ use crate::anatomy::patient::LOWER;
 use crate::anatomy::sulcus::SulcusError;
 use crate::compile::built_in::{BuiltIn, compile_built_in};
 use crate::compile::parts::Compiler;
-use crate::file::{self, FileError, SceneFile};
+use crate::file;
+use crate::file::{FileError, SceneFile};
 use crate::mesh::check::MeshError;
 use crate::mesh::load::LoadError;
 use crate::mesh::solid::SolidError;
@@ -43,7 +45,7 @@ impl BuildOptions {
     /// Uses the cache at its usual place.
     pub fn cached() -> Self {
         Self {
-            cache: cache::default_cache_dir(),
+            cache: crate::cache::default_cache_dir(),
             ..Self::default()
         }
     }

@@ -4,17 +4,18 @@ use std::path::{Path, PathBuf};
 
 use sulcus_core::math::exp_rotation;
 use sulcus_core::tissue::TissueModel;
-use sulcus_core::tissue::gingiva::{GingivaParams, ToothFrame};
+use sulcus_core::tissue::gingiva::ToothFrame;
 use sulcus_core::{Object, Pose, SphereTree, Tool, Vec3};
 use sulcus_program::PathText;
 
 use crate::anatomy::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
 use crate::anatomy::{Collar, Tooth};
-use crate::compile::cache;
+use crate::cache;
 use crate::compile::family;
 use crate::compile::printed::{printed_gingiva, printed_skeleton};
 use crate::compile::{BuildError, BuildOptions};
-use crate::file::{GingivaEntry, ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
+use crate::file::gingiva::gingiva_params;
+use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::instruments::{Mirror, Probe};
 use crate::mesh::TriMesh;
 use crate::mesh::check::check;
@@ -390,44 +391,6 @@ impl Compiler<'_> {
 
 /// How much a place (metres) counts.
 pub(crate) type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
-
-/// Parameters of a gingiva as written in a file.
-pub(crate) fn gingiva_params(given: &GingivaEntry) -> GingivaParams {
-    let mut params = GingivaParams::default();
-    let set = |to: &mut f64, from: Option<f64>, unit: f64| {
-        if let Some(x) = from {
-            *to = x * unit;
-        }
-    };
-    let (n_per_mm, mm, ms) = (1e3, 1e-3, 1e-3);
-    set(
-        &mut params.wall_stiffness,
-        given.wall_stiffness_n_per_mm,
-        n_per_mm,
-    );
-    set(
-        &mut params.shear_stiffness,
-        given.shear_stiffness_n_per_mm,
-        n_per_mm,
-    );
-    set(&mut params.reach, given.reach_mm, mm);
-    set(&mut params.relaxation, given.relaxation_ms, ms);
-    set(
-        &mut params.floor_stiffness,
-        given.floor_stiffness_n_per_mm,
-        n_per_mm,
-    );
-    set(&mut params.floor_taper, given.floor_taper_mm, mm);
-    set(&mut params.reading_force, given.reading_force_n, 1.0);
-    set(&mut params.reading_tip, given.reading_tip_mm, mm);
-    set(&mut params.inflammation, given.inflammation, 1.0);
-    set(&mut params.softening, given.softening, 1.0);
-    set(&mut params.too_heavy, given.too_heavy_n, 1.0);
-    set(&mut params.trauma, given.trauma_n, 1.0);
-    set(&mut params.damage, given.damage_n, 1.0);
-    set(&mut params.rearm, given.rearm, 1.0);
-    params
-}
 
 /// The same tree elsewhere.
 pub(crate) fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {

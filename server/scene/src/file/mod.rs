@@ -3,6 +3,8 @@
 //! Unknown keys are refused by name. What is written by hand is checked here, with the file, the
 //! key, the value found and the value expected in one sentence.
 
+pub(crate) mod gingiva;
+pub mod printed;
 pub(crate) mod validate;
 
 use std::path::{Path, PathBuf};
@@ -14,7 +16,7 @@ use sulcus_program::PathText;
 use crate::anatomy::mouth::MouthEntry;
 use crate::anatomy::sulcus::Sulcus;
 use crate::anatomy::{Molar, Pocket, Tongue, ToothSizes};
-use crate::compile::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
+use crate::file::printed::{PrintedGingivaEntry, PrintedSkeletonEntry};
 use crate::instruments::{Mirror, Probe};
 use crate::mesh::load::Unit;
 use crate::mesh::repair::Asked;

@@ -15,7 +15,7 @@ use sulcus_core::tissue::surface::{
 };
 use sulcus_fem::{CondenseOptions, Condensed, FemError, TetMesh, condense, msh};
 
-use crate::compile::cache;
+use crate::cache;
 use crate::mesh::TriMesh;
 use crate::mesh::distance::MeshDistance;
 use crate::mesh::load::Unit;

@@ -27,57 +27,57 @@ pub(super) struct GradeArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub(super) json: bool,
-    /// Write a page for each session, and one for the class, into this folder
+    /// Folder for the pages: one for each session and one for the class
     #[arg(long, value_name = "DIR")]
     html: Option<PathBuf>,
-    /// Write a table of all sessions into this file
+    /// File for a table of all sessions
     ///
-    /// Text that a spreadsheet would take for a number, a date or a formula, such as the id 007 or 1e5, begins with an apostrophe, a
-    /// signer's key always: a program that reads the table drops a leading apostrophe.
+    /// Text that a spreadsheet would read as a number, a date or a formula begins with an apostrophe, such as the id 007 or
+    /// 1e5, and so does every signer's key. Programs that read the table drop a leading apostrophe.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Grade by this rubric instead of the recording's own; the output says so
+    /// Grade by this rubric instead of the rubric in the recording. The output names the rubric
     #[arg(long, value_name = "FILE")]
     rubric: Option<PathBuf>,
-    /// How to show it; when omitted as what it was recorded. What was recorded as something else is no exam
+    /// Presentation of the grade. Default: the mode in the recording. A recording of another mode is never graded as an exam
     #[arg(long, value_enum)]
     mode: Option<Mode>,
-    /// In self-assessment: the learner's own score, 0 to 100, given before the grade is shown (asked for on a terminal); the first
-    /// one is kept in FILE.grade.json
+    /// In self-assessment: the learner's own score, 0 to 100, before the grade is shown. A terminal asks for it. The first
+    /// score is kept in FILE.grade.json
     #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
     self_score: Option<f64>,
-    /// Show what is prescribed, on the page and in the table (JSON has it always, but in an exam)
+    /// Show the prescribed values on the page and in the table. The JSON object always has them, except in an exam
     #[arg(long)]
     truth: bool,
-    /// Key table with the columns learner_id and name: names go onto pages and into the CSV, and nowhere else
+    /// Key table with the columns learner_id and name. Names appear on pages and in the CSV only
     ///
-    /// A table as spreadsheets save it: cells separated by commas, semicolons or tabs; UTF-8, UTF-16 or Windows-1252. Ids may begin with
-    /// the apostrophe that marks text.
+    /// The table is a text file of a spreadsheet: separated by commas, semicolons or tabs; UTF-8, UTF-16 or Windows-1252. An
+    /// id may begin with the apostrophe that marks text.
     #[arg(long, value_name = "FILE")]
     names: Option<PathBuf>,
-    /// How pages number teeth
+    /// Numbering of teeth on the pages
     #[arg(long, value_enum, default_value = "fdi")]
     numbering: Numbers,
-    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. A
-    /// station keeps its own as `station.pub` beside its key: $SULCUS_STATE_DIR, else ~/.local/state/sulcus
+    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. The public key
+    /// of a station is `station.pub` in $SULCUS_STATE_DIR, else in ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
     signer: Option<PathBuf>,
-    /// An instructor's score instead of the proposed one, 0 to 100; kept in FILE.grade.json beside the proposal
+    /// Instructor's score, 0 to 100, in place of the proposal. Both are kept in FILE.grade.json
     #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true, requires_all = ["by", "at", "reason"])]
     revise: Option<f64>,
     /// With --revise: opaque id of the instructor
     #[arg(long, value_name = "ID", requires = "revise", value_parser = sulcus_proto::learner::parse)]
     by: Option<String>,
-    /// With --revise: when, such as 2026-11-23
+    /// With --revise: date, such as 2026-11-23
     #[arg(long, value_name = "WHEN", requires = "revise")]
     at: Option<String>,
-    /// With --revise: why
+    /// With --revise: reason
     #[arg(long, value_name = "TEXT", requires = "revise")]
     reason: Option<String>,
-    /// With --revise: whether it is passed; when omitted by the rubric's pass mark
+    /// With --revise: whether the session is passed. Default: by the rubric's pass mark
     #[arg(long, value_name = "true|false", requires = "revise")]
     passed: Option<bool>,
 }

@@ -9,7 +9,7 @@ use rapier3d::prelude::{
 };
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene as Compiled, Vec3};
-use sulcus_scene::compile::cache::{default_cache_dir, kept_or_built};
+use sulcus_scene::cache::{default_cache_dir, kept_or_built};
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::organ::{SurfaceOptions, organ};
 use sulcus_scene::tree::build::TreeOptions;

@@ -34,22 +34,22 @@ use sulcus_program::ProgressLines;
     after_long_help = "Examples:\n  sulcus-server tissue evaluate --fem data/fem --model skeleton\n  sulcus-server tissue evaluate --fem data/fem --model skeleton --params tongue-springs.toml --out tongue --json | tail -1 | jq '.cases[].rel_l2_percent'"
 )]
 pub struct EvaluateArgs {
-    /// Folder of finite elements and load cases
+    /// Folder with finite elements and load cases
     #[arg(long, value_name = "DIR")]
     fem: PathBuf,
-    /// What is judged
+    /// Model to evaluate
     #[arg(long)]
     model: Model,
-    /// Fitted springs of `tissue fit`; without, the model is as shipped
+    /// File of springs from `tissue fit`. Default: the springs of the built-in scenes
     #[arg(long, value_name = "PARAMS")]
     params: Option<PathBuf>,
-    /// Young's modulus of the cases, kPa: fitted springs are scaled to it
+    /// Young's modulus of the cases, kPa. Fitted springs are scaled to it
     #[arg(long, value_name = "KPA", default_value_t = 100.0)]
     young_kpa: f64,
-    /// Write a page and its pictures into this folder, made when missing
+    /// Folder for a page with pictures. A missing folder is created
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     json: bool,
 }

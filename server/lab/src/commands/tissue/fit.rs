@@ -33,28 +33,28 @@ const ELEMENTS: f64 = 0.6;
     after_long_help = "Examples:\n  sulcus-server tissue fit --fem data/fem --model skeleton --out tongue-springs.toml\n  sulcus-server tissue evaluate --fem data/fem --model skeleton --params tongue-springs.toml"
 )]
 pub struct FitArgs {
-    /// Folder of a mesh of finite elements
+    /// Folder with a mesh of finite elements
     #[arg(long, value_name = "DIR")]
     fem: PathBuf,
-    /// What is fitted
+    /// Model to fit
     #[arg(long)]
     model: Springs,
-    /// File to write the springs to (TOML); beside it their surface is written, as OBJ
+    /// File for the springs (TOML). The surface is written beside it (OBJ)
     #[arg(long, value_name = "PARAMS")]
     out: PathBuf,
-    /// What may differ from spring to spring: nothing, the stiffness along each axis, or the whole 3x3 stiffness
+    /// Freedom of each spring: one common factor, the stiffness along each axis, or the whole 3x3 stiffness
     #[arg(long, value_enum, default_value = "tensor")]
     freedom: Freedom,
-    /// Most steps of the fit
+    /// Largest number of steps of the fit
     #[arg(long, default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: u32,
-    /// Young's modulus of the training cases, kPa; the fitted stiffness goes with it
+    /// Young's modulus of the training cases, kPa. The fitted stiffness is proportional to it
     #[arg(long, value_name = "KPA", default_value_t = 100.0)]
     young_kpa: f64,
     /// Poisson's ratio of the training cases
     #[arg(long, default_value_t = 0.49)]
     poisson: f64,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     json: bool,
 }

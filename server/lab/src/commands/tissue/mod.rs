@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Fit tissue models to finite elements, and judge them by finite elements.
 #[derive(Clone, Debug, Args)]
 pub struct TissueArgs {
-    /// What to do.
+    /// Action.
     #[command(subcommand)]
     pub action: TissueAction,
 }

@@ -32,39 +32,39 @@ pub use zone::ZoneArg;
     after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree scan.stl --unit in --keep-largest --close-base\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
 )]
 pub struct TreeArgs {
-    /// Closed surface: STL, OBJ or PLY; small faults are repaired and reported
+    /// Mesh of a closed surface: STL, OBJ or PLY. Small faults are repaired and reported
     pub mesh: PathBuf,
-    /// Finest level, 1 to 6; level L holds at most 8^L spheres
+    /// Finest level, 1 to 6. Level L holds at most 8^L spheres
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=6))]
     pub levels: u8,
     /// Unit of the file: mm, m or in (inches of 25.4 mm)
     #[arg(long, default_value = "mm")]
     pub unit: Unit,
-    /// Kind of thing, whose plausible sizes are known: tooth, tongue, arch (a jaw, or a gingiva of several teeth),
-    /// instrument, mouth (any of these) or any (every size from 0.5 to 500 mm)
+    /// Kind of object, for the check of its size: tooth, tongue, arch (a jaw, or a gingiva of several teeth), instrument,
+    /// mouth (any of these) or any (every size from 0.5 to 500 mm)
     #[arg(long, value_name = "KIND", default_value = "mouth")]
     pub size: Size,
-    /// Keep the piece with the largest area and drop all others, as the crumbs of a scan
+    /// Keep the piece with the largest area and drop all others, such as fragments of a scan
     #[arg(long)]
     pub keep_largest: bool,
-    /// Close the one flat opening of a scan without base by a lid
+    /// Close the one flat opening of a scan without a base
     #[arg(long)]
     pub close_base: bool,
-    /// Build levels 1 and 2 through the volume, as a thing that deforms as a whole needs it
+    /// Fill the volume on levels 1 and 2. An object that deforms as a whole needs it
     #[arg(long)]
     pub deformable: bool,
-    /// Part of the surface that matters most and is measured apart: [NAME=]near:FILE:MM (at most MM
+    /// Zone of the surface with more samples and a measurement of its own: [NAME=]near:FILE:MM (at most MM
     /// from the surface of another mesh in the same unit and frame), [NAME=]ball:X,Y,Z,R or
-    /// [NAME=]box:X,Y,Z,X,Y,Z (mm). May be repeated; those of one name are one zone, what they share
+    /// [NAME=]box:X,Y,Z,X,Y,Z (mm). The option may be repeated; entries of one name form one zone: their intersection
     #[arg(long, value_name = "ZONE")]
     pub zone: Vec<ZoneArg>,
-    /// How many times more a sample in a zone counts when the tree is built
+    /// Weight of a sample in a zone, relative to other samples, in the build of the tree
     #[arg(long, value_name = "W", default_value_t = 1000.0, requires = "zone", value_parser = weight)]
     pub zone_weight: f64,
-    /// Write a page, its pictures and a file for Rerun into this folder, made when missing
+    /// Folder for a page with pictures and a file for Rerun. A missing folder is created
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print one JSON object on the last line of standard output
+    /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub json: bool,
 }

@@ -1,9 +1,8 @@
 //! The teeth and gingivae of a patient, placed on the lower arch.
 //!
-//! A tooth's tree comes from a family of seven shapes ([`crate::compile::family`]): placed, and mirrored on the right side. A gingiva is
+//! A tooth's tree comes from a family of seven shapes (the file `family.bin`): placed, and mirrored on the right side. A gingiva is
 //! laid out anew for each patient ([`crate::anatomy::collar`]), round its tooth and up to the planes between neighbours.
 
-mod compile;
 mod faces;
 mod gingiva;
 
@@ -15,7 +14,8 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::tissue::gingiva::{GingivaParams, Site, ToothFrame};
 
-use crate::anatomy::arch::{self, Footprint};
+use crate::anatomy::arch;
+use crate::anatomy::arch::Footprint;
 use crate::anatomy::collar::{Collar, CollarSizes, Entrance, Sulcus, outer_face};
 use crate::anatomy::patient::{Condition, LOWER, Patient, ToothChart};
 use crate::anatomy::sections::Sections;
@@ -90,13 +90,13 @@ pub(crate) struct Standing {
 
 impl Standing {
     /// How far the gingiva's outer faces are from the axis where the jaw begins, buccally and lingually, mm.
-    fn faces(&self, wall: f64) -> [f64; 2] {
+    pub(crate) fn faces(&self, wall: f64) -> [f64; 2] {
         let z = JAW_TOP - self.frame.origin.z * 1e3;
         [1.0, -1.0].map(|side| outer_face(&self.sections, wall, FRAC_PI_2 * side, z))
     }
 
     /// How far the contact points are from the axis, mesially and distally, mm.
-    fn ends(&self) -> [f64; 2] {
+    pub(crate) fn ends(&self) -> [f64; 2] {
         let [mesial, distal] = self.contacts;
         [mesial.x, -distal.x]
     }

@@ -3,8 +3,8 @@
 use super::{Checked, levels, number, wrong};
 use crate::anatomy::mouth::MouthEntry;
 use crate::anatomy::patient::LOWER;
-use crate::compile::parts::gingiva_params;
 use crate::file::ObjectEntry;
+use crate::file::gingiva::gingiva_params;
 
 pub(super) fn mouth(entry: &MouthEntry, objects: &[ObjectEntry]) -> Checked {
     let field = |key: &str| format!("`{key}` in [mouth]");

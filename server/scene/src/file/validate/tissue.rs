@@ -174,7 +174,7 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     if let Some(pocket) = &entry.pocket {
         self::pocket(&field, pocket)?;
     }
-    match crate::compile::parts::gingiva_params(&entry.gingiva.clone().unwrap_or_default())
+    match crate::file::gingiva::gingiva_params(&entry.gingiva.clone().unwrap_or_default())
         .validate()
     {
         Ok(()) => Ok(()),

@@ -4,15 +4,16 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::GingivaParams;
 use sulcus_core::{Node, Object, SphereTree, TreeError};
 
-use super::{
-    JAW_TOP, MouthEntry, Standing, collar, meet, patient, placed_gingiva, placed_mesh, standing,
-};
 use crate::anatomy::arch::to_world;
 use crate::anatomy::collar::Collar;
 use crate::anatomy::jaw::{Station, healed, jaw};
+use crate::anatomy::mouth::{
+    JAW_TOP, MouthEntry, Standing, collar, meet, patient, placed_gingiva, placed_mesh, standing,
+};
 use crate::anatomy::patient::{LOWER, ToothChart};
 use crate::compile::BuildError;
-use crate::compile::parts::{Compiler, GINGIVA_COLOUR, TOOTH_COLOUR, gingiva_params};
+use crate::compile::parts::{Compiler, GINGIVA_COLOUR, TOOTH_COLOUR};
+use crate::file::gingiva::gingiva_params;
 use crate::mesh::TriMesh;
 use crate::tree::build::TreeOptions;
 use crate::tree::carry::carriers;
