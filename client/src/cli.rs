@@ -60,16 +60,19 @@ pub struct DemoArgs {
     /// List the exercises, then exit
     #[arg(long)]
     pub list_exercises: bool,
-    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
+    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go,
+    /// spot-probes, misreads, stops-short
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
     /// Scene file (TOML). Default: the scene of the exercise (a molar, a molar with a pocket, or a whole mouth)
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Random seed of the generated patient and of the hand's tremor. Default: the scene's patient, and 1 for the tremor
+    /// Random seed of the generated patient and of the hand's tremor. Default: the scene's patient, and 1 for the
+    /// tremor
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Solver of the tick: `active-set`, or the independent `clarabel`, which is slower than real time: use it with --virtual
+    /// Solver of the tick: `active-set`, or the independent `clarabel`, which is slower than real time: use it with
+    /// --virtual
     #[arg(long, value_enum, default_value = "active-set")]
     pub solver: SolverArg,
     /// Ticks per second, 250 to 8000. Default: the rate of the scene file, else 1000
@@ -96,8 +99,8 @@ pub struct RunArgs {
     /// Address of the server. All addresses of a name are tried in turn
     #[arg(long, value_name = "HOST:PORT")]
     pub server: String,
-    /// Ticket that the server prints: token and certificate in one line. The environment variable SULCUS_TICKET hides the
-    /// ticket from other users of the machine
+    /// Ticket that the server prints: token and certificate in one line. The environment variable SULCUS_TICKET hides
+    /// the ticket from other users of the machine
     #[arg(long, value_name = "LINE", conflicts_with_all = ["token", "certificate"])]
     pub ticket: Option<String>,
     /// Token of the server; needs --certificate
@@ -109,11 +112,12 @@ pub struct RunArgs {
     /// Haptic device. The only device is `simulated`
     #[arg(long, value_name = "NAME", default_value = "simulated")]
     pub device: String,
-    /// Exercise of the simulated operator: a name, or an exercise file that ends in .toml. A server with another exercise
-    /// refuses the client; a server with the exercise `free` accepts any
+    /// Exercise of the simulated operator: a name, or an exercise file that ends in .toml. A server with another
+    /// exercise refuses the client; a server with the exercise `free` accepts any
     #[arg(long, value_name = "NAME", default_value = "crown")]
     pub exercise: String,
-    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go, spot-probes, misreads, stops-short
+    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go,
+    /// spot-probes, misreads, stops-short
     #[arg(long, value_name = "NAME")]
     pub habit: Option<Habit>,
     /// Scene file for the simulated operator; must be the server's scene. Default: the scene of the exercise
@@ -128,9 +132,10 @@ pub struct RunArgs {
     /// Length of the session, seconds. Default: the length of the exercise
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
-    /// Read called findings from standard input, a line each: tooth, site and depth in mm, then optional recession in mm
-    /// (negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3). Example: `36 mb 5 -2 b`.
-    /// The simulated operator then calls nothing. The session ends when the operator has finished and the input has ended
+    /// Read called findings from standard input, a line each: tooth, site and depth in mm, then optional recession in
+    /// mm (negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3). Example: `36 mb
+    /// 5 -2 b`. The simulated operator then calls nothing. The session ends when the operator has finished and the
+    /// input has ended
     #[arg(long)]
     pub readings: bool,
     /// Random seed of the simulated operator's tremor

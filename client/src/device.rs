@@ -1,4 +1,4 @@
-//! Devices of this program: the simulated operator, and the interface of a device whose user calls depths.
+//! Devices of this program: the simulated operator, and the interface of a device whose user calls probing depths.
 
 use sulcus_core::{MAX_TOOLS, ToolInput};
 use sulcus_haptics::{Device, Shown};
@@ -9,7 +9,7 @@ use crate::calls::calls;
 
 /// A device whose user calls probing depths.
 pub trait CallingDevice: Device {
-    /// Depths called since the last request. A device without this ability returns none.
+    /// Returns the depths called since the previous call of this function. The default returns none.
     fn calls(&mut self) -> Vec<Call> {
         Vec::new()
     }
@@ -17,7 +17,7 @@ pub trait CallingDevice: Device {
 
 /// The simulated operator as a device.
 pub struct Simulated {
-    /// The operator who performs.
+    /// Operator that performs the exercise.
     pub operator: Operator,
     /// Whether the session ends with the operator's last task. Otherwise the time limit ends it.
     pub until_done: bool,

@@ -1,4 +1,4 @@
-//! The device's own millisecond: wrench in, gate, device, pose out.
+//! Device loop, once per period: newest wrench, gate, display, device, pose.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,48 +15,50 @@ use crate::device::CallingDevice;
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
-/// Priority of the device's thread among SCHED_FIFO ones: below an embedded simulation's.
+/// SCHED_FIFO priority of the device thread, below that of an embedded simulation.
 const PRIORITY: i32 = 45;
-/// The gate has been closed for this long: the server is gone.
+/// Time of a closed gate after which the server counts as gone, nanoseconds.
 const GONE_NS: u64 = 1_000_000_000;
-/// For how long a server that has just been told to start may still be silent.
+/// Longest wait for the first wrench of a started session, nanoseconds.
 const START_NS: u64 = 5_000_000_000;
 
-/// How the loop went.
+/// Report of one run of the loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LoopReport {
-    /// Periods of the device.
+    /// Number of periods of the device.
     pub periods: u64,
-    /// Periods that the system let pass without waking the loop; the device moved on all the same.
+    /// Number of periods that passed before the system woke the loop. The device moved on in these periods too.
     pub overslept: u64,
-    /// Largest force displayed, newtons.
+    /// Largest force displayed on either hand, newtons.
     pub max_displayed_n: f64,
-    /// Largest change of the force displayed between two periods, newtons.
+    /// Largest change of the displayed force between two passes of the loop, newtons.
     pub max_displayed_step_n: f64,
-    /// Force displayed last, newtons.
+    /// Force displayed last, newtons: the larger of both hands.
     pub last_displayed_n: f64,
-    /// Times that the watchdog began to close the gate.
+    /// Number of times that the watchdog began to close the gate.
     pub gate_closings: u64,
-    /// Most energy that the force displayed had put out into a hand, net, since a contact began, joules.
+    /// Largest net energy that the displayed force put out into a hand since a contact began, joules.
     pub energy_out_j: f64,
-    /// Energy that the passivity controller took out, both hands, joules.
+    /// Energy removed by the passivity controllers of both hands, joules.
     pub energy_taken_j: f64,
-    /// Periods of a hand in which the controller acted.
+    /// Number of periods in which a passivity controller acted, summed over both hands.
     pub damped_periods: u64,
-    /// Newest tick heard of.
+    /// Tick of the newest wrench received.
     pub last_tick: u64,
-    /// Whether no wrench came any more: the server fell silent, or ended the session.
+    /// Whether the run ended because no more wrenches came: the server fell silent or ended the session.
     pub server_silent: bool,
-    /// Whether someone asked to end before the time.
+    /// Whether the user interrupted the run.
     pub interrupted: bool,
 }
 
-/// What happens to the input on its way, period by period (a hard case's lost packets and bad
-/// numbers).
+/// Disturbance of the input of one period, by period number: lost packets and invalid numbers of the hard cases.
 pub type Disturb = fn(u64, &mut TickInput);
 
-/// Runs `device` on `link` for `periods` periods of the server's tick, and the few more that it takes to let the hand go; or
-/// until someone interrupts it, there is nothing left to do, or the server is gone. `done` counts along.
+/// Runs `device` on `link` for `periods` periods of the server's tick.
+///
+/// The run ends earlier on an interrupt, when the device is done, or when the server is gone. After the end of the
+/// periods the loop continues until the displayed wrench has fallen to zero. `done` receives the number of periods
+/// completed so far.
 pub fn run(
     link: &mut Link,
     device: &mut dyn CallingDevice,
@@ -86,7 +88,7 @@ pub fn run(
     let mut waited = 0;
     loop {
         report.interrupted |= interrupt::asked();
-        // The end, too, lets the hand go by the slew limit: the loop goes on until nothing is displayed.
+        // The slew limit also applies at the end: the loop continues until the displayed wrench is zero.
         let leaving = report.interrupted || report.periods >= periods || device.is_done();
         if leaving && is_let_go(&displayed) {
             break;
@@ -97,7 +99,7 @@ pub fn run(
         let gate = link.force_gate(now);
         let newest = link.latest_wrench();
         if newest.is_none() && waited < START_NS / period_ns && link.is_open() {
-            // The server is still opening its recording: what the hands did now would be lost.
+            // The server is still opening its recording: motion of the hands would be lost.
             waited += 1 + late;
             grid_ns += (late + 1) * period_ns;
             continue;
@@ -111,7 +113,7 @@ pub fn run(
                 };
                 gated(&sent, gate, &limits)
             });
-            // What ends is not damped: it must come to nothing.
+            // No damping at the end: the wrench must reach zero.
             displays[t].next(&wanted, if leaving { 0.0 } else { gate })
         });
         for (now, before) in felt.iter().zip(&displayed) {
@@ -139,7 +141,7 @@ pub fn run(
                 })
             }),
         };
-        // A real device moves on while the system sleeps; so does the simulated one.
+        // A real device moves on while the loop sleeps; the simulated device must do the same.
         let mut input = TickInput::IDLE;
         for _ in 0..=late {
             input.tools = device.exchange(&shown);
@@ -153,7 +155,7 @@ pub fn run(
             report.periods += 1;
         }
         for call in device.calls() {
-            // Not taken: the link has ended, which the loop will find.
+            // Refused if the link has ended, which the loop detects, or if its message queue is full.
             let _ = link.event(event(&call, report.last_tick));
         }
         report.overslept += late;
@@ -164,7 +166,7 @@ pub fn run(
         report.gate_closings += u64::from(was_open && gate < 1.0);
         was_open = gate >= 1.0;
         closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
-        // The gate of a session that has just begun is still rising.
+        // In a new session the gate is still rising: a closed link alone does not end the loop.
         if closed_for >= GONE_NS / period_ns
             || !link.is_open() && is_let_go(&displayed) && gate == 0.0
         {
@@ -180,7 +182,7 @@ pub fn run(
     report
 }
 
-/// Whether nothing is displayed any more: a torque, too, holds a hand.
+/// Whether all displayed wrenches are zero. A torque also holds a hand.
 fn is_let_go(displayed: &[Wrench; MAX_TOOLS]) -> bool {
     displayed.iter().all(|wrench| *wrench == Wrench::ZERO)
 }
@@ -204,8 +206,8 @@ fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOO
     }
 }
 
-/// Real-time scheduling where it is permitted, exact timers anyway. Without it poses are late under load,
-/// which the counters show.
+/// Requests SCHED_FIFO, and sets exact timers in any case. Without SCHED_FIFO poses are late under load; the counters
+/// show the delay.
 fn punctual() {
     exact_timers();
     if let Err(error) = fifo(PRIORITY) {

@@ -35,7 +35,7 @@ pub enum ServerMessage {
     Refused(Refused),
     /// New session epoch. Datagrams of any other epoch are dropped from now on.
     Epoch(u32),
-    /// End of the session; the connection closes.
+    /// End of the session, with its reason. The connection then closes.
     Goodbye(Goodbye),
 }
 
@@ -59,7 +59,7 @@ pub struct ClientHello {
 pub struct ServerHello {
     /// Version of the server program.
     pub program: String,
-    /// Session epoch of the datagrams.
+    /// Session epoch of the datagrams at the start. [`ServerMessage::Epoch`] replaces it.
     pub epoch: u32,
     /// Period of a tick, nanoseconds.
     pub tick_ns: u64,

@@ -99,7 +99,8 @@ impl PoseDatagram {
     }
 }
 
-/// Echo of the pose that a tick used. The client computes its age and the round trip on its own clock.
+/// Echo of the pose that a tick used, with its hold time at the server. The client computes the age of the pose and the
+/// round trip on its own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Echo {
     /// Whether any pose had arrived. The other fields are zero if not.

@@ -7,9 +7,9 @@
 //!   duplicate or reorder them; [`newest`] filters them by sequence number.
 //!
 //! # Units and frames
-//! All quantities are in SI units: metres, newtons, newton-metres. Times are in nanoseconds of the *client's* monotonic
-//! clock. A pose is `world_from_tool` at the tool's device point. Force and torque are in world axes about that point.
-//! Poses and wrenches are f32 on the wire; widening to f64 is exact.
+//! All quantities are in SI units: metres, newtons, newton-metres. Points in time are nanoseconds of the *client's*
+//! monotonic clock; durations name their unit. A pose is `world_from_tool` at the tool's device point. Force and
+//! torque are in world axes about that point. Poses and wrenches are f32 on the wire; widening to f64 is exact.
 //!
 //! # Strictness
 //! Decoding accepts exactly the bytes that encoding writes. A wrong version, kind, length or flag byte and trailing

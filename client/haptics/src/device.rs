@@ -29,8 +29,8 @@ impl From<&TickOutput> for Shown {
     }
 }
 
-/// A haptic device for up to two hands. Poses are `world_from_tool` at the device points; wrenches are about these points,
-/// in world axes.
+/// A haptic device for up to two hands. Poses are `world_from_tool` at the device points. Wrenches are about these
+/// points, in world axes.
 pub trait Device: Send {
     /// Name, for the server's log and the recording.
     fn name(&self) -> &str;
@@ -44,8 +44,7 @@ pub trait Device: Send {
     }
 }
 
-/// The pose that `raw`, in the wire's precision, stands for. `None` where a number is not finite or the quaternion's length
-/// is outside 0.5 to 2.
+/// Returns the pose of `raw`. `None` for a number that is not finite, and for a quaternion length outside 0.5 to 2.
 pub fn drawn(raw: &RawPose) -> Option<Pose> {
     let finite = |x: &f32| x.is_finite();
     let position = Vec3::from(raw.position.map(f64::from));

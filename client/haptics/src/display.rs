@@ -6,7 +6,7 @@ use sulcus_core::{Pose, Vec3, Wrench};
 use crate::limits::SlewLimits;
 use crate::passivity::{Energy, Passivity, PassivityParams};
 
-/// Displayed wrench of one hand.
+/// Display of one hand: displayed wrench, passivity controller and slew limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Display {
     displayed: Wrench,
@@ -17,7 +17,7 @@ pub struct Display {
 }
 
 impl Display {
-    /// A display of zero, with a passivity controller and slew limits.
+    /// Creates a display with zero wrench, a passivity controller and slew limits.
     pub fn new(params: PassivityParams, slew: SlewLimits) -> Self {
         Self {
             displayed: Wrench::ZERO,
@@ -27,12 +27,13 @@ impl Display {
         }
     }
 
-    /// Returns the wrench of the next period for `wanted`, which is already times `gate` (0 to 1).
+    /// Returns the wrench to display in the next period for the wanted wrench `wanted`. `wanted` already contains the
+    /// factor `gate` (0 to 1).
     pub fn next(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
         let plain = slewed(&self.displayed, wanted, &self.slew, self.period_ms);
         let damped = self.passivity.damped(wanted, gate);
-        // The slew limit comes last, because damping must not be felt as a blow either. A wrench that only decreases is
-        // none, and a slow decrease would push a fast hand along: it passes at once.
+        // The slew limit comes last, because the damping force must not arrive as a blow either. A wrench that only
+        // decreases is no blow, and a slow decrease would push a fast hand along: a decrease passes at once.
         let from = if damped == *wanted {
             self.displayed
         } else {
@@ -44,28 +45,29 @@ impl Display {
         displayed
     }
 
-    /// Accounts for the hand's pose after `periods` of the displayed wrench; `None` for an unknown pose.
+    /// Accounts for the work of the displayed wrench up to the hand pose `hand`, `periods` device periods later. `None`
+    /// stands for an unknown pose.
     pub fn moved(&mut self, hand: Option<&Pose>, periods: u64) {
         self.passivity.moved(hand, periods);
     }
 
-    /// Whether this display continues as `earlier` did, for `times` repetitions of the same hand and wrenches.
+    /// Whether this display continues as `earlier` did, for `times` repetitions of the same hand poses and wrenches.
     pub fn repeats(&self, earlier: &Self, times: f64) -> bool {
         self.displayed == earlier.displayed && self.passivity.repeats(&earlier.passivity, times)
     }
 
-    /// Displayed wrench.
+    /// Returns the displayed wrench.
     pub fn displayed(&self) -> Wrench {
         self.displayed
     }
 
-    /// Sums of the energy observer and controller.
+    /// Returns the sums of the energy observer and controller.
     pub fn energy(&self) -> Energy {
         self.passivity.energy()
     }
 }
 
-/// The point nearest to `wanted` on the segment from zero to `displayed`, for force and torque each.
+/// Returns the point nearest to `wanted` on the segment from zero to `displayed`, separately for force and torque.
 fn let_go(displayed: &Wrench, wanted: &Wrench) -> Wrench {
     let part = |from: Vec3, to: &Vec3| {
         let along = from.dot(to) / from.norm_squared();
@@ -81,7 +83,7 @@ fn let_go(displayed: &Wrench, wanted: &Wrench) -> Wrench {
     }
 }
 
-/// Steps from `before` towards `wanted` by at most `slew` times `ms` milliseconds.
+/// Returns the step from `before` towards `wanted`, limited to `slew` times `ms` milliseconds.
 pub fn slewed(before: &Wrench, wanted: &Wrench, slew: &SlewLimits, ms: f64) -> Wrench {
     let step = |from: Vec3, to: Vec3, most: f64| {
         let change = to - from;
@@ -121,7 +123,7 @@ mod tests {
             display.next(&push, 1.0);
         }
         assert_eq!(display.displayed(), push);
-        // A millimetre in a millisecond under 3 N: 3 mJ that nobody paid for.
+        // 1 mm in one millisecond under 3 N: an unpaid output of 3 mJ.
         display.moved(Some(&at(1e-3)), 1);
         let after = display.next(&push, 1.0).force.x;
         assert!((after + slew().force_n_per_ms).abs() < 1e-12, "{after} N");
@@ -149,7 +151,7 @@ mod tests {
         assert_eq!(displayed, wanted);
     }
 
-    /// A copied default once stood here: a scene with another limit was displayed at half a newton per millisecond.
+    /// Regression test: a copied default once displayed a scene with another limit at 0.5 N per millisecond.
     #[test]
     fn the_slew_limit_is_the_one_given_not_a_default() {
         let slew = SlewLimits {

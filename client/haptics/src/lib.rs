@@ -2,12 +2,13 @@
 //!
 //! The simulation's wrench passes, in this order:
 //! 1. [`Watchdog`]: the share of the force that may be displayed, from the times at which wrenches arrived.
-//! 2. [`gated`]: clamp to the [`Limits`] of the server's hello, times that share. A value that is not finite becomes zero.
-//! 3. [`Passivity`]: damping where the loop of hand, device and simulation puts out energy.
-//! 4. [`slewed`]: largest change per millisecond, [`SlewLimits`].
+//! 2. [`gated`]: clamp to the [`Limits`] of the server's hello, times that share. Values that are not finite become
+//!    zero.
+//! 3. [`Passivity`]: damping while the loop of hand, device and simulation generates energy.
+//! 4. [`slewed`]: limit of the change per millisecond, [`SlewLimits`].
 //!
-//! [`Display`] is steps 3 and 4 for one hand. This crate knows no clock, no socket and no device driver. Begin at
-//! [`device::Device`], the interface of a haptic device.
+//! [`Display`] implements steps 3 and 4 for one hand. This crate uses no clock, no socket and no device driver. Begin
+//! at [`device::Device`], the interface of a haptic device.
 //!
 //! ```
 //! use sulcus_core::{Params, Vec3, Wrench};

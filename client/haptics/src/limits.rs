@@ -3,7 +3,7 @@
 use sulcus_core::math::norm;
 use sulcus_core::{Params, Vec3, Wrench};
 
-/// Largest wrench that the server sends.
+/// Largest wrench that the server sends; limits of the magnitudes of force and torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Force, newtons.
@@ -12,7 +12,7 @@ pub struct Limits {
     pub torque_nm: f64,
 }
 
-/// Largest change of the displayed wrench.
+/// Largest change of the displayed wrench per millisecond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlewLimits {
     /// Change of the force, newtons per millisecond.
@@ -30,7 +30,8 @@ impl From<&Params> for SlewLimits {
     }
 }
 
-/// `sent`, clamped to `limits`, times `gate` (0 to 1); zero where it is not finite.
+/// Returns `sent`, clamped to `limits`, times `gate` (0 to 1). Returns zero if any component of the result is not
+/// finite.
 pub fn gated(sent: &Wrench, gate: f64, limits: &Limits) -> Wrench {
     let wrench = Wrench {
         force: clamped(&sent.force, limits.force_n) * gate,
@@ -44,7 +45,7 @@ pub fn gated(sent: &Wrench, gate: f64, limits: &Limits) -> Wrench {
     }
 }
 
-/// `v` in its own direction, no longer than `most`.
+/// Returns `v` with its length clamped to `most`, the direction unchanged.
 fn clamped(v: &Vec3, most: f64) -> Vec3 {
     let length = norm(v);
     if length > most {
@@ -75,10 +76,10 @@ mod tests {
         let wrench = gated(&sent([0.0, -1e6, 0.0], [1e6, 0.0, 0.0]), 1.0, &LIMITS);
         assert!(norm(&(wrench.force - Vec3::new(0.0, -3.0, 0.0))) < 1e-12);
         assert!(norm(&(wrench.torque - Vec3::new(0.2, 0.0, 0.0))) < 1e-12);
-        // The gate takes its share of the clamped force, not of the sent force.
+        // The gate scales the clamped force, not the sent force.
         let half = gated(&sent([0.0, -1e6, 0.0], [0.0; 3]), 0.5, &LIMITS);
         assert!(norm(&(half.force - Vec3::new(0.0, -1.5, 0.0))) < 1e-12);
-        // Values within the limits stay as they are, values that are not finite become zero.
+        // Values within the limits stay unchanged. Values that are not finite become zero.
         let plain = gated(&sent([1.0, 2.0, -2.0], [0.0, 0.125, 0.0]), 1.0, &LIMITS);
         assert_eq!(plain.force, Vec3::new(1.0, 2.0, -2.0));
         assert_eq!(plain.torque, Vec3::new(0.0, 0.125, 0.0));

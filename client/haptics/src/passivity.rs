@@ -1,51 +1,56 @@
-//! Passivity in the time domain, at the device: an observer counts the energy that the displayed wrench put out into
-//! the hand, and a controller damps the hand when more came out than went in (after Hannaford and Ryu 2002,
-//! doi:10.1109/70.988969). Damping that a device can display stably takes a few newtons of a fast hand and next to nothing
-//! of a slow one; so a hand that is pushed along slowly is let go of, too, until it has paid.
+//! Passivity control in the time domain, at the device, after Hannaford and Ryu 2002 (doi:10.1109/70.988969).
 //!
-//! A network's delay and a wrench that is held over a period make a spring give back more than it took. Whatever the
-//! cause, the device sees it: the work of what it displayed. Translation and rotation are one budget, because a press
-//! may well come back as a turn; each hand has its own.
+//! An observer sums the work of the displayed wrench on the hand. A controller damps the hand while more energy has
+//! come out than went in. A device displays damping stably up to a limit, which takes a few newtons from a fast hand
+//! and almost nothing from a slow hand. For a slowly pushed hand the controller therefore reduces the wrench until
+//! the excess is paid.
+//!
+//! Network delay, and a wrench that is constant over a period, make a spring return more energy than it took. The
+//! work of the displayed wrench shows the excess, whatever its cause. Translation and rotation share one budget,
+//! because a press may return as a turn. Each hand has a budget of its own.
 
 use sulcus_core::math::{fmax, fmin, log_rotation, norm};
 use sulcus_core::scene::params::ParamError;
 use sulcus_core::{Pose, Vec3, Wrench};
 
-/// How the controller damps.
+/// Parameters of the passivity controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassivityParams {
-    /// Most damping, N s/m. Default 30, range 0 to 1000; 0 only observes. More takes energy out sooner. A device of mass
-    /// `m` displays damping `a` stably while `a T / m` is well under 1 (the speed is that of the period before: the
-    /// motion decays without overshoot up to 0.34): 0.3 for 0.1 kg at 1 kHz.
+    /// Largest damping, N s/m. Default 30, range 0 to 1000; 0 only observes. A larger value removes energy sooner.
+    ///
+    /// A device of mass `m` displays damping `a` stably while `a T / m` is well under 1. The speed is that of the
+    /// period before, so the motion decays without overshoot up to 0.34. The default gives 0.3 for 0.1 kg at 1 kHz.
     pub max_damping: f64,
-    /// Lever by which turning counts as moving, m. Default 0.04, range 0.001 to 0.2: rotation is damped by `a l^2`. Where
-    /// it is the device's radius of gyration (0.045 m for 2e-4 kg m2 and 0.1 kg) the bound above holds for both.
+    /// Lever that converts rotation into motion, m. Default 0.04, range 0.001 to 0.2. Rotation is damped by `a l^2`.
+    ///
+    /// With the device's radius of gyration (0.045 m for 2e-4 kg m2 and 0.1 kg) one bound on damping holds for both.
     pub lever: f64,
-    /// Most force by which damping may go beyond what the simulation wants, N; torque that times the lever. Default 1,
-    /// range 0 to 10. Damping never makes a greater force than this or the simulation's own, whichever is greater.
+    /// Largest force of the damping beyond the simulation's force, N; the torque is this times the lever. Default 1,
+    /// range 0 to 10. A damped force never exceeds this value or the simulation's force, whichever is larger.
     pub max_force: f64,
-    /// Time in which the wrench falls to a third (1/e) where damping is not enough, s. Default 2e-3, range 1e-4 to 1. Damping brakes a
-    /// fast hand; one that is pushed along slowly by a large force is let go of instead. Shorter: less energy comes out.
+    /// Time constant of the reduction of the wrench where damping is not enough, s: a fall to 1/e. Default 2e-3,
+    /// range 1e-4 to 1. The reduction serves a hand that a large force pushes along slowly. A shorter time lets less
+    /// energy out.
     pub let_go: f64,
-    /// Excess up to which nothing is let go of, J: damping alone answers to it. Default 3e-5, range 0 to 1: under what is felt (1e-4).
-    /// Less: a contact that gave back nothing that is felt stays weak for it.
+    /// Excess up to which the wrench is not reduced, J. Default 3e-5, range 0 to 1; a hand feels about 1e-4. Damping
+    /// alone answers to a smaller excess. A smaller value weakens contacts without a felt cause.
     pub unfelt: f64,
-    /// Time in which two thirds (1 - 1/e) of what was let go come back once the excess is paid, s. Default 0.03, range 1e-3 to 10. Shorter: a
-    /// contact is as firm as it should be sooner; longer: it does not come back as a blow.
+    /// Time constant of the return of a reduced wrench once the excess is paid, s: a return of 1 - 1/e. Default 0.03,
+    /// range 1e-3 to 10. A shorter time restores a contact sooner; a longer time avoids a blow.
     pub take_up: f64,
-    /// Excess that is let be, J. Default 1e-7, range 0 to 1: well under what is felt, well over the rounding of poses
-    /// on their way (4 nm at 3 N: 1e-8 J).
+    /// Tolerated excess, J. Default 1e-7, range 0 to 1. The default is well under a felt energy and well over the
+    /// rounding of poses on the wire (4 nm at 3 N: 1e-8 J).
     pub slack: f64,
-    /// The device's own damping, N s/m: what it takes of an excess while it moves need not be displayed. It pays debts and
-    /// saves nothing up. Default 0 (nothing is known of the device; the displayed wrench itself is passive), range 0
-    /// to 100. The true value spares the hand a braking that it does not need.
+    /// Damping of the device itself, N s/m. Default 0 (unknown device), range 0 to 100. It pays an excess while the
+    /// device moves, and accumulates no credit. The true value spares the hand an unnecessary braking.
     pub device_damping: f64,
     /// Period of the device, s. Default 1e-3, range 1e-4 to 0.01.
     pub period_s: f64,
-    /// Force under which nothing is felt, N. Default 1e-3, range 0 to 0.1; torque that times the lever.
+    /// Force below which a hand feels nothing, N; the torque is this times the lever. Default 1e-3, range 0 to 0.1.
     pub quiet_force: f64,
-    /// How long nothing must have been felt until the budget is forgotten, s. Default 0.1, range 0.001 to 10. Longer: what a
-    /// contact took in pays for what the next one puts out. Shorter: a tool that bounces has its debt forgotten in the air.
+    /// Time without a felt wrench after which the budget is reset, s. Default 0.1, range 0.001 to 10. With a longer
+    /// time the energy of a contact pays for the next contact. With a shorter time a bouncing tool loses its debt in
+    /// the air.
     pub forget_after: f64,
 }
 
@@ -68,7 +73,7 @@ impl Default for PassivityParams {
 }
 
 impl PassivityParams {
-    /// Only observes: what is wanted is displayed.
+    /// Parameters of an observer without a controller.
     pub fn observing() -> Self {
         Self {
             max_damping: 0.0,
@@ -76,8 +81,10 @@ impl PassivityParams {
         }
     }
 
+    /// Checks the ranges.
+    ///
     /// # Errors
-    /// Names the first parameter outside its range.
+    /// A parameter is outside its range: the first one, with its value and range.
     pub fn validate(&self) -> Result<(), ParamError> {
         let fields = [
             ("max_damping", self.max_damping, 0.0, 1e3, "0 to 1000"),
@@ -99,7 +106,7 @@ impl PassivityParams {
             ("forget_after", self.forget_after, 1e-3, 10.0, "0.001 to 10"),
         ];
         for (field, found, low, high, expected) in fields {
-            // Written so that a NaN is outside.
+            // In this form a NaN is outside.
             let inside = found >= low && found <= high;
             if !inside {
                 return Err(ParamError {
@@ -113,21 +120,23 @@ impl PassivityParams {
     }
 }
 
-/// What the observer and the controller came to.
+/// Sums of the observer and the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Most that the displayed wrench had put out, net, since a contact began, joules.
+    /// Largest net energy that the displayed wrench has put out since a contact began, joules.
     pub most_out: f64,
-    /// Most that was put out beyond what had been paid for within one period, joules: what no controller foresees.
+    /// Largest unpaid energy of one period, joules: no controller can foresee it.
     pub most_at_once: f64,
-    /// What the controller took out, net, joules: period by period the work of what would have been displayed next without it, less that
-    /// of what was. (Of a hand that was let go of, the next would be one step of the slew: what it was spared as a whole is more.)
+    /// Net energy that the controller has taken out, joules.
+    ///
+    /// The value of a period is the work of the wrench without the controller, less the work of the displayed wrench.
+    /// The wrench without the controller is one slew step away, so a reduced wrench saves more than this sum.
     pub taken: f64,
-    /// Periods in which the controller acted.
+    /// Number of periods in which the controller acted.
     pub acted: u64,
 }
 
-/// The wrench that is displayed now, and what would be without the controller.
+/// Wrench of the present period, with the controller and without.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Held {
     displayed: Wrench,
@@ -138,24 +147,24 @@ struct Held {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passivity {
     params: PassivityParams,
-    /// Where the hand was last.
+    /// Last pose of the hand.
     hand: Option<Pose>,
     velocity: Vec3,
     spin: Vec3,
     held: Held,
-    /// Put out since contact began, net.
+    /// Net energy put out since the contact began, joules.
     out: f64,
-    /// The same less what the device's own damping took of an excess.
+    /// The same less the energy that the device's own damping has paid, joules.
     debt: f64,
-    /// Share of the wrench that is not let go, 0 to 1.
+    /// Fraction of the wrench that is not reduced, 0 to 1.
     share: f64,
-    /// Periods in a row in which nothing was felt.
+    /// Number of successive periods without a felt wrench.
     quiet: u64,
     energy: Energy,
 }
 
 impl Passivity {
-    /// Before the hand was seen.
+    /// A controller without a hand.
     pub fn new(params: PassivityParams) -> Self {
         Self {
             params,
@@ -174,8 +183,8 @@ impl Passivity {
         }
     }
 
-    /// So many periods of the device later its hand is at `hand`: what was displayed did its work on the way. `None` where
-    /// no hand holds the tool or its place is not known: the contact is over.
+    /// Accounts for the work of the displayed wrench over `periods` periods, after which the hand is at `hand`.
+    /// `None` ends the contact: no hand, or no valid pose.
     pub fn moved(&mut self, hand: Option<&Pose>, periods: u64) {
         let before = std::mem::replace(&mut self.hand, hand.copied());
         let (Some(before), Some(now)) = (before, hand) else {
@@ -212,9 +221,9 @@ impl Passivity {
         }
     }
 
-    /// What to display in place of `wanted`: the same, damped so that an excess is gone within the next period, as far
-    /// as damping may go, and let go of where that is not enough; of the damping the share `gate` (0: what ends must come to
-    /// rest at nothing).
+    /// Returns the wrench to display in place of `wanted`. Damping removes the excess within the next period, up to
+    /// its limit; the wrench is reduced where damping is not enough. The damping is times `gate` (0 to 1): a session
+    /// that ends must end at zero.
     pub fn damped(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
         if self.params.max_damping == 0.0 {
             return *wanted;
@@ -228,7 +237,7 @@ impl Passivity {
         damped
     }
 
-    /// The share of the next period where `displayed` is what this one displays.
+    /// Returns the fraction of the next period, with `displayed` as the wrench of this period.
     fn next_share(&self, displayed: &Wrench) -> f64 {
         let p = &self.params;
         let power = displayed.force.dot(&self.velocity) + displayed.torque.dot(&self.spin);
@@ -249,7 +258,7 @@ impl Passivity {
         let ahead = wanted.force.dot(&self.velocity) + wanted.torque.dot(&self.spin);
         let excess = self.debt + ahead * p.period_s;
         let power = excess / p.period_s;
-        // (Slower than that the quotient says nothing: a nanometre in a period.)
+        // Below a nanometre per period the quotient is noise.
         let moves = speed_squared > 1e-12;
         if !moves || excess <= p.slack || gate <= 0.0 {
             return *wanted;
@@ -278,7 +287,7 @@ impl Passivity {
         }
     }
 
-    /// From now on `displayed` is held, which without the controller would be `plain`.
+    /// Sets the wrench of the next period: `displayed`, and `plain` for the same without the controller.
     pub fn hold(&mut self, displayed: &Wrench, plain: &Wrench) {
         self.held = Held {
             displayed: *displayed,
@@ -287,11 +296,10 @@ impl Passivity {
         self.energy.acted += u64::from(displayed != plain);
     }
 
-    /// Whether from here all goes on as it did from `earlier`, bit for bit but for the budget, for as many `times` as it
-    /// takes, as long as the hand and what is wanted do. The budget may move if the controller did not act since, and will not
-    /// come to.
+    /// Whether this controller continues as `earlier` did, bit for bit except for the budget, for `times` repetitions
+    /// of the same hand and wrenches. The budget may differ while the controller has not acted and will not act.
     pub fn repeats(&self, earlier: &Self, times: f64) -> bool {
-        // More than the work between two like moments of a hand at rest: 3 N over 0.3 um.
+        // Above the work between two equal moments of a hand at rest: 3 N over 0.3 um.
         const SWAY: f64 = 1e-6;
         let grown = self.debt - earlier.debt;
         let never_acts = self.energy.acted == earlier.energy.acted
@@ -305,7 +313,7 @@ impl Passivity {
             && (self.debt == earlier.debt || never_acts)
     }
 
-    /// What came of it so far.
+    /// Sums so far.
     pub fn energy(&self) -> Energy {
         self.energy
     }

@@ -1,4 +1,4 @@
-//! When wrenches stop coming, the last one must not stay in the hand.
+//! Watchdog of the wrench stream: closes the force gate when no wrench arrives for [`WRENCH_SILENT`].
 
 use std::time::Duration;
 
@@ -6,14 +6,14 @@ use sulcus_proto::limits::WRENCH_SILENT;
 
 /// Time in which the gate falls from one to zero.
 const FALL: Duration = Duration::from_millis(20);
-/// Time in which it rises from zero to one.
+/// Time in which the gate rises from zero to one.
 const RISE: Duration = Duration::from_millis(100);
-/// Most time that one step of the gate accounts for. A device thread that was held up for longer
-/// finds the gate moved by this much only: the force it then displays does not jump.
+/// Largest time step of the gate. After a longer delay of the device thread the gate moves by this step only, so that
+/// the displayed force does not jump.
 const LONGEST_STEP: Duration = Duration::from_millis(2);
 
-/// Share of the force that may be displayed, from the times at which wrenches arrived. Knows no
-/// clock: whoever calls says what time it is.
+/// Gate of the force: share that may be displayed, from the arrival times of wrenches. Uses no clock of its own; the
+/// caller passes the time.
 #[derive(Clone, Debug, Default)]
 pub struct Watchdog {
     /// Linear position between closed (0) and open (1).
@@ -23,18 +23,20 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// Closed, nothing heard.
+    /// Creates a closed watchdog without any arrival.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A wrench arrived.
+    /// Records the arrival of a wrench at `at_ns`. Earlier times than the latest arrival are ignored.
     pub fn heard(&mut self, at_ns: u64) {
         self.heard_ns = self.heard_ns.max(Some(at_ns));
     }
 
-    /// The gate at `now_ns`, 0 (closed) to 1 (open); moves by at most 15 % between two calls (at 1 kHz
-    /// by at most 7.5 %), with a smooth begin and end.
+    /// Returns the gate at `now_ns`, 0 (closed) to 1 (open), and advances it.
+    ///
+    /// The gate moves by at most 15 % between two calls, and by at most 7.5 % at 1 kHz. Begin and end of the ramp are
+    /// smooth.
     pub fn gate(&mut self, now_ns: u64) -> f64 {
         let step_ns = self
             .stepped_ns
@@ -52,7 +54,7 @@ impl Watchdog {
             -step_s / FALL.as_secs_f64()
         };
         self.position = (self.position + change).clamp(0.0, 1.0);
-        // Smoothstep: no corner where the ramp begins and ends.
+        // Smoothstep: no corner at the begin and the end of the ramp.
         self.position * self.position * (3.0 - 2.0 * self.position)
     }
 }
@@ -66,7 +68,7 @@ mod tests {
     /// Largest change between two calls: steepest slope of the smoothstep times the longest step.
     const BOUND: f64 = 1.5 * 0.1 + 1e-12;
 
-    /// Calls the gate at each of `times`; a wrench arrives at every millisecond that `hears` accepts.
+    /// Calls the gate at each of `times`. A wrench arrives at every millisecond that `hears` accepts.
     fn run(times: impl IntoIterator<Item = u64>, hears: impl Fn(u64) -> bool) -> Vec<f64> {
         let mut watchdog = Watchdog::new();
         let mut heard_to = 0;
@@ -126,7 +128,7 @@ mod tests {
 
     #[test]
     fn it_turns_round_without_a_jump() {
-        // Dies at 300, comes back in the middle of the fall.
+        // The stream stops at 300 ms and returns in the middle of the fall.
         let gates = run((0..600).map(|ms| ms * MS), |ms| !(300..330).contains(&ms));
         let low = gates[300..400].iter().copied().fold(1.0, f64::min);
         assert!(low > 0.2 && low < 0.8, "{low}");

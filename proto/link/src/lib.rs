@@ -1,8 +1,13 @@
 //! Code that both ends of a connection share, and their real-time threads.
 //!
-//! [`quic`] holds the transport settings, [`control`] the framed control stream, [`Bell`] the wake-up of a network thread,
-//! [`clock`] the monotonic clock and the absolute sleep, [`schedule`] SCHED_FIFO. Messages are `sulcus-proto`'s; connections,
-//! roles and sessions belong to server and client. Begin at [`quic::transport`].
+//! - [`quic`]: transport settings
+//! - [`control`]: framed control stream
+//! - [`Bell`]: wake-up of a network thread
+//! - [`clock`]: monotonic clock and absolute sleep
+//! - [`mod@schedule`]: real-time scheduling
+//!
+//! The messages are in `sulcus-proto`. Connections, roles and sessions belong to server and client. Begin at
+//! [`quic::transport`].
 
 pub mod bell;
 pub mod clock;

@@ -1,5 +1,6 @@
-//! QUIC settings for datagrams at 1 kHz: no queue, no probing, the newest packet first. The numbers and their reasons are
-//! in [`sulcus_proto::limits`].
+//! QUIC settings for datagrams at 1 kHz: no queue, no probing, the newest packet first.
+//!
+//! The numbers and their reasons are in [`sulcus_proto::limits`].
 
 use std::any::Any;
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use quinn::congestion::{Controller, ControllerFactory};
 use quinn::{IdleTimeout, TransportConfig, VarInt};
 use sulcus_proto::limits;
 
-/// A constant congestion window. A cubic window falls to two packets after a little loss or reordering, and a full *MTU*
+/// A constant congestion window. A cubic window falls to two packets after a little loss or reordering. A full *MTU*
 /// must fit before a datagram of 150 to 300 bytes may go.
 #[derive(Clone, Debug)]
 struct FixedWindow;

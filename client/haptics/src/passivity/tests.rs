@@ -1,4 +1,4 @@
-//! One degree of freedom: a hand's mass and a little of its damping before a spring that is computed elsewhere.
+//! Passivity with one degree of freedom: mass and damping of a hand before a spring with a delay.
 
 use std::collections::VecDeque;
 
@@ -6,18 +6,18 @@ use super::*;
 use crate::display::Display;
 use crate::limits::SlewLimits;
 
-/// Mass of the device, kg, and what damps it besides, N s/m.
+/// Mass of the device, kg, and its own damping, N s/m.
 const MASS: f64 = 0.1;
 const BARE: f64 = 1.0;
 /// Period of the device, s.
 const PERIOD: f64 = 1e-3;
 
-/// A hand at x metres.
+/// Pose of a hand at x metres.
 fn at(x: f64) -> Pose {
     Pose::new(Vec3::new(x, 0.0, 0.0), sulcus_core::Quat::identity())
 }
 
-/// A force along x, newtons.
+/// Wrench of a force along x, newtons.
 fn push(newtons: f64) -> Wrench {
     Wrench {
         force: Vec3::new(newtons, 0.0, 0.0),
@@ -26,13 +26,13 @@ fn push(newtons: f64) -> Wrench {
 }
 
 struct Run {
-    /// Farthest from the middle in the last second, m.
+    /// Largest distance from the middle in the last second, m.
     swing: f64,
     energy: Energy,
 }
 
-/// A mass plucked 2 mm from the middle of a spring of `stiffness` N/m and `damper` N s/m whose force comes `delay` periods
-/// late, for five seconds; along x, or turning about y with the same numbers at the lever.
+/// Five seconds of a mass that is released 2 mm from the middle of a spring of `stiffness` N/m and `damper` N s/m. The
+/// force is `delay` periods late. The motion is along x, or a rotation about y with the same values at the lever.
 fn plucked(
     stiffness: f64,
     damper: f64,
@@ -106,7 +106,7 @@ fn a_passive_spring_and_damper_is_left_alone() {
     for turning in [false, true] {
         // Held over a period the spring alone would put out k T / 2 = 0.25 N s/m.
         let run = plucked(500.0, 1.0, 0, turning, PassivityParams::default());
-        // (Below a millinewton the budget is forgotten, and with it what the spring still holds.)
+        // Below a millinewton the budget is reset, together with the energy in the spring.
         assert!(run.energy.most_out <= 1e-9, "{:?}", run.energy);
         assert_eq!(run.energy.acted, 0);
     }

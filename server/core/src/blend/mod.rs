@@ -48,10 +48,10 @@ pub(crate) use hollowness::hollowness;
 
 /// Motion of the surface under which a sphere is ignored in the sum, metres.
 const UNFELT: f64 = 2e-8;
-/// Excess of the sagitta up to which two spheres are on one smooth surface, in blend lengths. Opposite spheres over the
-/// pit between four spheres of a properly blended lattice have an excess of 4 to 6.
+/// Excess of the sagitta over the rise up to which two spheres are on one smooth surface, in blend lengths. Opposite
+/// spheres over the pit between four spheres of a properly blended lattice have an excess of 4 to 6.
 const ONE_SURFACE: f64 = 7.0;
-/// Excess of the sagitta from which two spheres are on separate surfaces, in blend lengths.
+/// Excess of the sagitta over the rise from which two spheres are on separate surfaces, in blend lengths.
 const TWO_SURFACES: f64 = 12.0;
 /// Share of its sum that a left-out seed may hold beyond an earlier row. The seed could bind earlier by at most this
 /// share of the blend length.

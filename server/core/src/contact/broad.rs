@@ -23,10 +23,10 @@ use crate::{MAX_TOOLS, Scene};
 const MARGIN: f64 = 1.5e-4;
 /// Path after which a near object is tested again, metres.
 const AGAIN: f64 = 3e-4;
-/// Turns for which a bound may stay valid, tried in order until the object is far: sums of Frobenius norms of
-/// differences of rotation matrices.
+/// Turns for which a bound may stay valid, as sums of Frobenius norms of differences of rotation matrices: about 1.4
+/// times the angle in radians. They are tried in order until the bound exceeds the search distance and its margin.
 ///
-/// A turn of 0.1 rad moves the far end of a handle by 10 mm, the width of a tooth.
+/// A turn of 0.1 takes 10 mm, the width of a tooth, off the bound at the far end of a handle of 100 mm.
 const TURNS: [f64; 3] = [0.1, 0.02, 4e-3];
 /// Limit of tested node pairs for one bound. An object beyond the limit counts as near.
 ///

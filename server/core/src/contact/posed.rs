@@ -71,7 +71,8 @@ impl Posed {
         centre
     }
 
-    /// Returns the contact of two spheres if their gap is under `d`. All methods of contact prediction decide here.
+    /// Returns the contact of two spheres if their gap is under `d` (metres). All methods of contact prediction
+    /// decide here.
     #[inline(always)]
     pub fn contact(
         &self,

@@ -39,7 +39,7 @@ pub fn limit(damping: f64, period: f64) -> f64 {
     damping / (0.5 * period + LINK_DELAY)
 }
 
-/// Coupling of a tool that is too stiff to be displayed.
+/// Coupling of a tool, in translation or rotation, that is too stiff for a haptic device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TooStiff {
     /// Name of the tool.

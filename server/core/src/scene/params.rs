@@ -19,8 +19,11 @@ pub struct Params {
     /// Largest contact-prediction distance, metres. Default 5e-4 (the paper's d, section 3.2), range
     /// `predict_min`..1e-2.
     pub predict_max: f64,
-    /// Prediction distance per metre of motion: of the hand in the first substep, of the remaining step in later
-    /// substeps. Default 1.2, range 0..10.
+    /// Prediction distance per metre of motion, and per radian of rotation and metre of lever. Default 1.2, range
+    /// 0..10.
+    ///
+    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. With tissue near,
+    /// the distance per metre of motion is 2.5 times as large.
     pub predict_gain: f64,
     /// Prediction distance added to the motion, metres. Default 3e-6, range 0..1e-3. A tenth of the prototype's value
     /// costs a few more passes and saves most of the rows at fine levels.

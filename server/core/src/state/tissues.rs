@@ -63,7 +63,8 @@ impl Tissues {
         self.parts[slot].at_rest
     }
 
-    /// Returns the numbers of the yielding object `slot`.
+    /// Returns the state numbers of the yielding object `slot`, the index among the yielding objects. The tissue model
+    /// defines their units.
     pub fn of(&self, slot: usize) -> &[f64] {
         &self.numbers[self.parts[slot].range.clone()]
     }

@@ -37,9 +37,8 @@ pub struct GingivaParams {
     /// rest the floor lies higher by [`GingivaParams::sink`], the displacement of healthy tissue under this force.
     /// Source: 0.20 to 0.25 N of clinical studies.
     pub reading_force: f64,
-    /// Diameter of the tip for the reading of depths, m. Default 5e-4, range 1e-4 to 2e-3. A tip spreads its load and
-    /// presses less deep than the same load on a point. The compliance of each place of the floor is larger to
-    /// compensate.
+    /// Diameter of the tip for which `floor_stiffness` and `reading_force` hold, m. Default 5e-4, range 1e-4 to 2e-3,
+    /// at most twice `reach`. A tip spreads its load, so each place of the pocket's floor is softer to compensate.
     pub reading_tip: f64,
     /// Degree of inflammation, 0 (healthy, default) to 1. Inflammation softens walls and floor, so that the probing
     /// depth at the same force is larger. Source of the direction: a probe at light force goes deeper into inflamed

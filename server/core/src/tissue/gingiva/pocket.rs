@@ -52,8 +52,8 @@ pub struct Tip {
     depth: f64,
 }
 
-/// Returns the tip of the tool in `slot` at the graphic pose, if the tip is below the margin. Returns `None` outside
-/// the ball (centre and radius, metres) that bounds the gingiva at rest.
+/// Returns position, angle and depth of the tip of the tool in `slot` at the graphic pose. Returns `None` if the tip is
+/// not below the margin, or outside the ball (centre and radius, metres) that bounds the gingiva at rest.
 pub fn tip_below_margin(
     model: &Gingiva,
     slot: usize,

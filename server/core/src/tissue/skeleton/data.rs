@@ -7,7 +7,8 @@ use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 
-/// Largest number of nodes of a skeleton. The limit is due to the dense inverse.
+/// Largest number of nodes of a skeleton. The inverse of its step matrix (mass, damping, stiffness) is stored dense and
+/// grows with the square of this number.
 pub const MAX_SKELETON_NODES: usize = 1024;
 /// Number of skeleton nodes that carry a sphere.
 pub const CARRIERS: usize = 4;

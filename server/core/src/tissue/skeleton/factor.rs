@@ -74,7 +74,7 @@ pub(super) struct Factor<E> {
 }
 
 impl<E: Entry> Factor<E> {
-    /// Factors `matrix`, of which the lower triangle is read.
+    /// Factors `matrix`, of which the lower triangle is read. Its rows are in the order of elimination.
     pub fn new(mut matrix: Matrix<E>) -> Self {
         let n = matrix.n;
         // Pattern of the fill. A value that cancels to zero by chance still counts as an entry.

@@ -9,13 +9,13 @@ use crate::tree::SphereTree;
 
 /// Largest number of moving masters.
 pub const MAX_MASTERS: usize = 256;
-/// Largest number of cells of the large-displacement term.
+/// Largest number of cells of one organ. The cells carry the large-displacement term.
 pub const MAX_CELLS: usize = 64;
 
 /// Organ condensed to its surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceCompliance {
-    /// Parameters that a user may change.
+    /// Parameters of the material. All but Poisson's ratio may change without a new condensation.
     pub params: SurfaceParams,
     /// Masters. The tables below list x, y and z of each moving master in turn.
     pub masters: Masters,
@@ -47,8 +47,8 @@ pub struct SurfaceParams {
     pub young: f64,
     /// Poisson's ratio of the finite elements before condensation. Default 0.49, range 0 to 0.499.
     pub poisson: f64,
-    /// Time constant of the response to a load, seconds. Default 0.02, range 0.002 (two ticks) to 1. Shorter values
-    /// feel livelier, longer values more viscous.
+    /// Time constant of the response to a load, seconds. Default 0.02, range two ticks (0.002 at 1 kHz) to 1. Shorter
+    /// values feel livelier, longer values more viscous.
     pub relaxation: f64,
     /// Factor on the large-displacement term. Default 1, range 0 (linear) to 1.
     pub large: f64,

@@ -45,7 +45,9 @@ pub(in crate::tissue) struct Ready {
     /// Gradients `R_e' / V_e dt / (tau + dt)`, 1/N: the part of each coordinate of a force on the masters in all
     /// gradients.
     gradients: Vec<f32>,
-    /// Displacement `R_e` times the factor on the term, metres: nine rows for each cell.
+    /// Displacement `R_e` times `SurfaceParams::large`, metres for a stress in units of Young's modulus.
+    ///
+    /// Each cell has nine rows, one for each component of the stress. A row has x, y and z of every moving master.
     response: Vec<f32>,
     /// The large-displacement term in this tick, metres.
     term: Vec<f32>,
