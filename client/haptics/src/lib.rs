@@ -2,8 +2,8 @@
 //!
 //! The simulation's wrench passes, in this order:
 //! 1. [`Watchdog`]: the share of the force that may be displayed, from the times at which wrenches arrived.
-//! 2. [`gated`]: clamp to the [`Limits`] of the server's hello, times that share. Values that are not finite become
-//!    zero.
+//! 2. [`gated`]: clamp to the [`Limits`] of the server's hello, times that share. A wrench
+//!    with a value that is not finite becomes zero.
 //! 3. [`Passivity`]: damping while the loop of hand, device and simulation generates energy.
 //! 4. [`slewed`]: limit of the change per millisecond, [`SlewLimits`].
 //!

@@ -25,8 +25,9 @@ pub struct PassivityParams {
     ///
     /// With the device's radius of gyration (0.045 m for 2e-4 kg m2 and 0.1 kg) one bound on damping holds for both.
     pub lever: f64,
-    /// Largest force of the damping beyond the simulation's force, N; the torque is this times the lever. Default 1,
-    /// range 0 to 10. A damped force never exceeds this value or the simulation's force, whichever is larger.
+    /// Limit of the damped force where the simulation's force is smaller, N; the limit of the torque is this times the
+    /// lever. Default 1, range 0 to 10. A damped force never exceeds the larger of this value and the simulation's
+    /// force.
     pub max_force: f64,
     /// Time constant of the reduction of the wrench where damping is not enough, s: a fall to 1/e. Default 2e-3,
     /// range 1e-4 to 1. The reduction serves a hand that a large force pushes along slowly. A shorter time lets less

@@ -31,7 +31,7 @@ struct Run {
     energy: Energy,
 }
 
-/// Five seconds of a mass that is released 2 mm from the middle of a spring of `stiffness` N/m and `damper` N s/m. The
+/// Five seconds of a mass that leaves the middle of a spring of `stiffness` N/m and `damper` N s/m at 0.15 m/s. The
 /// force is `delay` periods late. The motion is along x, or a rotation about y with the same values at the lever.
 fn plucked(
     stiffness: f64,
