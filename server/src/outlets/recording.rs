@@ -39,9 +39,9 @@ pub(crate) enum Entry {
     /// A tick, its output, its thread CPU time in nanoseconds, and what both sides asked for: the events of the exercise
     /// are found in it here, and the viewers' messages are made of it, not in the tick's thread.
     Tick(Row, TickOutput, u32, InForce),
-    /// What a tick, which follows, left of the shapes that are looked at ([`sulcus_sessions::exercise::events::Look`]).
+    /// Sphere centres that events look at, as the following tick left them ([`sulcus_sessions::exercise::events::Look`]).
     Look(u64, Vec<Vec3>),
-    /// What a tick, which follows, left for viewers.
+    /// Shapes for viewers, as the following tick left them.
     Shapes(Box<Shapes>),
     Snapshot {
         unix_ns: u64,

@@ -1,4 +1,4 @@
-//! One session: the simulation thread at SCHED_FIFO, its inputs, and the wait-free hand-overs to the other threads.
+//! Session: simulation thread at SCHED_FIFO, its inputs, and the wait-free hand-overs to the other threads.
 
 pub(crate) mod changes;
 pub mod detail;

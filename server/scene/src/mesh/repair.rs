@@ -10,7 +10,7 @@
 //! On request alone ([`Asked`]) all pieces but the largest are dropped, and the one opening of a scan without base is
 //! closed by a flat lid.
 //!
-//! What has no one right answer stays as it is, for [`crate::mesh::check`] to refuse: large holes,
+//! Faults without one right answer stay as they are, for [`crate::mesh::check`] to refuse: large holes,
 //! edges with more than two triangles, surfaces that touch themselves, several pieces, nothing
 //! enclosed. A mesh that needs no repair comes back bit by bit as it was.
 
