@@ -77,19 +77,19 @@ pub(super) struct ReplayArgs {
 #[derive(Args)]
 #[group(id = "what_if", multiple = true, conflicts_with = "audit")]
 struct WhatIfArgs {
-    /// What if: another solver of the tick
+    /// Comparison with another solver of the tick, not a replay
     #[arg(long, value_enum)]
     solver: Option<Solver>,
-    /// What if: another model of all tissues
+    /// Comparison with another model of all tissues
     #[arg(long, value_enum)]
     tissue: Option<Tissue>,
-    /// What if: rigid objects at this level of their sphere trees, or at the finest level below it
+    /// Comparison with rigid objects at this level of their sphere trees, or at the finest level that a tree has
     #[arg(long, value_name = "N")]
     level: Option<u8>,
-    /// What if: tissues with two levels of detail at this level, 0 or 1
+    /// Comparison with tissues at this level of detail, 0 or 1, where they have two
     #[arg(long, value_name = "N")]
     detail: Option<u8>,
-    /// What if: blended surfaces of the calibrated trees on or off
+    /// Comparison with blended surfaces of the calibrated trees on or off
     #[arg(long, value_enum)]
     blend: Option<Switch>,
 }
