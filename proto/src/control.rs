@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::datagram::WirePose;
+pub use crate::summary::EndReason;
 use crate::summary::SessionSummary;
 
 /// Message from the client to the server.
@@ -166,26 +167,6 @@ pub struct Event {
     pub kind: String,
     /// Content as JSON.
     pub json: String,
-}
-
-/// Reason for the end of a session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EndReason {
-    /// The client stopped the session.
-    Stopped,
-    /// The time limit of the session, or of the wait for its start, expired.
-    TimeUp,
-    /// The server was shut down.
-    Shutdown,
-    /// The client sent nothing within the timeout, or closed the connection.
-    ConnectionLost,
-    /// The client violated the protocol.
-    Protocol,
-    /// The recording could not be written.
-    Recording,
-    /// The simulation could not run.
-    Simulation,
 }
 
 /// Last message of the server in a session.

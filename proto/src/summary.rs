@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::control::EndReason;
 use crate::newest::ArrivalCounts;
 
 /// Percentiles of a time, microseconds.
@@ -16,6 +15,26 @@ pub struct Percentiles {
     pub p999: f64,
     /// Maximum.
     pub max: f64,
+}
+
+/// Reason for the end of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndReason {
+    /// The client stopped the session.
+    Stopped,
+    /// The time limit of the session, or of the wait for its start, expired.
+    TimeUp,
+    /// The server was shut down.
+    Shutdown,
+    /// The client sent nothing within the timeout, or closed the connection.
+    ConnectionLost,
+    /// The client violated the protocol.
+    Protocol,
+    /// The recording could not be written.
+    Recording,
+    /// The simulation could not run.
+    Simulation,
 }
 
 /// Statistics of a session. If the simulation never started, all numbers are zero.

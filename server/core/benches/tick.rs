@@ -9,51 +9,21 @@
 // A bench has a clock and prints; the core does neither.
 #![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
 
-use rustix::time::{ClockId, clock_gettime};
+use sulcus_cases::statistics::{Percentiles, percentiles_us};
+use sulcus_cases::timing::{cpu_ns, time_stages};
 use sulcus_core::optimise::SolverKind;
-use sulcus_core::{NoProbe, Scene, Stage, StageProbe, State, TickInput, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, Stage, State, TickInput, Workspace, tick};
 use sulcus_operator::crown::{Crown, CrownParams};
 use sulcus_operator::{HandParams, Operator, Shown};
 use sulcus_scene::BuiltIn;
 use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
 
-fn cpu_ns() -> u64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
-}
-
-/// Returns the percentile of sorted nanoseconds, in microseconds.
-fn at(times: &[u64], q: f64) -> f64 {
-    times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3
-}
-
-/// Returns a line of percentiles of sorted nanoseconds, in microseconds.
-fn line(times: &[u64]) -> String {
+/// Returns a line of percentiles, microseconds.
+fn line(us: &Percentiles) -> String {
     format!(
         "{:7.2} {:7.2} {:7.2} {:8.2}",
-        at(times, 0.5),
-        at(times, 0.99),
-        at(times, 0.999),
-        at(times, 1.0)
+        us.p50, us.p99, us.p999, us.max
     )
-}
-
-#[derive(Default)]
-struct Stages {
-    current: Option<(Stage, u64)>,
-    sums: [u64; 5],
-}
-
-impl StageProbe for Stages {
-    fn begin(&mut self, stage: Stage) {
-        self.end();
-        self.current = Some((stage, cpu_ns()));
-    }
-    fn end(&mut self) {
-        if let Some((stage, since)) = self.current.take() {
-            self.sums[stage as usize] += cpu_ns() - since;
-        }
-    }
 }
 
 /// Returns the inputs of a closed loop, so that every run of a variant has the same hand.
@@ -136,12 +106,12 @@ fn main() {
             rows += u64::from(out.tools[0].rows);
             contact += u64::from(out.tools[0].active > 0);
         }
-        times.sort_unstable();
+        let us = percentiles_us(times.iter().copied());
         let n = inputs.len() as f64;
         println!(
             "level {level} {:16} {}   {:7.2} {:6.1} {:7.2}",
             format!("{solver:?}{}", if blend { ", blended" } else { "" }),
-            line(&times),
+            line(&us),
             substeps as f64 / n,
             rows as f64 / n,
             contact as f64 / n
@@ -155,23 +125,12 @@ fn main() {
         if solver == SolverKind::ActiveSet && !blend {
             let mean = times.iter().sum::<u64>() as f64 / n;
             let of_level = &mut costs[usize::from(level)];
-            *of_level = [
-                at(&times, 0.5),
-                mean * 1e-3,
-                at(&times, 0.99),
-                work.tested as f64 / n,
-            ];
+            *of_level = [us.p50, mean * 1e-3, us.p99, work.tested as f64 / n];
         }
-        let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
-        let mut stages = Stages::default();
-        for input in &inputs {
-            tick(&scene, &mut state, &mut ws, input, &mut stages);
-        }
+        let stages = time_stages(&scene, &inputs);
         let mean = |stage: Stage| {
-            format!(
-                "{stage:?} {:.2}",
-                stages.sums[stage as usize] as f64 / n * 1e-3
-            )
+            let sum: u64 = stages[stage as usize].iter().sum();
+            format!("{stage:?} {:.2}", sum as f64 / n * 1e-3)
         };
         println!(
             "    mean by stage, us (each with the clock's own 0.2 or so): {}",

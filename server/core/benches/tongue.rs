@@ -8,36 +8,12 @@
 // A bench has a clock and prints; the core does neither.
 #![allow(clippy::disallowed_methods, clippy::disallowed_macros)]
 
-use rustix::time::{ClockId, clock_gettime};
+use sulcus_cases::statistics::percentiles_us;
+use sulcus_cases::timing::{cpu_ns, time_stages};
 use sulcus_core::math::exp_rotation;
-use sulcus_core::{
-    NoProbe, Pose, Scene, Stage, StageProbe, State, TickInput, Vec3, Workspace, tick,
-};
+use sulcus_core::{NoProbe, Pose, Scene, Stage, State, TickInput, Vec3, Workspace, tick};
 use sulcus_operator::present;
 use sulcus_scene::{BuildOptions, compile_file, default_cache_dir};
-
-fn cpu_ns() -> u64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
-}
-
-#[derive(Default)]
-struct Stages {
-    current: Option<(Stage, u64)>,
-    sums: [u64; 5],
-}
-
-impl StageProbe for Stages {
-    fn begin(&mut self, stage: Stage) {
-        self.end();
-        self.current = Some((stage, cpu_ns()));
-    }
-    fn end(&mut self) {
-        if let Some((stage, since)) = self.current.take() {
-            self.sums[stage as usize] += cpu_ns() - since;
-        }
-    }
-}
 
 /// Returns the input at time `t`, seconds. The flat disc of the mirror moves down by `down` metres in the first second.
 /// After 1.5 s the disc slides to and fro and turns.
@@ -101,7 +77,7 @@ fn main() {
             let n = inputs.len() as f64;
             let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
             let (mut substeps, mut rows, mut active, mut force) = (0u64, 0u64, 0u64, 0.0);
-            let mut times: Vec<u64> = inputs
+            let times: Vec<u64> = inputs
                 .iter()
                 .filter_map(|input| {
                     let before = cpu_ns();
@@ -114,29 +90,22 @@ fn main() {
                     (out.tools[0].active > 0).then_some(time)
                 })
                 .collect();
-            times.sort_unstable();
-            let at = |q: f64| times[((times.len() - 1) as f64 * q) as usize] as f64 * 1e-3;
+            let us = percentiles_us(times);
             println!(
                 "{name:16} {:7.1} {:7.1} {:7.1} {:8.1}   {:7.2} {:6.1} {:6.1} {:6.2}",
-                at(0.5),
-                at(0.99),
-                at(0.999),
-                at(1.0),
+                us.p50,
+                us.p99,
+                us.p999,
+                us.max,
                 substeps as f64 / n,
                 rows as f64 / n,
                 active as f64 / n,
                 force / n
             );
-            let (mut state, mut ws) = (State::new(scene), Workspace::new(scene));
-            let mut stages = Stages::default();
-            for input in &inputs {
-                tick(scene, &mut state, &mut ws, input, &mut stages);
-            }
+            let stages = time_stages(scene, &inputs);
             let mean = |stage: Stage| {
-                format!(
-                    "{stage:?} {:.2}",
-                    stages.sums[stage as usize] as f64 / n * 1e-3
-                )
+                let sum: u64 = stages[stage as usize].iter().sum();
+                format!("{stage:?} {:.2}", sum as f64 / n * 1e-3)
             };
             println!(
                 "    mean by stage, us (each with the clock's own 0.2 or so): {}",

@@ -6,12 +6,11 @@ pub(crate) mod metric;
 use std::ops::Range;
 
 use crate::Scene;
-use crate::blend::{ContactRow, Group, Groups, Pair, Written, hollowness};
+use crate::blend::{Blender, ContactRow, Core, Group, Groups, Pair, Written, hollowness};
 use crate::contact::{Contact, Distance};
 use crate::math::{Vec3, fmin, norm};
 use crate::rows::metric::Metric;
 use crate::tick::substep::Substep;
-use crate::tick::workspace::Workspace;
 
 /// Blended gap up to which a surface counts as touched, metres.
 const TOUCHING: f64 = 2e-6;
@@ -36,17 +35,18 @@ pub(crate) fn runs<T>(
     })
 }
 
-/// Groups the contacts with blended objects by tool sphere and object. Runs once per contact list.
-pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, index: usize) {
+/// Groups the contacts with blended objects by tool sphere and object. `cores` has the cores of each object's nodes.
+/// Runs once per contact list.
+pub(crate) fn group_contacts(scene: &Scene, substep: &mut Substep, cores: &[Vec<Core>]) {
     let Substep {
         contacts, groups, ..
-    } = &mut ws.substeps[index];
+    } = substep;
     groups.clear();
     let contacts = contacts.as_slice();
     for run in runs(contacts, |contact| contact.object) {
         let k = usize::from(contacts[run.start].object);
         if scene.blend_of(k) > 0.0 {
-            let cores = &ws.cores[k];
+            let cores = &cores[k];
             groups.add(contacts, run, |contact| {
                 contact.gap + cores[contact.object_sphere as usize].inset
             });
@@ -57,12 +57,12 @@ pub(crate) fn group_contacts(scene: &Scene, ws: &mut Workspace, index: usize) {
 /// Writes the contact rows within the prediction distance `d`: hard contacts, and seeds with their members on blended
 /// objects. The rows are in the order of the contacts' objects, and on a blended object grouped by tool sphere.
 ///
-/// `narrowed` means that `d` is shorter than the distance of the contact list. Returns the share of `d` within which
+/// `cores` has the cores of each object's nodes. `narrowed` means that `d` is shorter than the distance of the contact list. Returns the share of `d` within which
 /// the rows of every tool sphere fit, normally 1.
 pub(crate) fn write_rows(
     scene: &Scene,
-    ws: &mut Workspace,
-    index: usize,
+    substep: &mut Substep,
+    (cores, blender): (&[Vec<Core>], &mut Blender),
     (d, narrowed): (Distance, bool),
 ) -> f64 {
     let Substep {
@@ -71,8 +71,7 @@ pub(crate) fn write_rows(
         members,
         groups,
         ..
-    } = &mut ws.substeps[index];
-    let blender = &mut ws.blender;
+    } = substep;
     contact_rows.clear();
     members.clear();
     let (mut share, mut next) = (1.0, 0);
@@ -92,7 +91,7 @@ pub(crate) fn write_rows(
         }
         let nodes = scene.objects[k].tree.nodes();
         // The gap in the contact list is that of the contact spheres, not of the cores.
-        let inset = |contact: &Contact| ws.cores[k][contact.object_sphere as usize].inset;
+        let inset = |contact: &Contact| cores[k][contact.object_sphere as usize].inset;
         let begun = next;
         next += groups.all[begun..].partition_point(|group| usize::from(group.object) == k);
         for at in begun..next {
@@ -123,15 +122,19 @@ pub(crate) fn write_rows(
     share
 }
 
-/// Drops the rows with the largest gaps until `most` rows are left. Returns false when no row was dropped.
-pub(crate) fn keep_smallest_gaps(ws: &mut Workspace, index: usize, most: usize) -> bool {
-    let contact_rows = &mut ws.substeps[index].contact_rows;
+/// Drops the rows with the largest gaps until `most` rows are left. `gaps` is scratch. Returns false when no row was
+/// dropped.
+pub(crate) fn keep_smallest_gaps(
+    contact_rows: &mut Vec<ContactRow>,
+    gaps: &mut Vec<f64>,
+    most: usize,
+) -> bool {
     if contact_rows.len() <= most {
         return false;
     }
-    ws.gaps.clear();
-    ws.gaps.extend(contact_rows.iter().map(|row| row.gap));
-    let (below, limit, _) = ws.gaps.select_nth_unstable_by(most, f64::total_cmp);
+    gaps.clear();
+    gaps.extend(contact_rows.iter().map(|row| row.gap));
+    let (below, limit, _) = gaps.select_nth_unstable_by(most, f64::total_cmp);
     let limit = *limit;
     // Of the rows with exactly the limiting gap, the first ones stay.
     let mut room = most - below.iter().filter(|gap| **gap < limit).count();

@@ -23,8 +23,8 @@ use crate::tick::request::{TickRequest, TissueConflict, ToolGoal, ToolOutcome, h
 use crate::tick::settle::Settle;
 use crate::tick::stage::{Stage, StageProbe};
 use crate::tick::substep::Substep;
+use crate::tick::tissue_rows::{aim_tissues, fill_tissue};
 use crate::tick::workspace::Workspace;
-use crate::tick::yielding::{fill_tissue, yield_target};
 use crate::{MAX_TOOLS, Scene};
 
 /// Factor by which the minimum prediction distance grows from substep to substep of a tick.
@@ -192,12 +192,14 @@ impl<'a> GroupSolve<'a> {
         let share = self.fits.map_or(1.0, |fits| fits.share);
         let (found, mut cut) = collide(scene, state, ws, self.group, (self.d, share));
         self.d = found.d;
-        group_contacts(scene, ws, index);
+        group_contacts(scene, &mut ws.substeps[index], &ws.cores);
         // Rows without room shorten the prediction distance, as a full contact list does. The contact list stays valid.
         let mut narrowed = false;
         loop {
             // Rows of tool spheres that had room then reach farther, which does no harm.
-            let room = write_rows(scene, ws, index, (self.d, narrowed));
+            let blending = (ws.cores.as_slice(), &mut ws.blender);
+            let substep = &mut ws.substeps[index];
+            let room = write_rows(scene, substep, blending, (self.d, narrowed));
             if room < 1.0 {
                 cut = true;
                 self.d = self.d.shortened(room, self.longest);
@@ -207,7 +209,8 @@ impl<'a> GroupSolve<'a> {
             }
             (cut, narrowed) = (true, true);
             if self.d.at(self.longest) <= SMALLEST_PREDICTION {
-                keep_smallest_gaps(ws, index, scene.most_rows());
+                let contact_rows = &mut ws.substeps[index].contact_rows;
+                keep_smallest_gaps(contact_rows, &mut ws.gaps, scene.most_rows());
                 break;
             }
             self.d = self.d.shorter(self.longest);
@@ -258,7 +261,9 @@ impl<'a> GroupSolve<'a> {
             ws.substeps[index].applied = None;
             return false;
         };
-        let tissue_motion = yield_target(ws, index);
+        let tissues = ws.yielding.as_mut_slice();
+        let (sites, loads) = (&mut ws.sites, &mut ws.site_loads);
+        let tissue_motion = aim_tissues(&ws.substeps[index], tissues, sites, loads);
         let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
         for &t in self.group {
             let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
@@ -389,7 +394,8 @@ fn optimise(
             bias,
         });
     }
-    let tissue = fill_tissue(ws, index);
+    let substep = &mut ws.substeps[index];
+    let tissue = fill_tissue(substep, &mut ws.yielding, &ws.slots, &mut ws.sites);
     if tissue {
         ws.substeps[index].find_bearing();
     }

@@ -8,8 +8,8 @@
 //! | deformation without contact (addition) | 1, 4, 5 | `begin_tissues`, `Yielding::evaluate`, `Tissue::free_step` |
 //! | collision detection, contact prediction | section 3.2 | `predict_contacts`, `collide`, `Predictor::predict` |
 //! | optimisation, with the compliance of the tissue | 18 to 20 | `solve_and_step`, `optimise`, `ActiveSet::solve` |
-//! | spring-sphere skeleton | 1 to 10 | `yield_target`, `Tissue::apply` of `tissue::skeleton` and `tissue::surface` |
-//! | local deformation of the gingiva | 11 to 16 | `yield_target`, `Tissue::apply` of `tissue::gingiva` |
+//! | spring-sphere skeleton | 1 to 10 | `aim_tissues`, `Tissue::apply` of `tissue::skeleton` and `tissue::surface` |
+//! | local deformation of the gingiva | 11 to 16 | `aim_tissues`, `Tissue::apply` of `tissue::gingiva` |
 //! | update of the sphere tree | 17 | `Yielding::refit`, `tissue::refit` |
 //! | force and torque | 18 | `finish_tool`, `wrench_at_device`, `wrench::limited` |
 //!
@@ -28,6 +28,7 @@ pub(crate) mod request;
 mod settle;
 pub mod stage;
 pub(crate) mod substep;
+mod tissue_rows;
 pub(crate) mod workspace;
 mod wrench;
 mod yielding;

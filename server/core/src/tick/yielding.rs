@@ -1,14 +1,10 @@
-//! Tissue in a tick: its configuration, its part of the problem, and its target under the multipliers.
+//! Tissue in a tick: its present configuration, the one without contact, and the target under the multipliers.
 
-use crate::blend::ContactRow;
 use crate::contact::soft::SoftNeighbours;
 use crate::contact::{ContactList, ContactsFull, Distance, PosedTool, Predictor};
-use crate::math::{Vec3, fmax};
-use crate::rows::runs;
+use crate::math::Vec3;
 use crate::state::State;
-use crate::tick::substep::Substep;
-use crate::tick::workspace::Workspace;
-use crate::tissue::{Gram, Hands, Tissue, refit};
+use crate::tissue::{Hands, Site, Tissue, refit};
 use crate::tree::Node;
 use crate::{MAX_TOOLS, Scene};
 
@@ -207,6 +203,20 @@ impl Yielding {
         centre[0]
     }
 
+    /// Sets the target configuration under `loads` at `sites`, newtons, for [`Yielding::advance`]. Returns the largest
+    /// motion of a sphere to the target, metres; 0 for a tissue at rest without a load, which has no target.
+    pub fn aim(&mut self, sites: &[Site], loads: &[f64]) -> f64 {
+        if self.still {
+            if !loads.iter().any(|load| *load > 0.0) {
+                return 0.0;
+            }
+            self.still = false;
+        }
+        self.model.apply(sites, loads, &self.free, &mut self.target);
+        self.to_target = self.model.motion(&self.shape, &self.target);
+        self.to_target
+    }
+
     /// Moves by `share` of the way to the target configuration. Returns the largest motion of a sphere, metres.
     pub fn advance(&mut self, share: f64) -> f64 {
         if self.still {
@@ -218,101 +228,4 @@ impl Yielding {
         self.fitted = false;
         share * self.to_target
     }
-}
-
-/// Fills in the tissue's part of the problem: the compliance, and the displacement from the free shape in the biases.
-/// Returns false when no touched object yields.
-pub(crate) fn fill_tissue(ws: &mut Workspace, index: usize) -> bool {
-    let Substep {
-        contacts,
-        contact_rows,
-        rows,
-        tissue,
-        gram,
-        ..
-    } = &mut ws.substeps[index];
-    let contacts = contacts.as_slice();
-    let about = |row: &ContactRow| &contacts[row.contact as usize];
-    let slot_of = |object: u16| ws.slots[usize::from(object)];
-    let mut touched = runs(contacts, |contact| contact.object);
-    *tissue = touched.any(|run| slot_of(contacts[run.start].object).is_some());
-    if !*tissue {
-        return false;
-    }
-    let m = rows.len();
-    gram[..m * m].fill(0.0);
-    for run in runs(contact_rows, |row| about(row).object) {
-        let Some(slot) = slot_of(about(&contact_rows[run.start]).object) else {
-            continue;
-        };
-        let yielding = &mut ws.yielding[slot];
-        ws.sites.clear();
-        ws.sites.extend(
-            contact_rows[run.clone()]
-                .iter()
-                .map(|row| about(row).site()),
-        );
-        yielding
-            .model
-            .add_gram(&ws.sites, &mut Gram::new(gram, m, run.start));
-        if yielding.still {
-            // The present shape is the free shape: no bias to add.
-            continue;
-        }
-        // n . (u_k - u0): the rows are written at the present shape, the load acts on the free shape.
-        let mut last = (None, Vec3::zeros());
-        for (problem_row, row) in rows[run.clone()].iter_mut().zip(&contact_rows[run]) {
-            let contact = about(row);
-            // Rows of one sphere are adjacent, so its displacement is cached.
-            if last.0 != Some(contact.object_sphere) {
-                let mut centre = [Vec3::zeros(); 2];
-                let [now, free] = &mut centre;
-                let (id, model) = ([contact.object_sphere], &yielding.model);
-                model.centres(&yielding.shape, &id, std::slice::from_mut(now));
-                model.centres(&yielding.free, &id, std::slice::from_mut(free));
-                last = (Some(contact.object_sphere), *now - *free);
-            }
-            problem_row.bias += contact.normal.dot(&last.1);
-        }
-    }
-    true
-}
-
-/// Computes the configurations of the group's tissues under the multipliers, and the motion to each for
-/// [`Yielding::advance`]. Returns the largest motion, metres.
-pub(crate) fn yield_target(ws: &mut Workspace, index: usize) -> f64 {
-    let substep = &ws.substeps[index];
-    let mut motion = 0.0;
-    for &slot in &substep.tissues {
-        let yielding = &mut ws.yielding[slot];
-        let object = yielding.object;
-        ws.sites.clear();
-        ws.site_loads.clear();
-        // Contacts are sorted by object.
-        let contacts = substep.contacts.as_slice();
-        let begin = contacts.partition_point(|contact| usize::from(contact.object) < object);
-        let ours = contacts.iter().zip(&substep.shares).skip(begin);
-        for (contact, load) in ours.take_while(|ours| usize::from(ours.0.object) == object) {
-            ws.sites.push(contact.site());
-            ws.site_loads.push(*load);
-        }
-        if yielding.still {
-            if !ws.site_loads.iter().any(|load| *load > 0.0) {
-                continue;
-            }
-            yielding.still = false;
-        }
-        let Yielding {
-            model,
-            shape,
-            free,
-            target,
-            to_target,
-            ..
-        } = yielding;
-        model.apply(&ws.sites, &ws.site_loads, free, target);
-        *to_target = model.motion(shape, target);
-        motion = fmax(motion, *to_target);
-    }
-    motion
 }
