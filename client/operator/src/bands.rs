@@ -1,4 +1,4 @@
-//! What an eye reads off the bands of a probe at the gingival margin.
+//! Reading of a probe's bands at the gingival margin, as an eye reads them.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -7,16 +7,18 @@ use sulcus_core::{Pose, Tool, Vec3};
 
 use crate::pocket_path::PocketPath;
 
-/// Farthest from the tip that a probe is looked at, metres, and how finely.
+/// Length of the working end that is looked at, metres.
 const LENGTH: f64 = 20e-3;
+/// Step along the working end, metres.
 const STEP: f64 = 0.1e-3;
-/// Parts of the space between two marks that an eye tells apart.
+/// Number of parts of a wide space between two marks that an eye distinguishes.
 const PARTS: f64 = 4.0;
-/// Marks no farther apart than this are not interpolated between, metres.
+/// Largest space between two marks without interpolation, metres.
 const CLOSE: f64 = 1.01e-3;
 
-/// Length of the working end below the margin as drawn: from the tip to where the working end's line crosses the margin,
-/// which is looked up at each point's own angle. Metres; 0 with the tip above it.
+/// Length of the drawn working end below the gingival margin, metres, 0 to 0.02; 0 with the tip above the margin.
+///
+/// The length is measured from the tip along the tip's axis to the margin at the angle of each point.
 pub fn below_margin(path: &PocketPath, tool: &Tool, graphic: &Pose) -> f64 {
     let tip = graphic.transform(&tool.tip);
     let up: Vec3 = graphic.orientation * -tool.tip_axis;
@@ -36,10 +38,11 @@ pub fn below_margin(path: &PocketPath, tool: &Tool, graphic: &Pose) -> f64 {
     LENGTH
 }
 
-/// Whole millimetres that a person reads for a length below the margin (metres) off these bands. Marks are the bands'
-/// ends and the tip. Where marks are a millimetre apart or less, the nearest mark is called; in a wider space a person
-/// judges quarters of it, and calls the whole millimetre nearest to that, halves up as is taught; beyond the last mark, the
-/// last mark.
+/// Depth that a person reads off `bands`, whole millimetres, for a `length` below the margin, metres.
+///
+/// Marks are the ends of the bands and the tip. Between marks a millimetre apart or less, the nearest mark is read. In
+/// a wider space quarters are judged. The result is the nearest whole millimetre, halves up as taught. Beyond the last
+/// mark, the last mark is read.
 pub fn read(bands: &[Band], length: f64) -> u8 {
     let marks = marks(bands);
     let above = marks.iter().position(|mark| *mark >= length);
@@ -56,7 +59,7 @@ pub fn read(bands: &[Band], length: f64) -> u8 {
     (at * 1e3).round() as u8
 }
 
-/// The tip and the ends of all bands, metres from the tip, ascending.
+/// Distances of the tip and of all ends of bands from the tip, metres, ascending.
 fn marks(bands: &[Band]) -> Vec<f64> {
     let mut marks: Vec<f64> = bands.iter().flat_map(|band| [band.from, band.to]).collect();
     marks.push(0.0);
@@ -65,17 +68,18 @@ fn marks(bands: &[Band]) -> Vec<f64> {
     marks
 }
 
-/// An eye that takes one mark for another.
+/// Reading errors of an operator who confuses marks.
 #[derive(Clone, Debug)]
 pub struct Blur {
     chance: ChaCha8Rng,
-    /// How often it has called, and the mistakes that are yet to be made of five calls.
+    /// Number of calls so far.
     calls: u32,
+    /// Kinds of error that are left of the three in five calls.
     mistakes: Vec<u8>,
 }
 
 impl Blur {
-    /// Mistakes that come from `seed`.
+    /// Reading errors in an order that `seed` decides.
     pub fn new(seed: u64) -> Self {
         Self {
             chance: ChaCha8Rng::seed_from_u64(seed ^ 0x6d61_726b),
@@ -84,15 +88,17 @@ impl Blur {
         }
     }
 
-    /// What is called instead of `right`: of five calls two are right, two are a millimetre off, and one takes a dark band
-    /// for the next one of the same look.
+    /// Depth that is called for the correct depth `right`, whole millimetres.
+    ///
+    /// Of five calls two are correct, two are wrong by a millimetre, and one confuses a dark band with the next dark
+    /// band.
     pub fn call(&mut self, bands: &[Band], right: u8) -> u8 {
         let mut dark = bands.iter().filter(|band| band.dark).map(|band| band.to);
         let apart = match (dark.next(), dark.next()) {
             (Some(first), Some(second)) => ((second - first) * 1e3).round() as u8,
             _ => 2,
         };
-        // Every other call is right, the first and the last of five are not: who reads but three depths is wrong in two.
+        // The second and the fourth of five calls are correct. Of three calls two are therefore wrong.
         let of_five = self.calls % 5;
         self.calls += 1;
         if of_five % 2 == 1 {
@@ -164,7 +170,7 @@ mod tests {
         for (mm, of_500) in [(4, 200), (3, 100), (5, 100), (9, 100)] {
             assert_eq!(count(mm), of_500, "{mm}");
         }
-        // Whoever calls one depth only is wrong, too.
+        // The first call is always wrong.
         for right in 0..=10 {
             assert!((0..100).all(|seed| first(seed, right) != right));
         }

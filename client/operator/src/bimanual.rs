@@ -1,8 +1,8 @@
-//! The `bimanual` exercise: the mirror holds the tongue aside at the side of the working tooth while the probe makes its tour.
+//! The `bimanual` exercise: the mirror holds the tongue aside at the probed tooth while the probe makes its tour.
 //!
-//! The mirror comes first: the probe waits until the tongue is held. Where the tour goes over to the other side of the mouth the
-//! probe waits outside the pocket until the mirror has changed sides. Both handles come out of the mouth at the front, the
-//! mirror's over the tongue and the probe's over the teeth of its side.
+//! The probe waits until the tongue is held. Before the tour continues on the other side of the mouth, the probe waits
+//! outside the pocket until the mirror has changed sides. Both handles leave the mouth at the front, the mirror's over
+//! the tongue and the probe's over the teeth of its side.
 
 use sulcus_core::{MAX_TOOLS, Pose, Scene, Vec3};
 
@@ -13,30 +13,30 @@ use crate::tour::Tour;
 use crate::tour_params::{TourParams, Visit};
 use crate::travel::Travel;
 
-/// Why the exercise cannot be performed in a scene.
+/// Error of a scene without a part of the exercise.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoExercise {
-    /// The probe's part.
+    /// The part of the probe.
     #[error(transparent)]
     Pocket(#[from] NoPocket),
-    /// The mirror's part.
+    /// The part of the mirror.
     #[error(transparent)]
     Tongue(#[from] NoTongue),
 }
 
-/// The script.
+/// Script of the `bimanual` exercise.
 #[derive(Clone, Debug)]
 pub struct Bimanual {
     tour: Tour,
-    /// For each side that is visited, in turn.
+    /// Script of the mirror for each side in the order of the tour.
     mirrors: Vec<(Side, Retraction)>,
-    /// Which mirror's turn it is.
+    /// Index of the present side.
     turn: usize,
-    /// The mirror's way from one side to the other.
+    /// Path of the mirror from one side to the other, while it changes sides.
     passage: Option<Travel>,
-    /// Share of the tour after which the tongue is let go; 1 for an operator who holds it to the end.
+    /// Share of the tour after which the mirror lets the tongue go; 1: at the end.
     until: f64,
-    /// When both hands are to be out of the mouth, seconds.
+    /// Time at which both hands are out of the mouth, seconds.
     ends: f64,
     time: f64,
     /// Length of a tick, seconds.
@@ -61,10 +61,10 @@ impl Side {
 }
 
 impl Bimanual {
-    /// Probes `tour` while the tongue is held, for the share `until` of the tour (1: to its end).
+    /// Script for `tour` with the tongue held for the share `until` of the tour, 0 to 1.
     ///
     /// # Errors
-    /// When the scene lacks a tooth of the tour, its gingiva, a tongue or a mirror.
+    /// The scene lacks a tooth of the tour, its gingiva, a tongue or a mirror.
     pub fn new(
         scene: &Scene,
         tour: &[Visit],
@@ -102,13 +102,13 @@ impl Bimanual {
         })
     }
 
-    /// Where the mirror's hand means to be by its own script.
+    /// Target pose of the mirror by the script of the present side.
     fn mirror(&self) -> Option<Pose> {
         let mirror = &self.mirrors[self.turn].1;
         mirror.targets(0.0)[mirror.slot()]
     }
 
-    /// Whether the tongue is held aside.
+    /// Whether the mirror holds the tongue aside.
     pub fn holds(&self) -> bool {
         self.mirrors[self.turn].1.holds()
     }
@@ -178,15 +178,16 @@ impl Script for Bimanual {
     }
 }
 
-/// Time for the probe, then the mirror, to come out, seconds.
+/// Time for the probe, then the mirror, to leave the mouth, seconds.
 const TIDY: f64 = 4.0;
-/// How far above the tongue the mirror changes sides, metres, and how fast, m/s.
+/// Height of the mirror above its targets during the change of sides, metres.
 const OVER: f64 = 12e-3;
+/// Speed of the mirror during the change of sides, m/s.
 const SPEED: f64 = 60e-3;
-/// Most that it takes to hold a tongue and to let it go, seconds.
+/// Longest time to hold the tongue aside and to let it go, seconds.
 const CHANGE: f64 = 15.0;
 
-/// Whether the probe may go on: the tongue is held at the side where the tour is.
+/// Whether the probe may continue: the mirror holds the tongue on the side of the tour's present tooth.
 fn mirror_ready((side, mirror): &(Side, Retraction), tour: &Tour) -> bool {
     mirror.holds() && tour.tooth().is_some_and(|tooth| Side::of(tooth) == *side)
 }

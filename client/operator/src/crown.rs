@@ -1,7 +1,6 @@
-//! The `crown` exercise: the probe's tip is led round the crown of a tooth, pressed lightly
-//! against it, lifted off now and then, and moved up and down.
+//! The `crown` exercise: the probe's tip slides round the crown of a tooth under a light load, with lifts, up and down.
 //!
-//! The path is laid on the tooth's own spheres, so it fits any tooth that a scene names.
+//! The path is computed on the spheres of the tooth, so it fits every tooth of a scene.
 
 use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, Vec3};
 
@@ -9,21 +8,20 @@ use crate::frame::ToolFrame;
 use crate::script::{Script, smoothstep};
 use crate::sounding::{bearing_vector, first_touch, tip_radius};
 
-/// How the crown is probed. Lengths in metres, times in seconds.
+/// Parameters of the exercise: lengths in metres, times in seconds, speeds in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrownParams {
     /// Length of the exercise. Default 20.
     pub duration: f64,
-    /// Depth of the intended tip below the surface. Default 2 mm: about 0.4 N through hand and
-    /// coupling.
+    /// Depth of the target tip below the surface. Default 2 mm, which gives about 0.4 N through hand and coupling.
     pub press: f64,
     /// Speed along the surface. Default 8 mm/s.
     pub speed: f64,
-    /// Band of heights below the highest cusp. Default 2 to 5 mm.
+    /// Smallest and largest depth of the path below the highest cusp. Default 2 to 5 mm.
     pub below_top: [f64; 2],
     /// Time between two lifts. Default 2.5 s.
     pub lift_every: f64,
-    /// How far the tip lifts off the surface. Default 2.5 mm.
+    /// Height of a lift above the surface. Default 2.5 mm.
     pub lift: f64,
 }
 
@@ -40,7 +38,7 @@ impl Default for CrownParams {
     }
 }
 
-/// Why the exercise cannot be performed in a scene.
+/// Error of a scene without a crown for the exercise; one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoCrown(pub String);
 
@@ -52,37 +50,39 @@ impl std::fmt::Display for NoCrown {
 
 impl std::error::Error for NoCrown {}
 
-/// Directions in which the tooth is sounded.
+/// Number of bearings of the path's table.
 const BEARINGS: usize = 360;
-/// Heights at which it is sounded.
+/// Number of heights of the path's table.
 const HEIGHTS: usize = 16;
-/// Time to come in and to leave, seconds.
+/// Time of the approach, and of the retreat, seconds.
 const TRANSIT: f64 = 1.2;
-/// How far outside the crown the approach begins, metres.
+/// Distance from the crown at which the approach begins, metres.
 const STANDOFF: f64 = 0.012;
 
-/// The script.
+/// Script of the `crown` exercise.
 #[derive(Clone, Debug)]
 pub struct Crown {
     params: CrownParams,
     tool: ToolFrame,
+    /// Vertical axis of the crown: x and y, world, metres.
     axis: Vec3,
+    /// Height of the highest cusp, world, metres.
     top: f64,
-    /// Distance from the tooth's axis at which the tip touches, by height and bearing.
+    /// Distance from the axis at which the tip touches, metres, by height and bearing.
     radius: Vec<[f64; BEARINGS]>,
     mean_radius: f64,
 }
 
 impl Crown {
-    /// The exercise on the tooth with FDI number `fdi`, or the first tooth, with the first tool.
+    /// Script for the tooth with FDI number `fdi`, or for the first tooth, with the first tool.
     ///
     /// # Errors
-    /// When the scene has no tooth, or its tooth no crown to go round.
+    /// The scene has no such tooth, or the tooth has no surface all round at the heights of the path.
     pub fn new(scene: &Scene, fdi: Option<u8>, params: CrownParams) -> Result<Self, NoCrown> {
         let wanted = |object: &&Object| fdi.map_or(object.fdi != 0, |fdi| object.fdi == fdi);
         let tooth = scene.objects.iter().find(wanted).ok_or_else(|| {
             NoCrown(format!(
-                "scene `{}` has no tooth to probe (an object with an FDI number)",
+                "scene `{}` has no tooth to probe, expected an object with an FDI number",
                 scene.name
             ))
         })?;
@@ -109,7 +109,7 @@ impl Crown {
                     .fold(0.0, f64::max)
             };
             let raw: [f64; BEARINGS] = std::array::from_fn(sound);
-            // A hand does not follow every bump: mean over 11 degrees.
+            // A hand does not follow every bump: the path is a mean over 11 degrees.
             radius.push(std::array::from_fn(|b| {
                 (0..11)
                     .map(|j| raw[(b + BEARINGS + j - 5) % BEARINGS])
@@ -120,7 +120,7 @@ impl Crown {
         let mean_radius = radius.iter().flatten().sum::<f64>() / (HEIGHTS * BEARINGS) as f64;
         if radius.iter().flatten().any(|r| r.is_nan() || *r <= 0.0) {
             return Err(NoCrown(format!(
-                "tooth `{}` has no surface all round between {:.1} and {:.1} mm below its top: is z up, and is it a tooth?",
+                "tooth `{}` has no surface all round between {:.1} and {:.1} mm below its top; expected a tooth whose crown points along z",
                 tooth.name,
                 params.below_top[0] * 1e3,
                 params.below_top[1] * 1e3
@@ -136,7 +136,8 @@ impl Crown {
         })
     }
 
-    /// Radius of the surface (for the tip's centre) at a bearing in degrees and a height share 0..1.
+    /// Distance of the tip's centre from the axis on the surface, metres, at a bearing in degrees and a share of the
+    /// heights, 0 to 1.
     fn surface(&self, bearing: f64, share: f64) -> f64 {
         let row = share.clamp(0.0, 1.0) * (HEIGHTS - 1) as f64;
         let (r0, b0) = (row.floor() as usize, bearing.floor() as usize % BEARINGS);
@@ -153,7 +154,7 @@ impl Crown {
         let degrees_per_second = p.speed / self.mean_radius * (180.0 / std::f64::consts::PI);
         let bearing = (s * degrees_per_second).rem_euclid(360.0);
         let share = 0.5 - 0.5 * libm::cos(std::f64::consts::TAU * s / 9.0);
-        // Lifts: half a second, smoothly, at the end of each period.
+        // A lift takes the last half second of each period.
         let phase = s.rem_euclid(p.lift_every) - (p.lift_every - 0.5);
         let lifted = if phase > 0.0 {
             smoothstep(phase / 0.2) * (1.0 - smoothstep((phase - 0.3) / 0.2))

@@ -1,13 +1,13 @@
-//! A tool's own directions, and the pose that points it.
+//! Directions of a tool, and the device pose that points the tool.
 
 use sulcus_core::math::{Mat3, Quat};
 use sulcus_core::{Pose, Tool, Vec3};
 
-/// What the script needs of the tool: its tip and two directions in its frame.
+/// Tip and directions of a tool in its own frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToolFrame {
     pub tip: Vec3,
-    /// Columns: out of the tip, towards the handle across it, their cross product.
+    /// Unit columns: out of the tip, across it towards the handle, and their cross product.
     pub basis: Mat3,
 }
 
@@ -16,11 +16,11 @@ impl ToolFrame {
         let out = tool.tip_axis.normalize();
         let to_handle = -tool.tip;
         let across = to_handle - out * out.dot(&to_handle);
-        // A straight tool has no side: any will do.
+        // A straight tool has no side: any direction across the tip serves.
         let across = if across.norm() > 1e-6 {
             across.normalize()
         } else {
-            // Not along the axis itself, whichever that is.
+            // The unit vector of the smallest component is never parallel to the axis.
             let least = Vec3::ith(out.iamin(), 1.0);
             out.cross(&least).normalize()
         };
@@ -30,14 +30,14 @@ impl ToolFrame {
         }
     }
 
-    /// Where the basis lies in the world when the tool points along `pointing`, the handle leaning towards `side`.
+    /// Basis in the world for a tool that points along the unit vector `pointing`, with its handle towards `side`.
     pub fn axes(&self, pointing: &Vec3, side: &Vec3) -> Mat3 {
         let across = (side - pointing * pointing.dot(side)).normalize();
         Mat3::from_columns(&[*pointing, across, pointing.cross(&across)])
     }
 
-    /// Device pose that puts the tip at `tip`, pointing along `pointing`, the handle leaning
-    /// towards `side`.
+    /// Device pose (`world_from_tool`) with the tip at `tip`, pointing along `pointing`, with the handle towards
+    /// `side`.
     pub fn at(&self, tip: &Vec3, pointing: &Vec3, side: &Vec3) -> Pose {
         let world = self.axes(pointing, side);
         let rotation = nalgebra_rotation(&(world * self.basis.transpose()));

@@ -1,30 +1,30 @@
-//! Named ways to do it badly.
+//! Habits: typical errors of students, by name.
 
 use std::str::FromStr;
 
-/// A bad habit of an operator.
+/// Habit of an operator: a typical error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Habit {
-    /// Presses about 0.6 N.
+    /// The probe presses with 0.6 N.
     HeavyHand,
-    /// Tilted by 27 degrees away from the tooth, and never led into the col.
+    /// The probe is tilted by 27 degrees away from the tooth and never enters the col.
     WrongAngle,
-    /// Leaves out the distolingual zones and every third of the others.
+    /// The distolingual zones and every third of the other zones are skipped.
     SkipsSites,
-    /// Turns back at the first resistance, reads in passing, takes bigger steps.
+    /// The probe turns back at the first resistance, reads too shortly, and takes large steps.
     Impatient,
-    /// Lets the mirror go in the middle of the tour.
+    /// The mirror lets the tongue go after half of the tour.
     LetsTongueGo,
-    /// Six single insertions at the line angles, withdrawn in between.
+    /// The probe is inserted once for each zone, upright and not beyond the line angle, and is withdrawn in between.
     SpotProbes,
-    /// Takes one mark for another.
+    /// The operator confuses marks of the probe: [`crate::bands::Blur`].
     Misreads,
-    /// Stops 1.2 mm below the margin, before the floor.
+    /// The probe stops 1.2 mm below the margin, before the floor of the pocket.
     StopsShort,
 }
 
 impl Habit {
-    /// All of them.
+    /// All habits, in the order of messages.
     pub const ALL: [Habit; 8] = [
         Habit::HeavyHand,
         Habit::WrongAngle,
@@ -36,7 +36,7 @@ impl Habit {
         Habit::StopsShort,
     ];
 
-    /// Share of the tour after which the mirror lets the tongue go; 1 for an operator who holds it to the end.
+    /// Share of the tour after which the mirror lets the tongue go, 0 to 1; 1: at the end.
     pub const fn holds_until(habit: Option<Self>) -> f64 {
         match habit {
             Some(Habit::LetsTongueGo) => 0.5,
@@ -65,7 +65,7 @@ impl std::fmt::Display for Habit {
     }
 }
 
-/// There is no habit of that name.
+/// Error of an unknown name of a habit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("habit is `{0}`, expected one of: {names}", names = names())]
 pub struct UnknownHabit(pub String);

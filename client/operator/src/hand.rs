@@ -1,4 +1,4 @@
-//! A hand that holds a device: two springs, two dampers, a mass.
+//! A hand that holds a device: a spring and a damper each in translation and rotation, a mass and a moment of inertia.
 
 use sulcus_core::math::{exp_rotation, log_rotation, normalised};
 use sulcus_core::scene::displayable::{DEVICE_DAMPING, DEVICE_SPIN_DAMPING};
@@ -6,18 +6,18 @@ use sulcus_core::{Pose, Vec3, Wrench};
 
 use crate::tremor::Tremor;
 
-/// Device and hand. Defaults are those of the prototype's closed loop.
+/// Parameters of device and hand. The defaults are those of the prototype's closed loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandParams {
-    /// Period of the device, seconds: that of the simulation. Default 1e-3.
+    /// Period of the device, seconds, equal to the tick of the simulation. Default 1e-3.
     pub period_s: f64,
     /// Moving mass of the device as the hand feels it, kg. Default 0.1.
     pub mass: f64,
     /// Moment of inertia about the device point, kg m2. Default 2e-4.
     pub inertia: f64,
-    /// The device's own damping, N s/m. Default [`DEVICE_DAMPING`]: from it follows the stiffest coupling that is displayed.
+    /// Damping of the device, N s/m. Default [`DEVICE_DAMPING`], which limits the stiffness of a displayable coupling.
     pub device_damping: f64,
-    /// The device's own damping in rotation, N m s/rad. Default [`DEVICE_SPIN_DAMPING`].
+    /// Damping of the device in rotation, N m s/rad. Default [`DEVICE_SPIN_DAMPING`].
     pub device_spin_damping: f64,
     /// Stiffness of the grip, N/m. Default 300.
     pub grip: f64,
@@ -51,7 +51,7 @@ impl Default for HandParams {
     }
 }
 
-/// Integration steps of the device in a period (10 kHz at 1 kHz); the wrench is held over the period.
+/// Number of integration steps of the device in a period. The wrench is constant over the period.
 const STEPS: u32 = 10;
 
 /// One hand with its device.
@@ -68,7 +68,7 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// A hand at rest at `start`.
+    /// A hand at rest with its device at `start` (`world_from_tool`). `seed` decides the tremor.
     pub fn new(params: HandParams, start: Pose, seed: u64) -> Self {
         Self {
             params,
@@ -82,13 +82,14 @@ impl Hand {
         }
     }
 
-    /// Where the device is.
+    /// Pose of the device, `world_from_tool`.
     pub fn device(&self) -> Pose {
         self.device
     }
 
-    /// Whether this hand, bit for bit, goes on as `other` does under the same targets and wrenches. Time counts only
-    /// where a tremor makes it.
+    /// Whether this hand moves like `other`, bit for bit, under the same future targets and wrenches.
+    ///
+    /// Both hands must have the same seed, which is not compared. The time is compared only with a tremor.
     pub fn goes_on_as(&self, other: &Self) -> bool {
         let shakes = |p: &HandParams| p.tremor != 0.0 || p.spin_tremor != 0.0;
         let bits = |hand: &Self| {
@@ -104,8 +105,8 @@ impl Hand {
         self.params == other.params && bits(self) == bits(other)
     }
 
-    /// One period towards `target` under the wrench `felt` about the device point (world
-    /// axes). Returns the device's pose.
+    /// Advances one period towards `target` (`world_from_tool`) under the wrench `felt`, about the device point, world
+    /// axes. Returns the pose of the device.
     pub fn step(&mut self, target: &Pose, felt: &Wrench) -> Pose {
         let p = self.params;
         let period = p.period_s;
@@ -119,7 +120,7 @@ impl Hand {
             let at = self.last_target.position + way * share + self.shake.at(t);
             let facing = exp_rotation(&(turn * share + self.spin_shake.at(t)))
                 * self.last_target.orientation;
-            // Semi-implicit Euler: damping taken at the new velocity, so any damping is stable.
+            // Semi-implicit Euler with the damping at the new velocity: every damping is stable.
             let pull =
                 (at - self.device.position) * p.grip + meant_velocity * p.grip_damping + felt.force;
             let damping = p.device_damping + p.grip_damping;

@@ -1,48 +1,53 @@
-//! How a probe has to lean, all round a tooth and at all depths, so that its shaft passes its own tooth's crown and the
-//! neighbours: the smallest tilt from the tooth's axis that does, found by trying them in order, then smoothed so that
-//! the hand that follows it never jumps.
+//! Tilt of a probe at every angle and depth of a pocket, so that its shaft clears the tooth's crown and the neighbours.
+//!
+//! The search takes the smallest tilt from the tooth's axis that clears everything. The table of tilts is then
+//! smoothed, so that a hand moves along it without jumps.
 
 use sulcus_core::Vec3;
 
-/// Columns from the mesial to the distal midline of one side.
+/// Number of columns from the mesial to the distal midline of one side.
 const COLUMNS: usize = 46;
+/// Angle between two columns, radians.
 const COLUMN_STEP: f64 = std::f64::consts::PI / (COLUMNS - 1) as f64;
-/// Depths below the margin, metres.
+/// Number of rows, one for each depth below the margin.
 const ROWS: usize = 19;
+/// Depth of the first row, metres.
 const SHALLOWEST: f64 = -3e-3;
+/// Depth between two rows, metres.
 const ROW_STEP: f64 = 0.75e-3;
-/// Tilts tried: tangent of the angle, step and largest (42 degrees).
+/// Step of the tilts, tangent of the angle.
 const TILT_STEP: f64 = 0.04;
+/// Largest tilt, tangent of the angle: 42 degrees.
 const MOST_TILT: f64 = 0.9;
-/// Largest lean to the other side's side, as a tangent.
+/// Largest tilt towards the opposite side, tangent of the angle.
 const ACROSS: f64 = 0.05;
-/// Row (1.5 mm) above which the tilt stays as it is: a bob does not turn the probe.
+/// Row of 1.5 mm. Above it the tilt is constant, so a bob does not turn the probe.
 const SAME: usize = 6;
-/// Room that smoothing may take away, metres.
+/// Room that smoothing may take, metres.
 const SMOOTHING: f64 = 0.12e-3;
-/// Rows (2.25 to 4.5 mm) that must be open for a column to be.
+/// Rows of 2.25 to 4.5 mm. All of them must be clear in an open column.
 const OPEN: std::ops::RangeInclusive<usize> = 7..=10;
 
-/// Which tilts an operator knows.
+/// Tilts that an operator uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Manner {
-    /// Away from the crown and under the contact: any tilt to its own side.
+    /// Any tilt to the probed side: away from the crown, and under the contact with a neighbour.
     Taught,
-    /// Only away from the crown's bulge, never to pass under a contact.
+    /// Only tilts away from the crown's bulge, none under a contact.
     Upright,
 }
 
-/// Tilts of one side (buccal or lingual).
+/// Tilts of one side, buccal or lingual.
 #[derive(Clone, Debug)]
 pub(crate) struct Leans {
-    /// Tangents of the tilt mesially and buccally, by column and row.
+    /// Tangents of the tilt in the mesial and the buccal direction, by column and row.
     tilt: Vec<[[f64; 2]; ROWS]>,
-    /// Shallowest depth at which the tip has room, by column; none where it has none.
+    /// Shallowest depth with room for the tip, metres, by column; `None` for a column without room.
     ceiling: Vec<Option<f64>>,
 }
 
 impl Leans {
-    /// Upright everywhere, with room nowhere.
+    /// Upright tilts, and no room in any column.
     pub fn none() -> Self {
         Self {
             tilt: vec![[[0.0; 2]; ROWS]; COLUMNS],
@@ -50,9 +55,11 @@ impl Leans {
         }
     }
 
-    /// `sign` is 1 for the buccal side and -1 for the lingual one; `passes` says whether the shaft clears everything at
-    /// an angle (radians from mesial), a depth (metres), tilted mesially and buccally: the first tilt that does, with less
-    /// room than is wanted (metres).
+    /// Searches the tilts of one side. `sign` is 1 for the buccal side and -1 for the lingual side.
+    ///
+    /// `passes(around, depth, tilts, less)` returns the first of `tilts` with which the shaft clears everything.
+    /// `around` is in radians from mesial, `depth` in metres below the margin. `less` reduces the room that is
+    /// required, metres.
     pub fn search(
         sign: f64,
         manner: Manner,
@@ -80,7 +87,7 @@ impl Leans {
             let deeper = column[SAME];
             column[..SAME].fill(deeper);
         }
-        // What the hand really does counts.
+        // The room is that of the smoothed tilts, which the hand uses.
         let ceiling = (0..COLUMNS).map(|c| {
             let mut open = |r: usize| {
                 let (around, depth) = place(c, r);
@@ -98,7 +105,8 @@ impl Leans {
         }
     }
 
-    /// Tangents of the tilt mesially and buccally, at an angle from the mesial midline (0 to pi) and a depth.
+    /// Tangents of the tilt in the mesial and the buccal direction, at an angle from the mesial midline, 0 to pi, and a
+    /// depth below the margin, metres.
     pub fn at(&self, from_mesial: f64, depth: f64) -> [f64; 2] {
         let (c, f) = share(from_mesial / COLUMN_STEP, COLUMNS);
         let (r, g) = share((depth - SHALLOWEST) / ROW_STEP, ROWS);
@@ -106,10 +114,11 @@ impl Leans {
         [0, 1].map(|k| row(c, k) * (1.0 - f) + row(c + 1, k) * f)
     }
 
-    /// Shallowest depth at which the tip has room at an angle from the mesial midline; none where it has none.
+    /// Shallowest depth with room for the tip, metres, at an angle from the mesial midline, 0 to pi; `None` without
+    /// room.
     pub fn ceiling_at(&self, from_mesial: f64) -> Option<f64> {
         let (c, f) = share(from_mesial / COLUMN_STEP, COLUMNS);
-        // On a column its own word counts.
+        // At a column only its own value counts.
         let (before, after) = (self.ceiling[c], self.ceiling[c + 1]);
         if f < 1e-6 {
             before
@@ -121,7 +130,7 @@ impl Leans {
     }
 }
 
-/// Tilts to try, the nearest to the tooth's axis first.
+/// Tilts of a manner, ascending from the tooth's axis.
 fn candidates(around: f64, sign: f64, manner: Manner) -> Vec<[f64; 2]> {
     let steps = (MOST_TILT / TILT_STEP) as i32;
     let tilts = match manner {
@@ -136,7 +145,7 @@ fn candidates(around: f64, sign: f64, manner: Manner) -> Vec<[f64; 2]> {
         }
     };
     let mut tilts: Vec<[f64; 2]> = tilts;
-    // (The sort is stable: equals stay in a fixed order.)
+    // The sort is stable: equal tilts stay in a fixed order.
     tilts.sort_by(|a, b| {
         let size = |t: &[f64; 2]| t[0] * t[0] + t[1] * t[1];
         size(a).total_cmp(&size(b))
@@ -144,7 +153,7 @@ fn candidates(around: f64, sign: f64, manner: Manner) -> Vec<[f64; 2]> {
     tilts
 }
 
-/// Where nothing passes the hand keeps the tilt of the next deeper place, else that of the nearest column.
+/// Fills places without a tilt: with the tilt of the next deeper row, else with the nearest column.
 fn filled(found: &[[Option<[f64; 2]>; ROWS]]) -> Vec<[[f64; 2]; ROWS]> {
     let mut columns: Vec<Option<[[f64; 2]; ROWS]>> = found
         .iter()
@@ -171,7 +180,7 @@ fn filled(found: &[[Option<[f64; 2]>; ROWS]]) -> Vec<[[f64; 2]; ROWS]> {
     columns.into_iter().flatten().collect()
 }
 
-/// Mean with the neighbours, weights 1 2 1, over columns and rows.
+/// Mean over columns, then over rows, with weights 1, 2, 1.
 fn smoothed(tilt: &[[[f64; 2]; ROWS]]) -> Vec<[[f64; 2]; ROWS]> {
     let mix = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
         [0, 1].map(|k| 0.25 * a[k] + 0.5 * b[k] + 0.25 * c[k])
@@ -197,14 +206,14 @@ fn smoothed(tilt: &[[[f64; 2]; ROWS]]) -> Vec<[[f64; 2]; ROWS]> {
         .collect()
 }
 
-/// Index below and share of the way to the next.
+/// Index below `at`, and the share of the distance to the next index, for a table of `n` entries.
 fn share(at: f64, n: usize) -> (usize, f64) {
     let at = at.clamp(0.0, (n - 1) as f64);
     let k = (at.floor() as usize).min(n - 2);
     (k, at - k as f64)
 }
 
-/// Unit vector up along a working end that is tilted.
+/// Unit vector up along a working end with the tangents `tilt` in the mesial and the buccal direction.
 pub(crate) fn up(axis: &Vec3, mesial: &Vec3, buccal: &Vec3, tilt: [f64; 2]) -> Vec3 {
     (axis + mesial * tilt[0] + buccal * tilt[1]).normalize()
 }

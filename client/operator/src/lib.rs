@@ -1,11 +1,10 @@
-//! The simulated hand: used by the demo, the hard cases and the tests.
+//! The simulated hand of the demo, the hard cases and the tests.
 //!
-//! A *script* says where the hand means to be. The *hand* holds a *device* (mass, damping) by a
-//! spring and a damper, trembles at 8 to 12 Hz, and feels the wrench: so the loop of hand, device
-//! and simulation is closed, and an unstable simulation shows. Everything depends on the seed and
-//! the wrenches alone.
+//! A *script* gives target poses of a hand. The *hand* holds a *device* with mass and damping by a spring and a damper,
+//! trembles at 8 to 12 Hz, and feels the wrench. The loop of hand, device and simulation is closed, so an unstable
+//! simulation becomes visible. An operator is a function of its seed and of the wrenches and poses that it is shown.
 //!
-//! SI units, world axes.
+//! All units are SI, all axes are those of the world.
 
 pub mod bands;
 pub mod bimanual;
@@ -33,7 +32,7 @@ pub use hand::{Hand, HandParams};
 pub use script::{Call, Felt, Script};
 pub use sulcus_haptics::{Shown, drawn};
 
-/// A person with up to two hands, performing a script.
+/// A simulated person with up to two hands, who performs a script.
 pub struct Operator {
     script: Box<dyn Script + Send>,
     hands: [Option<Hand>; MAX_TOOLS],
@@ -43,7 +42,7 @@ pub struct Operator {
 }
 
 impl Operator {
-    /// An operator who performs `script`; the tremor comes from `seed`.
+    /// An operator for `script`, with a tremor from `seed`.
     pub fn new(script: Box<dyn Script + Send>, params: HandParams, seed: u64) -> Self {
         Self {
             script,
@@ -54,22 +53,23 @@ impl Operator {
         }
     }
 
-    /// Length of the script in ticks.
+    /// Largest length of the script, periods of the device.
     pub fn ticks(&self) -> u64 {
         (self.script.duration_s() * (1.0 / self.params.period_s)) as u64
     }
 
-    /// The depths called since this was last asked.
+    /// Calls since the previous call of this function.
     pub fn calls(&mut self) -> Vec<Call> {
         self.script.calls()
     }
 
-    /// Whether the script has nothing left to do before its time is up.
+    /// Whether the script has finished all its tasks.
     pub fn is_done(&self) -> bool {
         self.script.is_done()
     }
 
-    /// Advances one period of the device under what the simulation shows, and returns the poses that the devices report.
+    /// Advances one period of the device with the wrenches and graphic poses of `shown`. Returns the poses that the
+    /// devices report; a slot without a target is absent.
     pub fn step(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
         let t = self.tick as f64 * self.params.period_s;
         self.tick += 1;
@@ -91,7 +91,7 @@ impl Operator {
     }
 }
 
-/// A present tool at `pose`, as the wire would carry it.
+/// A present tool at `pose`, rounded to f32 as on the wire.
 pub fn present(pose: &Pose) -> ToolInput {
     ToolInput::at(pose)
 }

@@ -1,8 +1,8 @@
-//! The way into a pocket: where the tip lies on a tooth's surface below the gingival margin, all round, and how the
-//! probe leans there so that its shaft passes the tooth's own crown and its neighbours.
+//! Poses of a probe in a pocket: places of the tip on a tooth's surface below the gingival margin, and the probe's tilt
+//! there. With that tilt the shaft clears the tooth's crown and its neighbours.
 //!
-//! Places are given as an angle about the tooth's axis (radians from mesial over buccal) and a depth below the margin at
-//! that angle (metres, along the axis), as `ToothFrame::cylindrical` and the pocket's readings give them.
+//! A place is an angle about the tooth's axis, radians from mesial over buccal, and a depth below the margin at that
+//! angle, metres along the axis. `ToothFrame::cylindrical` and the readings of a pocket use the same coordinates.
 
 use sulcus_core::math::exp_rotation;
 use sulcus_core::tissue::TissueModel;
@@ -16,38 +16,38 @@ use crate::shaft::{Obstacles, Shaft};
 use crate::sounding::tip_radius;
 use crate::wall::Wall;
 
-/// Why there is no way into a pocket.
+/// Error of a scene without the tooth or its gingiva; one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoPocket(pub String);
 
-/// How far the handle leans out to the cheek for one part that it leans out of the mouth.
+/// Ratio of the handle's direction towards the cheek to its direction out of the mouth.
 const TO_CHEEK: f64 = 0.4;
 
-/// Ways into the pocket of one tooth for one tool.
+/// Poses of one tool in the pocket of one tooth.
 #[derive(Clone, Debug)]
 pub struct PocketPath {
     /// FDI number of the tooth.
     pub fdi: u8,
     /// Slot of the tool.
     pub slot: usize,
-    /// How far inside the tooth's surface the tip is meant to be, so that its side stays on it, metres.
+    /// Depth of the target tip inside the tooth's surface, metres, so that its side stays on the tooth.
     pub hug: f64,
-    /// What is seen of the gingiva: where its margin is, on the tooth too, its zones and its blood, not how deep it is.
+    /// Visible part of the gingiva: margin, zones and bleeding. Its depths are zero.
     gingiva: Gingiva,
     tool: ToolFrame,
     tip: f64,
     wall: Wall,
-    /// Buccal side and lingual side.
+    /// Tilts of the buccal and the lingual side.
     leans: [Leans; 2],
-    /// Where the handle leans: out of the mouth.
+    /// Direction of the handle, world: out of the mouth and towards the cheek.
     side: Vec3,
 }
 
-/// The tip at a place of the pocket.
+/// Tip and directions of the probe at a place of the pocket, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The very tip, world axes, metres.
+    /// Extreme point of the tip, metres.
     pub tip: Vec3,
     /// Unit vector up along the working end.
     pub up: Vec3,
@@ -56,18 +56,18 @@ pub struct Place {
 }
 
 impl PocketPath {
-    /// Ways along the tooth with FDI number `fdi`, or the first tooth, for the first tool that has bands, or the
-    /// first tool.
+    /// Poses at the tooth with FDI number `fdi`, or at the first tooth, for the first tool with bands, or the first
+    /// tool.
     ///
     /// # Errors
-    /// When the scene has no such tooth, or no gingiva around it.
+    /// The scene has no such tooth, or no gingiva around it.
     pub fn new(scene: &Scene, fdi: Option<u8>, hug: f64, manner: Manner) -> Result<Self, NoPocket> {
         let wanted = |object: &&Object| fdi.map_or(object.fdi != 0, |fdi| object.fdi == fdi);
         let is_tooth = |object: &&Object| object.tissue.is_rigid() && wanted(object);
         let tooth = scene.objects.iter().find(is_tooth).ok_or_else(|| {
             let which = fdi.map_or(String::new(), |fdi| format!(" {fdi}"));
             NoPocket(format!(
-                "scene `{}` has no tooth{which} to probe (a rigid object with an FDI number)",
+                "scene `{}` has no tooth{which} to probe, expected a rigid object with an FDI number",
                 scene.name
             ))
         })?;
@@ -123,39 +123,39 @@ impl PocketPath {
         Ok(path)
     }
 
-    /// The tooth's own directions.
+    /// Frame of the tooth: origin, axis, mesial and buccal direction.
     pub fn tooth(&self) -> &ToothFrame {
         &self.gingiva.tooth
     }
 
-    /// What is seen of the gingiva: its margin, its zones, its blood. Its depths are not known here.
+    /// Visible part of the gingiva: margin, zones and bleeding. All depths are zero.
     pub fn gingiva(&self) -> &Gingiva {
         &self.gingiva
     }
 
-    /// Shallowest depth at which the tip has room at an angle; none where the shaft does not pass.
+    /// Shallowest depth with room for the tip at an angle, metres; `None` if the shaft cannot clear its surroundings.
     pub fn ceiling(&self, around: f64) -> Option<f64> {
         self.leans_of(around).ceiling_at(around.abs())
     }
 
-    /// How far a point is below the margin, and at which angle.
+    /// Angle of a point of the world, radians, and its depth below the margin at that angle, metres.
     pub fn seen(&self, point: &Vec3) -> (f64, f64) {
         let (around, height) = self.gingiva.tooth.cylindrical(point);
         (around, self.gingiva.margin_at(around) - height)
     }
 
-    /// Distance from the tooth's axis to the middle of the tip's ball where it touches the tooth.
+    /// Distance from the tooth's axis to the centre of the tip's ball on the tooth's surface, metres.
     pub fn radius(&self, around: f64, depth: f64) -> f64 {
         let height = self.gingiva.margin_at(around) - depth + self.tip;
         self.wall.radius_at(around, height)
     }
 
-    /// Depth, negative, at which the tip is above everything of this tooth.
+    /// Depth, negative, at which the centre of the tip's ball is above the tooth by the ball's radius, metres.
     pub fn over(&self, around: f64) -> f64 {
         self.gingiva.margin_at(around) - self.wall.top()
     }
 
-    /// The tip at an angle and a depth below the margin there, tilted by `tilt` radians away from the tooth.
+    /// Place at an angle and a depth below the margin, with a further tilt of `tilt` radians away from the tooth.
     pub fn place(&self, around: f64, depth: f64, tilt: f64) -> Place {
         let outward = self.wall.outward(around);
         let ball = self.ball(around, depth, self.hug);
@@ -169,14 +169,14 @@ impl PocketPath {
         }
     }
 
-    /// Device pose at an angle and a depth below the margin, tilted by `tilt` radians away from the tooth, and set off by
-    /// `off`.
+    /// Device pose (`world_from_tool`) at a place, with a further tilt of `tilt` radians away from the tooth, and with
+    /// its tip moved by `off`, world, metres.
     pub fn pose(&self, around: f64, depth: f64, tilt: f64, off: Vec3) -> Pose {
         let place = self.place(around, depth, tilt);
         self.tool.at(&(place.tip + off), &-place.up, &self.side)
     }
 
-    /// Middle of the tip's ball, `hug` inside where it touches the tooth.
+    /// Centre of the tip's ball at a place, `hug` metres inside the position of first touch.
     fn ball(&self, around: f64, depth: f64, hug: f64) -> Vec3 {
         let frame = &self.gingiva.tooth;
         let height = self.gingiva.margin_at(around) - depth + self.tip;
@@ -194,7 +194,7 @@ impl PocketPath {
     }
 }
 
-/// The gingiva with the tooth's number, else the one whose tooth has its origin nearest to this one's middle.
+/// Gingiva of a tooth: the one with its FDI number, else the nearest one without a number.
 fn gingiva_of<'a>(scene: &'a Scene, tooth: &Object) -> Option<&'a Gingiva> {
     let all = scene.objects.iter().filter_map(|object| {
         let TissueModel::Gingiva(model) = &object.tissue else {
@@ -211,6 +211,6 @@ fn gingiva_of<'a>(scene: &'a Scene, tooth: &Object) -> Option<&'a Gingiva> {
         let (a, b) = (rank(a), rank(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     })?;
-    // A gingiva with another tooth's number is that one's.
+    // A gingiva with another number belongs to another tooth.
     (nearest.0 == tooth.fdi || nearest.0 == 0).then_some(nearest.1)
 }

@@ -1,40 +1,39 @@
-//! The `retraction` exercise: the mouth mirror comes down flat on the upper flank of the tongue, presses
-//! some millimetres in, pushes it aside, holds it, slides along it, and lets go.
+//! The `retraction` exercise: the mouth mirror presses flat on the upper flank of the tongue, pushes it aside, holds
+//! it, slides along it and lets go.
 //!
-//! The hand goes by what it sees and feels: it presses until the disc is as far in as it means to hold it, or
-//! until the tongue resists more than a gentle hand would press.
+//! The hand presses until the disc, as drawn, has its depth, or until the force reaches the limit of a gentle hand.
 
 use sulcus_core::{MAX_TOOLS, Object, Pose, Scene, Tool, Vec3};
 
 use crate::frame::ToolFrame;
 use crate::script::{Felt, Script, smoothstep};
 
-/// How a tongue is held aside. SI units.
+/// Parameters of the exercise, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RetractionParams {
     /// Length of the exercise, seconds. Default 20.
     pub duration: f64,
-    /// Angle between the press and straight down, radians: 0 on the back of the tongue, more on its flank.
-    /// Default 0.46 (27 degrees).
+    /// Angle between the press and the downward direction, radians: 0 on the back of the tongue, larger on its flank.
+    /// Default 0.46, which is 27 degrees.
     pub flank: f64,
-    /// How far the disc goes in. Default 7 mm (5 to 10 are usual).
+    /// Depth of the disc in the tongue at rest, metres. Default 7 mm; 5 to 10 mm are usual.
     pub press: f64,
-    /// Force that the hand does not press beyond, newtons. Default 2.
+    /// Force at which the press ends, newtons. Default 2.
     pub most_force: f64,
-    /// Speed of pressing, m/s. Default 10 mm/s.
+    /// Speed of the press, m/s. Default 10 mm/s.
     pub press_speed: f64,
-    /// How far the tongue is pushed aside. Default 4 mm.
+    /// Distance of the push aside, metres. Default 4 mm.
     pub aside: f64,
-    /// How long it is held, seconds; infinite: until told ([`Retraction::let_go`]). Default 1.5.
+    /// Duration of the hold, seconds; infinite: until [`Retraction::let_go`]. Default 1.5.
     pub hold: f64,
-    /// How far the disc slides to each side along the tongue. Default 5 mm.
+    /// Distance of the slide to each side along the tongue, metres. Default 5 mm.
     pub slide: f64,
-    /// Speed of sliding, m/s. Default 8 mm/s.
+    /// Speed of the slide, m/s. Default 8 mm/s.
     pub slide_speed: f64,
-    /// How often it is done at most. Default: until the time is up.
+    /// Largest number of presses. Default: as many as the duration allows.
     pub times: u32,
-    /// The place that is to be free, world, metres: the tongue is held on that side of it, and as far back. Default: the
-    /// side of the first tooth, a little in front of the tongue's middle.
+    /// Place that must be free, world, metres. The tongue is pressed on that side, and as far back as the place.
+    /// Default: the side of the first tooth, a little in front of the tongue's middle.
     pub work: Option<Vec3>,
 }
 
@@ -56,41 +55,44 @@ impl Default for RetractionParams {
     }
 }
 
-/// Why the exercise cannot be performed in a scene.
+/// Error of a scene without a mirror or a tongue for the exercise; one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoTongue(pub String);
 
-/// Time to come in and to leave, seconds.
+/// Time of the approach, and of the retreat, seconds.
 const TRANSIT: f64 = 1.2;
-/// How far off the surface the disc waits, metres.
+/// Distance from the surface at which the disc waits, metres.
 const OFF: f64 = 3e-3;
-/// How far off that the approach begins.
+/// Distance from the waiting position at which the approach begins, metres.
 const STANDOFF: f64 = 20e-3;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
-/// Farthest that a hand means to be inside, metres: then something else is wrong.
+/// Largest target depth of the disc, metres. The press ends there in any case.
 const MOST_PRESS: f64 = 40e-3;
-/// Speed of the push aside, and of letting go, m/s.
+/// Speed of the push aside, m/s.
 const ASIDE_SPEED: f64 = 6e-3;
+/// Speed of the release, m/s.
 const LET_GO_SPEED: f64 = 80e-3;
 
-/// Stretch of the tongue that can be held, as shares of its length from behind.
+/// Part of the tongue that can be held, as shares of its length from behind.
 const WORKABLE: [f64; 2] = [0.4, 0.75];
 
-/// What the hand is doing.
+/// Phase of the hand's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Press,
     Aside,
+    /// Time left, seconds.
     Hold(f64),
-    /// Along, to each of these in turn.
+    /// Index of the present target of the slide.
     Slide(usize),
     LetGo,
+    /// Time left, seconds.
     Rest(f64),
 }
 
-/// The script.
+/// Script of the `retraction` exercise.
 #[derive(Clone, Debug)]
 pub struct Retraction {
     params: RetractionParams,
@@ -98,36 +100,40 @@ pub struct Retraction {
     /// Length of a tick, seconds.
     dt: f64,
     tool: ToolFrame,
-    /// Disc's centre in the tool's frame.
+    /// Centre of the disc in the tool's frame, metres.
     disc: Vec3,
-    /// Where the disc's centre is when its face first touches, world.
+    /// Centre of the disc at the first touch of its face, world, metres.
     touch: Vec3,
-    /// Unit vectors, world: into the tongue, sideways in the disc's plane, along the tongue.
+    /// Unit vector into the tongue, world.
     inward: Vec3,
+    /// Unit vector sideways in the plane of the disc, world.
     sideways: Vec3,
+    /// Unit vector along the tongue, world.
     along: Vec3,
-    /// From the disc's centre to its far edge, and to its face.
+    /// Distance from the disc's centre to its far edge, metres.
     reach: f64,
+    /// Distance from the disc's centre to its face, metres.
     thickness: f64,
-    // What changes while it is performed.
+    // The fields below change during the exercise.
     time: f64,
-    /// When it goes away, seconds.
+    /// Time at which the retreat begins, seconds.
     leaves: f64,
     phase: Phase,
+    /// Filtered force against the press, newtons.
     force: f64,
-    /// How often it let go.
+    /// Number of releases.
     done: u32,
-    /// How far in the hand sees the disc, metres.
+    /// Depth of the disc as drawn, metres.
     seen: f64,
-    /// Where the hand means the disc to be: in, aside, along.
+    /// Target of the disc, metres: inward, sideways, along.
     meant: [f64; 3],
 }
 
 impl Retraction {
-    /// The exercise on the largest thing that yields, with the first tool without bands (a mirror).
+    /// Script for the largest deformable object, with the first tool without bands, which is a mirror.
     ///
     /// # Errors
-    /// When the scene has nothing that yields, no such tool, or the disc would not meet it.
+    /// The scene has no deformable object or no such tool, or the disc does not meet the object from above.
     pub fn new(scene: &Scene, params: RetractionParams) -> Result<Self, NoTongue> {
         let slot = scene
             .tools
@@ -135,7 +141,7 @@ impl Retraction {
             .position(|tool| tool.bands.is_empty())
             .ok_or_else(|| {
                 NoTongue(format!(
-                    "scene `{}` has no mouth mirror (a tool without bands)",
+                    "scene `{}` has no mouth mirror, expected a tool without bands",
                     scene.name
                 ))
             })?;
@@ -148,11 +154,11 @@ impl Retraction {
             .max_by(|a, b| size(a).total_cmp(&size(b)))
             .ok_or_else(|| {
                 NoTongue(format!(
-                    "scene `{}` has no tongue (an object that yields)",
+                    "scene `{}` has no tongue, expected a deformable object",
                     scene.name
                 ))
             })?;
-        // The flank towards the teeth, else the left one.
+        // The flank towards the place or the first tooth, else the left flank.
         let middle = tongue.tree.nodes()[0].centre;
         let tooth = scene.objects.iter().find(|object| object.fdi != 0);
         let tooth = tooth.map(|tooth| tooth.tree.nodes()[0].centre);
@@ -163,7 +169,7 @@ impl Retraction {
         let (sine, cosine) = (libm::sin(params.flank), libm::cos(params.flank));
         let inward = Vec3::new(0.0, -side * sine, -cosine);
         let sideways = Vec3::new(0.0, -side * cosine, sine);
-        // The disc's far edge points back into the mouth, the handle comes out of it.
+        // The far edge of the disc points into the mouth, the handle out of it.
         let along = -Vec3::x();
         let frame = ToolFrame::of(tool);
         let disc = tool.working_point;
@@ -172,7 +178,7 @@ impl Retraction {
         let touch =
             touching(tongue, &inward, reach, side * sine, params.work).ok_or_else(|| {
                 NoTongue(format!(
-                    "the mirror would not meet `{}` from above: is z up, and is it a tongue?",
+                    "the mirror does not meet `{}` from above; expected a tongue whose back faces along z",
                     tongue.name
                 ))
             })? - inward * thickness;
@@ -198,16 +204,16 @@ impl Retraction {
         })
     }
 
-    /// Where the middle of the disc's face first touches the tongue at rest, world.
+    /// Centre of the disc's face at the first touch of the tongue at rest, world, metres.
     pub fn touch(&self) -> Vec3 {
         self.touch + self.inward * self.thickness
     }
 
-    /// Device pose with the disc's face `deep` metres into the tongue as it is at rest, set off sideways and
-    /// along it.
+    /// Device pose (`world_from_tool`) with the disc's face `deep` metres inside the tongue at rest, moved `aside`
+    /// metres sideways and `along` metres along the tongue.
     pub fn pose(&self, deep: f64, aside: f64, along: f64) -> Pose {
         let centre = self.touch + self.inward * deep + self.sideways * aside + self.along * along;
-        // The tool's tip is the disc's far edge; its face looks away from the handle's side.
+        // The tip of the tool is the far edge of the disc; the face points away from the handle.
         let edge = centre + self.along * self.reach;
         self.tool.at(&edge, &self.along, &-self.inward)
     }
@@ -217,17 +223,17 @@ impl Retraction {
         self.slot
     }
 
-    /// Whether the tongue is held aside.
+    /// Whether the mirror holds the tongue aside.
     pub fn holds(&self) -> bool {
         matches!(self.phase, Phase::Hold(_) | Phase::Slide(_))
     }
 
-    /// Lets go now, and goes away.
+    /// Begins the release and the retreat now.
     pub fn let_go(&mut self) {
         self.leaves = self.leaves.min(self.time);
     }
 
-    /// One millisecond of the phase under way.
+    /// Advances the present phase by one tick.
     fn go_on(&mut self) {
         let (p, dt) = (self.params, self.dt);
         let mut towards = |axis: usize, goal: f64, speed: f64| {
@@ -288,7 +294,7 @@ impl Script for Retraction {
     }
 
     fn targets(&self, _: f64) -> [Option<Pose>; MAX_TOOLS] {
-        // By its own clock: another script may start it late.
+        // The script has its own clock, because another script may start it late.
         let t = (self.time - self.dt).max(0.0);
         let leaving = smoothstep((t - self.leaves - 0.5 * TRANSIT) / (0.5 * TRANSIT));
         let away = (1.0 - smoothstep(t / TRANSIT) + leaving).min(1.0);
@@ -307,7 +313,7 @@ impl Script for Retraction {
     }
 }
 
-/// How far the disc's pressing face stands out from its centre, metres.
+/// Distance from the disc's centre to its pressing face, metres.
 fn face_height(tool: &Tool, disc: &Vec3, face: &Vec3, reach: f64) -> f64 {
     tool.tree
         .shape_at(tool.level)
@@ -316,8 +322,10 @@ fn face_height(tool: &Tool, disc: &Vec3, face: &Vec3, reach: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where a flat disc of radius `reach` that comes along `inward` first meets the tongue, `side` of the way to
-/// its left flank: the middle of its face.
+/// Centre of the face of a flat disc of radius `reach` that comes along `inward`, at the first touch of the tongue,
+/// world.
+///
+/// `side` is the position between the middle, 0, and the left flank, 1. `None`: the disc meets nothing.
 fn touching(
     tongue: &Object,
     inward: &Vec3,
@@ -330,8 +338,7 @@ fn touching(
     let (low, high) = leaves().fold((huge, -huge), |(low, high), node| {
         (low.inf(&node.centre), high.sup(&node.centre))
     });
-    // A little in front of the middle: the root behind is stiff, the tip too thin for the disc. A flank lies
-    // off the middle.
+    // The default is a little in front of the middle: the root behind is stiff, and the tip is too thin for the disc.
     let share = work.map_or(0.6, |work| {
         let share = (work.x - low.x) / (high.x - low.x);
         share.clamp(WORKABLE[0], WORKABLE[1])

@@ -1,56 +1,54 @@
-//! Where a hand means to be over time.
+//! Scripts: target poses of the hands over time.
 
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Pose};
 use sulcus_haptics::Shown;
 
-/// What the operator says aloud of a site.
+/// Findings that the operator calls for a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Call {
     /// FDI number of the tooth.
     pub tooth: u8,
-    /// Which of its sites.
+    /// Site of the tooth.
     pub site: Site,
-    /// Depth, whole millimetres.
+    /// Probing depth, whole millimetres.
     pub depth_mm: u8,
-    /// How far the margin is seen below the cemento-enamel junction, whole millimetres; negative above it.
+    /// Distance of the margin below the cemento-enamel junction, whole millimetres; negative above the junction.
     pub recession_mm: i8,
-    /// Whether it is seen to bleed.
+    /// Whether the site bleeds.
     pub bleeding: bool,
 }
 
-/// What an operator perceives in one millisecond.
+/// Perception of an operator in one period of the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
-    /// What the simulation shows.
+    /// Wrenches and graphic poses of the simulation.
     pub shown: Shown,
-    /// Where the hands are (device poses); `None` where no hand holds the tool.
+    /// Device poses of the hands (`world_from_tool`); `None` for a tool without a hand.
     pub hands: [Option<Pose>; MAX_TOOLS],
 }
 
-/// A scripted intention: a function of time, and, where a script goes by what it feels, of that.
+/// A script: target poses as a function of time and, for some scripts, of the perception.
 pub trait Script {
-    /// Takes in, once per millisecond and before [`Script::targets`], what the operator perceives. Most scripts do not
-    /// care.
+    /// Takes the perception, once per period of the device and before [`Script::targets`]. The default ignores it.
     fn feel(&mut self, felt: &Felt) {
         let _ = felt;
     }
-    /// Device poses (`world_from_tool`) that the hands mean to reach at `t` seconds; `None` where no
-    /// hand holds the tool.
+    /// Target device poses (`world_from_tool`) at `t` seconds; `None` for a tool without a hand.
     fn targets(&self, t: f64) -> [Option<Pose>; MAX_TOOLS];
-    /// Length, seconds; for a script that goes by what it feels the most that it takes.
+    /// Length, seconds; for a script that depends on the perception, the largest length.
     fn duration_s(&self) -> f64;
-    /// The depths called since this was last asked.
+    /// Calls since the previous call of this function. The default returns none.
     fn calls(&mut self) -> Vec<Call> {
         Vec::new()
     }
-    /// Whether there is nothing left to do before [`Script::duration_s`].
+    /// Whether all tasks are finished before [`Script::duration_s`]. The default is `false`.
     fn is_done(&self) -> bool {
         false
     }
 }
 
-/// A script from a closure for the first tool: what tests and hard cases want.
+/// A script from a closure for the first tool, for tests and hard cases.
 pub struct OneTool<F> {
     /// Pose at `t` seconds.
     pub pose: F,
@@ -84,7 +82,7 @@ impl<F: Fn(f64) -> [Option<Pose>; MAX_TOOLS]> Script for TwoTools<F> {
     }
 }
 
-/// 0 below 0, 1 above 1, smooth (zero slope at both ends) between.
+/// Cubic step from 0 at `x <= 0` to 1 at `x >= 1`, with zero slope at both ends.
 pub fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

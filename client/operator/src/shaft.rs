@@ -1,32 +1,32 @@
-//! The part of a tool that has to pass between the teeth, and the teeth that it has to pass.
+//! The shaft of a tool as beads, the teeth as balls, and the test whether the shaft clears the teeth.
 
 use sulcus_core::math::Mat3;
 use sulcus_core::{Scene, Tool, Vec3};
 
 use crate::frame::ToolFrame;
 
-/// Length of the tool, from its tip, that is kept clear, metres.
+/// Length of the tool from its tip that must clear the teeth, metres.
 const LENGTH: f64 = 25e-3;
-/// Room between tool and teeth, metres: at the tip, which is meant to touch, and from [`FREE`] on.
+/// Required room between tool and teeth, metres: at the tip, which touches, and from [`FREE`] on.
 const ROOM: [f64; 2] = [-0.08e-3, 0.13e-3];
-/// Length of tool that one bead stands for, metres.
+/// Length of tool for one bead, metres.
 const PIECE: f64 = 0.6e-3;
-/// Distance from the tip from which on the shaft is to be free of the teeth, metres.
+/// Distance from the tip beyond which the shaft must not touch teeth, metres.
 const FREE: f64 = 3e-3;
 
-/// A ball of the tool, seen from its tip in the axes of [`ToolFrame`].
+/// A ball around a piece of the tool, relative to the tip in the axes of [`ToolFrame`].
 #[derive(Clone, Copy, Debug)]
 struct Bead {
     at: Vec3,
-    /// Its radius and the room that it wants.
+    /// Radius with the required room, metres.
     reach: f64,
 }
 
-/// The beads of a tool, farthest from the tip first: they are what hits.
+/// Beads of a tool, farthest from the tip first, because these hit most often.
 #[derive(Clone, Debug)]
 pub(crate) struct Shaft {
     beads: Vec<Bead>,
-    /// Half thickness of the plane in which the tool lies: no bead reaches farther to the third axis.
+    /// Largest extent of the beads along the third axis of [`ToolFrame`], metres.
     thick: f64,
 }
 
@@ -42,7 +42,7 @@ impl Shaft {
             .filter(|(at, _)| at.norm() < LENGTH)
             .collect();
         balls.sort_by(|a, b| b.0.norm().total_cmp(&a.0.norm()));
-        // Balls as far from the tip as each other become one bead around them.
+        // Balls at equal distance from the tip become one bead around them.
         let piece = |a: &(Vec3, f64), b: &(Vec3, f64)| {
             (a.0.norm() / PIECE).floor() == (b.0.norm() / PIECE).floor()
         };
@@ -50,7 +50,7 @@ impl Shaft {
             let middle = balls.iter().fold(Vec3::zeros(), |sum, (at, _)| sum + at);
             let at = middle / balls.len() as f64;
             let reaches = balls.iter().map(|(ball, radius)| {
-                // Along the tool the next piece has its own bead.
+                // The next piece along the tool has its own bead.
                 let mut off = ball - at;
                 off.x = 0.0;
                 off.norm() + radius
@@ -71,12 +71,12 @@ impl Shaft {
     }
 }
 
-/// Teeth near a place, as balls.
+/// Teeth near a place as balls: centre, world, and radius, metres.
 #[derive(Clone, Debug)]
 pub(crate) struct Obstacles(Vec<(Vec3, f64)>);
 
 impl Obstacles {
-    /// All rigid spheres of `scene` that a tool whose tip is within `reach` of `middle` may meet.
+    /// Spheres of all rigid objects of `scene` that a tool with its tip within `reach` metres of `middle` can touch.
     pub fn near(scene: &Scene, middle: &Vec3, reach: f64) -> Self {
         let rigid = scene
             .objects
@@ -93,19 +93,19 @@ impl Obstacles {
         Self(balls.filter(near).collect())
     }
 
-    /// Those that a tool with its tip at `tip` and its shaft above it (towards `axis`) may meet.
+    /// Obstacles that a tool with its tip at `tip` and its shaft towards `axis` can touch.
     pub fn above(&self, tip: &Vec3, axis: &Vec3) -> Self {
         let above = |(centre, radius): &&(Vec3, f64)| {
             let from = centre - tip;
             let (up, distance) = (from.dot(axis), from.norm());
-            // The shaft never leans more than about 50 degrees.
+            // The shaft never leans by more than about 50 degrees.
             distance < LENGTH + radius + 2e-3 && up > 0.6 * distance - 1.3 * radius - 2e-3
         };
         Self(self.0.iter().filter(above).copied().collect())
     }
 
-    /// Whether the shaft passes with its tip at `tip` and its axes along the columns of `axes`, with `less` room than it
-    /// wants, metres. A ball that was hit is looked at first next time.
+    /// Whether the shaft clears all obstacles with its tip at `tip` and its axes along the columns of `axes`. `less`
+    /// reduces the required room, metres. A hit obstacle is tested first in the next call.
     pub fn passes(&mut self, shaft: &Shaft, tip: &Vec3, axes: &Mat3, less: f64) -> bool {
         let hit = self.0.iter().position(|(centre, radius)| {
             let from = centre - tip;

@@ -1,14 +1,15 @@
-//! Feeling for surfaces with rays: where a tool's tip would touch.
+//! Sounding of surfaces with rays: the places where a tool's tip touches.
 
 use sulcus_core::{Tool, Vec3};
 
-/// Horizontal unit vector at a bearing: 0 along x, 90 along y, degrees.
+/// Horizontal unit vector at a bearing in degrees: 0 along x, 90 along y.
 pub(crate) fn bearing_vector(degrees: f64) -> Vec3 {
     let angle = degrees.to_radians();
     Vec3::new(libm::cos(angle), libm::sin(angle), 0.0)
 }
 
-/// Where a ray from outside along `-out` first meets a sphere: distance from `centre` along `out`.
+/// Distance from `centre` along the unit vector `out` at which a ray from outside first meets a sphere of `radius` at
+/// `sphere`; `None` without a hit. Metres.
 pub(crate) fn first_touch(centre: &Vec3, out: &Vec3, sphere: &Vec3, radius: f64) -> Option<f64> {
     let to = sphere - centre;
     let along = to.dot(out);
@@ -17,7 +18,7 @@ pub(crate) fn first_touch(centre: &Vec3, out: &Vec3, sphere: &Vec3, radius: f64)
     (reach > 0.0).then(|| along + reach.sqrt())
 }
 
-/// Radius of the sphere nearest to the tip.
+/// Contact radius of the tool's sphere nearest to the tip, metres.
 pub(crate) fn tip_radius(tool: &Tool) -> f64 {
     let nearest = tool.tree.shape_at(tool.level).min_by(|a, b| {
         let d = |node: &sulcus_core::Node| (node.centre - tool.tip).norm();

@@ -1,4 +1,4 @@
-//! Where a walking probe stops: the zones of one side of a tooth, in order, with their stops.
+//! Stops of a walking probe: the zones of one side of a tooth in the order of the walk, with their stops.
 
 use std::f64::consts::PI;
 
@@ -6,40 +6,40 @@ use sulcus_core::tissue::gingiva::Site;
 
 use crate::pocket_path::PocketPath;
 
-/// Depth at which the length of the way is measured, metres.
+/// Depth below the margin at which the length of the walk is measured, metres.
 const MEASURED_AT: f64 = 2e-3;
-/// How near to the border of a zone the walk comes, radians: 4 degrees.
+/// Smallest angle between a stop and the border of its zone, radians: 4 degrees.
 const BORDER: f64 = 0.07;
-/// Step in which the way is measured, radians: half a degree.
+/// Step of the measurement, radians: half a degree.
 const FINE: f64 = PI / 360.0;
 
 /// The stops in one zone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zone {
-    /// Which zone.
+    /// Site of the zone.
     pub site: Site,
     /// Angles of the stops in the order of the walk, radians from mesial over buccal.
     pub stops: Vec<f64>,
 }
 
-/// How the zones of a tooth are walked through.
+/// Parameters of a walk through the zones of a tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk {
-    /// Advance between two stops along the tooth, metres.
+    /// Distance between two stops along the tooth, metres.
     pub advance: f64,
-    /// How near to the plane through the mesial or distal midline the walk goes, metres.
+    /// Smallest distance from the plane through the mesial and the distal midline, metres.
     pub col: f64,
-    /// One stop for each zone, and that at the line angle.
+    /// Whether each zone has one stop only: nearest to the midline, or in the middle of a zone between two others.
     pub single: bool,
 }
 
-/// Zones of one side for one insertion: `sites` lie on the same side of the tooth.
+/// Zones of one insertion with their stops. All `sites` lie on the same side of the tooth, in the order of the walk.
 pub fn zones(path: &PocketPath, sites: &[Site], walk: &Walk) -> Vec<Zone> {
     let proximal = path.gingiva().proximal;
     let mut zones: Vec<Zone> = Vec::new();
     for (k, site) in sites.iter().enumerate() {
         let sign = if site.is_buccal() { 1.0 } else { -1.0 };
-        // From mesial, 0 to pi; where the zone begins depends on where the hand comes from.
+        // Angles from mesial, 0 to pi. The first stop of a zone depends on the zone before it.
         let (from, to) = match site.is_mesial() {
             Some(true) => (
                 proximal - BORDER,
@@ -77,7 +77,8 @@ pub fn zones(path: &PocketPath, sites: &[Site], walk: &Walk) -> Vec<Zone> {
     zones
 }
 
-/// Nearest to the midline that the tip can come with its shaft clear of the neighbours, but no nearer than `col`.
+/// Smallest angle from the midline, radians, at which the shaft clears the neighbours, and no nearer to the midline's
+/// plane than `col`.
 fn inmost(path: &PocketPath, sign: f64, mesial: bool, col: f64, proximal: f64) -> f64 {
     let from_mesial = |from_midline: f64| {
         if mesial {
@@ -96,7 +97,7 @@ fn inmost(path: &PocketPath, sign: f64, mesial: bool, col: f64, proximal: f64) -
     at
 }
 
-/// From one angle to another in steps of `advance` along the tooth, both ends included.
+/// Angles from `from` to `to` in equal steps of about `advance` metres along the tooth, both ends included.
 fn spread(path: &PocketPath, sign: f64, from: f64, to: f64, advance: f64) -> Vec<f64> {
     let tip = |around: f64| path.place(sign * around, MEASURED_AT, 0.0).tip;
     let pieces = ((to - from).abs() / FINE).ceil().max(1.0) as usize;
@@ -113,7 +114,7 @@ fn spread(path: &PocketPath, sign: f64, from: f64, to: f64, advance: f64) -> Vec
         }))
         .collect();
     let whole = sums[sums.len() - 1];
-    // Steps of equal length, none longer than the advance by more than a tenth.
+    // No step is longer than the advance by more than a tenth, up to the measurement's step.
     let steps = (whole / advance - 0.1).ceil().max(1.0) as usize;
     (0..=steps)
         .map(|k| {

@@ -1,4 +1,4 @@
-//! The way of a hand through the air: straight legs, at rest at both ends of each.
+//! Path of a hand through the air: straight legs, each with rest at both ends.
 
 use std::collections::VecDeque;
 
@@ -7,22 +7,23 @@ use sulcus_core::math::{exp_rotation, log_rotation};
 
 use crate::script::smoothstep;
 
-/// Shortest time for a leg, seconds.
+/// Shortest duration of a leg, seconds.
 const LEAST: f64 = 0.15;
-/// Fastest turn, rad/s.
+/// Largest mean turning speed of a leg, rad/s.
 const SPIN: f64 = 4.0;
 
-/// Where the hand is on its way, and where it still goes.
+/// Position of a hand on its path, and the remaining legs.
 #[derive(Clone, Debug)]
 pub(crate) struct Travel {
     from: Pose,
+    /// Target pose and duration, seconds, of each remaining leg.
     legs: VecDeque<(Pose, f64)>,
-    /// Time into the first leg.
+    /// Time since the start of the first leg, seconds.
     time: f64,
 }
 
 impl Travel {
-    /// At rest.
+    /// A hand at rest at `pose`.
     pub fn at(pose: Pose) -> Self {
         Self {
             from: pose,
@@ -31,7 +32,7 @@ impl Travel {
         }
     }
 
-    /// Goes on to `pose` at `speed`, m/s (the mean of the leg).
+    /// Appends a leg to `pose` with a mean speed of at most `speed`, m/s.
     pub fn then(&mut self, pose: Pose, speed: f64) {
         let before = self.legs.back().map_or(&self.from, |(pose, _)| pose);
         let way = (pose.position - before.position).norm();
@@ -40,7 +41,7 @@ impl Travel {
         self.legs.push_back((pose, time));
     }
 
-    /// `dt` seconds on; whether it has arrived.
+    /// Advances by `dt` seconds. Returns whether all legs are finished.
     pub fn step(&mut self, dt: f64) -> bool {
         let Some((to, length)) = self.legs.front() else {
             return true;
@@ -54,7 +55,7 @@ impl Travel {
         self.legs.is_empty()
     }
 
-    /// Where the hand means to be.
+    /// Target pose of the hand.
     pub fn pose(&self) -> Pose {
         let Some((to, length)) = self.legs.front() else {
             return self.from;

@@ -1,24 +1,24 @@
-//! Physiological tremor of the hand: 8 to 12 Hz (Elble and Koller 1990; in microsurgery about
-//! 0.05 to 0.1 mm rms, Singh and Riviere 2002, doi:10.1109/NEBC.2002.999527).
+//! Physiological tremor of the hand, 8 to 12 Hz (Elble and Koller 1990).
+//!
+//! In microsurgery the tremor is about 0.05 to 0.1 mm rms (Singh and Riviere 2002, doi:10.1109/NEBC.2002.999527).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use sulcus_core::Vec3;
 
-/// Sinusoids per axis.
+/// Number of sinusoids for each axis.
 const PARTIALS: usize = 4;
 
-/// A sum of sinusoids between 8 and 12 Hz with random phases: band-limited, endless, and a pure
-/// function of time.
+/// A sum of sinusoids of 8 to 12 Hz with random frequencies and phases: a pure function of time.
 #[derive(Clone, Debug)]
 pub struct Tremor {
-    /// Per axis and partial: angular frequency (rad/s) and phase (rad).
+    /// Angular frequency, rad/s, and phase, rad, by axis and sinusoid.
     partials: [[(f64, f64); PARTIALS]; 3],
     amplitude: f64,
 }
 
 impl Tremor {
-    /// Tremor of `rms` (metres or radians) per axis.
+    /// Tremor with the root mean square `rms` for each axis, metres or radians. `seed` decides frequencies and phases.
     pub fn new(rms: f64, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
@@ -30,14 +30,14 @@ impl Tremor {
                 )
             })
         });
-        // N sinusoids of amplitude a have an rms of a sqrt(N/2).
+        // N sinusoids of amplitude a have an rms of a sqrt(N / 2).
         Self {
             partials,
             amplitude: rms / (PARTIALS as f64 / 2.0).sqrt(),
         }
     }
 
-    /// Displacement at `t` seconds.
+    /// Displacement at `t` seconds, in the unit of the rms.
     pub fn at(&self, t: f64) -> Vec3 {
         let axis = |k: usize| {
             let sum: f64 = self.partials[k]

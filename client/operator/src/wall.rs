@@ -1,27 +1,31 @@
-//! The surface of a tooth as a probe's tip feels it, sounded with rays from the tooth's axis.
+//! Surface of a tooth for a probe's tip, sounded with rays from the tooth's axis.
 
 use sulcus_core::tissue::gingiva::ToothFrame;
 use sulcus_core::{Object, Sphere, Vec3};
 
 use crate::sounding::first_touch;
 
-/// Angles and heights at which the tooth is sounded.
+/// Number of angles of the table.
 const ANGLES: usize = 120;
+/// Angle between two rays, radians.
 const STEP: f64 = std::f64::consts::TAU / ANGLES as f64;
+/// Height between two rows, metres.
 const HEIGHT_STEP: f64 = 0.25e-3;
-/// Distance from the axis at which the middle of the tip's ball touches the tooth; grooves and furcations are bridged, as a
-/// probe that is held along the tooth passes over them.
+
+/// Table of the distance from the tooth's axis at which the centre of the tip's ball touches the tooth.
+///
+/// Grooves and furcations are bridged: a probe along the tooth passes over them.
 #[derive(Clone, Debug)]
 pub(crate) struct Wall {
     frame: ToothFrame,
-    /// Lowest height sounded, along the axis over the frame's origin, metres.
+    /// Lowest height of the table, along the axis over the frame's origin, metres.
     bottom: f64,
-    /// By height above `bottom`, and angle from mesial over buccal.
+    /// Distance, metres, by height above `bottom` and by angle from mesial over buccal.
     radius: Vec<Vec<f64>>,
 }
 
 impl Wall {
-    /// Sounds `tooth` with a ball of radius `tip`, metres.
+    /// Table of `tooth` for a ball of radius `tip`, metres.
     pub fn of(tooth: &Object, frame: &ToothFrame, tip: f64) -> Self {
         let spheres: Vec<_> = tooth
             .tree
@@ -59,17 +63,19 @@ impl Wall {
         wall
     }
 
-    /// Unit vector away from the axis at an angle.
+    /// Unit vector away from the axis at an angle, radians from mesial over buccal.
     pub fn outward(&self, around: f64) -> Vec3 {
         self.frame.mesial * libm::cos(around) + self.frame.buccal * libm::sin(around)
     }
 
-    /// Height of the highest cusp over the frame's origin, metres.
+    /// Height of the highest row over the frame's origin, metres: at the highest cusp or less than a row's step above
+    /// it.
     pub fn top(&self) -> f64 {
         self.bottom + (self.radius.len() - 1) as f64 * HEIGHT_STEP
     }
 
-    /// Distance from the axis at an angle and a height over the frame's origin.
+    /// Distance from the axis, metres, at an angle and a height over the frame's origin; beyond the rows, that of the
+    /// last row.
     pub fn radius_at(&self, around: f64, height: f64) -> f64 {
         let at = (around / std::f64::consts::TAU).rem_euclid(1.0) * ANGLES as f64;
         let (k, f) = (at.floor() as usize % ANGLES, at - at.floor());
@@ -81,7 +87,7 @@ impl Wall {
     }
 }
 
-/// The convex outline of a section: at each angle the nearest of the lines that have all of it on one side.
+/// Convex outline of a section: at each angle the nearest tangent line with the whole section on one side.
 fn bridged(radius: &[f64]) -> Vec<f64> {
     let apart = |a: usize, b: usize| libm::cos((a as f64 - b as f64) * STEP);
     let reach: Vec<f64> = (0..ANGLES)
