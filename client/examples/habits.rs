@@ -1,20 +1,23 @@
 //! Grades of the good operator and of every bad habit over seeds, in virtual time.
 //!
-//!     cargo run --release -p sulcus-client --example habits -- EXERCISE FROM TO [HABIT...]
+//!     cargo run --release -p sulcus-client --example habits -- bimanual 1 20
 //!
-//! `EXERCISE` is a name or a file; seeds run from FROM to TO (of the hand; a `+` before the name makes them those of the patient too).
-//! A line for each session, one for each habit at the end: scores, and the metrics that lost most. A fault is a good operator who does not
-//! pass, or a habit that its own metrics do not name or that costs too little.
+//! Output: a line for each session, and one for each habit at the end, with scores and the metrics that lost most. A fault is a good
+//! operator who does not pass, or a habit that its own metrics do not name or that costs too little.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../tests/it/grades/own.rs"]
 mod own;
 
+use std::path::PathBuf;
+
+use clap::Parser;
 use own::{COSTS, NAMED, own};
-use sulcus_client::demo::lockstep;
-use sulcus_client::exercise::{self, Asked};
-use sulcus_client::progress::Steps;
+use sulcus_connection::progress::Steps;
+use sulcus_demo::exercise::{self, Asked};
+use sulcus_demo::lockstep;
 use sulcus_operator::Habit;
+use sulcus_operator::habit::UnknownHabit;
 use sulcus_sessions::grade::{Grade, Options, grade};
 use sulcus_sessions::{Recording, StationKey};
 
@@ -35,36 +38,63 @@ fn perform(name: &str, patient: bool, habit: Option<Habit>, seed: u64) -> Grade 
         .grade
 }
 
-fn main() {
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    if args.len() < 3 {
-        eprintln!(
-            "usage: habits [+]EXERCISE FROM TO [HABIT...], such as: bimanual 1 20, or +probing 1 20 misreads"
-        );
-        std::process::exit(2);
+/// Grade the good operator and every bad habit over seeds
+#[derive(Parser)]
+struct Arguments {
+    /// Exercise, by its name or as a file. A `+` before it makes the seeds those of the patient, too
+    exercise: String,
+    /// First seed
+    from: u64,
+    /// Last seed
+    to: u64,
+    /// Habits, such as `misreads`, or `good` for the good operator, who is always graded. Without a name, all habits
+    #[arg(value_name = "HABIT", value_parser = habit)]
+    habits: Vec<Graded>,
+    /// Print the text of every grade
+    #[arg(long)]
+    verbose: bool,
+    /// Write every grade as JSON into this folder
+    #[arg(long, value_name = "FOLDER")]
+    json: Option<PathBuf>,
+}
+
+/// A habit, or none for the good operator.
+#[derive(Clone, Copy)]
+struct Graded(Option<Habit>);
+
+/// Reads a habit or `good`.
+fn habit(name: &str) -> Result<Graded, UnknownHabit> {
+    match name {
+        "good" => Ok(Graded(None)),
+        name => name.parse().map(|habit| Graded(Some(habit))),
     }
-    let (patient, name) = match args[0].strip_prefix('+') {
+}
+
+fn main() {
+    let Arguments {
+        exercise,
+        from,
+        to,
+        habits: named,
+        verbose,
+        json,
+    } = Arguments::parse();
+    let (patient, name) = match exercise.strip_prefix('+') {
         Some(name) => (true, name),
-        None => (false, args[0].as_str()),
+        None => (false, exercise.as_str()),
     };
-    let (from, to): (u64, u64) = (args[1].parse().unwrap(), args[2].parse().unwrap());
     let mut habits: Vec<Option<Habit>> = vec![None];
-    if args.len() > 3 {
-        habits.extend(
-            args[3..]
-                .iter()
-                .filter(|one| *one != "good")
-                .map(|one| Some(one.parse().unwrap())),
-        );
-    } else {
+    if named.is_empty() {
         let probing = name != "bimanual";
         let all = Habit::ALL.into_iter();
         habits.extend(
             all.filter(|habit| !(probing && *habit == Habit::LetsTongueGo))
                 .map(Some),
         );
+    } else {
+        let named = named.into_iter().map(|Graded(habit)| habit);
+        habits.extend(named.filter(Option::is_some));
     }
-    let verbose = std::env::var_os("VERBOSE").is_some();
     let mut good = Vec::new();
     for habit in habits {
         let title = habit.map_or("good", Habit::name);
@@ -122,8 +152,8 @@ fn main() {
                 },
                 weak.join(", ")
             );
-            if let Some(folder) = std::env::var_os("JSON") {
-                let file = std::path::Path::new(&folder).join(format!("{title}-{seed}.json"));
+            if let Some(folder) = &json {
+                let file = folder.join(format!("{title}-{seed}.json"));
                 std::fs::write(file, grade.to_json().to_string()).unwrap();
             }
             if verbose {

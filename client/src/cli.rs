@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use sulcus_core::optimise::SolverKind;
+use sulcus_demo::args::{DemoArgs, seconds};
 use sulcus_operator::Habit;
-use sulcus_sessions::Mode;
 
 /// Client of the Sulcus simulator for periodontal training with force feedback.
 ///
@@ -31,6 +30,9 @@ Examples:
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
 
+Ctrl-C ends the session with a stop; a second Ctrl-C ends the program at once.
+Logs go to standard error. SULCUS_LOG=debug prints more; the default is SULCUS_LOG=warn.
+
 Exit codes: 0 success, 1 a finding (demo: the replay differs or the recording cannot be graded; run: the server was lost or its
 recording is not complete), 2 wrong usage or bad input.";
 
@@ -43,54 +45,6 @@ pub enum Command {
     /// Join a running server
     #[command(after_long_help = EXAMPLES)]
     Run(RunArgs),
-}
-
-/// Arguments of `demo`.
-#[derive(Clone, Debug, Args)]
-pub struct DemoArgs {
-    /// Run without sockets and without a clock, faster than real time
-    #[arg(long = "virtual")]
-    pub virtual_time: bool,
-    /// Length of the session, seconds. Default: the length of the exercise. A hard case ignores this option
-    #[arg(long, value_name = "S", value_parser = seconds)]
-    pub duration: Option<f64>,
-    /// Exercise: a name of `--list-exercises`, an exercise file that ends in .toml, or a hard case as `hard/NAME`
-    #[arg(long, value_name = "NAME", default_value = "bimanual")]
-    pub exercise: String,
-    /// List the exercises, then exit
-    #[arg(long)]
-    pub list_exercises: bool,
-    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go,
-    /// spot-probes, misreads, stops-short
-    #[arg(long, value_name = "NAME")]
-    pub habit: Option<Habit>,
-    /// Scene file (TOML). Default: the scene of the exercise (a molar, a molar with a pocket, or a whole mouth)
-    #[arg(long, value_name = "FILE")]
-    pub scene: Option<PathBuf>,
-    /// Random seed of the generated patient and of the hand's tremor. Default: the scene's patient, and 1 for the
-    /// tremor
-    #[arg(long, value_name = "N")]
-    pub seed: Option<u64>,
-    /// Solver of the tick: `active-set`, or the independent `clarabel`, which is slower than real time: use it with
-    /// --virtual
-    #[arg(long, value_enum, default_value = "active-set")]
-    pub solver: SolverArg,
-    /// Ticks per second, 250 to 8000. Default: the rate of the scene file, else 1000
-    #[arg(long, value_name = "HZ")]
-    pub rate_hz: Option<u16>,
-    /// Folder for recordings. A missing folder is created
-    #[arg(long, value_name = "DIR", default_value = "recordings")]
-    pub recordings: PathBuf,
-    /// Opaque learner id for the recording, never a name: letters, digits, `-` and `_`, with at least one digit
-    #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
-    pub learner: String,
-    /// Purpose of the session. The purpose is recorded, and `sulcus-sessions grade` presents the grade by it. The demo
-    /// prints depths and grade for practice only
-    #[arg(long, value_enum, default_value_t)]
-    pub mode: Mode,
-    /// Print one JSON object as the last line of standard output
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// Arguments of `run`.
@@ -147,60 +101,6 @@ pub struct RunArgs {
     /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub json: bool,
-}
-
-/// Solver names on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum SolverArg {
-    /// Dual active-set solver of this project.
-    ActiveSet,
-    /// Interior-point solver Clarabel.
-    Clarabel,
-}
-
-impl From<SolverArg> for SolverKind {
-    fn from(arg: SolverArg) -> Self {
-        match arg {
-            SolverArg::ActiveSet => SolverKind::ActiveSet,
-            SolverArg::Clarabel => SolverKind::Clarabel,
-        }
-    }
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(s) if (0.1..=86_400.0).contains(&s) => Ok(s),
-        _ => Err(format!(
-            "`{text}` is not a number of seconds from 0.1 to 86400"
-        )),
-    }
-}
-
-impl DemoArgs {
-    /// Random seed of the hand's tremor and of the habit's errors.
-    pub fn hand_seed(&self) -> u64 {
-        self.seed.unwrap_or(1)
-    }
-}
-
-impl Default for DemoArgs {
-    fn default() -> Self {
-        Self {
-            virtual_time: false,
-            duration: None,
-            exercise: "bimanual".into(),
-            list_exercises: false,
-            habit: None,
-            scene: None,
-            seed: None,
-            solver: SolverArg::ActiveSet,
-            rate_hz: None,
-            recordings: "recordings".into(),
-            learner: String::new(),
-            mode: Mode::default(),
-            json: false,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `run`: joins a server that is already running.
+//! `sulcus-client run`: joins a running server.
 
 use std::io::BufReader;
 use std::net::{SocketAddr, ToSocketAddrs};
@@ -6,25 +6,26 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use serde_json::json;
+use sulcus_connection::link::{Link, LinkConfig, Pin};
+use sulcus_connection::perform::perform;
+use sulcus_connection::progress::Steps;
+use sulcus_demo::exercise;
+use sulcus_demo::simulated::Simulated;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::control::EndReason;
 
 use crate::cli::RunArgs;
-use crate::device::Simulated;
-use crate::exercise;
-use crate::link::{Link, LinkConfig, Pin};
-use crate::perform::perform;
-use crate::progress::Steps;
 use crate::typed::{WithReadings, listen};
 
-/// Joins; the exit code is 1 when the server was lost in mid-session.
+/// Joins a server and performs one session. The exit code is 0, or 1 if the server was lost or its recording is not
+/// complete.
 ///
 /// # Errors
-/// On bad input, and when the server is absent or refuses.
+/// Bad input, a server that does not answer or refuses, another scene at the server, or a session that cannot begin.
 pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     if args.device != "simulated" {
         bail!(
-            "unknown device `{}`, expected `simulated` (real devices are not supported yet)",
+            "--device is `{}`, expected `simulated`; real devices are not supported yet",
             args.device
         );
     }
@@ -48,7 +49,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     let hello = link.hello();
     if hello.scene_hash != prepared.scene_hash() {
         bail!(
-            "the server simulates scene `{}`, which is not the `{}` that the simulated operator knows: name the server's with --scene, the seed of its patient with --patient-seed, and its rate with --rate-hz",
+            "the server simulates scene `{}`, which differs from the simulated operator's scene `{}`; give the server's scene file with --scene, the seed of its patient with --patient-seed, and its rate with --rate-hz",
             hello.scene,
             prepared.scene.name
         );
@@ -78,18 +79,18 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     } else {
         let (r, rtt, network) = (&ran.report, &ran.stats.rtt_us, &ran.stats.network_us);
         say!(
-            "device        {} periods, {} overslept",
+            "device        {} periods, {} of them missed",
             r.periods,
             r.overslept
         );
         say!(
-            "force         {:.2} N at most, {:.3} N per ms at most, {:.3} N at the end",
+            "force         {:.2} N at most, changed by {:.3} N at most between two periods, {:.3} N at the end",
             r.max_displayed_n,
             r.max_displayed_step_n,
             r.last_displayed_n
         );
         say!(
-            "pose to wrench  p50 {:.0}  p99 {:.0} us, waiting for the server's tick included",
+            "pose to wrench  p50 {:.0}  p99 {:.0} us, with the wait for the server's tick",
             rtt.p50,
             rtt.p99
         );
@@ -108,7 +109,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
     }
     match &ran.goodbye {
         Err(error) => {
-            tell!("error: {error}; the force was taken to zero");
+            tell!("error: {error}; the displayed force has been taken to zero");
             Ok(1)
         }
         Ok(goodbye) => {
@@ -122,7 +123,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
 
 fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
     let (server, others) = resolve(&args.server)?;
-    // The environment, unlike arguments, is not shown to other users of the machine.
+    // Other users of the machine see arguments, but not the environment.
     let from_environment = || {
         std::env::var("SULCUS_TICKET")
             .ok()
@@ -146,7 +147,7 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
             }
         }
         _ => bail!(
-            "whom to trust is missing: give --ticket (or SULCUS_TICKET) as the server prints it, or --token with --certificate"
+            "the ticket is missing: give the ticket that the server prints with --ticket or SULCUS_TICKET, or give --token and --certificate"
         ),
     };
     config.learner.clone_from(&args.learner);
@@ -154,17 +155,17 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
     Ok(config)
 }
 
-/// The first address of `HOST:PORT`, and the others that the name has.
+/// First address of `HOST:PORT`, and the other addresses of the name.
 fn resolve(server: &str) -> anyhow::Result<(SocketAddr, Vec<SocketAddr>)> {
     let mut found = server
         .to_socket_addrs()
-        .with_context(|| format!("cannot find the server `{server}`, expected HOST:PORT"))?;
+        .with_context(|| format!("--server is `{server}`, expected HOST:PORT"))?;
     let first = found
         .next()
-        .with_context(|| format!("the name in `{server}` has no address"))?;
+        .with_context(|| format!("--server is `{server}`, a name without an address"))?;
     Ok((first, found.collect()))
 }
 
 fn read(file: &Path) -> anyhow::Result<Vec<u8>> {
-    std::fs::read(file).with_context(|| format!("cannot read the certificate `{}`", file.shown()))
+    std::fs::read(file).with_context(|| format!("--certificate {}: cannot read", file.shown()))
 }

@@ -1,25 +1,13 @@
-//! Devices, the link, the demo.
+//! The program of a student's station: `sulcus-client`, with the commands `run` and `demo`.
 //!
-//! The client belongs to a student: once per millisecond a [`sulcus_haptics::Device`] takes a wrench and gives
-//! poses, and the [`link`] carries both over QUIC. The [`demo`] is a whole session with a simulated
-//! operator against an embedded server; [`join`] joins a server elsewhere.
+//! [`join`] joins a server with a haptic device and performs one session on a `sulcus-connection`. [`typed`] reads
+//! called findings from standard input. `sulcus-demo` has the simulated operator, its exercises and the command `demo`.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
-pub mod calls;
 pub mod cli;
-pub mod demo;
-pub mod device;
-pub mod exercise;
-pub mod interrupt;
 pub mod join;
-pub mod link;
-pub mod perform;
-pub mod progress;
-pub mod stats;
 pub mod typed;
-
-mod device_loop;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -27,7 +15,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use sulcus_program::{output, say, tell};
 
-/// Runs the program with the process's arguments.
+/// Runs the program with the arguments of the process and returns its exit code.
 pub fn run() -> ExitCode {
     sulcus_program::begin();
     let cli = match cli::Cli::try_parse() {
@@ -43,10 +31,13 @@ pub fn run() -> ExitCode {
         .with_ansi(std::io::stderr().is_terminal())
         .without_time()
         .init();
-    interrupt::listen();
+    sulcus_connection::interrupt::listen();
     let (done, json) = match cli.command {
-        None => (demo::run(&cli::DemoArgs::default()), false),
-        Some(cli::Command::Demo(args)) => (demo::run(&args), args.json),
+        None => (
+            sulcus_demo::run(&sulcus_demo::args::DemoArgs::default()),
+            false,
+        ),
+        Some(cli::Command::Demo(args)) => (sulcus_demo::run(&args), args.json),
         Some(cli::Command::Run(args)) => (join::run(&args), args.json),
     };
     let code = done.unwrap_or_else(|error| {

@@ -1,59 +1,63 @@
-//! Readings that a person types, or that a program which listens to a person writes: a line each, while the hands work.
+//! Called findings from standard input, a line each, from a person or a speech program, while the hands work.
 
 use std::io::{BufRead, Read as _};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use serde_json::{Value, json};
+use sulcus_connection::device::{DeviceEvent, EventDevice};
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, ToolInput};
-use sulcus_haptics::Shown;
+use sulcus_demo::calls::event;
+use sulcus_haptics::{Device, Shown};
 use sulcus_program::tell;
 use sulcus_sessions::exercise::events::call::{Call, CallError};
 
-use sulcus_haptics::Device;
-
-use crate::device::CallingDevice;
-
-/// How a reading is written.
-pub const FORM: &str = "TOOTH SITE DEPTH, then as called: RECESSION b|nb f0..f3 (36 mb 5 -2 b)";
-/// Longest line that is a reading, bytes.
+/// Form of a line, for messages.
+pub const FORM: &str =
+    "TOOTH SITE DEPTH, then optional RECESSION, b or nb, f0 to f3; for example 36 mb 5 -2 b";
+/// Longest valid line, bytes, with its end.
 const LONGEST: u64 = 200;
 
-/// A line that is no reading.
+/// Error of a line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TypedError {
-    /// Something is missing.
+    /// Tooth, site or depth is missing.
     #[error("{0} is missing, expected {FORM}")]
     Missing(&'static str),
-    /// A word too many, or said before.
+    /// A word is unknown, or repeats a finding.
     #[error("`{0}` is left over, expected {FORM}")]
     LeftOver(String),
-    /// A comma within a number. Taken for a blank it would make two readings of one.
+    /// A comma stands between two digits. As a separator it would make two numbers of one decimal number.
     #[error(
         "`{found}` has a comma between two digits: for a decimal write `{meant}`, for two numbers put a blank between them"
     )]
     DecimalComma {
-        /// The digits with their comma.
+        /// Digits with the comma.
         found: String,
-        /// The same as a decimal number.
+        /// The decimal number with a point.
         meant: String,
     },
-    /// A value that cannot be.
+    /// A value is out of range.
     #[error(transparent)]
     Call(#[from] CallError),
-    /// No line of a person.
-    #[error("a line of more than {LONGEST} bytes, expected {FORM}")]
+    /// The line is too long.
+    #[error("a line has more than {LONGEST} bytes, expected {FORM}")]
     Long,
 }
 
-/// The reading in a line, about a tooth of `scene`: FDI number, site (`mb` or `mesiobuccal`, ...), depth in whole
-/// millimetres; then, in any order and only where called, recession in whole millimetres (negative: the margin lies above the
-/// cemento-enamel junction), `b` (bleeds) or `nb` (does not), and the furcation's grade as `f0` to `f3`. Blanks or commas
-/// between, but no comma alone between two digits; capitals do not matter.
+/// Called findings of one line for a tooth of `scene`.
+///
+/// The line holds the FDI number, the site as `mb` or `mesiobuccal`, and the depth in whole millimetres. These optional
+/// words follow in any order:
+/// - recession in whole millimetres, negative if the margin lies above the cemento-enamel junction
+/// - `b` for bleeding, `nb` for none
+/// - grade of the furcation, `f0` to `f3`
+///
+/// Blanks or commas separate words. A comma alone between two digits is refused. Letter case has no meaning.
 ///
 /// # Errors
-/// Says what is missing, left over, or impossible.
+/// A missing, surplus or invalid word. The message names the word.
 pub fn parse(line: &str, scene: &Scene) -> Result<Call, TypedError> {
     let line = line.to_lowercase();
     if let Some(error) = decimal_comma(&line) {
@@ -84,14 +88,14 @@ pub fn parse(line: &str, scene: &Scene) -> Result<Call, TypedError> {
     Ok(Call::read(&data, scene)?)
 }
 
-/// The first number of a line that is written with a decimal comma.
+/// First number of a line with a decimal comma, as an error.
 fn decimal_comma(line: &str) -> Option<TypedError> {
     let is_part = |c: char| c.is_ascii_digit() || c == ',';
     let runs = line.split(|c: char| !is_part(c));
     let mut decimals = runs.filter_map(|run| {
         let run = run.trim_matches(',');
         let (whole, rest) = run.split_once(',')?;
-        // Two commas in a row have nothing between them: a word that was left out.
+        // Two commas in a row stand for an omitted word.
         let share = rest.split(',').next().filter(|share| !share.is_empty())?;
         Some(TypedError::DecimalComma {
             found: run.to_owned(),
@@ -101,13 +105,13 @@ fn decimal_comma(line: &str) -> Option<TypedError> {
     decimals.next()
 }
 
-/// A whole number, or the word itself, which the call's own check then names.
+/// A whole number, or the word itself. The check of the call names a word that is no number.
 fn number(word: &str) -> Value {
     word.parse::<i64>()
         .map_or_else(|_| Value::from(word), Value::from)
 }
 
-/// A site's name in full, by its initials as dentists write them.
+/// Full name of a site from its initials, as dentists write them. Another word stays as it is.
 fn full(word: &str) -> &str {
     let site = match word {
         "mb" => Site::MesioBuccal,
@@ -121,7 +125,7 @@ fn full(word: &str) -> &str {
     site.name()
 }
 
-/// A line of at most [`LONGEST`] bytes; none at the end. The rest of a longer one is passed over.
+/// Next line of at most [`LONGEST`] bytes; `None` at the end of the input. The rest of a longer line is skipped.
 fn next(lines: &mut dyn BufRead) -> std::io::Result<Option<Result<String, TypedError>>> {
     let mut line = Vec::new();
     if (&mut *lines).take(LONGEST).read_until(b'\n', &mut line)? == 0 {
@@ -134,10 +138,11 @@ fn next(lines: &mut dyn BufRead) -> std::io::Result<Option<Result<String, TypedE
     Ok(Some(Ok(String::from_utf8_lossy(&line).into_owned())))
 }
 
-/// Reads `lines` to their end on a thread of its own. What is no reading is said on standard error and costs nothing else.
+/// Reads `lines` to their end on a thread of its own, and sends the calls to the receiver. An invalid line is reported
+/// on standard error and skipped. An error of the input ends the thread with a warning.
 ///
 /// # Errors
-/// If the system gives no thread.
+/// The system gives no thread.
 pub fn listen(
     mut lines: impl BufRead + Send + 'static,
     scene: Arc<Scene>,
@@ -151,7 +156,7 @@ pub fn listen(
                     Ok(None) => break,
                     Ok(Some(line)) => line,
                     Err(error) => {
-                        tell!("warning: no more readings are taken: {error}");
+                        tell!("warning: standard input cannot be read, no more readings are taken: {error}");
                         break;
                     }
                 };
@@ -172,7 +177,7 @@ pub fn listen(
     Ok(calls)
 }
 
-/// A device beside which a person calls the readings; what the device itself would call is not called.
+/// A device with the calls of a person. The calls of the device itself are dropped.
 pub struct WithReadings<D> {
     device: D,
     calls: Receiver<Call>,
@@ -180,7 +185,7 @@ pub struct WithReadings<D> {
 }
 
 impl<D> WithReadings<D> {
-    /// The device, and what is called beside it.
+    /// A device and the receiver of [`listen`].
     pub fn new(device: D, calls: Receiver<Call>) -> Self {
         Self {
             device,
@@ -190,7 +195,7 @@ impl<D> WithReadings<D> {
     }
 }
 
-impl<D: CallingDevice> Device for WithReadings<D> {
+impl<D: EventDevice> Device for WithReadings<D> {
     fn name(&self) -> &str {
         self.device.name()
     }
@@ -198,18 +203,18 @@ impl<D: CallingDevice> Device for WithReadings<D> {
         self.device.exchange(shown)
     }
     fn is_done(&self) -> bool {
-        // Who still has something to call may.
+        // The input may still hold calls.
         self.ended && self.device.is_done()
     }
 }
 
-impl<D: CallingDevice> CallingDevice for WithReadings<D> {
-    fn calls(&mut self) -> Vec<Call> {
-        drop(self.device.calls());
+impl<D: EventDevice> EventDevice for WithReadings<D> {
+    fn events(&mut self) -> Vec<DeviceEvent> {
+        drop(self.device.events());
         let mut heard = Vec::new();
         loop {
             match self.calls.try_recv() {
-                Ok(call) => heard.push(call),
+                Ok(call) => heard.push(event(&call)),
                 Err(TryRecvError::Empty) => return heard,
                 Err(TryRecvError::Disconnected) => {
                     self.ended = true;
@@ -228,11 +233,11 @@ mod tests {
     use std::sync::LazyLock;
 
     static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| {
-        let asked = crate::exercise::Asked {
+        let asked = sulcus_demo::exercise::Asked {
             duration_s: Some(1.0),
-            ..crate::exercise::Asked::of("probing")
+            ..sulcus_demo::exercise::Asked::of("probing")
         };
-        crate::exercise::prepare(&asked, &crate::progress::Steps)
+        sulcus_demo::exercise::prepare(&asked, &sulcus_connection::progress::Steps)
             .expect("built in")
             .scene
     });
@@ -304,7 +309,7 @@ mod tests {
         }
     }
 
-    /// `36 mb 4,5` was taken for a depth of 4 mm and a recession of 5 mm.
+    /// `36 mb 4,5` was once read as a depth of 4 mm and a recession of 5 mm.
     #[test]
     fn a_decimal_comma_makes_no_two_readings_of_one() {
         for (line, found, meant) in [
@@ -326,7 +331,7 @@ mod tests {
             .expect_err("a decimal")
             .to_string();
         assert!(told.contains("write `4.5`"), "{told}");
-        // A comma beside a blank, a sign or a letter separates as before.
+        // A comma beside a blank, a sign or a letter is a separator.
         for line in [
             "36,mb,4,-1,b",
             "36, mb, 4, 2",
@@ -342,7 +347,7 @@ mod tests {
         }
     }
 
-    /// What became of each line of a file of readings: the depth taken, or a word of the refusal.
+    /// Each line of a file of readings gives its depth, or the word of its error.
     #[test]
     fn files_of_readings_give_each_line_its_own_answer() {
         let file = |name: &str| {
@@ -392,7 +397,7 @@ mod tests {
         );
     }
 
-    /// A device that calls all the time and has nothing left to do.
+    /// A device that calls in every period and is done.
     struct Talks;
 
     impl Device for Talks {
@@ -407,9 +412,9 @@ mod tests {
         }
     }
 
-    impl CallingDevice for Talks {
-        fn calls(&mut self) -> Vec<Call> {
-            vec![parse("36 b 9", &SCENE).expect("a reading")]
+    impl EventDevice for Talks {
+        fn events(&mut self) -> Vec<DeviceEvent> {
+            vec![event(&parse("36 b 9", &SCENE).expect("a reading"))]
         }
     }
 
@@ -418,13 +423,13 @@ mod tests {
         let (to, calls) = channel();
         let mut device = WithReadings::new(Talks, calls);
         let said = parse("36 b 3", &SCENE).expect("a reading");
-        assert_eq!(device.calls(), []);
+        assert_eq!(device.events(), []);
         to.send(said).expect("it listens");
         to.send(said).expect("it listens");
-        assert_eq!(device.calls(), [said, said]);
+        assert_eq!(device.events(), [event(&said), event(&said)]);
         assert!(!device.is_done());
         drop(to);
-        assert_eq!(device.calls(), []);
+        assert_eq!(device.events(), []);
         assert!(device.is_done());
     }
 

@@ -8,10 +8,10 @@ use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
 use sulcus_haptics::{Display, Limits, PassivityParams, Shown, SlewLimits, drawn, gated};
 use sulcus_link::clock::sleep_until;
 use sulcus_link::schedule::{exact_timers, fifo};
+use sulcus_proto::control::Event;
 use sulcus_proto::datagram::{ToolPose, WirePose, WireWrench};
 
-use crate::calls::event;
-use crate::device::CallingDevice;
+use crate::device::{DeviceEvent, EventDevice};
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
@@ -45,7 +45,7 @@ pub struct LoopReport {
     pub damped_periods: u64,
     /// Tick of the newest wrench received.
     pub last_tick: u64,
-    /// Whether the run ended because no more wrenches came: the server fell silent or ended the session.
+    /// Whether the run ended because no more wrenches came: the server was silent or ended the session.
     pub server_silent: bool,
     /// Whether the user interrupted the run.
     pub interrupted: bool,
@@ -61,7 +61,7 @@ pub type Disturb = fn(u64, &mut TickInput);
 /// completed so far.
 pub fn run(
     link: &mut Link,
-    device: &mut dyn CallingDevice,
+    device: &mut dyn EventDevice,
     periods: u64,
     disturb: Option<Disturb>,
     done: &AtomicU64,
@@ -154,9 +154,10 @@ pub fn run(
             }
             report.periods += 1;
         }
-        for call in device.calls() {
+        for DeviceEvent { kind, json } in device.events() {
+            let (tick, kind) = (report.last_tick, kind.into());
             // Refused if the link has ended, which the loop detects, or if its message queue is full.
-            let _ = link.event(event(&call, report.last_tick));
+            let _ = link.event(Event { tick, kind, json });
         }
         report.overslept += late;
         grid_ns += (late + 1) * period_ns;

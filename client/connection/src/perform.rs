@@ -1,4 +1,4 @@
-//! One session on a link, from start to goodbye, with a device on a thread of its own.
+//! One session on a link, from the start to the goodbye, with the device's loop on a thread of its own.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -6,35 +6,37 @@ use std::time::Duration;
 use anyhow::bail;
 use sulcus_proto::control::Goodbye;
 
-use crate::device::CallingDevice;
+use crate::device::EventDevice;
 use crate::device_loop::{self, Disturb, LoopReport};
 use crate::link::{Link, LinkError, LinkStats};
 use crate::progress::Steps;
 
-/// What came of performing on a link.
+/// Result of a session on a link.
 pub struct Performed {
-    /// The server's last word and summary, or why there is none.
+    /// Goodbye of the server, or the error that took its place.
     pub goodbye: Result<Goodbye, LinkError>,
-    /// How packets fared.
+    /// Counters and times of packets at the end of the device's loop.
     pub stats: LinkStats,
-    /// How the device's loop went.
+    /// Report of the device's loop.
     pub report: LoopReport,
 }
 
-/// Performs on `link` with `device` on a thread of its own, showing progress, to the end, to an
-/// interruption, or until the server ends it.
+/// Starts the session on `link` and runs `device` on a thread of its own, with a progress bar.
+///
+/// The session ends after `periods` periods of the server's tick, at the device's end, at an interrupt, or when the
+/// server ends it. The function then waits for the goodbye, unless the server is silent.
 ///
 /// # Errors
-/// When the session cannot begin.
+/// The start cannot be sent, or the thread of the device cannot start or panics.
 pub fn perform(
     link: Link,
-    mut device: impl CallingDevice,
+    mut device: impl EventDevice,
     periods: u64,
     disturb: Option<Disturb>,
     steps: &Steps,
 ) -> anyhow::Result<Performed> {
     if !link.start() {
-        bail!("the link ended before the session began");
+        bail!("the link to the server ended before the session began");
     }
     let bar = steps.bar("performing");
     let done = AtomicU64::new(0);
@@ -45,10 +47,10 @@ pub fn perform(
                 let mut link = link;
                 let report = device_loop::run(&mut link, &mut device, periods, disturb, &done);
                 let stats = link.stats();
-                // At once, from here: every millisecond more would be recorded with nobody there. A
-                // silent server has no last word; one that closed the link has said it already.
+                // The stop is sent here and at once, because the server records until it arrives. A silent server sends
+                // no goodbye. After a close by the server, the link already holds the goodbye.
                 let goodbye = if report.server_silent && link.is_open() {
-                    Err(LinkError::Lost("the server fell silent".into()))
+                    Err(LinkError::Lost("no wrench for more than a second".into()))
                 } else {
                     link.finish_with_text()
                 };

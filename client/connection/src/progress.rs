@@ -1,20 +1,20 @@
-//! Progress on standard error; silent where that is not a terminal.
+//! Progress bars on standard error; no bar is drawn where that is not a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sulcus_program::tell;
 
-/// Makes the progress bars of one run.
+/// Maker of the progress bars of one run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Steps;
 
-/// One step under way.
+/// Progress bar of one step.
 pub struct Bar(ProgressBar);
 
-/// Resolution of a bar.
+/// Number of positions of a bar.
 const PARTS: u64 = 1000;
 
 impl Steps {
-    /// Begins a step.
+    /// Begins a step with the text `what`.
     pub fn bar(&self, what: &str) -> Bar {
         let bar =
             ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr_with_hz(10));
@@ -29,19 +29,19 @@ impl Steps {
 }
 
 impl Bar {
-    /// Shows how far the step is, 0 to 1, and what it is doing.
+    /// Shows the share of the step that is done, 0 to 1, and the text `what`.
     pub fn set(&self, what: &str, share: f64) {
         self.0.set_message(what.to_owned());
         self.0
             .set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
     }
 
-    /// Says something that happened, above the bar, also where there is no bar.
+    /// Prints a line on standard error, above the bar if one is drawn.
     pub fn say(&self, text: &str) {
         self.0.suspend(|| tell!("{text}"));
     }
 
-    /// Ends the step and takes its bar away.
+    /// Ends the step and removes its bar.
     pub fn done(&self) {
         self.0.finish_and_clear();
     }

@@ -1,11 +1,11 @@
-//! Readings that the operator calls, on their way into the record.
+//! Depths that the simulated operator calls, as events for the recording.
 
+use sulcus_connection::device::DeviceEvent;
 use sulcus_core::Scene;
 use sulcus_operator::Operator;
-use sulcus_proto::control::Event;
 use sulcus_sessions::exercise::events::call::{Call, READING_CALLED};
 
-/// What the operator has called since it was asked last.
+/// Calls of the operator since the previous call of this function.
 pub fn calls(operator: &mut Operator) -> Vec<Call> {
     let call = |said: sulcus_operator::Call| Call {
         tooth: said.tooth,
@@ -18,30 +18,29 @@ pub fn calls(operator: &mut Operator) -> Vec<Call> {
     operator.calls().into_iter().map(call).collect()
 }
 
-/// A call as a client's message; `tick` is that of the newest wrench.
-pub fn event(call: &Call, tick: u64) -> Event {
-    Event {
-        tick,
-        kind: READING_CALLED.into(),
+/// A call as an event of a device.
+pub fn event(call: &Call) -> DeviceEvent {
+    DeviceEvent {
+        kind: READING_CALLED,
         json: call.data().to_string(),
     }
 }
 
-/// A call against the chart of the scene.
+/// A call beside the prescribed depth of the scene.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Called {
-    /// FDI number.
+    /// FDI number of the tooth.
     pub tooth: u8,
-    /// Name of the zone.
+    /// Name of the site.
     pub site: &'static str,
-    /// What was called.
+    /// Called depth, whole millimetres.
     pub depth_mm: u8,
-    /// What is prescribed there.
+    /// Prescribed depth, millimetres.
     pub truth_mm: f64,
 }
 
 impl Called {
-    /// Of a call; none where the scene prescribes nothing.
+    /// A call with the depth that `scene` prescribes; `None` if the tooth has no pocket in the scene.
     pub fn of(call: &Call, scene: &Scene) -> Option<Self> {
         Some(Self {
             tooth: call.tooth,

@@ -9,11 +9,11 @@ use sulcus_sessions::{
     Exercise, Mode, Recording, ReplayOptions, ReplayReport, Signature, replay_observed,
 };
 
-use super::page;
-use super::summary::{EventsSummary, PocketSummary, SiteSummary, TissueSummary};
-use super::zones::{entered, zone_line};
 use crate::calls::Called;
-use crate::progress::Steps;
+use crate::page;
+use crate::summary::{EventsSummary, PocketSummary, SiteSummary, TissueSummary};
+use crate::zones::{entered, zone_line};
+use sulcus_connection::progress::Steps;
 
 /// Looks at the residual and at the shape of tissue in a session, about: each goes over all pairs of spheres and takes as long as ten
 /// ticks in the whole mouth. A short session is looked at in every tick.

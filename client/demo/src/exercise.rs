@@ -1,4 +1,4 @@
-//! What the demo can perform: the scene and the script of an exercise.
+//! Exercises for the demo and for `run`: scene, script and simulated operator.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,31 +19,31 @@ use sulcus_scene::BuiltIn;
 use sulcus_sessions::exercise::Kind;
 use sulcus_sessions::{Events, Exercise, Mode, Rubric};
 
-use crate::progress::Steps;
+use sulcus_connection::progress::Steps;
 
-/// What is to be performed, and how.
+/// Request for an exercise.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked<'a> {
-    /// Name of an exercise, file of one (ending in `.toml`), or a hard case as `hard/NAME`.
+    /// Name of a built-in exercise, an exercise file that ends in `.toml`, or a hard case as `hard/NAME`.
     pub exercise: &'a str,
-    /// Scene file; none: the exercise's own scene.
+    /// Scene file; `None`: the scene of the exercise.
     pub scene: Option<&'a Path>,
-    /// Length, seconds; none: the exercise's own.
+    /// Length, seconds; `None`: the length of the exercise. A hard case ignores this field.
     pub duration_s: Option<f64>,
-    /// Performs it badly.
+    /// Habit of the operator; `None`: a good operator.
     pub habit: Option<Habit>,
-    /// Seed of a generated patient; none: the scene's own.
+    /// Seed of the generated patient; `None`: the seed of the scene. A hard case ignores this field.
     pub patient_seed: Option<u64>,
-    /// Seed of the hand's tremor and of mistakes.
+    /// Seed of the hand's tremor and of the habit's errors.
     pub hand_seed: u64,
-    /// Solver in the tick.
+    /// Solver of the tick.
     pub solver: SolverKind,
-    /// Ticks a second; none: the scene's own.
+    /// Ticks per second, 250 to 8000; `None`: the rate of the scene.
     pub rate_hz: Option<u16>,
 }
 
 impl<'a> Asked<'a> {
-    /// An exercise in its own scene and length, performed well.
+    /// An exercise in its own scene and length, by a good operator.
     pub fn of(exercise: &'a str) -> Self {
         Self {
             exercise,
@@ -60,48 +60,49 @@ impl<'a> Asked<'a> {
 
 /// An exercise ready to run.
 pub struct Prepared {
-    /// What is asked, with the length it has here.
+    /// Exercise with the length of this session.
     pub exercise: Exercise,
     /// Compiled scene.
     pub scene: Arc<Scene>,
-    /// The same as bytes.
+    /// Bytes of the compiled scene.
     pub scene_bytes: Arc<Vec<u8>>,
-    /// Text of the scene's patient; empty where it has none.
+    /// Text of the scene's patient; empty for a scene without a patient.
     pub patient: String,
-    /// Opaque learner id for a recording; may be empty.
+    /// Opaque learner id for a recording; empty after [`prepare`].
     pub learner: String,
-    /// What the session is for, for a recording.
+    /// Purpose of the session, for a recording; the default after [`prepare`].
     pub mode: Mode,
-    /// Who performs it.
+    /// Operator that performs the exercise.
     pub operator: Operator,
-    /// The hard case behind it, if it is one.
+    /// Hard case of the exercise; `None` for other exercises.
     pub case: Option<&'static Case>,
-    /// Length, ticks; the most of it where it ends with the operator.
+    /// Largest length, ticks.
     pub ticks: u64,
-    /// Whether it ends when the operator has nothing left to do: where no length was asked for.
+    /// Whether the session ends with the operator's last task. This is so unless a length was requested.
     pub until_done: bool,
-    /// What was noticed while compiling.
+    /// Warnings about the scene, its couplings, and teeth that the exercise needs.
     pub warnings: Vec<String>,
 }
 
 impl Prepared {
-    /// BLAKE3 of the compiled scene, as a server says it.
+    /// BLAKE3 of the compiled scene, as in the hello of a server.
     pub fn scene_hash(&self) -> [u8; 32] {
         *blake3::hash(&self.scene_bytes).as_bytes()
     }
 
-    /// The exercise as it goes into the recording (TOML).
+    /// Definition of the exercise for a recording (TOML), with `seed`.
     ///
     /// # Errors
-    /// Never for an exercise that was read from a valid text.
+    /// None for an exercise that was read from a valid text.
     pub fn definition(&self, seed: u64) -> anyhow::Result<String> {
         Ok(self.exercise.definition(seed)?)
     }
 
-    /// The rubric as it goes into the recording (TOML), definitions included; empty where nothing is asked that is graded.
+    /// Rubric of the exercise for a recording (TOML) with the definitions of its metrics; empty if the exercise has no
+    /// rubric.
     ///
     /// # Errors
-    /// Never for a rubric that is built in.
+    /// None for a built-in rubric.
     pub fn rubric(&self) -> anyhow::Result<String> {
         let rubric = Rubric::of(&self.exercise);
         let text = rubric.map(|rubric| rubric.definition()).transpose()?;
@@ -109,10 +110,11 @@ impl Prepared {
     }
 }
 
-/// The script of an exercise in a scene: which of the simulated hands performs it, and how; with a bad habit, if any.
+/// Script of an exercise in a scene, with a habit if one is given. `seed` decides the errors of the habit `misreads`.
 ///
 /// # Errors
-/// When the scene lacks what the exercise wants, or the habit has nothing to do with it.
+/// The scene lacks a tooth, tissue or tool of the exercise, the habit does not belong to the exercise, or the exercise
+/// is `free`.
 pub fn script(
     scene: &Scene,
     exercise: &Exercise,
@@ -123,17 +125,17 @@ pub fn script(
     let probes = matches!(exercise.kind, Kind::Probing | Kind::Bimanual);
     if let Some(habit) = habit.filter(|_| !probes) {
         bail!(
-            "habit `{habit}` is one of probing, and exercise `{}` is not",
+            "habit `{habit}` needs an exercise with probing, but exercise `{}` has none",
             exercise.name
         );
     }
     if habit == Some(Habit::LetsTongueGo) && exercise.kind != Kind::Bimanual {
         bail!(
-            "habit `lets-tongue-go` is the mirror's, and exercise `{}` has none",
+            "habit `lets-tongue-go` needs an exercise with a mirror and a probe, but exercise `{}` has no mirror",
             exercise.name
         );
     }
-    // (What a patient lacks is left out; the warnings say so.)
+    // Zones of a tooth that the patient lacks are skipped; the warnings name them.
     let is_there = |fdi: u8| scene.objects.iter().any(|object| object.fdi == fdi);
     let mut tour: Vec<Visit> = exercise
         .zones
@@ -156,13 +158,13 @@ pub fn script(
     }
     hand(scene, exercise, habit, &tour, params).with_context(|| {
         format!(
-            "exercise `{}` cannot be performed in scene `{}` (name another with --exercise)",
+            "exercise `{}` cannot be performed in scene `{}`; choose another with --exercise",
             exercise.name, scene.name
         )
     })
 }
 
-/// The simulated hands for an exercise's kind.
+/// Script for the kind of an exercise.
 fn hand(
     scene: &Scene,
     exercise: &Exercise,
@@ -197,14 +199,14 @@ fn hand(
             let mirror = RetractionParams::default();
             Box::new(Bimanual::new(scene, tour, params, mirror, until)?)
         }
-        Kind::Free => bail!("its kind is free: no simulated operator performs it"),
+        Kind::Free => bail!("kind is `free`, which no simulated operator performs"),
     })
 }
 
-/// The exercise of that name, or in the file of that name (ending in `.toml`).
+/// The built-in exercise `name`, or the exercise of the file `name` that ends in `.toml`.
 ///
 /// # Errors
-/// When there is none, or it is not valid: the message says what and where.
+/// An unknown name, or a file that cannot be read or is not valid. The message names the file and the field.
 pub fn find(name: &str) -> anyhow::Result<Exercise> {
     if name.ends_with(".toml") {
         return Ok(Exercise::open(Path::new(name))?);
@@ -215,7 +217,7 @@ pub fn find(name: &str) -> anyhow::Result<Exercise> {
     found.with_context(|| unknown(name))
 }
 
-/// Names for `--list-exercises`, with what each is about.
+/// Names and descriptions for `--list-exercises`: built-in exercises, then hard cases.
 pub fn list() -> Vec<(String, String)> {
     let mut names: Vec<(String, String)> = Exercise::built_in()
         .into_iter()
@@ -229,58 +231,59 @@ pub fn list() -> Vec<(String, String)> {
     names
 }
 
-/// Compiles the scene and makes the operator of an exercise.
+/// Compiles the scene of an exercise and makes its operator.
 ///
 /// # Errors
-/// When the exercise is unknown, or the scene file cannot be used.
+/// An unknown exercise, an invalid scene, a rate that does not fit the scene, or an error of [`script`].
 pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
     let (name, habit) = (asked.exercise, asked.habit);
     let mut warnings = Vec::new();
     let mut hard = None;
     let mut patient = String::new();
     let mut exercise = Exercise::free(name, 1.0);
-    exercise.task = "Hold on: this is a hard case, not an exercise.".into();
-    let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) =
-        if let Some(case) = name.strip_prefix("hard/") {
-            let Some(case) = sulcus_cases::find(case) else {
-                bail!("{}", unknown(name))
-            };
-            if asked.scene.is_some() {
-                bail!("exercise `{name}` brings its own scene: leave --scene out");
-            }
-            if let Some(habit) = habit {
-                bail!("habit `{habit}` is one of probing, and `{name}` is a hard case");
-            }
-            hard = Some(case);
-            // Where a hand would hide a figure the table moves the tool itself; here a person watches,
-            // so a hand follows the same script.
-            let mut scene = (case.scene)();
-            at_rate(&mut scene, asked.rate_hz)?;
-            match case.driver {
-                Driver::Kinematic(script) => {
-                    let script = script(&scene);
-                    (scene, script, HandParams::default())
-                }
-                Driver::Closed(script, hand) => {
-                    let script = script(&scene);
-                    (scene, script, hand())
-                }
-            }
-        } else {
-            exercise = find(name)?;
-            exercise.duration_s = asked.duration_s.unwrap_or(exercise.duration_s);
-            let otherwise = match asked.scene {
-                Some(_) => BuiltIn::Crown,
-                None => BuiltIn::named(&exercise.scene)
-                    .with_context(|| format!("exercise `{}`", exercise.name))?,
-            };
-            let mut compiled = compile(asked.scene, otherwise, asked.patient_seed, steps)?;
-            warnings = compiled.warnings;
-            patient = compiled.patient.unwrap_or_default();
-            at_rate(&mut compiled.scene, asked.rate_hz)?;
-            let script = script(&compiled.scene, &exercise, habit, asked.hand_seed)?;
-            (compiled.scene, script, HandParams::default())
+    exercise.task = "This is a hard case of the simulation, not an exercise.".into();
+    let (mut scene, script, hand): (Scene, Box<dyn Script + Send>, HandParams) = if let Some(case) =
+        name.strip_prefix("hard/")
+    {
+        let Some(case) = sulcus_cases::find(case) else {
+            bail!("{}", unknown(name))
         };
+        if asked.scene.is_some() {
+            bail!("exercise `{name}` has its own scene: omit --scene");
+        }
+        if let Some(habit) = habit {
+            bail!("habit `{habit}` needs an exercise with probing, but `{name}` is a hard case");
+        }
+        hard = Some(case);
+        // Some cases of the table move the tool without a hand, for exact numbers. In the demo a hand follows the
+        // same script, for the picture.
+        let mut scene = (case.scene)();
+        at_rate(&mut scene, asked.rate_hz)?;
+        match case.driver {
+            Driver::Kinematic(script) => {
+                let script = script(&scene);
+                (scene, script, HandParams::default())
+            }
+            Driver::Closed(script, hand) => {
+                let script = script(&scene);
+                (scene, script, hand())
+            }
+        }
+    } else {
+        exercise = find(name)?;
+        exercise.duration_s = asked.duration_s.unwrap_or(exercise.duration_s);
+        let otherwise = match asked.scene {
+            Some(_) => BuiltIn::Crown,
+            None => BuiltIn::named(&exercise.scene)
+                .with_context(|| format!("exercise `{}`", exercise.name))?,
+        };
+        let mut compiled = compile(asked.scene, otherwise, asked.patient_seed, steps)?;
+        warnings = compiled.warnings;
+        patient = compiled.patient.unwrap_or_default();
+        at_rate(&mut compiled.scene, asked.rate_hz)?;
+        let script = script(&compiled.scene, &exercise, habit, asked.hand_seed)?;
+        (compiled.scene, script, HandParams::default())
+    };
     let too_stiff = too_stiff(&scene);
     let graded = hard.is_none() && Rubric::of(&exercise).is_some();
     warnings.extend(too_stiff.iter().map(|coupling| match graded {
@@ -302,7 +305,7 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
     let lacks = Events::new(&scene, &exercise);
     warnings.extend(lacks.missing().iter().map(|what| {
         format!(
-            "exercise `{name}` wants {what}, which scene `{}` has not",
+            "exercise `{name}` needs {what}, which scene `{}` lacks",
             scene.name
         )
     }));
@@ -321,10 +324,10 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
     })
 }
 
-/// Has `scene` tick so many times a second, where something else than its own rate is asked for.
+/// Sets the rate of `scene`, ticks per second; `None`: no change.
 ///
 /// # Errors
-/// When the rate is out of range, or something of the scene is not stable at it.
+/// The rate is out of range, or a tissue of the scene is not stable at it.
 fn at_rate(scene: &mut Scene, rate_hz: Option<u16>) -> anyhow::Result<()> {
     let Some(rate_hz) = rate_hz else {
         return Ok(());
@@ -335,10 +338,11 @@ fn at_rate(scene: &mut Scene, rate_hz: Option<u16>) -> anyhow::Result<()> {
         .with_context(|| format!("scene `{}` at {rate_hz} Hz", scene.name))
 }
 
-/// The scene of a file, or a built-in one; of another generated patient where `patient_seed` says so.
+/// Compiles the scene of a file, or without a file the built-in scene `otherwise`. `patient_seed` replaces the seed of
+/// a generated patient.
 ///
 /// # Errors
-/// When the file cannot be used; the message says what and where.
+/// The file cannot be read or is not valid. The message names the file and the field.
 pub fn compile(
     scene_file: Option<&Path>,
     otherwise: BuiltIn,

@@ -8,14 +8,14 @@ use sulcus_program::{PathText, tell};
 use sulcus_proto::control::EndReason;
 use sulcus_server::{Exercise, Server, ServerConfig};
 
-use crate::cli::DemoArgs;
-use crate::demo::check;
-use crate::demo::summary::{DemoSummary, PassivitySummary};
-use crate::device::Simulated;
+use crate::args::DemoArgs;
+use crate::check;
 use crate::exercise::Prepared;
-use crate::link::{Link, LinkConfig};
-use crate::perform::perform;
-use crate::progress::Steps;
+use crate::simulated::Simulated;
+use crate::summary::{DemoSummary, PassivitySummary};
+use sulcus_connection::link::{Link, LinkConfig};
+use sulcus_connection::perform::perform;
+use sulcus_connection::progress::Steps;
 
 /// Runs `prepared` live.
 ///
@@ -84,7 +84,7 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     for line in &checked.zones {
         tell!("{line}");
     }
-    let (page, page_error) = super::either(checked.page.clone());
+    let (page, page_error) = crate::either(checked.page.clone());
     Ok(DemoSummary {
         recording,
         exercise: name,

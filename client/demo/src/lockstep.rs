@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use anyhow::Context;
 use sulcus_cases::Observer;
 use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
+use sulcus_link::Times;
 use sulcus_link::clock::thread_cpu_ns;
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
@@ -15,12 +16,11 @@ use sulcus_sessions::{
     StationKey,
 };
 
-use super::zones::{entered, zone_line};
 use crate::calls::calls;
 use crate::exercise::Prepared;
-use crate::interrupt;
-use crate::progress::Steps;
-use crate::stats::{histogram, percentiles};
+use crate::zones::{entered, zone_line};
+use sulcus_connection::interrupt;
+use sulcus_connection::progress::Steps;
 
 /// What the lock-step run measured.
 pub struct Lockstep {
@@ -68,7 +68,7 @@ pub fn run(
     let (mut state, mut ws) = (State::new(&scene), Workspace::new(&scene));
     let mut writer = SessionWriter::begin(recorder, &scene, started, &state.to_bytes(), None)?;
     let (mut sampler, mut shapes) = (writer.sampler(), Shapes::new(&scene));
-    let (mut cpu, mut wall) = (histogram(), histogram());
+    let (mut cpu, mut wall) = (Times::up_to(1), Times::up_to(1));
     let mut shown = Shown::NOTHING;
     let mut observer = Observer::new(&scene);
     // Counts only here: the full query of all pairs comes with the check.
@@ -91,8 +91,8 @@ pub fn run(
         let (wall_0, cpu_0) = (Instant::now(), thread_cpu_ns());
         let output = tick(&scene, &mut state, &mut ws, &input, &mut NoProbe);
         let cpu_ns = thread_cpu_ns() - cpu_0;
-        cpu.saturating_record(cpu_ns);
-        wall.saturating_record(wall_0.elapsed().as_nanos() as u64);
+        cpu.record(cpu_ns);
+        wall.record(wall_0.elapsed().as_nanos() as u64);
         shown = as_sent(&output);
         observer.observe(&scene, &input, &output, &ws);
         let now = started + k * scene.params.tick_ns();
@@ -133,8 +133,8 @@ pub fn run(
     Ok(Lockstep {
         recording,
         ticks: done,
-        tick_us: percentiles(&cpu).unwrap_or_default(),
-        tick_wall_us: percentiles(&wall).unwrap_or_default(),
+        tick_us: cpu.percentiles(),
+        tick_wall_us: wall.percentiles(),
         wall_s,
     })
 }

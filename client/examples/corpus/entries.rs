@@ -2,10 +2,10 @@
 
 use anyhow::Context;
 use sulcus_cases::table::Driver;
-use sulcus_client::exercise;
-use sulcus_client::progress::Steps;
+use sulcus_connection::progress::Steps;
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::{Scene, TickInput};
+use sulcus_demo::exercise;
 use sulcus_operator::{HandParams, Operator};
 use sulcus_scene::BuiltIn;
 use sulcus_sessions::Exercise;

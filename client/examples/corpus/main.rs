@@ -2,10 +2,8 @@
 //! that every later version must give those that can be graded (`NAME.grade.json`).
 //!
 //! ```text
-//! cargo run --release -p sulcus-client --example corpus [-- [grades] [FOLDER]]
+//! cargo run --release -p sulcus-client --example corpus [-- [grades] [--folder FOLDER]]
 //! ```
-//!
-//! With `grades` the recordings stay, and their grades are written anew.
 //!
 //! Each file is a second or so of an exercise or a hard case: the one in which most is touched and let go. The whole is performed
 //! first to find it, then again to record it, from a snapshot on. Scenes carry no meshes to look at, no levels finer than
@@ -22,6 +20,7 @@ mod perform;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
+use clap::{Parser, ValueEnum};
 use sulcus_sessions::grade;
 use sulcus_sessions::grade::grade;
 use sulcus_sessions::{Recording, ReplayOptions, replay};
@@ -31,20 +30,37 @@ use entries::{ENTRIES, Entry};
 /// Largest file, bytes.
 const MOST_BYTES: u64 = 290_000;
 
+/// Make the recordings of the corpus, and their golden grades
+#[derive(Parser)]
+struct Arguments {
+    /// Keep the recordings and write the golden grades alone
+    #[arg(value_name = "grades")]
+    only: Option<Only>,
+    /// Folder of the corpus
+    #[arg(
+        long,
+        default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../sessions/tests/corpus"),
+        hide_default_value = true
+    )]
+    folder: PathBuf,
+}
+
+/// A part of the work.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Only {
+    /// The golden grades.
+    Grades,
+}
+
 fn main() -> anyhow::Result<()> {
+    let Arguments { only, folder } = Arguments::parse();
     if cfg!(debug_assertions) {
         bail!("the corpus is what a release build records: cargo run --release ...");
     }
-    let mut args = std::env::args_os().skip(1).peekable();
-    let grades_only = args.next_if(|word| word == "grades").is_some();
-    let folder = args.next().map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../sessions/tests/corpus"),
-        PathBuf::from,
-    );
     std::fs::create_dir_all(&folder)?;
     for entry in ENTRIES {
         let path = folder.join(format!("{}.mcap", entry.name));
-        if grades_only {
+        if only == Some(Only::Grades) {
             golden(&Recording::open(&path)?, &path.with_extension("grade.json"))?;
             continue;
         }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use sulcus_client::calls::calls;
-use sulcus_client::demo::lockstep::as_sent;
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
+use sulcus_demo::calls::calls;
+use sulcus_demo::lockstep::as_sent;
 use sulcus_operator::{Operator, Shown};
 use sulcus_sessions::grade::Rubric;
 use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, StationKey};

@@ -5,17 +5,18 @@
 use std::path::Path;
 use std::time::Instant;
 
-use sulcus_client::calls::Called;
-use sulcus_client::demo::{check, lockstep};
-use sulcus_client::device::CallingDevice;
-use sulcus_client::exercise::{self, Asked, Prepared};
-use sulcus_client::link::{Link, LinkConfig};
-use sulcus_client::perform::perform;
-use sulcus_client::progress::Steps;
+use sulcus_cases::statistics::percentiles_us;
+use sulcus_connection::device::{DeviceEvent, EventDevice};
+use sulcus_connection::link::{Link, LinkConfig};
+use sulcus_connection::perform::perform;
+use sulcus_connection::progress::Steps;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Node, Scene, SphereTree, State, TickInput, ToolInput, Vec3, Workspace, tick,
 };
+use sulcus_demo::calls::{Called, event};
+use sulcus_demo::exercise::{self, Asked, Prepared};
+use sulcus_demo::{check, lockstep};
 use sulcus_haptics::Device;
 use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
@@ -120,8 +121,8 @@ impl Device for Calling {
     }
 }
 
-impl CallingDevice for Calling {
-    fn calls(&mut self) -> Vec<Call> {
+impl EventDevice for Calling {
+    fn events(&mut self) -> Vec<DeviceEvent> {
         let call = |tooth| Call {
             tooth,
             site: Site::Buccal,
@@ -132,7 +133,7 @@ impl CallingDevice for Calling {
         };
         match self.1 {
             // The second is about a tooth that is not there.
-            2000 => vec![call(36), call(47)],
+            2000 => [call(36), call(47)].iter().map(event).collect(),
             _ => Vec::new(),
         }
     }
@@ -251,14 +252,11 @@ fn from_a_snapshot_on_the_same_events_follow_and_a_tick_costs_little() {
         1,
         "{told:?}"
     );
-    for (what, times) in [("without a look", &mut plain), ("with a look", &mut looks)] {
-        times.sort_unstable();
-        let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize] as f64 * 1e-3;
+    for (what, times) in [("without a look", plain), ("with a look", looks)] {
+        let at = percentiles_us(times);
         println!(
             "observe, tick {what}: p50 {:.2} us, p99 {:.2} us, max {:.2} us",
-            at(0.5),
-            at(0.99),
-            at(1.0)
+            at.p50, at.p99, at.max
         );
     }
     let (bytes, mut events, first) = kept.unwrap();

@@ -9,9 +9,9 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use own::{COSTS, NAMED, own};
-use sulcus_client::demo::lockstep;
-use sulcus_client::exercise::{self, Asked};
-use sulcus_client::progress::Steps;
+use sulcus_connection::progress::Steps;
+use sulcus_demo::exercise::{self, Asked};
+use sulcus_demo::lockstep;
 use sulcus_operator::Habit;
 use sulcus_sessions::grade::{Advice, Finding, Grade, Options, grade};
 use sulcus_sessions::{Recording, Rubric, StationKey};

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use sulcus_client::demo::{check, lockstep};
-use sulcus_client::exercise::{self, Prepared};
-use sulcus_client::progress::Steps;
+use sulcus_connection::progress::Steps;
 use sulcus_core::tissue::gingiva::Site;
+use sulcus_demo::exercise::{self, Prepared};
+use sulcus_demo::{check, lockstep};
 use sulcus_operator::tour::Tour;
 use sulcus_operator::tour_params::{TourParams, Visit};
 use sulcus_operator::{HandParams, Operator};

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Station, force_up, press, press_on, status_of};
-use sulcus_client::link::{Link, now_ns};
+use sulcus_connection::link::{Link, now_ns};
 use sulcus_proto::control::{ButtonEdge, Command};
 use sulcus_proto::status;
 use sulcus_sessions::{Message, Occurrence, Recording, ReplayOptions, Row, replay};

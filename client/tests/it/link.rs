@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use crate::common::{Station, force_up, press, press_on, status_of};
-use sulcus_client::link::{Link, LinkError, Pin, now_ns};
+use sulcus_connection::link::{Link, LinkError, Pin, now_ns};
 use sulcus_proto::control::{ButtonEdge, Command, EndReason, Event};
 use sulcus_proto::status;
 use sulcus_server::ServerError;

@@ -1,9 +1,9 @@
 //! Which patient a session was with is in its recording.
 #![allow(clippy::unwrap_used)]
 
-use sulcus_client::demo::{check, lockstep};
-use sulcus_client::exercise::{self, Asked};
-use sulcus_client::progress::Steps;
+use sulcus_connection::progress::Steps;
+use sulcus_demo::exercise::{self, Asked};
+use sulcus_demo::{check, lockstep};
 use sulcus_scene::anatomy::patient::{Condition, generate};
 use sulcus_sessions::{Recording, StationKey};
 

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::common::Station;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
-use sulcus_client::link::{Pin, client_config};
+use sulcus_connection::link::{Pin, client_config};
 use sulcus_proto::control::{ClientHello, EndReason, Event, RefusedReason, ServerHello};
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, PROTOCOL_VERSION, PoseDatagram, ServerMessage};

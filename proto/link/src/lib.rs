@@ -5,6 +5,7 @@
 //! - [`Bell`]: wake-up of a network thread
 //! - [`clock`]: monotonic clock and absolute sleep
 //! - [`mod@schedule`]: real-time scheduling
+//! - [`Times`]: histogram of times
 //!
 //! The messages are in `sulcus-proto`. Connections, roles and sessions belong to server and client. Begin at
 //! [`quic::transport`].
@@ -14,5 +15,7 @@ pub mod clock;
 pub mod control;
 pub mod quic;
 pub mod schedule;
+pub mod times;
 
 pub use bell::Bell;
+pub use times::Times;

@@ -1,44 +1,45 @@
-//! What a link is told before it connects.
+//! Configuration of a link.
 
 use std::net::SocketAddr;
 use std::time::Duration;
 
 use sulcus_proto::Ticket;
 
-/// How the server is recognised.
+/// Pin of a server's certificate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Pin {
-    /// By its whole certificate, DER.
+    /// The whole certificate, DER.
     Certificate(Vec<u8>),
-    /// By the SHA-256 of its certificate.
+    /// SHA-256 of the certificate in DER.
     Fingerprint([u8; 32]),
 }
 
-/// Everything a link is told.
+/// Configuration of a link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkConfig {
-    /// Where the server listens.
+    /// Address of the server.
     pub server: SocketAddr,
-    /// Further addresses of the same server, as a name may have; tried when the first does not answer at once.
+    /// Further addresses of the same server, as a name may have. Each is tried 250 ms after the address before it, or
+    /// at once when that one has failed.
     pub others: Vec<SocketAddr>,
-    /// Name sent in the TLS handshake; the pin decides, not the name.
+    /// Name sent in the TLS handshake. The pin alone decides whether the server is trusted.
     pub server_name: String,
-    /// How the server is recognised.
+    /// Certificate or fingerprint of the trusted server.
     pub pin: Pin,
-    /// The server's token.
+    /// Token of the server, at most 256 bytes.
     pub token: String,
-    /// Kind of haptic device, for the record.
+    /// Kind of haptic device, for the recording; at most 256 bytes.
     pub device: String,
-    /// Opaque learner id, never a name; may be empty.
+    /// Opaque learner id, never a name; empty: the server's default.
     pub learner: String,
-    /// Exercise asked for; empty: the server's choice.
+    /// Name of the exercise; empty: the server's exercise.
     pub exercise: String,
-    /// How long to wait for an answer at each address.
+    /// Timeout of the connection at each address, and again of the server's hello.
     pub timeout: Duration,
 }
 
 impl LinkConfig {
-    /// All addresses to try, each once.
+    /// All addresses, each once, in the order of the attempts.
     pub(super) fn servers(&self) -> Vec<SocketAddr> {
         let mut servers = vec![self.server];
         for other in &self.others {
@@ -49,7 +50,7 @@ impl LinkConfig {
         servers
     }
 
-    /// Joins with a server's ticket; five seconds to answer.
+    /// Configuration for a server's ticket: one address, no learner, the server's exercise, a timeout of 5 s.
     pub fn new(server: SocketAddr, ticket: &Ticket, device: &str) -> Self {
         Self {
             server,

@@ -5,7 +5,7 @@ use sulcus_proto::{ClientMessage, frame};
 
 use super::LinkError;
 
-/// Writes one message.
+/// Writes one message, without a timeout of its own. The error is an encoding error or a lost connection.
 pub(super) async fn write(
     stream: &mut SendStream,
     message: &ClientMessage,

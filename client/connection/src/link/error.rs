@@ -1,48 +1,48 @@
-//! Why there is no link, or no longer.
+//! Errors of a link.
 
 use std::net::SocketAddr;
 
 use sulcus_link::control::ReadError;
 use sulcus_proto::{CodecError, PROTOCOL_VERSION};
 
-/// Why there is no link, or no longer. One sentence each.
+/// Error of a link: no connection, a refusal, or a lost connection. Each message is one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LinkError {
-    /// Nothing answers.
+    /// No answer within the timeout, to the connection or to the hello.
     #[error(
-        "no server answers at {server}; check address, port and firewall, and that the server runs"
+        "no server answers at {server}; check address, UDP port and firewall, and that the server runs"
     )]
     Absent {
         /// Address tried.
         server: SocketAddr,
     },
-    /// A name has several addresses, and no connection to any of them came about.
-    #[error("no connection to the server at any of its addresses: {}; check address, port and firewall, and that the server runs", each(.0))]
+    /// No connection to any of several addresses, each with its error.
+    #[error("no connection to the server at any of its addresses: {}; check address, UDP port and firewall, and that the server runs", each(.0))]
     Nowhere(Vec<(SocketAddr, LinkError)>),
-    /// Someone answers, but not the server that was pinned.
+    /// The server has another certificate than the pinned one.
     #[error(
-        "the server at {server} has another certificate than the pinned one; use the ticket that it prints now"
+        "the server at {server} has another certificate than the pinned one; a server has a new ticket after each start: use the present one"
     )]
     WrongCertificate {
         /// Address tried.
         server: SocketAddr,
     },
-    /// The server speaks another version of the protocol.
-    #[error("protocol versions differ, this client speaks {PROTOCOL_VERSION}: {0}")]
+    /// The server has another version of the protocol or of QUIC.
+    #[error("protocol versions differ, this client has {PROTOCOL_VERSION}: {0}")]
     Version(String),
-    /// The token is not the server's.
+    /// The server refuses the token.
     #[error("refused: {0}")]
     WrongToken(String),
-    /// Another client uses the station.
+    /// The server refuses because another client uses the station.
     #[error("refused: {0}")]
     Busy(String),
-    /// Any other refusal.
+    /// The server refuses for another reason: an invalid hello, or an exercise that the server does not offer.
     #[error("refused: {0}")]
     Refused(String),
-    /// The server broke the protocol.
-    #[error("the server does not speak this protocol: {0}")]
+    /// A message of the server does not decode, or a message of this client does not encode.
+    #[error("the server violates the protocol: {0}")]
     Protocol(#[from] CodecError),
-    /// The server's hello holds a value that no device can keep to.
+    /// A limit in the server's hello is not a finite number above zero.
     #[error("the server's hello has {field} {found}, expected {expected}")]
     BadHello {
         /// Field of the hello.
@@ -52,20 +52,20 @@ pub enum LinkError {
         /// Values expected.
         expected: &'static str,
     },
-    /// The connection was lost.
+    /// The connection was lost or closed.
     #[error("the connection to the server was lost: {0}")]
     Lost(String),
-    /// The server did not confirm the end.
+    /// No goodbye within the timeout after a stop.
     #[error(
-        "the connection ended without the goodbye of the server; the recording may still be complete"
+        "the server sent no goodbye within the timeout; the recording may still be complete: see the server's log"
     )]
     NoGoodbye,
-    /// TLS or the system refuses something.
+    /// TLS or QUIC cannot be configured, or the system refuses a socket, a thread or an event.
     #[error("cannot set up the link: {0}")]
     System(String),
 }
 
-/// Each address with its reason.
+/// Addresses with their errors, separated by semicolons.
 fn each(tried: &[(SocketAddr, LinkError)]) -> String {
     let reasons: Vec<String> = tried
         .iter()
@@ -81,7 +81,7 @@ fn each(tried: &[(SocketAddr, LinkError)]) -> String {
 }
 
 impl LinkError {
-    /// The connection was lost, in words that may be the other side's: they stay on one line.
+    /// [`LinkError::Lost`] with a text that may hold words of the peer: control characters are escaped.
     pub(super) fn lost(error: &impl std::fmt::Display) -> Self {
         let mut text = String::new();
         for c in error.to_string().chars() {

@@ -1,4 +1,4 @@
-//! From a connection to a server's hello, or to the sentence that says why not.
+//! Handshake: from a connection to the server's hello, or to an error of one sentence.
 
 use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello};
@@ -6,10 +6,10 @@ use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
 
 use super::{LinkConfig, LinkError, control, reach};
 
-/// Periods that a device can be asked to keep, nanoseconds.
+/// Valid periods of the server's tick, nanoseconds. The device's loop runs at this period.
 const TICKS_NS: std::ops::RangeInclusive<u64> = 100_000..=10_000_000;
 
-/// A connection whose server has said hello.
+/// A connection with the hello of its server.
 pub(super) struct Welcome {
     pub endpoint: Endpoint,
     pub connection: Connection,
@@ -18,7 +18,7 @@ pub(super) struct Welcome {
     pub hello: ServerHello,
 }
 
-/// Connects and says hello.
+/// Connects, sends the hello and waits for the answer, at most `config.timeout`.
 pub(super) async fn shake(config: &LinkConfig) -> Result<Welcome, LinkError> {
     let (endpoint, connection) = reach::reach(config).await?;
     let absent = LinkError::Absent {
@@ -29,7 +29,7 @@ pub(super) async fn shake(config: &LinkConfig) -> Result<Welcome, LinkError> {
         .unwrap_or(Err(absent))
 }
 
-/// Says hello over a connection, and reads the answer.
+/// Sends the client's hello, then reads and checks the answer.
 async fn greet(
     config: &LinkConfig,
     endpoint: Endpoint,
@@ -50,7 +50,7 @@ async fn greet(
         .map_err(LinkError::from)
     {
         Ok(ServerMessage::Hello(hello)) if !TICKS_NS.contains(&hello.tick_ns) => {
-            Err(CodecError::NotCanonical("the server's tick is not one of 0.1 to 10 ms").into())
+            Err(CodecError::NotCanonical("tick_ns of the hello is outside 0.1 to 10 ms").into())
         }
         Ok(ServerMessage::Hello(hello)) => {
             limited(&hello)?;
@@ -63,18 +63,17 @@ async fn greet(
             })
         }
         Ok(ServerMessage::Refused(refused)) => Err(turned_away(refused)),
-        Ok(_) => Err(CodecError::NotCanonical(
-            "the server's first message is neither hello nor refusal",
-        )
-        .into()),
+        Ok(_) => {
+            Err(CodecError::NotCanonical("the first message is neither hello nor refusal").into())
+        }
         Err(LinkError::Protocol(CodecError::Version { found })) => Err(LinkError::Version(
-            format!("the server speaks {found}; install the same release on both"),
+            format!("the server has {found}; install the same release of client and server"),
         )),
         Err(error) => Err(error),
     }
 }
 
-/// Checks the limits of the wrench, which the device applies: each is finite and above zero.
+/// Checks the limits of the wrench, which the device's loop applies: each must be finite and above zero.
 fn limited(hello: &ServerHello) -> Result<(), LinkError> {
     let limits = [
         ("max_force_n", hello.max_force_n),

@@ -1,12 +1,11 @@
-//! The link to a server: poses up and wrenches down at 1 kHz, control messages beside them.
+//! The link to a server: poses to the server and wrenches back, once per tick, and control messages.
 //!
-//! A thread of its own carries the packets. The device's thread only calls [`Link::send_pose`],
-//! [`Link::latest_wrench`] and [`Link::force_gate`], none of which blocks, locks or allocates: the
-//! newest pose and the newest wrench win, and when wrenches stop coming the gate takes the force to
-//! zero smoothly.
+//! A thread of the link carries the packets. The device's thread only calls [`Link::send_pose`],
+//! [`Link::latest_wrench`] and [`Link::force_gate`], none of which blocks, locks or allocates. The newest pose and the
+//! newest wrench win. When no wrench arrives, the gate ramps the force to zero.
 //!
-//! All times are nanoseconds of this machine's monotonic clock, as [`now_ns`] reads it; no clock
-//! is compared between machines.
+//! All times are nanoseconds of this machine's monotonic clock, as [`now_ns`] reads it. No clock is compared between
+//! machines.
 
 mod config;
 mod control;
@@ -39,27 +38,28 @@ pub use transport::client_config;
 use stats::Shared;
 use sulcus_link::Bell;
 
-/// Time that a server has to finish and sign a recording after a stop.
+/// Timeout for the goodbye after a stop. In this time the server finishes and signs the recording.
 const GOODBYE: Duration = Duration::from_secs(20);
 
-/// What a device measured at one moment.
+/// Poses of a device at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PosePacket {
-    /// When, by [`now_ns`].
+    /// Time of the measurement, by [`now_ns`].
     pub device_time_ns: u64,
-    /// Per tool slot: `world_from_tool` at the device point, buttons, and the wrench that the device
-    /// displayed last (after gate and limits).
+    /// For each tool slot: `world_from_tool` at the device point, the buttons, and the wrench displayed last, after
+    /// gate and limits.
     pub tools: [ToolPose; TOOLS],
 }
 
-/// A wrench and when it came.
+/// A wrench and its arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WrenchPacket {
-    /// What the server sent: per tool force (N) and torque (N m), world axes, about the device point.
+    /// Datagram of the server: for each tool force (N) and torque (N m), world axes, about the device point.
     pub datagram: WrenchDatagram,
-    /// Arrival, by [`now_ns`].
+    /// Time of arrival, by [`now_ns`].
     pub arrived_ns: u64,
-    /// Age of the pose that it answers when it arrived; `None` before the server had a pose.
+    /// Time from the measurement of the answered pose to the arrival of the wrench, nanoseconds. `None`: the server had
+    /// no pose yet.
     pub age_ns: Option<u64>,
 }
 
@@ -70,7 +70,8 @@ impl WrenchPacket {
     }
 }
 
-/// A connection to a server, held by the device's thread. Dropping it closes the connection at once.
+/// A connection to a server, held by the device's thread. A drop closes the connection without a stop, and blocks until
+/// the link's thread has ended.
 pub struct Link {
     hello: ServerHello,
     poses: Input<PosePacket>,
@@ -84,33 +85,35 @@ pub struct Link {
 }
 
 impl Link {
-    /// Connects and says hello; blocks until the server has answered. The simulation begins with
+    /// Connects and sends the hello. Blocks until the server's answer or the timeout. The simulation begins with
     /// [`Link::start`].
     ///
     /// # Errors
-    /// No server, another certificate or version, a wrong token, a busy station: one sentence each.
+    /// No answer, another certificate or version, a refusal, an invalid hello, or a system without threads or sockets.
     pub fn connect(config: LinkConfig) -> Result<Link, LinkError> {
         worker::spawn(config)
     }
 
-    /// What the server said of scene, tools and exercise.
+    /// Hello of the server: scene, tools, exercise, limits, tick.
     pub fn hello(&self) -> &ServerHello {
         &self.hello
     }
 
-    /// Begins to simulate and record. `false`: the link has ended.
+    /// Queues the start of simulation and recording. `false`: not queued, because the link has ended or 64 messages
+    /// wait.
     pub fn start(&self) -> bool {
         self.say(ClientMessage::Start)
     }
 
-    /// Offers a pose. The newest wins: one that was not sent yet is replaced.
+    /// Offers a pose. The pose replaces an older one that was not sent yet.
     pub fn send_pose(&mut self, pose: &PosePacket) {
         self.poses.write(*pose);
         self.shared.offered();
         self.bell.ring();
     }
 
-    /// The newest wrench that ever arrived. Ask [`Link::force_gate`] how much of it to display.
+    /// Newest wrench so far, also after the end of the link; `None` before the first one. [`Link::force_gate`] gives
+    /// the share of the force to display.
     pub fn latest_wrench(&mut self) -> Option<WrenchPacket> {
         if self.wrenches.update()
             && let Some(packet) = self.wrenches.output_buffer()
@@ -120,53 +123,57 @@ impl Link {
         *self.wrenches.output_buffer()
     }
 
-    /// Share of the force to display at `now_ns`, 0 to 1, to be asked once per period of the device:
-    /// falls to zero when no wrench has come for 20 ms, rises when they come again, never jumps.
+    /// Share of the force to display at `now_ns`, 0 to 1. The device's loop calls this once per period.
+    ///
+    /// After 20 ms without a wrench the share falls to zero within 20 ms. With wrenches it rises to one within 100 ms.
     pub fn force_gate(&mut self, now_ns: u64) -> f64 {
         self.latest_wrench();
         self.watchdog.gate(now_ns)
     }
 
-    /// Asks for a pause of the student's own, its end, or a lower force limit. What the station's side has set stands.
-    /// `false`: it was not taken.
+    /// Queues a pause of the student, its end, or a lower force limit. The station's pause and limit stay in force.
+    /// `false`: not queued, because the link has ended or 64 messages wait.
     pub fn command(&self, command: Command) -> bool {
         self.say(ClientMessage::Command(command))
     }
 
-    /// Reports a button edge, which must not be lost. `false`: it was not taken.
+    /// Queues a button edge, which travels on the reliable stream. `false`: not queued, because the link has ended or
+    /// 64 messages wait.
     pub fn button(&self, edge: ButtonEdge) -> bool {
         self.say(ClientMessage::Button(edge))
     }
 
-    /// Puts something into the recording. `false`: it was not taken.
+    /// Queues an event for the recording. The server may drop it: see `SessionSummary::edges_dropped`. `false`: not
+    /// queued, because the link has ended or 64 messages wait.
     pub fn event(&self, event: Event) -> bool {
         self.say(ClientMessage::Event(event))
     }
 
-    /// Whether the link carries packets; `false` after the server's goodbye or a lost connection.
+    /// Whether the link carries packets. `false` after the server's goodbye, a lost connection or an invalid message.
     pub fn is_open(&self) -> bool {
         !self.shared.is_closed()
     }
 
-    /// How packets have fared. Takes a lock: not for the device's loop.
+    /// Counters and times of packets so far. The call takes a lock, so the device's loop must not use it.
     pub fn stats(&self) -> LinkStats {
         self.shared.stats()
     }
 
-    /// Stops the session and waits for the server's goodbye.
+    /// Stops the session and returns the summary of the server's goodbye.
     ///
     /// # Errors
-    /// If the connection was lost or the server does not answer.
+    /// The errors of [`Link::finish_with_text`].
     pub fn finish(self) -> Result<SessionSummary, LinkError> {
         self.finish_with_text().map(|goodbye| goodbye.summary)
     }
 
-    /// As [`Link::finish`], with the server's last sentence.
+    /// Stops the session and waits for the server's goodbye: summary and text. Blocks at most about 20 seconds.
     ///
     /// # Errors
-    /// If the connection was lost or the server does not answer.
+    /// The connection was lost, the server violated the protocol, or no goodbye came within the timeout.
     pub fn finish_with_text(self) -> Result<Goodbye, LinkError> {
-        // Not taken: it has ended already, and the reason waits in the channel.
+        // The stop is not queued if the link has ended, and the channel then holds the result. The stop is not queued
+        // either while 64 messages wait; the server then does not know of it, and the wait ends with the timeout.
         self.say(ClientMessage::Stop);
         match self.goodbye.recv_timeout(GOODBYE) {
             Ok(result) => result,
@@ -177,6 +184,7 @@ impl Link {
         }
     }
 
+    /// Queues a message. `false`: the link has ended, or the queue of 64 messages is full.
     fn say(&self, message: ClientMessage) -> bool {
         self.messages
             .as_ref()

@@ -1,8 +1,8 @@
-//! A connection to a server by any of its addresses. A name often has two, `::1` and `127.0.0.1`, and a server may listen on
-//! one of them only.
+//! A connection to a server by any of its addresses. A name often has two, `::1` and `127.0.0.1`, and a server may
+//! listen on one of them only.
 //!
-//! The addresses start one after the other, each a little later than the one before or when that has failed (RFC 8305,
-//! "Happy Eyeballs"). The first connection wins; the hello comes after, so that a station sees one client.
+//! The attempts start one after the other, each 250 ms after the one before or at its failure (RFC 8305, "Happy
+//! Eyeballs"). The first connection wins. The hello follows on that connection only, so a station sees one client.
 
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use tokio::task::JoinSet;
 
 use super::{LinkConfig, LinkError, transport};
 
-/// Time that an address has before the next one starts beside it (RFC 8305, section 5).
+/// Time from the start of one attempt to the start of the next (RFC 8305, section 5).
 const HEAD_START: Duration = Duration::from_millis(250);
 
 /// TLS alert `no_application_protocol`: the server offers another ALPN.
@@ -23,7 +23,7 @@ const NO_APPLICATION_PROTOCOL: u8 = 120;
 /// Connects to the first address that answers with the pinned certificate.
 ///
 /// # Errors
-/// The reason of the only address, or those of all.
+/// The error of the only address, or [`LinkError::Nowhere`] with those of all.
 pub(super) async fn reach(config: &LinkConfig) -> Result<(Endpoint, Connection), LinkError> {
     let servers = config.servers();
     let mut waiting = servers.iter().copied();
@@ -56,7 +56,7 @@ pub(super) async fn reach(config: &LinkConfig) -> Result<(Endpoint, Connection),
     })
 }
 
-/// Connects to one address.
+/// Connects to one address, with a timeout of `config.timeout`.
 async fn connect(
     config: &LinkConfig,
     server: SocketAddr,
@@ -88,13 +88,13 @@ fn explain(error: ConnectionError, server: SocketAddr) -> LinkError {
     match error {
         ConnectionError::TimedOut => LinkError::Absent { server },
         ConnectionError::VersionMismatch => {
-            LinkError::Version("the server speaks another version of QUIC".into())
+            LinkError::Version("the server has another version of QUIC".into())
         }
         ConnectionError::ConnectionClosed(close)
             if close.error_code == TransportErrorCode::crypto(NO_APPLICATION_PROTOCOL) =>
         {
             LinkError::Version(
-                "the server speaks another one; install the same release on both".into(),
+                "the server has another one; install the same release of client and server".into(),
             )
         }
         other => LinkError::lost(&other),

@@ -1,77 +1,81 @@
-//! How packets fare, shared between the link's thread and whoever asks.
+//! Counters and times of packets, shared between the link's thread and its users.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use hdrhistogram::Histogram;
+use sulcus_link::Times;
 use sulcus_proto::newest::ArrivalCounts;
 use sulcus_proto::{NewestWins, Percentiles};
 
-use super::LinkError;
-use crate::stats::percentiles;
+/// Longest round trip that the histograms resolve, seconds. A longer one counts as this one.
+const LONGEST_S: u32 = 10;
 
-/// How packets have fared so far.
+/// Counters and times of the packets of a link so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LinkStats {
-    /// Poses given to the link.
+    /// Number of poses given to the link.
     pub poses_offered: u64,
-    /// Poses sent; the others were replaced by a newer one first.
+    /// Number of poses that QUIC took for sending.
+    ///
+    /// Of the others, most were replaced by a newer pose first. A pose with a number that is not finite, and a pose
+    /// after the end of the connection, are not counted either. QUIC may still drop a counted pose: a full send buffer
+    /// loses its oldest datagram.
     pub poses_sent: u64,
-    /// Wrenches that arrived.
+    /// Counts of arrived wrenches of the session's epochs.
     pub wrenches: ArrivalCounts,
-    /// Datagrams of another session epoch.
+    /// Number of datagrams of another session epoch.
     pub foreign: u64,
-    /// Datagrams that did not decode.
+    /// Number of datagrams that did not decode.
     pub malformed: u64,
-    /// From reading the device to the arrival of the first wrench that answers that pose: waiting
-    /// for the server's next tick included.
+    /// Time from the measurement of a pose to the arrival of the first wrench that answers it, microseconds. The wait
+    /// for the server's next tick is included.
     pub rtt_us: Percentiles,
-    /// The same without the time that the server held the pose.
+    /// [`LinkStats::rtt_us`] without the time that the server held the pose, microseconds.
     pub network_us: Percentiles,
-    /// Poses answered: the samples in both.
+    /// Number of answered poses, which is the number of samples of both times.
     pub answered: u64,
 }
 
-/// What both threads count.
+/// Counters of both threads.
 pub(super) struct Shared {
     offered: AtomicU64,
     closed: AtomicBool,
     inner: Mutex<Numbers>,
 }
 
-/// What the link's thread counts.
+/// Counters of the link's thread.
 pub(super) struct Numbers {
     pub filter: NewestWins,
     pub sent: u64,
     pub foreign: u64,
     pub malformed: u64,
-    rtt_ns: Histogram<u64>,
-    network_ns: Histogram<u64>,
+    rtt_ns: Times,
+    network_ns: Times,
 }
 
 impl Shared {
-    pub fn new() -> Result<Self, LinkError> {
+    pub fn new() -> Self {
         let numbers = Numbers {
             filter: NewestWins::new(),
             sent: 0,
             foreign: 0,
             malformed: 0,
-            rtt_ns: histogram()?,
-            network_ns: histogram()?,
+            rtt_ns: Times::up_to(LONGEST_S),
+            network_ns: Times::up_to(LONGEST_S),
         };
-        Ok(Self {
+        Self {
             offered: AtomicU64::new(0),
             closed: AtomicBool::new(false),
             inner: Mutex::new(numbers),
-        })
+        }
     }
 
-    /// A pose was offered. Wait-free.
+    /// Counts an offered pose. Wait-free.
     pub fn offered(&self) {
         self.offered.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// No packet comes any more.
+    /// Marks the end of the link.
     pub fn close(&self) {
         self.closed.store(true, Ordering::Release);
     }
@@ -80,7 +84,7 @@ impl Shared {
         self.closed.load(Ordering::Acquire)
     }
 
-    /// For the link's thread.
+    /// Calls `action` with the counters under their lock.
     pub fn count<T>(&self, action: impl FnOnce(&mut Numbers) -> T) -> T {
         action(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -93,24 +97,19 @@ impl Shared {
             wrenches: numbers.filter.counts(),
             foreign: numbers.foreign,
             malformed: numbers.malformed,
-            rtt_us: percentiles(&numbers.rtt_ns).unwrap_or_default(),
-            network_us: percentiles(&numbers.network_ns).unwrap_or_default(),
-            answered: numbers.rtt_ns.len(),
+            rtt_us: numbers.rtt_ns.percentiles(),
+            network_us: numbers.network_ns.percentiles(),
+            answered: numbers.rtt_ns.count(),
         })
     }
 }
 
 impl Numbers {
-    /// The first wrench that answers a pose arrived `rtt_ns` after the pose was read.
+    /// Records the times of an answered pose: `rtt_ns` from its measurement to the first wrench, of which the server
+    /// held the pose for `hold_us`.
     pub fn answered(&mut self, rtt_ns: u64, hold_us: u32) {
-        self.rtt_ns.saturating_record(rtt_ns);
+        self.rtt_ns.record(rtt_ns);
         self.network_ns
-            .saturating_record(rtt_ns.saturating_sub(u64::from(hold_us) * 1000));
+            .record(rtt_ns.saturating_sub(u64::from(hold_us) * 1000));
     }
-}
-
-/// Three significant digits from 1 ns to 10 s, all buckets there from the start.
-fn histogram() -> Result<Histogram<u64>, LinkError> {
-    Histogram::new_with_bounds(1, 10_000_000_000, 3)
-        .map_err(|error| LinkError::System(error.to_string()))
 }

@@ -10,11 +10,12 @@ use sulcus_proto::{ALPN, limits};
 use super::trust::Pinned;
 use super::{LinkError, Pin};
 
-/// The client's half of a connection, for tools that speak the protocol by hand. `mismatch` is
-/// raised when the server shows another certificate than the pinned one.
+/// TLS and QUIC configuration of a client. The link uses it, and tests that send messages by themselves.
+///
+/// The handshake sets `mismatch` if the server has another certificate than `pin`.
 ///
 /// # Errors
-/// If TLS cannot be set up (never with the cipher suites this program is built with).
+/// TLS or QUIC cannot be configured. The cipher suites and the idle timeout of this program cause no error.
 pub fn client_config(pin: Pin, mismatch: Arc<AtomicBool>) -> Result<ClientConfig, LinkError> {
     let tls_error = |error: &dyn std::fmt::Display| LinkError::System(error.to_string());
     let provider = Arc::new(rustls::crypto::ring::default_provider());

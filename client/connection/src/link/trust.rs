@@ -1,5 +1,5 @@
-//! Trust in exactly one certificate: the pinned one. Names, dates and authorities do not matter; that
-//! the server holds the certificate's key does, and is verified.
+//! Trust in the pinned certificate alone. Names, dates and authorities play no part. The handshake verifies that the
+//! server holds the key of the certificate.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use super::Pin;
 pub(super) struct Pinned {
     pin: Pin,
     provider: Arc<CryptoProvider>,
-    /// Raised when another certificate was shown: the connection error does not tell.
+    /// Set when the server has another certificate. The error of the connection does not show this cause.
     mismatch: Arc<AtomicBool>,
 }
 
@@ -32,7 +32,7 @@ impl Pinned {
     fn matches(&self, certificate: &[u8]) -> bool {
         match &self.pin {
             Pin::Certificate(der) => certificate == der.as_slice(),
-            // TLS needs SHA-256 anyway: use its implementation instead of another crate's.
+            // TLS needs SHA-256 anyway: its implementation replaces another crate.
             Pin::Fingerprint(expected) => ring::cipher_suite::TLS13_AES_128_GCM_SHA256
                 .tls13()
                 .is_some_and(|suite| {
@@ -66,8 +66,10 @@ impl ServerCertVerifier for Pinned {
         _: &CertificateDer<'_>,
         _: &DigitallySignedStruct,
     ) -> Result<HandshakeSignatureValid, Error> {
-        // QUIC is TLS 1.3 only.
-        Err(Error::General("TLS 1.2 is not spoken here".into()))
+        // QUIC requires TLS 1.3.
+        Err(Error::General(
+            "TLS 1.2 is not supported, expected TLS 1.3".into(),
+        ))
     }
 
     fn verify_tls13_signature(

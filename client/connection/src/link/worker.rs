@@ -1,4 +1,4 @@
-//! The link's thread: one current-thread runtime, one connection.
+//! The link's thread: one current-thread runtime with one connection.
 
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -16,14 +16,14 @@ use super::handshake::{Welcome, shake};
 use super::stats::Shared;
 use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
 
-/// Messages that wait to be written.
+/// Largest number of messages that wait to be written.
 const MESSAGES: usize = 64;
-/// Time for the last packets to leave.
+/// Timeout for the last packets after the close.
 const LAST_PACKETS: Duration = Duration::from_millis(500);
 
-/// Starts the thread and waits for the server's answer.
+/// Starts the link's thread and waits for the result of the handshake.
 pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
-    let shared = Arc::new(Shared::new()?);
+    let shared = Arc::new(Shared::new());
     let bell = Bell::new()?;
     let (poses, poses_out) = triple_buffer(&PosePacket::default());
     let (wrenches_in, wrenches) = triple_buffer(&None);
@@ -40,7 +40,7 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
             runtime.block_on(async {
                 let welcome = match shake(&config).await {
                     Ok(welcome) => welcome,
-                    // The other end waits for this very message.
+                    // The starter of the thread waits for this message.
                     Err(error) => return drop(answer_in.send(Err(error))),
                 };
                 let Welcome {
@@ -94,7 +94,7 @@ struct Worker {
     shared: Arc<Shared>,
     sequence: u32,
     last_tick: u64,
-    /// Newest pose that was answered.
+    /// Sequence of the pose answered last.
     answered: Option<u32>,
 }
 
@@ -108,12 +108,12 @@ impl Worker {
         let result = self.live(recv, messages).await;
         self.shared.close();
         self.connection.close(0u32.into(), b"goodbye");
-        // Nobody waits when the link was dropped.
+        // An error means that the link was dropped.
         let _ = goodbye.try_send(result);
         let _ = tokio::time::timeout(LAST_PACKETS, self.endpoint.wait_idle()).await;
     }
 
-    /// Carries packets until the goodbye.
+    /// Carries packets until the goodbye, an error, or the drop of the link.
     async fn live(
         &mut self,
         recv: RecvStream,
@@ -141,7 +141,7 @@ impl Worker {
                     Some(Ok(ServerMessage::Epoch(epoch))) => self.begin_epoch(epoch),
                     Some(Ok(ServerMessage::Refused(refused))) => return Err(LinkError::Refused(refused.text)),
                     Some(Ok(ServerMessage::Hello(_))) => {
-                        return Err(LinkError::Lost("the server said hello twice".into()));
+                        return Err(LinkError::Lost("the server sent a second hello".into()));
                     }
                     Some(Err(error)) => return Err(error.into()),
                     None => return Err(LinkError::Lost("the control stream ended".into())),
@@ -155,12 +155,14 @@ impl Worker {
         }
     }
 
-    /// From now on this epoch counts. Sequences go on; the server's begin anew for its filter, too.
+    /// Takes a new epoch. Datagrams of other epochs are ignored. The sequences of both ends go on; the filter accepts
+    /// any first sequence.
     fn begin_epoch(&mut self, epoch: u32) {
         self.epoch = epoch;
         self.shared.count(|numbers| numbers.filter.restart());
     }
 
+    /// Sends the newest pose, unless it was sent before or holds a number that is not finite.
     fn send_pose(&mut self) {
         if !self.poses.update() {
             return;
@@ -179,13 +181,14 @@ impl Worker {
         let Ok(bytes) = datagram.to_bytes() else {
             return;
         };
-        // Full buffer: the oldest goes. Closed connection: the control stream's reader says so.
+        // A full buffer drops its oldest datagram. The reader of the control stream detects a closed connection.
         if self.connection.send_datagram(bytes.to_vec().into()).is_ok() {
             self.sequence = self.sequence.wrapping_add(1);
             self.shared.count(|numbers| numbers.sent += 1);
         }
     }
 
+    /// Takes one datagram: counts it, and hands the newest wrench of the present epoch to the device's thread.
     fn arrived(&mut self, bytes: &[u8]) {
         let arrived_ns = now_ns();
         let Ok(datagram) = WrenchDatagram::from_bytes(bytes) else {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use sulcus_client::link::{Link, LinkConfig, LinkError, PosePacket, now_ns};
+use sulcus_connection::link::{Link, LinkConfig, LinkError, PosePacket, now_ns};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3};
 use sulcus_proto::datagram::{ToolPose, WirePose};

@@ -1,8 +1,8 @@
 //! How lightly the good operator reads, on patients by whom nothing of him was chosen.
 
-use sulcus_client::demo::lockstep;
-use sulcus_client::exercise::{self, Asked};
-use sulcus_client::progress::Steps;
+use sulcus_connection::progress::Steps;
+use sulcus_demo::exercise::{self, Asked};
+use sulcus_demo::lockstep;
 use sulcus_sessions::exercise::events::call::READING_CALLED;
 use sulcus_sessions::record::occurrence::FORCE_ZONE;
 use sulcus_sessions::{Message, Occurrence, Recording, ReplayOptions, StationKey, replay_observed};

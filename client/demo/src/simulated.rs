@@ -1,19 +1,11 @@
-//! Devices of this program: the simulated operator, and the interface of a device whose user calls probing depths.
+//! The simulated operator as a device.
 
+use sulcus_connection::device::{DeviceEvent, EventDevice};
 use sulcus_core::{MAX_TOOLS, ToolInput};
 use sulcus_haptics::{Device, Shown};
 use sulcus_operator::Operator;
-use sulcus_sessions::exercise::events::call::Call;
 
-use crate::calls::calls;
-
-/// A device whose user calls probing depths.
-pub trait CallingDevice: Device {
-    /// Returns the depths called since the previous call of this function. The default returns none.
-    fn calls(&mut self) -> Vec<Call> {
-        Vec::new()
-    }
-}
+use crate::calls::{calls, event};
 
 /// The simulated operator as a device.
 pub struct Simulated {
@@ -35,8 +27,8 @@ impl Device for Simulated {
     }
 }
 
-impl CallingDevice for Simulated {
-    fn calls(&mut self) -> Vec<Call> {
-        calls(&mut self.operator)
+impl EventDevice for Simulated {
+    fn events(&mut self) -> Vec<DeviceEvent> {
+        calls(&mut self.operator).iter().map(event).collect()
     }
 }

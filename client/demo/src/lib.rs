@@ -1,10 +1,20 @@
-//! The demo: one whole recorded session against an embedded server, or in virtual time.
+//! The demo: a whole session with a simulated operator, recorded, replayed and graded.
+//!
+//! [`exercise`] prepares a scene and an operator for an exercise. [`lockstep`] performs the exercise in virtual time,
+//! `live` in real time against a server in the same process (feature `embedded`). [`check`] replays and grades the
+//! recording. The `run` command of the client performs the same exercises at a server elsewhere.
 
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+
+pub mod args;
+pub mod calls;
 pub mod check;
+pub mod exercise;
 #[cfg(feature = "embedded")]
 pub mod live;
 pub mod lockstep;
 pub mod page;
+pub mod simulated;
 pub mod summary;
 mod zones;
 
@@ -14,9 +24,8 @@ use anyhow::Context;
 use sulcus_program::{PathText, say, tell};
 use sulcus_sessions::{Mode, StationKey};
 
-use crate::cli::DemoArgs;
-use crate::exercise;
-use crate::progress::Steps;
+use crate::args::DemoArgs;
+use sulcus_connection::progress::Steps;
 use summary::DemoSummary;
 
 /// Runs the demo; returns the exit code.
