@@ -1,8 +1,8 @@
-//! Which teeth stand where on a chart: the patient's right side on the left of the page.
+//! Places of teeth on a chart. The patient's right side is on the left of the page.
 
 use sulcus_core::tissue::gingiva::Site;
 
-/// How teeth are numbered.
+/// Numbering of teeth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Numbering {
     /// Two digits, quadrant and place (ISO 3950).
@@ -13,7 +13,7 @@ pub enum Numbering {
 }
 
 impl Numbering {
-    /// The number of a tooth that has this FDI number.
+    /// Number of the tooth with this FDI number.
     pub fn of(self, fdi: u8) -> String {
         let (quadrant, place) = (fdi / 10, fdi % 10);
         let universal = match (self, quadrant) {
@@ -22,13 +22,13 @@ impl Numbering {
             (_, 2) => 8 + place,
             (_, 3) => 25 - place,
             (_, 4) => 24 + place,
-            // No permanent tooth: said as it is.
+            // No permanent tooth: the FDI number.
             _ => return fdi.to_string(),
         };
         universal.to_string()
     }
 
-    /// Its name on pages.
+    /// Name on pages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fdi => "FDI numbers",
@@ -52,7 +52,7 @@ impl Jaw {
         if fdi < 30 { Self::Upper } else { Self::Lower }
     }
 
-    /// Its sixteen teeth from the left of the page to the right.
+    /// The sixteen teeth from the left of the page to the right.
     pub fn teeth(self) -> [u8; 16] {
         let (right, left) = match self {
             Self::Upper => (10, 20),
@@ -64,7 +64,7 @@ impl Jaw {
         })
     }
 
-    /// Its two rows from the top of the page down: whether each is the cheek's side, and its name.
+    /// The two rows from the top of the page down: whether the row is the cheek's side, and its name.
     pub fn rows(self) -> [(bool, &'static str); 2] {
         match self {
             Self::Upper => [(true, "buccal"), (false, "palatal")],
@@ -72,7 +72,7 @@ impl Jaw {
         }
     }
 
-    /// Its name.
+    /// Name on pages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Upper => "upper jaw",

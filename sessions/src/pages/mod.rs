@@ -1,12 +1,23 @@
-//! Pages for people: a session's report with its periodontal chart on one sheet of A4, and a class. Self-contained (inline SVG
-//! and CSS, no scripts, no network); what colour says, line, hatching and words say too, so that a grey print reads as well.
+//! HTML pages for people: one session with its periodontal chart on a sheet of A4, and a class.
+//!
+//! A page is self-contained: inline SVG and CSS, no scripts, no network. Line, hatching and words repeat the meaning of
+//! every colour for prints in grey.
+//!
+//! The words and the structure of the pages are in `templates`. View structs hold the facts of a template, numbers and
+//! texts. Drawings are built as [`svg::Svg`]. All text is escaped by [`markup::PageText`], in templates and drawings.
 
 mod chart;
 mod class;
+mod filters;
 mod jaw;
+mod markup;
 mod plots;
+#[cfg(test)]
+mod sample;
 mod student;
-mod style;
+mod svg;
+#[cfg(test)]
+mod tests;
 mod tooth;
 mod trend;
 
@@ -14,49 +25,42 @@ pub use class::class_page;
 pub use jaw::Numbering;
 pub use student::student_page;
 
+use askama::Template;
+
 use crate::grade::names::Names;
 
-/// How pages look.
+/// Presentation of pages.
 #[derive(Clone, Copy, Debug)]
 pub struct Look<'a> {
-    /// The key table; none: ids only.
+    /// Key table. None: ids only.
     pub names: Option<&'a Names>,
-    /// How teeth are numbered.
+    /// Numbering of teeth.
     pub numbering: Numbering,
-    /// Whether what is prescribed is shown.
+    /// Whether prescribed values are shown.
     pub truth: bool,
 }
 
 impl Look<'_> {
-    /// What a learner is called.
+    /// Label of a learner.
     fn learner(&self, id: &str) -> String {
         match self.names {
-            Some(names) => escaped(&names.label(id)),
+            Some(names) => names.label(id),
             None if id.is_empty() => "(no id)".into(),
-            None => escaped(id),
+            None => id.to_owned(),
         }
     }
 }
 
-/// Text in a page: what a recording says may be anything.
-fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            c if c.is_control() => safe.push('\u{fffd}'),
-            c => safe.push(c),
-        }
-    }
-    safe
+/// Text of a page.
+///
+/// # Panics
+/// Never: a `String` takes any text, and the filters have no errors.
+fn rendered(page: &impl Template) -> String {
+    page.render().expect("templates and filters without errors")
 }
 
 /// A moment as a date and a time of day, UTC.
-pub(super) fn date(unix_ns: u64) -> String {
+pub fn date(unix_ns: u64) -> String {
     let seconds = unix_ns / 1_000_000_000;
     let (days, day) = (seconds / 86_400, seconds % 86_400);
     // Days since 1 March of the year 0 (Howard Hinnant, "chrono-compatible low-level date algorithms").
@@ -73,37 +77,4 @@ pub(super) fn date(unix_ns: u64) -> String {
         day / 3600,
         day % 3600 / 60
     )
-}
-
-/// The whole of a page.
-fn page(title: &str, body: &str) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{}</style></head>\n<body><main>\n{body}</main></body></html>\n",
-        style::STYLE
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dates_are_those_of_a_calendar() {
-        for (seconds, said) in [
-            (0, "1970-01-01 00:00 UTC"),
-            (951_782_400, "2000-02-29 00:00 UTC"),
-            (1_790_000_000, "2026-09-21 14:13 UTC"),
-            (4_107_542_399, "2100-02-28 23:59 UTC"),
-        ] {
-            assert_eq!(date(seconds * 1_000_000_000), said);
-        }
-    }
-
-    #[test]
-    fn what_a_recording_says_is_no_markup() {
-        assert_eq!(
-            escaped("<script>'a' & \"b\"\u{7}"),
-            "&lt;script&gt;&#39;a&#39; &amp; &quot;b&quot;\u{fffd}"
-        );
-    }
 }

@@ -1,7 +1,7 @@
-//! Outlines of teeth as charts draw them: crown and roots, in millimetres from the cemento-enamel junction, for half a width of
-//! one. Up the page is towards the root.
+//! Outlines of teeth on a chart: crown and roots. Widths are parts of half a tooth, heights are millimetres from the
+//! cemento-enamel junction towards the root.
 
-/// What kind of tooth it is, by its place in the quadrant.
+/// Kind of a tooth, by its place in the quadrant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToothKind {
     /// Places 1 and 2.
@@ -15,7 +15,7 @@ pub enum ToothKind {
 }
 
 impl ToothKind {
-    /// Of a tooth's FDI number.
+    /// Kind of the tooth with this FDI number.
     pub fn of(fdi: u8) -> Self {
         match fdi % 10 {
             1 | 2 => Self::Incisor,
@@ -25,7 +25,7 @@ impl ToothKind {
         }
     }
 
-    /// Width of its cell on the chart, in the chart's units.
+    /// Width of the tooth's cell, units of the drawing.
     pub fn width(self) -> f64 {
         match self {
             Self::Incisor => 39.0,
@@ -35,7 +35,8 @@ impl ToothKind {
         }
     }
 
-    /// Its outline: commands of an SVG path, each with points (part of the half width, millimetres towards the root).
+    /// Outline: commands of an SVG path, each with points. A point is a part of the half width, and millimetres towards
+    /// the root.
     fn outline(self) -> &'static [(char, &'static [(f64, f64)])] {
         match self {
             Self::Incisor => &[
@@ -78,8 +79,8 @@ impl ToothKind {
         }
     }
 
-    /// Its outline as an SVG path about `x`, half as wide as said, with the cemento-enamel junction at `cej`; `up` is where the root is: -1 up the
-    /// page, 1 down; `mm` is a millimetre.
+    /// Outline as an SVG path about `x` with the half width `half`. `cej` is the height of the cemento-enamel junction,
+    /// `up` the direction of the root (-1 up the page, 1 down), `mm` the length of a millimetre.
     pub fn path(self, (x, half): (f64, f64), cej: f64, up: f64, mm: f64) -> String {
         let mut path = String::new();
         for (command, points) in self.outline() {
@@ -93,5 +94,5 @@ impl ToothKind {
     }
 }
 
-/// Where the furcation of a molar is drawn, millimetres towards the root.
+/// Place of a molar's furcation, millimetres from the cemento-enamel junction towards the root.
 pub const FURCATION_MM: f64 = 4.4;
