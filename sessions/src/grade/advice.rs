@@ -1,27 +1,27 @@
-//! What to practise next: where most points were lost, with the zones that show it.
+//! Advice to a learner: the metrics that cost most points, with the zones that show the weakness.
 
 use super::definitions;
 use super::report::{CriticalError, ShownBy};
-use super::rubric::Settings;
+use super::settings::Settings;
 use super::sites::{Finding, SiteGrade};
-use super::values::{EXACT, FORGIVEN};
+use super::tolerances::{EXACT_MM, TREMOR_N};
 use super::{Advice, MetricGrade};
 
-/// Most pieces of advice that are given: more are not heard.
+/// Largest number of pieces of advice. Chosen: a learner can attend to a few.
 const MOST: usize = 4;
-/// A metric with at least this score is no matter for advice.
+/// Score from which a metric needs no advice. Chosen.
 const GOOD: f64 = 80.0;
-/// Most zones that are named.
+/// Largest number of zones that a piece of advice names.
 const MOST_ZONES: usize = 3;
 
-/// The advice of a session: what failed it at once first, then the dearest.
+/// Advice of a session: metrics of critical errors first, then by points lost.
 pub fn advice(
     metrics: &[MetricGrade],
     critical: &[CriticalError],
     sites: &[SiteGrade],
     set: &Settings,
 ) -> Vec<Advice> {
-    // Who called before probing has one thing to mend; what was not measured for want of it says nothing of hand and eye.
+    // Zones that were not charted leave other metrics of zones without a value. These need no advice of their own.
     let not_charted = |metric: &MetricGrade| {
         metric.name == "zones_charted" && metric.score.is_some_and(|score| score < GOOD)
     };
@@ -47,7 +47,7 @@ pub fn advice(
             (points > 0.0).then_some((points, metric))
         })
         .collect();
-    // (Stable: of equal ones the table's order.)
+    // The sort is stable: equal losses keep the order of the table.
     lost.sort_by(|a, b| b.0.total_cmp(&a.0));
     lost.truncate(MOST);
     lost.into_iter()
@@ -68,12 +68,12 @@ pub fn advice(
         .collect()
 }
 
-/// Why depths were called wrong, by what most of the zones say whose called depth is not the nearest millimetre; of equal
-/// numbers the hand's fault comes before the eye's. None where hand and eye did well in all of these.
+/// Advice on calls: the most frequent finding of the zones whose call is not exact. Of equally frequent findings, a
+/// fault of the hand comes first. None if hand and eye were right in all of these zones.
 fn of_calls(sites: &[SiteGrade]) -> Option<&'static str> {
     let off = |site: &&SiteGrade| {
         let error = site.error_mm();
-        site.asked && error.is_some_and(|error| error.abs() > EXACT)
+        site.asked && error.is_some_and(|error| error.abs() > EXACT_MM)
     };
     let count = |finding| {
         let of = sites.iter().filter(off);
@@ -82,23 +82,23 @@ fn of_calls(sites: &[SiteGrade]) -> Option<&'static str> {
     let causes = [
         (
             Finding::ReadTooHeavy,
-            "The depth was read while the probe was pressed too hard: let the force go back to what is taught, then read.",
+            "The depth was read while the probe was pressed too hard: go back to the taught force, then read.",
         ),
         (
             Finding::ReadTilted,
-            "The depth was read along a tilted probe, which shows more: stand it right, then read.",
+            "The depth was read along a tilted probe, which shows more: correct the tilt, then read.",
         ),
         (
             Finding::NeverReachedFloor,
-            "The depth was called before the floor was felt: go down to it, then read.",
+            "The depth was called before the tip reached the floor: go down to the floor, then read.",
         ),
         (
             Finding::Misread,
-            "The tip was on the floor and the mark was read wrong: call the depth that the band shows, to the millimetre.",
+            "The tip was on the floor, but the band was misread: call the depth that the band shows, to the millimetre.",
         ),
         (
             Finding::NotProbed,
-            "The depth was called where the probe had not been: probe first, then call.",
+            "The depth was called before the zone was probed: probe first, then call.",
         ),
     ];
     let counts = causes.map(|(finding, _)| count(finding));
@@ -108,14 +108,14 @@ fn of_calls(sites: &[SiteGrade]) -> Option<&'static str> {
     Some(cause.1)
 }
 
-/// The zones that show a weakness, in words.
+/// Zones that show a weakness, in words, at most [`MOST_ZONES`].
 fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
-    let number = |x: Option<f64>| x.map_or("nothing".into(), |x| format!("{x:.1} mm"));
+    let number = |x: Option<f64>| x.map_or("no depth".into(), |x| format!("{x:.1} mm"));
     let of = |site: &SiteGrade| -> Option<ShownBy> {
         let called = site
             .called_mm
             .map_or("not called".into(), |mm| format!("called {mm}"));
-        // (What is prescribed is shown on request alone.)
+        // Prescribed values appear on request only.
         let reach = format!("reached {}", number(site.measured_mm.or(site.deepest_mm)));
         let says = match metric {
             "zones_charted" => match site.finding {
@@ -128,7 +128,7 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
             "misread" if site.finding == Finding::Misread => format!("{reach}, {called}"),
             "called_exact" | "called_within_1mm" | "called_bias" => {
                 let at_fault = !matches!(site.finding, Finding::Right | Finding::Off);
-                let most = if at_fault { EXACT } else { 1.0 };
+                let most = if at_fault { EXACT_MM } else { 1.0 };
                 let error = site.error_mm().filter(|error| error.abs() > most)?;
                 let way = if error > 0.0 {
                     "too deep"
@@ -138,7 +138,7 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
                 format!("{called}, {way}: {}", site.finding.words())
             }
             "touches_too_heavy" | "trauma_events" | "readings_too_heavy" => {
-                let heavy = set.force_n[1] + FORGIVEN;
+                let heavy = set.force_n[1] + TREMOR_N;
                 let force = site.max_force_n.filter(|force| *force > heavy)?;
                 format!("up to {force:.2} N")
             }
@@ -171,7 +171,7 @@ fn shown_by(metric: &str, sites: &[SiteGrade], set: &Settings) -> Vec<ShownBy> {
         metric,
         "touches_too_heavy" | "trauma_events" | "readings_too_heavy"
     ) {
-        // The heaviest first: they are what it is about.
+        // Zones with the largest forces come first.
         let force = |site: &SiteGrade| site.max_force_n.unwrap_or_default();
         asked.sort_by(|a, b| force(b).total_cmp(&force(a)));
     }

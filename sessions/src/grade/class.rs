@@ -1,4 +1,4 @@
-//! A class in one table: a row for each session, and what its pages and its CSV are made of.
+//! Sessions of a class: attempts, final scores, and the CSV table.
 
 use super::names::Names;
 use super::report::Grade;
@@ -7,17 +7,17 @@ use crate::export::cells;
 use crate::pages::date;
 use crate::record::mode::Mode;
 
-/// As what a session is shown, and as what it was recorded.
+/// Mode of a session: as shown and as recorded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
-    /// As what it is shown.
+    /// Mode in which the session is shown.
     pub mode: Mode,
-    /// As what it was recorded; none where the recording does not say.
+    /// Recorded mode. None for a recording without a mode.
     pub recorded: Option<Mode>,
 }
 
 impl Shown {
-    /// For people.
+    /// Mode in words, for people.
     pub fn words(self) -> String {
         match self.recorded {
             Some(recorded) if recorded != self.mode => {
@@ -28,30 +28,31 @@ impl Shown {
     }
 }
 
-/// One session of a class.
+/// Session of a class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Session {
     /// Name of the recording's file, without its folder.
     pub file: String,
-    /// Its grade.
+    /// Grade.
     pub grade: Grade,
-    /// What an instructor said.
+    /// Revisions and the learner's own score, stored beside the recording.
     pub sidecar: Option<Sidecar>,
-    /// The learner's own score, where it was asked for.
+    /// Learner's own score, in self-assessment.
     pub self_score: Option<f64>,
-    /// As what it is shown.
+    /// Mode of the session.
     pub shown: Shown,
-    /// Which attempt of this learner at this exercise it is, from 1.
+    /// Number of the learner's attempt at this exercise, from 1.
     pub attempt: usize,
 }
 
 impl Session {
-    /// Whether nothing is shown of it that tells what the depths are, nor what to practise.
+    /// Whether the session is shown as an exam: without advice and without values that tell depths.
     pub fn is_exam(&self) -> bool {
         self.shown.mode == Mode::Exam
     }
 
-    /// Whether both are of one learner at one exercise, and both exams or neither. Who has no id is nobody's other attempt.
+    /// Whether both sessions are attempts of one learner at one exercise, both exams or neither.
+    /// A session without a learner id has no other attempts.
     pub fn is_of_the_same(&self, other: &Self) -> bool {
         let (a, b) = (&self.grade, &other.grade);
         !a.learner_id.is_empty()
@@ -60,7 +61,7 @@ impl Session {
             && self.is_exam() == other.is_exam()
     }
 
-    /// How much it says, to compare copies: whether there is a grade, how much an instructor said, whether the learner did.
+    /// Content, to compare copies: whether a grade exists, the number of revisions, whether an own score exists.
     pub fn says(&self) -> (bool, usize, bool) {
         let said = self.sidecar.as_ref();
         let revisions = said.map_or(0, |sidecar| sidecar.revisions.len());
@@ -71,7 +72,7 @@ impl Session {
         )
     }
 
-    /// What counts in the end, and whether it is passed: an instructor's last word, else the proposal.
+    /// Final score, and whether the session is passed: the latest revision, else the program's proposal.
     pub fn counts(&self) -> (Option<f64>, Option<bool>) {
         let latest = self.sidecar.as_ref().and_then(Sidecar::latest);
         match latest {
@@ -80,7 +81,7 @@ impl Session {
         }
     }
 
-    /// Whether both are the same session: the same recording, or a copy of it.
+    /// Whether both are the same session: one recording and its copy.
     pub fn is(&self, other: &Self) -> bool {
         let (a, b) = (&self.grade, &other.grade);
         (a.started_unix_ns, a.seed) == (b.started_unix_ns, b.seed)
@@ -89,7 +90,7 @@ impl Session {
     }
 }
 
-/// Numbers the attempts: sessions of one learner at one exercise, exams apart, by when they began.
+/// Numbers the attempts: sessions of one learner at one exercise in the order of their beginnings, exams apart.
 pub fn number_attempts(sessions: &mut [Session]) {
     sessions.sort_by(|a, b| {
         let key = |s: &Session| {
@@ -111,12 +112,12 @@ pub fn number_attempts(sessions: &mut [Session]) {
     }
 }
 
-/// A table for spreadsheets: learner, attempt, score, every metric's value, and what an instructor said; then a row for each file
-/// that could not be read, with the reason. Names only where a key table is given.
-/// Text that a spreadsheet would misread begins with an apostrophe, a signer always.
+/// CSV table for spreadsheets. A session's row has learner, attempt, scores, revision and the value of every metric.
+/// A file that could not be read has a row with the reason. The column of names exists only with a key table.
+/// Text that a spreadsheet would change begins with an apostrophe; a signer always does.
 ///
 /// # Errors
-/// When a row cannot be written.
+/// A row that cannot be written.
 pub fn csv(
     sessions: &[Session],
     unread: &[(String, String)],
@@ -227,7 +228,7 @@ pub fn csv(
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Text that a spreadsheet takes for text.
+/// Text that a spreadsheet keeps as text.
 fn cell(text: &str) -> String {
     cells::text(text).into_owned()
 }

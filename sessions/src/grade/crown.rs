@@ -1,33 +1,31 @@
-//! How far round a crown the probe went.
+//! Part of a crown's circumference that the probe touched.
 
 use sulcus_core::{Scene, Vec3};
 
-use super::touches::BEGINS;
+use super::tolerances::{TIE, TOUCH_N};
 
-/// Sectors about the crown's middle.
+/// Number of sectors about the crown's middle.
 const SECTORS: usize = 12;
-/// A tip nearer to the middle than this is on top of the crown, in no sector, metres.
+/// Distance from the middle, seen from above, below which the tip is on top of the crown and in no sector, metres.
 pub const OFF_AXIS: f64 = 3e-3;
-/// Time in touch from which a sector counts, seconds.
+/// Time in contact from which a sector counts, seconds.
 pub const LEAST_S: f64 = 0.02;
 /// Height of a crown from its highest cusp down, metres.
-const CROWN: f64 = 7e-3;
-/// A tip farther than this from the box about the crown touches something else, or with its shaft, metres.
-const BESIDE: f64 = 2e-3;
-/// What rounding may take off a time.
-const TIE: f64 = 1e-9;
+pub const CROWN: f64 = 7e-3;
+/// Distance outside the crown's box up to which a touch is one of the tip, metres. Farther out, the shaft touches.
+pub const BESIDE: f64 = 2e-3;
 
-/// Time in touch by sector.
+/// Time in contact by sector of a crown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crown {
     middle: Vec3,
-    /// Half of what the crown takes up, and room for a tip beside it, metres.
+    /// Half of the box around the crown, with the room for a tip beside it, metres.
     half: Vec3,
     seconds: [f64; SECTORS],
 }
 
 impl Crown {
-    /// About the first tooth of the scene; none where it has none.
+    /// Crown of the scene's first tooth. None for a scene without a tooth.
     pub fn of(scene: &Scene) -> Option<Self> {
         let tooth = scene
             .objects
@@ -46,7 +44,7 @@ impl Crown {
         }
     }
 
-    /// Takes in a tick of `dt` seconds: where the tip is, and the force on the probe, newtons.
+    /// Takes in a tick of `dt` seconds: place of the tip, world axes, metres, and force on the probe, newtons.
     pub fn observe(&mut self, tip: &Vec3, force: f64, dt: f64) {
         let off = tip - self.middle;
         let away = (off.x * off.x + off.y * off.y).sqrt();
@@ -54,14 +52,14 @@ impl Crown {
             .iter()
             .zip(self.half.iter())
             .all(|(x, half)| x.abs() <= *half);
-        // (A NaN touches nothing.)
-        if force >= BEGINS && away >= OFF_AXIS && beside {
+        // A NaN touches nothing.
+        if force >= TOUCH_N && away >= OFF_AXIS && beside {
             let turn = libm::atan2(off.y, off.x) / std::f64::consts::TAU + 0.5;
             self.seconds[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += dt;
         }
     }
 
-    /// Share of the sectors that were touched, percent.
+    /// Share of the sectors that count, percent.
     pub fn covered_percent(&self) -> f64 {
         let touched = self.seconds.iter().filter(|s| **s >= LEAST_S - TIE);
         100.0 * touched.count() as f64 / SECTORS as f64
@@ -87,16 +85,16 @@ mod tests {
             crown.observe(&at(45.0, 5.0), 0.1, 1e-3);
         }
         assert!((crown.covered_percent() - 100.0 / 12.0).abs() < 1e-9);
-        // In the air, too near to the middle, not finite.
+        // Tips in the air, too near to the middle, and with a force that is not finite.
         for _ in 0..100 {
             crown.observe(&at(100.0, 5.0), 0.01, 1e-3);
             crown.observe(&at(130.0, 2.9), 0.3, 1e-3);
             crown.observe(&at(160.0, 5.0), f64::NAN, 1e-3);
-            // Beside the tooth, or under it: the shaft touches, not the tip.
+            // Tips beside the tooth and below it: the shaft touches.
             crown.observe(&at(190.0, 9.0), 0.3, 1e-3);
             crown.observe(&(at(220.0, 5.0) - Vec3::z() * 8e-3), 0.3, 1e-3);
         }
-        // In passing: 19 ms.
+        // 19 ms are a passage.
         (0..19).for_each(|_| crown.observe(&at(-100.0, 5.0), 0.3, 1e-3));
         assert!((crown.covered_percent() - 100.0 / 12.0).abs() < 1e-9);
         for degrees in [5.0, 75.0, 105.0, 135.0, 165.0] {

@@ -1,4 +1,4 @@
-//! What a grade rests on, gathered tick by tick from a replay.
+//! Evidence of a session: every measure, gathered tick by tick from a replay.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,11 +9,13 @@ use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
 
 use super::crown::Crown;
-use super::floor::FloorTime;
-use super::hands::{Hands, Moment, Pressed, Steady};
-use super::rubric::Settings;
+use super::floor_time::FloorTime;
+use super::hands::{Hands, Moment, Steady};
+use super::pressed::Pressed;
+use super::settings::Settings;
+use super::tolerances::{PROBED_S, TIE, TOUCH_N};
 use super::touches::Touches;
-use super::zones::{STAYED, Span, TIE, Zones};
+use super::zones::{Span, Zones};
 use crate::exercise::events::sight::is_tongue;
 use crate::exercise::events::{Events, Standing, pocket};
 use crate::exercise::{Exercise, ProbingTask};
@@ -21,10 +23,10 @@ use crate::grade::motion::moves::Moves;
 use crate::grade::motion::series::Series;
 use crate::record::occurrence::{FORCE_ZONE, Occurrence};
 
-/// All that was seen of a session.
+/// Evidence of a session.
 #[derive(Clone, Debug)]
 pub struct Evidence {
-    /// Zones probed.
+    /// Zones that the tip was in.
     pub zones: Zones,
     /// Touches of the floor.
     pub touches: Touches,
@@ -32,36 +34,36 @@ pub struct Evidence {
     pub floor: FloorTime,
     /// Both hands.
     pub hands: Hands,
-    /// How hard the mirror was pressed, and the probe.
+    /// Force on the mirror.
     pub mirror: Pressed,
-    /// See `mirror`.
+    /// Force on the probes.
     pub probe: Pressed,
-    /// How far round the crown the probe went, where that is asked for.
+    /// Touched part of the crown, in an exercise on a crown.
     pub crown: Option<Crown>,
-    /// The way of every tool.
+    /// Motion of every tool.
     pub moves: [Moves; MAX_TOOLS],
-    /// For plots.
+    /// Depth and force over time, for plots.
     pub series: Series,
-    /// Zones that bled, whatever the cause.
+    /// Zones that bled, from any cause.
     pub bled: BTreeSet<(u8, Site)>,
-    /// Times that the tip was withdrawn between two zones of a side, on its way to one on whose floor it had not stayed.
+    /// Number of withdrawals between two zones of a side, on the way to a zone whose floor had not been felt.
     pub withdrawals: usize,
-    /// Entries into the zones of trauma and of damage.
+    /// Number of entries into the zone of trauma.
     pub trauma: usize,
-    /// See `trauma`.
+    /// Number of entries into the zone of damage.
     pub damage: usize,
-    /// Slot of the tool that leads: the first probe, else the first tool.
+    /// Slot of the leading tool: the first mirror in a retraction, else the first probe, else the first tool.
     pub leading: usize,
-    /// Depths prescribed, metres.
+    /// Prescribed depths, metres.
     floors: BTreeMap<(u8, Site), f64>,
-    /// Zones on whose floor the tip stayed so far: who sweeps along the margin was in none.
+    /// Zones whose floor has been felt. A sweep along the margin feels none.
     entered: BTreeSet<(u8, Site)>,
-    /// Where the tip is now, and for how long it has borne on the floor there, seconds.
+    /// Present zone, and the time of the force on its floor in this visit, seconds.
     here: Option<((u8, Site), f64)>,
     task: ProbingTask,
     steady: Steady,
     mirror_slot: Option<usize>,
-    /// Of the scene's objects: which are tongues.
+    /// Whether an object is a tongue, by its index in the scene.
     tongues: Vec<bool>,
     has_zones: bool,
     first_tick: Option<u64>,
@@ -69,7 +71,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Nothing seen yet.
+    /// Empty evidence, before the first tick.
     pub fn new(scene: &Scene, exercise: &Exercise) -> Self {
         let dt = scene.tick_s();
         let is_probe = |tool: &sulcus_core::Tool| !tool.bands.is_empty();
@@ -91,7 +93,7 @@ impl Evidence {
             withdrawals: 0,
             trauma: 0,
             damage: 0,
-            // Where the mirror alone is asked for, it leads.
+            // A retraction is a task for the mirror alone.
             leading: match exercise.kind {
                 crate::exercise::Kind::Retraction => scene.tools.iter().position(|t| !is_probe(t)),
                 _ => probe,
@@ -120,7 +122,7 @@ impl Evidence {
         }
     }
 
-    /// Takes in a tick, with `events` and `shapes` as they are after it.
+    /// Takes in a tick. `events` and `shapes` are those after the tick.
     pub fn observe(
         &mut self,
         scene: &Scene,
@@ -131,7 +133,7 @@ impl Evidence {
     ) {
         let tick_s = scene.tick_s();
         let first = *self.first_tick.get_or_insert(output.tick);
-        // What was skipped went by too.
+        // Skipped ticks belong to this tick.
         let ticks = match self.last_tick {
             0 => 1,
             last => output.tick.saturating_sub(last).max(1),
@@ -148,7 +150,12 @@ impl Evidence {
             let here = held(&t);
             let force = norm(&out.raw_wrench.force);
             let in_pocket = events.standing(t).is_some();
-            let tip = here.then(|| (out.graphic.transform(&tool.tip), force < FREE && !in_pocket));
+            let tip = here.then(|| {
+                (
+                    out.graphic.transform(&tool.tip),
+                    force < TOUCH_N && !in_pocket,
+                )
+            });
             self.moves[t].observe(tip, ticks);
             if here {
                 let pressed = if self.mirror_slot == Some(t) {
@@ -181,7 +188,7 @@ impl Evidence {
         let bears = self
             .mirror_slot
             .filter(held)
-            .is_some_and(|t| self.on_tongue(t, shapes) >= FREE);
+            .is_some_and(|t| self.on_tongue(t, shapes) >= TOUCH_N);
         let visible = events.is_target_visible();
         let moment = Moment {
             in_pocket: self
@@ -197,7 +204,7 @@ impl Evidence {
         self.series.observe(at_s, standing, push, visible);
     }
 
-    /// What the tongue bears of the tool in a slot, newtons: in the air, or on a tooth, a mirror holds none, however still it is.
+    /// Force of the tool in a slot on tongues, newtons. A mirror in the air or on a tooth holds no tongue.
     fn on_tongue(&self, slot: usize, shapes: &Workspace) -> f64 {
         let is_tongue = |object: u16| self.tongues.get(usize::from(object)) == Some(&true);
         let on_tongue =
@@ -207,8 +214,8 @@ impl Evidence {
         loads.map(|(_, load)| load).sum()
     }
 
-    /// What is done in a tick of a pause is no student's doing: the hand feels nothing, and no time is counted.
-    fn pauses(&mut self, tick: u64, tick_s: f64) {
+    /// Takes in a tick of a pause. The hand feels nothing, so nothing counts and no time passes.
+    pub(super) fn pauses(&mut self, tick: u64, tick_s: f64) {
         self.last_tick = tick;
         self.moves
             .iter_mut()
@@ -217,7 +224,7 @@ impl Evidence {
         self.here = None;
     }
 
-    /// Enters the zone on whose floor the tip has borne, with `least` newtons or more, long enough in one visit.
+    /// Takes in the place of the tip. A zone is felt after [`PROBED_S`] with `least` newtons or more in one visit.
     pub(super) fn stays(&mut self, at: Option<&Standing>, dt: f64, least: f64) {
         self.here = at.map(|at| {
             let zone = (at.tooth, at.site);
@@ -225,13 +232,13 @@ impl Evidence {
             let more = if at.force >= least { dt } else { 0.0 };
             (zone, before.map_or(0.0, |(_, seconds)| seconds) + more)
         });
-        let long = |(_, seconds): &((u8, Site), f64)| *seconds >= STAYED - TIE;
+        let long = |(_, seconds): &((u8, Site), f64)| *seconds >= PROBED_S - TIE;
         self.entered
             .extend(self.here.filter(long).map(|(zone, _)| zone));
     }
 
-    /// The force on a floor has come into a zone.
-    fn enters(&mut self, zone: ForceZone) {
+    /// Takes in the entry of the force on a floor into a zone of force.
+    pub(super) fn enters(&mut self, zone: ForceZone) {
         match zone {
             ForceZone::Trauma => self.trauma += 1,
             ForceZone::Damage => self.damage += 1,
@@ -239,7 +246,7 @@ impl Evidence {
         }
     }
 
-    /// Takes in what happened in the tick.
+    /// Takes in an event of the tick.
     pub fn happened(&mut self, said: &Occurrence) {
         let is = |key: &str, what: &str| said.data[key] == what;
         let zone = |site: &str| {
@@ -259,91 +266,18 @@ impl Evidence {
     }
 }
 
-/// Kinds of events ([`crate::exercise::events::KINDS`]).
-const WITHDRAWN: &str = crate::exercise::events::KINDS[4];
-const BLEEDING: &str = crate::exercise::events::KINDS[5];
-
-/// A tool is free under so much force, newtons.
-const FREE: f64 = 0.02;
-
-/// Observes a session and everything in it, workspace included: what a replay calls in every tick.
-#[derive(Clone, Debug)]
-pub struct Watcher {
-    /// The session's events.
-    pub events: Events,
-    /// What was gathered.
-    pub evidence: Evidence,
-    settings: Settings,
-    /// The tick, while it is paused, or not at full strength again since.
-    paused: Option<u64>,
-    /// The last tick of which that was so.
-    last_pause: Option<u64>,
-}
-
-impl Watcher {
-    /// Before the first tick.
-    pub fn new(scene: &Scene, exercise: &Exercise, settings: Settings) -> Self {
-        Self {
-            events: Events::new(scene, exercise),
-            evidence: Evidence::new(scene, exercise),
-            settings,
-            paused: None,
-            last_pause: None,
-        }
-    }
-
-    /// Takes in a tick; `shapes` is the workspace as that tick left it.
-    pub fn observe(&mut self, scene: &Scene, output: &TickOutput, shapes: &Workspace) {
-        let was = self.paused;
-        let held = output
-            .tools
-            .iter()
-            .filter(|tool| tool.status & status::ABSENT == 0);
-        let bits = held.fold(0, |bits, tool| bits | tool.status);
-        let still = was.is_some() && bits & status::RAMPING != 0;
-        self.paused = (bits & status::PAUSED != 0 || still).then_some(output.tick);
-        self.last_pause = self.paused.or(self.last_pause);
-        for said in self.events.observe(scene, output, shapes) {
-            // Blood that shows in a pause, or after it, comes from before.
-            let counts = said.kind == BLEEDING || self.paused.is_none();
-            if counts
-                && !self
-                    .last_pause
-                    .is_some_and(|tick| began_by(&said, tick, scene))
-            {
-                self.evidence.happened(&said);
-            }
-        }
-        if self.paused.is_some() {
-            self.evidence.pauses(output.tick, scene.tick_s());
-            return;
-        }
-        if was.is_some() {
-            // A force that was not let go of is felt from now on.
-            let zones = output.tools.iter().filter_map(|tool| tool.pocket);
-            zones.for_each(|reading| self.evidence.enters(reading.zone));
-        }
-        self.evidence
-            .observe(scene, output, &self.events, shapes, &self.settings);
-    }
-}
-
-/// Whether a withdrawal began in a pause that lasted until `tick`, or before it: the hand was told to let go then.
-fn began_by(said: &Occurrence, tick: u64, scene: &Scene) -> bool {
-    let ago = said.data["seconds"].as_f64().unwrap_or_default() / scene.tick_s();
-    said.kind == WITHDRAWN && said.tick as f64 - ago <= tick as f64
-}
+/// Kind of the event that the tip was withdrawn between two zones of a side.
+pub(super) const WITHDRAWN: &str = crate::exercise::events::KINDS[4];
+/// Kind of the event that a zone bleeds.
+pub(super) const BLEEDING: &str = crate::exercise::events::KINDS[5];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grade::test_help::{SET, empty_scene};
     use crate::record::read::Recording;
     use crate::replay::{ReplayOptions, replay_observed};
-    use sulcus_core::output::PocketReading;
-    use sulcus_core::{Pose, ToolOutput, Vec3};
 
-    /// Share of the ticks in which the tool in slot 0 bears on something in which the tongue bears it; of a recording of the corpus.
+    /// Share of the contact ticks of tool 0 with a force on a tongue, in a recording of the corpus.
     fn share_on_tongue(name: &str) -> f64 {
         let path = format!("{}/tests/corpus/{name}", env!("CARGO_MANIFEST_DIR"));
         let recording = Recording::open(path.as_ref()).expect("a recording");
@@ -357,9 +291,9 @@ mod tests {
             &options,
             &mut |_| {},
             &mut |_, _, output, shapes| {
-                if norm(&output.tools[0].raw_wrench.force) > 2.0 * FREE {
+                if norm(&output.tools[0].raw_wrench.force) > 2.0 * TOUCH_N {
                     bears += 1;
-                    on_tongue += u32::from(evidence.on_tongue(0, shapes) >= FREE);
+                    on_tongue += u32::from(evidence.on_tongue(0, shapes) >= TOUCH_N);
                 }
             },
         )
@@ -373,88 +307,5 @@ mod tests {
         let on_tongue = share_on_tongue("retraction.mcap");
         assert!(on_tongue > 0.99, "{on_tongue}");
         assert_eq!(share_on_tongue("crown.mcap"), 0.0);
-    }
-
-    /// A teacher's pause made trauma and a heavy hand of what nobody felt.
-    #[test]
-    fn what_is_done_in_a_pause_counts_for_nothing() {
-        let scene = empty_scene();
-        let exercise = Exercise::built_in();
-        let exercise = exercise.iter().find(|one| one.name == "retraction");
-        let exercise = exercise.expect("built in");
-        let mut watcher = Watcher::new(&scene, exercise, SET);
-        let shapes = Workspace::new(&scene);
-        let mut output = TickOutput {
-            tick: 0,
-            hash: 0,
-            tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
-        };
-        // (A tool that nobody holds is never at full strength.)
-        output.tools[0].status = status::ABSENT | status::RAMPING;
-        let mut hold = |status: u16, force: f64, ticks: u32| {
-            for _ in 0..ticks {
-                output.tick += 1;
-                output.tools[1].status = status;
-                output.tools[1].raw_wrench.force = Vec3::new(0.0, 0.0, force);
-                watcher.observe(&scene, &output, &shapes);
-            }
-            let evidence = &watcher.evidence;
-            (evidence.mirror.peak(), evidence.hands.span_s())
-        };
-        let near = |found: (Option<f64>, Option<f64>), peak: f64, seconds: f64| {
-            let (a, b) = (found.0.expect("pressed"), found.1.expect("held"));
-            assert!(
-                (a - peak).abs() < 1e-9 && (b - seconds).abs() < 1e-9,
-                "{found:?}"
-            );
-        };
-        near(hold(0, 1.0, 100), 1.0, 0.1);
-        near(hold(status::PAUSED, 9.0, 5000), 1.0, 0.1);
-        near(hold(status::RAMPING, 9.0, 100), 1.0, 0.1);
-        near(hold(0, 1.0, 100), 1.0, 0.2);
-        // A ramp after anything else is no pause.
-        near(hold(status::RAMPING, 2.0, 100), 2.0, 0.3);
-    }
-
-    #[test]
-    fn what_goes_on_over_the_end_of_a_pause_is_judged_by_when_it_began() {
-        let scene = empty_scene();
-        let exercise = Exercise::free("free", 1.0);
-        let mut watcher = Watcher::new(&scene, &exercise, SET);
-        let shapes = Workspace::new(&scene);
-        let mut output = TickOutput {
-            tick: 0,
-            hash: 0,
-            tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
-        };
-        let mut press = |status: u16, zone: ForceZone| {
-            output.tick += 1;
-            output.tools[0].status = status;
-            output.tools[0].pocket = Some(PocketReading {
-                object: 0,
-                around: 0.0,
-                depth: 2e-3,
-                floor_force: 2.5,
-                zone,
-                entered_zone: false,
-            });
-            watcher.observe(&scene, &output, &shapes);
-            (watcher.evidence.trauma, watcher.evidence.damage)
-        };
-        assert_eq!(press(0, ForceZone::Light), (0, 0));
-        assert_eq!(press(status::PAUSED, ForceZone::Damage), (0, 0));
-        assert_eq!(press(status::RAMPING, ForceZone::Damage), (0, 0));
-        // Still pressed when it is felt again.
-        assert_eq!(press(0, ForceZone::Damage), (0, 1));
-        assert_eq!(press(0, ForceZone::Damage), (0, 1));
-        // Tick 3 was the last of the pause: out since tick 2, and out since tick 5.
-        let said = |tick: u64, seconds: f64| Occurrence {
-            kind: WITHDRAWN.into(),
-            tick,
-            data: serde_json::json!({ "seconds": seconds }),
-        };
-        assert!(began_by(&said(8, 6e-3), 3, &scene));
-        assert!(!began_by(&said(8, 3e-3), 3, &scene));
-        assert_eq!((WITHDRAWN, BLEEDING), ("withdrawn", "bleeding"));
     }
 }

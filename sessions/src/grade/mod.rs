@@ -1,43 +1,60 @@
-//! A grade with its reasons, from a replayed session and nothing else: what a recording's rows claim of wrenches buys nothing,
-//! and a recording that is not sound gets no grade.
+//! Grade of a replayed session, with its reasons. Wrenches that a recording claims do not count.
 //!
-//! A [`Watcher`] gathers the [`Evidence`] while a replay runs; [`finish`] makes the [`Grade`] of it. [`definitions`] has what
-//! is measured, [`rubric`] what counts how much; both travel in the recording. The program *proposes*: what an instructor
-//! says instead is kept beside the proposal ([`revision`]).
+//! A [`Watcher`] gathers the [`Evidence`] during a replay. [`finish`] makes the [`Grade`] from the evidence.
+//! [`definitions`] defines the metrics, [`rubric`] their weights; a recording carries both.
+//! A grade is the program's proposal. An instructor's score is stored beside the proposal: [`revision`].
+//!
+//! # Modules
+//! Modules depend on each other in one direction, from the last line to the first:
+//!
+//! - `tolerances`, [`settings`], `stats`: thresholds and statistics
+//! - `zones`, `touches`, [`floor_time`], `hands`, `pressed`, `crown`, `motion`: measures of one tick after another
+//! - [`evidence`], [`watcher`], `patient`, [`sites`]: a whole session
+//! - `measured`, [`definitions`], [`rubric`], `score`, [`report`], `advice`: metrics, weights, the grade as data
+//! - [`run`], `text`: from a recording to its grade, and to text
+//! - [`names`] with its reader `sheet`, [`revision`], [`class`]: grades of a class
 //!
 //! # Invariants
-//! - No clock, no chance, no order of a hash map, functions by libm: the same recording gives the same bytes on every machine.
-//! - Printed numbers are rounded once, here, ties away from zero: scores and percentages to 0.1, millimetres to 0.01,
-//!   newtons to 0.001, seconds to 0.01, smoothness to 0.001. Points are made of the values before rounding.
+//! - No clock, no chance, no order of a hash map, functions by libm: a recording has the same grade on every machine.
+//! - Printed numbers are rounded once, in this module, ties away from zero. Points are computed before rounding.
+//! - Metrics: scores, percentages, seconds and `path_length` to 0.1, other lengths and forces to 0.01, numbers to
+//!   0.001.
+//! - Zones: lengths to 0.01 mm, forces and times to 0.001, angles to 0.1 degrees. Time on the floor: to 0.01 s.
 
 mod advice;
 pub mod class;
 mod crown;
 pub mod definitions;
 pub mod evidence;
-pub mod floor;
+pub mod floor_time;
 mod hands;
+mod measured;
 pub(crate) mod motion;
 pub mod names;
 pub(crate) mod patient;
+mod pressed;
 pub mod report;
 pub mod revision;
 pub mod rubric;
 pub mod run;
 mod score;
+pub mod settings;
 mod sheet;
 pub mod sites;
 pub(crate) mod stats;
-pub(crate) mod table;
 #[cfg(test)]
 pub(crate) mod test_help;
+pub(crate) mod text;
+mod tolerances;
 mod touches;
-mod values;
+pub mod watcher;
 mod zones;
 
-pub use evidence::{Evidence, Watcher};
+pub use evidence::Evidence;
 pub use motion::series::{Point, STEP_S, Series};
 pub use report::{Advice, CriticalError, Grade, MetricGrade, Migrated, RubricUsed, Standard};
 pub use rubric::Rubric;
 pub use run::{GradeError, Graded, Options, finish, grade};
+pub use settings::Settings;
 pub use sites::{Finding, SiteGrade};
+pub use watcher::Watcher;

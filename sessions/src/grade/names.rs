@@ -1,5 +1,6 @@
-//! The key table: which learner id is whose. It is kept apart from recordings and given only when something is printed for
-//! people, so that erasing a person does not break a signed file.
+//! Key table: names of learners by their ids.
+//!
+//! The table is kept apart from the signed recordings, so that a name can be erased. Only output for people needs it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,26 +14,26 @@ use crate::grade::sheet::{Row, SheetError};
 /// Largest key table that is read, bytes.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// Names by learner id. A table with the columns `learner_id` and `name`, as spreadsheets save it: separated by commas, semicolons
-/// or tabs, in UTF-8, UTF-16 or Windows-1252.
+/// Names by learner id. The file is a table with the columns `learner_id` and `name`. Commas, semicolons, tabs or
+/// vertical bars separate the cells; the encoding is UTF-8, UTF-16 or Windows-1252.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names(BTreeMap<String, String>);
 
-/// Why a file is no key table.
+/// Failure to read a key table.
 #[derive(Debug, thiserror::Error)]
 pub enum NamesError {
-    /// It cannot be read, or is no text.
+    /// File that cannot be read, or is not text.
     #[error("key table `{path}`: {why}")]
     Read {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Why not.
+        /// Reason.
         why: String,
     },
-    /// A row is not as it must be.
+    /// Row that is not valid.
     #[error("key table `{path}`, line {line}: {field} is {found}, expected {expected}")]
     Field {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Line, from 1.
         line: u64,
@@ -40,7 +41,7 @@ pub enum NamesError {
         field: &'static str,
         /// Value found.
         found: String,
-        /// What it must be.
+        /// Value expected.
         expected: String,
     },
 }
@@ -49,7 +50,7 @@ impl Names {
     /// Reads a key table.
     ///
     /// # Errors
-    /// Names the file, the line, the column, what was found and what is expected.
+    /// The file, the line, the column, the value found and the value expected.
     pub fn open(path: &Path) -> Result<Self, NamesError> {
         let unread = |why: String| NamesError::Read {
             path: path.shown().to_string(),
@@ -66,10 +67,10 @@ impl Names {
         Self::parse(&bytes, path)
     }
 
-    /// The key table in a file's bytes; `path` is how messages call it.
+    /// Key table from the bytes of a file. `path` is its name in messages.
     ///
     /// # Errors
-    /// As [`Names::open`].
+    /// The errors of [`Names::open`].
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, NamesError> {
         let path = || path.shown().to_string();
         let rows = sheet::read(bytes, ["learner_id", "name"]).map_err(|error| match error {
@@ -111,12 +112,12 @@ impl Names {
         Ok(Self(names))
     }
 
-    /// The name of a learner, where the table has it.
+    /// Name of a learner. None if the table does not have the id.
     pub fn of(&self, learner_id: &str) -> Option<&str> {
         self.0.get(learner_id).map(String::as_str)
     }
 
-    /// What a learner is called on a page: the name with the id, or the id alone.
+    /// Label of a learner on a page: the name with the id, or the id alone.
     pub fn label(&self, learner_id: &str) -> String {
         let id = if learner_id.is_empty() {
             "(no id)"

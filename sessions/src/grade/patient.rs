@@ -1,24 +1,25 @@
-//! What a recording's patient text says of teeth, as far as a chart draws it and a grade asks for it. It is text of others, read with suspicion: what
-//! is not as expected is left out.
+//! Patient text of a recording: missing teeth and furcations, for the chart and the grade.
+//!
+//! The text comes from others. An entry of another form is left out.
 
 use toml::{Table, Value};
 
-/// Teeth that are missing, and furcations.
+/// Missing teeth and furcations of a patient.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatientChart {
     /// FDI numbers of missing teeth.
     pub missing: Vec<u8>,
-    /// Tooth, whether the cheek's side, grade (Hamp 1975: 1 to 3).
+    /// Tooth, whether the side is buccal, and grade after Hamp 1975, 1 to 3.
     furcations: Vec<(u8, bool, u8)>,
 }
 
 impl PatientChart {
-    /// From the text of a patient; none where there is none.
+    /// Chart from the text of a patient. None for an empty text.
     pub fn of(text: &str) -> Option<Self> {
         (!text.trim().is_empty()).then(|| Self::read(text))
     }
 
-    /// From the text of a patient.
+    /// Chart from the text of a patient.
     pub fn read(text: &str) -> Self {
         let table: Table = toml::from_str(text).unwrap_or_default();
         let small = |value: &Value| value.as_integer().and_then(|x| u8::try_from(x).ok());
@@ -43,7 +44,7 @@ impl PatientChart {
         }
     }
 
-    /// Grade of a furcation; 0 where there is none.
+    /// Grade of a furcation, 0 to 3; 0 without a furcation.
     pub fn furcation(&self, fdi: u8, buccal: bool) -> u8 {
         let found = self
             .furcations

@@ -1,11 +1,12 @@
-//! A grade as data: what is printed as JSON, and what tables and pages are made of.
+//! Grade as data: the source of JSON, tables and pages.
 
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::floor::FloorTime;
-use super::rubric::{Bound, Rubric, Settings};
+use super::floor_time::FloorTime;
+use super::rubric::{Bound, Rubric};
+use super::settings::Settings;
 use super::sites::SiteGrade;
 use super::stats::rounded;
 use crate::exercise::Exercise;
@@ -15,20 +16,20 @@ use crate::record::header::SessionHeader;
 use crate::record::written::WrittenError;
 use crate::replay::ReplayReport;
 
-/// Where a rubric came from.
+/// Source of a rubric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// It travelled in the recording.
+    /// Rubric of the recording.
     Recording,
-    /// The recording has none: this program's, for its exercise.
+    /// This program's rubric for the exercise, if the recording has none.
     BuiltIn,
-    /// A file given instead of the recording's own.
+    /// File that was given instead of the recording's rubric.
     File,
 }
 
 impl Source {
-    /// As in JSON.
+    /// Name in JSON.
     pub fn words(self) -> &'static str {
         match self {
             Self::Recording => "recording",
@@ -38,25 +39,25 @@ impl Source {
     }
 }
 
-/// A rubric, and where it came from.
+/// Rubric with its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standard {
-    /// The rubric.
+    /// Rubric.
     pub rubric: Rubric,
-    /// Where it came from.
+    /// Source of the rubric.
     pub source: Source,
-    /// blake3 of its text.
+    /// blake3 of the rubric's text.
     pub blake3: [u8; 32],
-    /// Metrics that a recorded one asks for and this program does not know.
+    /// Metrics of a recorded rubric that this program does not know.
     pub unknown: Vec<String>,
 }
 
 impl Standard {
-    /// What a session is graded by: a rubric given instead, else the recording's, else the built-in one of its exercise; none
-    /// where nothing in particular was asked.
+    /// Rubric for a session: `instead` if given, else the recording's, else the built-in rubric of the exercise.
+    /// None for a free exercise without a rubric.
     ///
     /// # Errors
-    /// When the recording's rubric cannot be used.
+    /// A rubric of the recording that cannot be used.
     pub fn of(
         header: &SessionHeader,
         exercise: &Exercise,
@@ -107,104 +108,105 @@ impl Standard {
     }
 }
 
-/// Which rubric a grade is by.
+/// Rubric of a grade.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RubricUsed {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its version.
+    /// Version.
     pub version: u32,
-    /// blake3 of its text, hexadecimal.
+    /// blake3 of the text, hexadecimal.
     pub blake3: String,
-    /// Where it came from.
+    /// Source.
     pub source: Source,
-    /// Metrics whose definition in it is not this program's: their values are by this program's definition.
+    /// Metrics whose recorded definition differs from this program's, in words or in meaning. Their values follow this
+    /// program's definition.
     pub redefined: Vec<String>,
-    /// Metrics that it asks for and this program does not know: they are not measured, and count for nothing.
+    /// Metrics that this program does not know. They have no value and no weight.
     pub unknown: Vec<String>,
 }
 
-/// A metric's value and what it is worth.
+/// Metric of a grade: value, scale and score.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MetricGrade {
     /// Name in rubrics.
     pub name: &'static str,
-    /// For people.
+    /// Title for people.
     pub title: &'static str,
-    /// Value; null where there was nothing to measure.
+    /// Value in `unit`; null if there was nothing to measure.
     pub value: Option<f64>,
     /// Unit; empty for a pure number.
     pub unit: &'static str,
-    /// Value of a full score, or from and to.
+    /// Value of a full score, or a band.
     pub target: Bound,
-    /// Value of no score, or from and to.
+    /// Value of no score, or a band.
     pub zero: Bound,
-    /// How much it counts against the others.
+    /// Weight in the total.
     pub weight: f64,
-    /// 0 to 100; null where it does not count.
+    /// Score, 0 to 100; null if the metric does not count.
     pub score: Option<f64>,
-    /// Score without which nothing is passed.
+    /// Score of this metric below which the session is not passed.
     pub pass: Option<f64>,
-    /// Points taken off the total because it is under that.
+    /// Points off the total for a score below `pass`.
     pub deducted: f64,
-    /// What exactly is measured.
+    /// This program's definition. The value follows it.
     pub definition: &'static str,
-    /// And how the recording has it, where that is otherwise: what the rubric's bounds were made for.
+    /// Definition in the recording, if it differs from this program's. The rubric's bounds were made for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_definition: Option<String>,
-    /// Where it comes from.
+    /// Source of the definition.
     pub source: &'static str,
 }
 
-/// A critical error that was made.
+/// Critical error that occurred.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CriticalError {
-    /// Metric.
+    /// Name of the metric.
     pub metric: String,
-    /// In words.
+    /// Description from the rubric.
     pub why: String,
-    /// Most that the score can be then.
+    /// Largest score after this error.
     pub cap: Option<f64>,
 }
 
-/// Something to practise.
+/// Advice to a learner.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Advice {
-    /// The metric that lost the points.
+    /// Name of the metric that lost points.
     pub metric: &'static str,
-    /// Its title.
+    /// Title of the metric.
     pub title: &'static str,
-    /// What to do.
+    /// Advice in words.
     pub text: String,
-    /// Zones that show it, in words.
+    /// Zones that show the weakness, in words.
     pub sites: Vec<ShownBy>,
 }
 
-/// The numbers that definitions name.
+/// Thresholds that definitions name.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Thresholds {
-    /// The rubric's settings.
+    /// Settings of the rubric.
     #[serde(flatten)]
     pub settings: Settings,
-    /// Tilt against the tooth's axis that is allowed in the middle of a side, degrees.
+    /// Largest tilt against the tooth's axis in the middle of a side, degrees.
     pub mid_tilt_deg: f64,
-    /// Tilt into the col that is asked for beside a neighbour, degrees.
+    /// Band of the tilt into the col beside a neighbour, degrees.
     pub proximal_tilt_deg: [f64; 2],
 }
 
 impl Thresholds {
-    /// For people.
+    /// Thresholds in words, for people.
     pub fn words(&self) -> String {
         let (set, [least, most]) = (&self.settings, self.proximal_tilt_deg);
         let asked = [
-            (set.ask_recession, ", recession is asked for"),
-            (set.ask_bleeding, ", bleeding is asked for"),
-            (set.ask_furcation, ", furcation is asked for"),
+            (set.ask_recession, ", recession must be called"),
+            (set.ask_bleeding, ", bleeding must be called"),
+            (set.ask_furcation, ", furcation must be called"),
         ];
         let asked = asked.iter().filter(|one| one.0).map(|one| one.1);
         let asked: String = asked.collect();
         format!(
-            "target band of force {} to {} N, reached_mm {}, misread_mm {}, steady_mm {}, mid_tilt_deg {}, proximal_tilt_deg {least} to {most}{asked}",
+            "target band force_n {} to {} N, reached_mm {}, misread_mm {}, steady_mm {}, mid_tilt_deg {}, proximal_tilt_deg {least} to {most}{asked}",
             set.force_n[0],
             set.force_n[1],
             set.reached_mm,
@@ -215,12 +217,12 @@ impl Thresholds {
     }
 }
 
-/// A zone that shows a weakness. As text it begins with the FDI number of the tooth.
+/// Zone that shows a weakness. As text it begins with the FDI number of the tooth.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShownBy {
     /// FDI number of the tooth.
     pub tooth: u8,
-    /// Which zone, and how it shows.
+    /// Site, and the sign of the weakness.
     pub says: String,
 }
 
@@ -236,25 +238,25 @@ impl Serialize for ShownBy {
     }
 }
 
-/// A recording of a former version, run again by the present tick.
+/// Migration of a recording of a former version: differences between the record and the present tick.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Migrated {
-    /// From which version to which, and what was different.
+    /// Former and present version, with the difference in words.
     #[serde(flatten)]
     pub migration: Migration,
     /// Root mean square of the difference between recorded and replayed force, newtons.
     pub rms_force_n: f64,
     /// Largest such difference, newtons.
     pub max_force_n: f64,
-    /// Largest difference in a graphic tool's place at snapshots, millimetres.
+    /// Largest difference of a graphic tool's place at a snapshot, millimetres.
     pub max_pose_mm: f64,
 }
 
 impl Migrated {
-    /// What a replay found.
+    /// Differences that a replay found. None for a recording of the present version.
     pub fn of(report: &ReplayReport) -> Option<Self> {
         let deviation = &report.deviation;
-        // (A row may claim what no rounding bears.)
+        // A forged row may claim a number too large for rounding.
         let said = |x: f64| if x < 1e9 { rounded(x, 6) } else { 1e9 };
         Some(Self {
             migration: report.migration?,
@@ -269,67 +271,67 @@ impl std::fmt::Display for Migrated {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{}; run again, forces differ by {:.4} N rms ({:.3} N at most), tools' places by {:.4} mm",
+            "{}; in the replay, forces differ by {:.4} N rms, {:.3} N at most, and places of tools by {:.4} mm",
             self.migration, self.rms_force_n, self.max_force_n, self.max_pose_mm
         )
     }
 }
 
-/// What a program proposes as the grade of a session.
+/// Grade of a session, as the program proposes it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Grade {
     /// Opaque learner id.
     pub learner_id: String,
-    /// Exercise.
+    /// Name of the exercise.
     pub exercise: String,
-    /// Station.
+    /// Name of the station.
     pub station: String,
     /// Seed of the simulated hand; 0 for a person.
     pub seed: u64,
-    /// When the session began, nanoseconds since the Unix epoch.
+    /// Beginning of the session, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
     /// Public key that signed the recording, hexadecimal.
     pub signer: String,
-    /// Whether that key was given from outside, rather than taken from the recording.
+    /// Whether that key was given from outside, and not taken from the recording.
     pub signer_trusted: bool,
-    /// Whether a grade may rest on the recording.
+    /// Whether the recording can be graded.
     pub gradable: bool,
-    /// Why not.
+    /// Reason against a grade.
     pub reason: Option<String>,
-    /// Where the recording is of a former version of the format: what was made of it.
+    /// Migration of a recording of a former version of the format.
     pub migrated: Option<Migrated>,
-    /// The rubric; null where there is none.
+    /// Rubric; null for a session without one.
     pub rubric: Option<RubricUsed>,
-    /// 0 to 100; null where there is no grade.
+    /// Score, 0 to 100; null without a grade.
     pub score: Option<f64>,
-    /// Score from which it is passed.
+    /// Score from which the session is passed.
     pub pass_mark: Option<f64>,
-    /// Whether it is passed.
+    /// Whether the session is passed; null without a grade.
     pub passed: Option<bool>,
-    /// Why it is not passed, in words.
+    /// Reasons against a pass, in words.
     pub failures: Vec<String>,
-    /// Critical errors that were made.
+    /// Critical errors that occurred.
     pub critical: Vec<CriticalError>,
-    /// Every metric of the rubric that applies to the exercise.
+    /// Metrics of the rubric that apply to the exercise.
     pub metrics: Vec<MetricGrade>,
-    /// Every zone that was asked for, then those called besides.
+    /// Zones of the exercise, then other zones that were called.
     pub sites: Vec<SiteGrade>,
     /// Target band of the force on a floor, newtons.
     pub force_band_n: Option<[f64; 2]>,
-    /// What definitions name: the rubric's settings and the exercise's.
+    /// Thresholds that definitions name.
     pub thresholds: Option<Thresholds>,
-    /// Time on the floor by zones of force.
+    /// Time on the floor, by zone of force.
     pub floor_time: FloorTime,
-    /// What to practise next, the dearest first.
+    /// Advice to the learner, by points lost.
     pub advice: Vec<Advice>,
-    /// What was asked for and the scene has not, in words.
+    /// Parts of the exercise that the scene lacks, in words.
     pub missing: Vec<String>,
-    /// Why the session ended before its time, in words: what was not done need not be the learner's fault.
+    /// Reason for an early end of the session, in words. A missing part need not be the learner's fault.
     pub ended_early: Option<&'static str>,
 }
 
 impl Grade {
-    /// What takes from its worth, in words: what is said, and of what.
+    /// Reservations about the grade: kind and details, in words.
     pub fn reservations(&self) -> Vec<(&'static str, String)> {
         let used = self.rubric.as_ref();
         let names = |of: fn(&RubricUsed) -> &Vec<String>| {
@@ -340,13 +342,13 @@ impl Grade {
                 "ended early",
                 self.ended_early.unwrap_or_default().to_owned(),
             ),
-            ("the scene has not", self.missing.join(", ")),
+            ("missing in the scene", self.missing.join(", ")),
             (
-                "defined otherwise in the recording",
+                "definition differs from the recorded one",
                 names(|used| &used.redefined),
             ),
             (
-                "asked for in the recording, not known to this program (nor what would fail by it)",
+                "unknown to this program, without value and critical error",
                 names(|used| &used.unknown),
             ),
         ];
@@ -355,15 +357,15 @@ impl Grade {
             .collect()
     }
 
-    /// The metric of that name, where it applies.
+    /// Metric of that name. None if it does not apply.
     pub fn metric(&self, name: &str) -> Option<&MetricGrade> {
         self.metrics.iter().find(|metric| metric.name == name)
     }
 
-    /// As JSON: the same bytes wherever it is made.
+    /// Grade as JSON, the same bytes on every machine.
     ///
     /// # Panics
-    /// Never: a grade has no keys but text, and no numbers that are not finite.
+    /// Never: all keys of a grade are text.
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::to_value(self).unwrap_or_default()
     }

@@ -1,6 +1,7 @@
-//! What people say of a grade, kept beside the recording: `FILE.grade.json` has the program's proposal as it was, the learner's own
-//! score from before it was shown, and a list of an instructor's revisions that only grows. Who and when are given from outside:
-//! an opaque id, a date as text.
+//! Revisions of a grade, stored beside the recording in `FILE.grade.json`.
+//!
+//! The file has the program's first proposal, the learner's own score from before the proposal was shown, and a growing
+//! list of instructors' revisions. Instructors give their opaque id and the date as text.
 
 use std::path::{Path, PathBuf};
 
@@ -9,95 +10,96 @@ use sulcus_program::PathText;
 
 use super::report::Grade;
 
-/// One instructor's word.
+/// Revision by an instructor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Revision {
-    /// Score instead, 0 to 100.
+    /// Score, 0 to 100, instead of the proposal.
     pub score: f64,
-    /// Whether it is passed.
+    /// Whether the session is passed.
     pub passed: bool,
-    /// Opaque id of who says so.
+    /// Opaque id of the instructor.
     pub by: String,
-    /// When, as given.
+    /// Date, as text.
     pub at: String,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
-/// What the program proposed.
+/// Proposal of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Proposal {
-    /// Score; null where there was no grade.
+    /// Score; null without a grade.
     pub score: Option<f64>,
-    /// Whether it was passed.
+    /// Whether the session was passed; null without a grade.
     pub passed: Option<bool>,
-    /// Name and version of the rubric, and blake3 of its text.
+    /// Name of the rubric.
     pub rubric: String,
-    /// See `rubric`.
+    /// Version of the rubric.
     pub rubric_version: u32,
-    /// See `rubric`.
+    /// blake3 of the rubric's text, hexadecimal.
     pub rubric_blake3: String,
-    /// Learner.
+    /// Opaque id of the learner.
     pub learner_id: String,
-    /// When the session began, nanoseconds since the Unix epoch.
+    /// Beginning of the session, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
 }
 
-/// The file beside a recording.
+/// Content of the file beside a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sidecar {
-    /// What the program proposed when the file was begun.
+    /// Proposal of the program when the file was first written.
     pub proposal: Proposal,
-    /// The learner's own score, 0 to 100, given before the proposal was shown for the first time.
+    /// Learner's own score, 0 to 100, given before the proposal was first shown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_score: Option<f64>,
-    /// What was said since, the oldest first.
+    /// Revisions, the oldest first.
     pub revisions: Vec<Revision>,
 }
 
-/// Why what was said cannot be read or kept.
+/// Failure to read or write the file, or a value that is not valid.
 #[derive(Debug, thiserror::Error)]
 pub enum RevisionError {
-    /// The file cannot be read or written.
+    /// File that cannot be read or written.
     #[error("revisions `{path}`: {why}")]
     File {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Why not.
+        /// Reason.
         why: String,
     },
-    /// A value is not as it must be.
+    /// Value that is not valid.
     #[error("revision: {field} is {found}, expected {expected}")]
     Field {
-        /// What of it.
+        /// Name of the value.
         field: &'static str,
         /// Value found.
         found: String,
-        /// What it must be.
+        /// Value expected.
         expected: String,
     },
 }
 
 impl RevisionError {
-    /// Another own score than the first, which counts: whoever gives another has seen the grade.
+    /// Error of a second own score `own` after the first. Only the first counts: the grade was shown after it.
     pub fn another(own: f64, first: f64) -> Self {
         Self::Field {
             field: "self_score",
             found: own.to_string(),
-            expected: format!("{first}, which was given first"),
+            expected: format!("{first}, the first own score"),
         }
     }
 }
 
-/// Longest text of a revision, and largest file of them, bytes.
+/// Longest text of a revision, bytes.
 const MOST_TEXT: usize = 4096;
+/// Largest file that is read, bytes.
 const MOST_FILE: u64 = 16 << 20;
 
 impl Proposal {
-    /// Of a grade.
+    /// Proposal of a grade.
     pub fn of(grade: &Grade) -> Self {
         let rubric = grade.rubric.as_ref();
         Self {
@@ -111,7 +113,7 @@ impl Proposal {
         }
     }
 
-    /// What was proposed, in words, where `now` something else is: another score, or by another rubric.
+    /// This proposal in words, if `now` has another score or another rubric. None if both agree.
     pub fn differs(&self, now: &Self) -> Option<String> {
         let same = (self.score, &self.rubric_blake3) == (now.score, &now.rubric_blake3);
         let score = self
@@ -124,7 +126,7 @@ impl Proposal {
     }
 }
 
-/// The file beside a recording: its whole name, and `.grade.json`.
+/// Path of the file beside a recording: the recording's path with `.grade.json` appended.
 pub fn beside(recording: &Path) -> PathBuf {
     let mut name = recording.as_os_str().to_owned();
     name.push(".grade.json");
@@ -132,10 +134,10 @@ pub fn beside(recording: &Path) -> PathBuf {
 }
 
 impl Revision {
-    /// Whether every value is as it must be.
+    /// Checks every value.
     ///
     /// # Errors
-    /// Names the first that is not.
+    /// The first value that is not valid.
     pub fn check(&self) -> Result<(), RevisionError> {
         let wrong = |field, found: String, expected: &str| {
             Err(RevisionError::Field {
@@ -157,7 +159,7 @@ impl Revision {
     }
 }
 
-/// Whether a learner's own score is one.
+/// Checks the range of a learner's own score.
 fn check_own(score: f64) -> Result<(), RevisionError> {
     if (0.0..=100.0).contains(&score) {
         return Ok(());
@@ -170,10 +172,10 @@ fn check_own(score: f64) -> Result<(), RevisionError> {
 }
 
 impl Sidecar {
-    /// What is beside a recording; none where there is nothing.
+    /// Reads the file beside a recording. None without such a file.
     ///
     /// # Errors
-    /// When there is something, and it is not that.
+    /// A file that cannot be read, is no such file, or has a value that is not valid.
     pub fn read(recording: &Path) -> Result<Option<Self>, RevisionError> {
         let path = beside(recording);
         let failed = |why: String| RevisionError::File {
@@ -194,7 +196,7 @@ impl Sidecar {
         let text = std::fs::read_to_string(&path).map_err(|error| failed(error.to_string()))?;
         let found: Self = serde_json::from_str(&text).map_err(|error| {
             failed(format!(
-                "{error}, expected as this program writes it with --revise and --self-score"
+                "{error}, expected a file that --revise or --self-score wrote"
             ))
         })?;
         for revision in &found.revisions {
@@ -204,10 +206,10 @@ impl Sidecar {
         Ok(Some(found))
     }
 
-    /// Whether it is about this grade's session.
+    /// Checks that the file belongs to the session of this grade.
     ///
     /// # Errors
-    /// Names what is of another session.
+    /// Learner and beginning of both sessions, if they differ.
     pub fn belongs_to(&self, grade: &Grade) -> Result<(), RevisionError> {
         let (was, is) = (&self.proposal, Proposal::of(grade));
         if (&was.learner_id, was.started_unix_ns) == (&is.learner_id, is.started_unix_ns) {
@@ -228,10 +230,10 @@ impl Sidecar {
         })
     }
 
-    /// Adds a revision to what is beside the recording; the proposal stays as it was first.
+    /// Appends a revision to the file beside the recording. The first proposal stays.
     ///
     /// # Errors
-    /// When a value is not as it must be, what is there is of another session, or it cannot be written.
+    /// A value that is not valid, a file of another session, or a file that cannot be written.
     pub fn add(recording: &Path, grade: &Grade, revision: Revision) -> Result<Self, RevisionError> {
         revision.check()?;
         let mut sidecar = Self::begun(recording, grade)?;
@@ -240,10 +242,11 @@ impl Sidecar {
         Ok(sidecar)
     }
 
-    /// Keeps the learner's own score. The first one counts: whoever gives another has seen the grade.
+    /// Stores the learner's own score. Only the first counts: the grade is shown after it.
     ///
     /// # Errors
-    /// When it is no score, another was kept before, what is there is of another session, or it cannot be written.
+    /// A score out of range, another own score in the file, a file of another session, or a file that cannot be
+    /// written.
     pub fn assess(recording: &Path, grade: &Grade, own: f64) -> Result<(), RevisionError> {
         check_own(own)?;
         let mut sidecar = Self::begun(recording, grade)?;
@@ -255,7 +258,7 @@ impl Sidecar {
         sidecar.write(recording)
     }
 
-    /// What is beside the recording, or a new one.
+    /// Content of the file beside the recording, or a new one with this grade's proposal.
     fn begun(recording: &Path, grade: &Grade) -> Result<Self, RevisionError> {
         let sidecar = Self::read(recording)?.unwrap_or_else(|| Self {
             proposal: Proposal::of(grade),
@@ -273,14 +276,14 @@ impl Sidecar {
             why,
         };
         let text = serde_json::to_string_pretty(self).map_err(|error| failed(error.to_string()))?;
-        // Whole or not at all: what was said before must not be lost.
+        // A draft is renamed, so that a failed write cannot destroy earlier revisions.
         let draft = path.with_extension("json.new");
         std::fs::write(&draft, text + "\n")
             .and_then(|()| std::fs::rename(&draft, &path))
             .map_err(|error| failed(error.to_string()))
     }
 
-    /// The last word; none where nothing was said.
+    /// Latest revision. None without a revision.
     pub fn latest(&self) -> Option<&Revision> {
         self.revisions.last()
     }

@@ -1,4 +1,4 @@
-//! From a recording to its grade: one replay, and what is made of it.
+//! Grading of a recording: one replay, and the grade from its evidence.
 
 use sulcus_core::Scene;
 use sulcus_core::math::fmin;
@@ -6,16 +6,16 @@ use sulcus_core::scene::displayable::too_stiff;
 use sulcus_core::tissue::TissueModel;
 
 use super::advice::advice;
-use super::definitions::{Definition, METRICS, find};
-use super::evidence::Watcher;
+use super::definitions::{Definition, find};
+use super::measured::Measured;
 use super::patient::PatientChart;
 use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard, Thresholds};
-use super::rubric::Settings;
 use super::score::{happened, score, total};
+use super::settings::Settings;
 use super::sites::sites;
 use super::stats::rounded;
-use super::values::Measured;
-use super::{Rubric, floor::FloorTime};
+use super::watcher::Watcher;
+use super::{Rubric, floor_time::FloorTime};
 use crate::exercise::Exercise;
 use crate::exercise::events::call::{Call, READING_CALLED};
 use crate::grade::motion::series::Series;
@@ -27,19 +27,19 @@ use crate::record::read::{ReadError, Recording};
 use crate::record::written::WrittenError;
 use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
 
-/// Which measures this program has: the beginning of a hash over the sources of tick, events, exercise and grade.
+/// Version of this program's measures: the beginning of a hash over the sources of tick, events, exercise and grade.
 pub const MEASURES_SOURCE: &str = env!("SULCUS_MEASURES_SOURCE");
 
-/// How to grade.
+/// Options of grading.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// A rubric instead of the recording's own.
+    /// Rubric instead of the recording's own.
     pub rubric: Option<Rubric>,
-    /// The only key whose signature is accepted; none: the one that the recording names.
+    /// Only key whose signature is accepted. None: the key in the recording.
     pub trust: Option<PublicKey>,
 }
 
-/// Why nothing could be graded: the recording is no recording, or its rubric no rubric.
+/// Failure of grading: a recording or a rubric that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum GradeError {
     /// The recording cannot be replayed.
@@ -48,31 +48,32 @@ pub enum GradeError {
     /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The rubric cannot be used.
+    /// The rubric is not valid.
     #[error(transparent)]
     Rubric(#[from] WrittenError),
 }
 
-/// A grade, and what its plots are made of.
+/// Grade with the data of its plots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graded {
-    /// The grade.
+    /// Grade.
     pub grade: Grade,
-    /// Depth and force over time; empty where there is no grade.
+    /// Depth and force over time; empty without a grade.
     pub series: Series,
-    /// Teeth that the scene has.
+    /// Teeth of the scene, FDI numbers.
     pub teeth: Vec<u8>,
-    /// The patient's text; may be empty.
+    /// Text of the patient; empty without a patient.
     pub patient: String,
-    /// Name of the tool that leads: the one whose forces the series has.
+    /// Name of the leading tool. The series has its forces.
     pub leads: String,
     /// Length of the session, seconds.
     pub seconds: f64,
-    /// Force on a pocket's floor from which healthy tissue bleeds: the least of the scene's gingivae, newtons; none without gingiva.
+    /// Force on a pocket's floor from which healthy tissue bleeds, newtons: the least of the scene's gingivae.
+    /// None without a gingiva.
     pub trauma_n: Option<f64>,
 }
 
-/// Settings where there is no rubric: nothing is graded, events are watched all the same.
+/// Settings for a session without a rubric. Nothing is graded; events are found all the same.
 const PLAIN: Settings = Settings {
     force_n: [0.1, 0.25],
     reached_mm: 0.5,
@@ -83,17 +84,17 @@ const PLAIN: Settings = Settings {
     ask_furcation: false,
 };
 
-/// A watcher for a session, with its rubric's settings.
+/// Watcher for a session, with the settings of its rubric.
 pub fn watcher(scene: &Scene, exercise: &Exercise, standard: Option<&Standard>) -> Watcher {
     let set = standard.map_or(PLAIN, |standard| standard.rubric.settings);
     Watcher::new(scene, exercise, set)
 }
 
-/// Replays a recording and grades it; `progress` is told the number of ticks done, now and then.
+/// Replays a recording and grades it. `progress` receives the number of ticks done from time to time.
 ///
 /// # Errors
-/// When the recording cannot be read or replayed, or its rubric cannot be used. A recording that can be replayed and is not
-/// sound is no error: its grade says why there is none.
+/// A recording that cannot be read or replayed, or a rubric that is not valid. A recording that fails its checks is no
+/// error: the grade contains the reason.
 pub fn grade(
     recording: &Recording,
     options: &Options,
@@ -123,10 +124,10 @@ pub fn grade(
     )?)
 }
 
-/// The grade of a session that was replayed with this `watcher` looking on.
+/// Grade of a session from the `watcher` of its replay.
 ///
 /// # Errors
-/// When the file changes meanwhile.
+/// A file that changed after it was opened.
 pub fn finish(
     recording: &Recording,
     scene: &Scene,
@@ -194,10 +195,7 @@ pub fn finish(
     };
     let Some(standard) = standard else {
         graded.grade.gradable = false;
-        let none = format!(
-            "exercise `{}` asks for nothing that is graded",
-            header.exercise_name
-        );
+        let none = format!("exercise `{}` has no rubric", header.exercise_name);
         graded.grade.reason.get_or_insert(none);
         return Ok(graded);
     };
@@ -255,7 +253,7 @@ pub fn finish(
     Ok(graded)
 }
 
-/// Why nobody could have done what the exercise asks for in this scene, if so.
+/// Reason against a grade if the scene lacks all teeth with zones, or the target.
 fn nothing_there(exercise: &Exercise, graded: &Graded) -> Option<String> {
     let is_there = |fdi: &u8| graded.teeth.contains(fdi);
     let mut zones = exercise.zones.iter().map(|zones| zones.tooth);
@@ -264,26 +262,26 @@ fn nothing_there(exercise: &Exercise, graded: &Graded) -> Option<String> {
     let lacks_target = target.is_some_and(|fdi| !is_there(&fdi));
     (lacks_all || lacks_target).then(|| {
         format!(
-            "exercise `{}` asks for what the scene has not: {}",
+            "the scene lacks parts of exercise `{}`: {}",
             exercise.name,
             graded.grade.missing.join(", ")
         )
     })
 }
 
-/// Metrics, total, and what fails.
+/// Fills in metrics, critical errors, total score and failures.
 fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Measured<'_>) {
     let mut scores = Vec::new();
     let mut failures = Vec::new();
     let is_there = |known: &&Definition| {
-        known.needs.are_met(exercise) && known.needs.are_there(measured.sites)
+        let there = measured.sites.iter().filter(|site| site.asked);
+        known.needs.are_met(exercise) && known.needs.are_there(there.map(|site| site.site))
     };
     for weighed in &rubric.metrics {
-        let known = METRICS.iter().find(|known| known.name == weighed.name);
-        let Some(known) = known.filter(is_there) else {
+        let Some(known) = find(&weighed.name).filter(is_there) else {
             continue;
         };
-        let value = measured.value(known.name);
+        let value = known.value(measured);
         let points = match value {
             Some(value) => Some(score(value, weighed)),
             None if known.missing_is_zero => Some(0.0),
@@ -303,7 +301,7 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
                 String::new()
             };
             failures.push(format!(
-                "{}: {points:.0} points, {pass} are needed{off}",
+                "{}: {points:.0} points, {pass} needed{off}",
                 known.title
             ));
         }
@@ -328,23 +326,23 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     }
     let Some(mut sum) = total(&scores) else {
         grade.gradable = false;
-        grade.reason = Some("nothing that the rubric weighs was measured".into());
+        grade.reason = Some("no metric with a weight has a value".into());
         return;
     };
     let deducted: f64 = grade.metrics.iter().map(|metric| metric.deducted).sum();
     sum = if sum > deducted { sum - deducted } else { 0.0 };
     for critical in &rubric.critical {
-        let value = measured.critical(&critical.metric);
         let Some(known) = find(&critical.metric).filter(is_there) else {
             continue;
         };
+        let value = known.critical_value(measured);
         if !happened(critical, value, known.missing_is_zero) {
             continue;
         }
         if let Some(cap) = critical.cap.filter(|cap| *cap < sum) {
             sum = cap;
         }
-        failures.push(format!("critical: {}", critical.why));
+        failures.push(format!("critical error: {}", critical.why));
         grade.critical.push(CriticalError {
             metric: critical.metric.clone(),
             why: critical.why.clone(),
@@ -355,7 +353,7 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     if sum < rubric.pass_mark {
         failures.insert(
             0,
-            format!("{sum:.1} points, {:.1} are needed", rubric.pass_mark),
+            format!("{sum:.1} points, {:.1} needed", rubric.pass_mark),
         );
     }
     grade.score = Some(sum);
@@ -363,7 +361,7 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     grade.failures = failures;
 }
 
-/// Digits after the point that a metric is printed with.
+/// Digits of a metric's value after the point.
 fn digits(metric: &Definition) -> u32 {
     match (metric.unit, metric.name) {
         ("%", _) | ("mm", "path_length") | ("s", _) => 1,
@@ -372,20 +370,20 @@ fn digits(metric: &Definition) -> u32 {
     }
 }
 
-/// What a recording's log says that a grade rests on.
+/// Parts of a recording's log for the grade.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
-    /// What was called, as far as it makes sense, each with the last tick before it.
+    /// Valid calls, each with the number of the last tick before it.
     pub calls: Vec<(u64, Call)>,
-    /// Why the session ended before its time, in words.
+    /// Reason for an early end of the session, in words.
     pub ended_early: Option<&'static str>,
 }
 
 impl Log {
-    /// Reads it.
+    /// Reads the log.
     ///
     /// # Errors
-    /// When the file changes meanwhile.
+    /// A file that changed after it was opened.
     pub fn read(recording: &Recording, scene: &Scene) -> Result<Self, ReadError> {
         let (mut log, mut tick) = (Self::default(), 0);
         for message in recording.messages() {

@@ -1,5 +1,4 @@
-//! From values to points: each metric from nothing at `zero` to everything at `target`, straight between; all together by
-//! weight; and what fails whatever the sum.
+//! Points: score of a metric, linear from 0 at `zero` to 100 at `target`; weighted total; critical errors.
 
 use super::rubric::{Bound, Critical, Weighed};
 
@@ -16,10 +15,10 @@ pub fn score(value: f64, weighed: &Weighed) -> f64 {
                 1.0
             }
         }
-        // (Refused when the rubric is read.)
+        // The reader of rubrics refuses a number with a band.
         _ => 0.0,
     };
-    // Written so that a NaN scores nothing.
+    // A NaN scores 0.
     if part >= 1.0 {
         100.0
     } else if part > 0.0 {
@@ -29,14 +28,14 @@ pub fn score(value: f64, weighed: &Weighed) -> f64 {
     }
 }
 
-/// The mean of scores by their weights; none where nothing counts.
+/// Weighted mean of scores, given as weight and score. None if the sum of the weights is 0.
 pub fn total(scores: &[(f64, f64)]) -> Option<f64> {
     let weight: f64 = scores.iter().map(|(weight, _)| weight).sum();
     let sum: f64 = scores.iter().map(|(weight, score)| weight * score).sum();
     (weight > 0.0).then(|| sum / weight)
 }
 
-/// Whether a critical error was made. What was asked for and not done at all is below whatever was to be reached.
+/// Whether a critical error occurred. A missing value of a metric that counts it as 0 is below any `below`.
 pub fn happened(critical: &Critical, value: Option<f64>, missing_is_zero: bool) -> bool {
     let Some(value) = value else {
         return missing_is_zero && critical.below.is_some();
@@ -64,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_score_is_straight_between_zero_and_target() {
+    fn a_score_is_linear_between_zero_and_target() {
         let more = weighed(Bound::One(90.0), Bound::One(50.0));
         for (value, is) in [
             (0.0, 0.0),
@@ -114,7 +113,7 @@ mod tests {
         assert!(!happened(&critical(Some(0.0), None), Some(0.0), true));
         assert!(happened(&critical(None, Some(50.0)), Some(40.0), false));
         assert!(!happened(&critical(None, Some(50.0)), None, false));
-        // Who never probed did not reach half of the floors.
+        // A session without probing did not reach half of the floors.
         assert!(happened(&critical(None, Some(50.0)), None, true));
         assert!(!happened(&critical(Some(0.0), None), None, true));
     }

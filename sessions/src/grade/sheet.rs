@@ -1,8 +1,9 @@
-//! A table as spreadsheets save it: decoded, cut into cells, its columns found by their headings.
+//! Reader of tables that spreadsheets saved: encoding, separator, and columns by their headings.
 //!
-//! Excel's "CSV" is separated by commas or, where a decimal has a comma, by semicolons, and is encoded in Windows-1252. Its
-//! "CSV UTF-8" begins with a byte-order mark; its "Unicode text" is UTF-16 with tabs. Some programs put a line `sep=;` first.
-//! Saved tables have empty rows and columns at their ends, and people write headings with capitals and blanks.
+//! - Excel's "CSV" has commas or semicolons, by the country's decimal sign, in Windows-1252.
+//! - Excel's "CSV UTF-8" begins with a byte-order mark. "Unicode text" is UTF-16 with tabs.
+//! - Some programs write a first line `sep=;`.
+//! - Saved tables have empty rows and columns at their ends. Headings have capitals and blanks.
 
 use csv::{Position, ReaderBuilder, StringRecord};
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
@@ -10,7 +11,7 @@ use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 /// Separators of cells.
 const SEPARATORS: [u8; 4] = *b",;\t|";
 
-/// A row of the columns that were asked for.
+/// Row with the cells of the named columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Row<const N: usize> {
     /// Line in the file, from 1.
@@ -19,28 +20,28 @@ pub(crate) struct Row<const N: usize> {
     pub cells: [String; N],
 }
 
-/// Why a file is no such table.
+/// Failure to read a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum SheetError {
-    /// The bytes are no text.
+    /// Bytes that are not text.
     Text(String),
-    /// The text of a line is not as it must be.
+    /// Line that is not valid.
     Line {
         /// Line, from 1.
         line: u64,
-        /// Part of it.
+        /// Part of the line.
         field: &'static str,
-        /// What stands there.
+        /// Text found.
         found: String,
-        /// What it must be.
+        /// Text expected.
         expected: String,
     },
 }
 
-/// The rows of a table that have anything in them: of each the cells under `headings`.
+/// Rows of a table that are not empty, with the cells under `headings`.
 ///
 /// # Errors
-/// The line, what was found there and what was expected.
+/// The first line that is not valid: its number, the text found and the text expected.
 pub(crate) fn read<const N: usize>(
     bytes: &[u8],
     headings: [&str; N],
@@ -55,7 +56,7 @@ pub(crate) fn read<const N: usize>(
         if let Some(columns) = columns(&head, headings) {
             return rows(body, separator, &head, columns, above);
         }
-        // The widest head is the likeliest to be cut where its writer meant it to be.
+        // The separator with the most cells in the head is the likeliest.
         if seen
             .as_ref()
             .is_none_or(|(_, widest)| head.len() > widest.len())
@@ -76,7 +77,7 @@ pub(crate) fn read<const N: usize>(
     })
 }
 
-/// The text that bytes stand for: by their byte-order mark, else as UTF-16, UTF-8 or Windows-1252, the first that they can be.
+/// Text of the bytes: by their byte-order mark, else as UTF-16, UTF-8 or Windows-1252, the first that fits.
 fn decode(bytes: &[u8]) -> Result<String, SheetError> {
     let (encoding, bytes) = match Encoding::for_bom(bytes) {
         Some((encoding, mark)) => (encoding, &bytes[mark..]),
@@ -90,7 +91,7 @@ fn decode(bytes: &[u8]) -> Result<String, SheetError> {
     })
 }
 
-/// The byte order of UTF-16 without a mark: most characters of a table have a zero in their high byte.
+/// Byte order of UTF-16 without a mark. Most characters of a table have a zero in their high byte.
 fn utf_16(bytes: &[u8]) -> &'static Encoding {
     let zeros = |at: usize| {
         bytes
@@ -107,12 +108,12 @@ fn utf_16(bytes: &[u8]) -> &'static Encoding {
     }
 }
 
-/// The same text with one kind of line end.
+/// Text with line feeds as its only line ends.
 fn lines_of(text: &str) -> String {
     text.replace("\r\n", "\n").replace('\r', "\n")
 }
 
-/// The separator of a first line such as `sep=;`, the text below that line, and the number of lines above the text.
+/// Separator of a first line such as `sep=;`, text below that line, and number of lines above the text.
 fn named_separator(text: &str) -> (Option<u8>, &str, u64) {
     let (first, below) = text.split_once('\n').unwrap_or((text, ""));
     let whole = first.trim_end_matches('"');
@@ -145,7 +146,7 @@ fn records(body: &str, separator: u8) -> impl Iterator<Item = (u64, StringRecord
         .flexible(true)
         .delimiter(separator)
         .from_reader(body.as_bytes());
-    // Text is UTF-8 and rows may have any length: nothing is left that could fail.
+    // The reader cannot fail: the text is UTF-8, and rows may have any length.
     reader
         .into_records()
         .filter_map(Result::ok)
@@ -156,18 +157,18 @@ fn records(body: &str, separator: u8) -> impl Iterator<Item = (u64, StringRecord
         })
 }
 
-/// The first row that has anything in it.
+/// First row that is not empty, with its line.
 fn head(body: &str, separator: u8) -> Option<(u64, StringRecord)> {
     records(body, separator).next()
 }
 
-/// A heading without what people write differently: capitals, blanks, `_`, `-`.
+/// Heading without capitals, blanks, `_` and `-`, for comparison.
 fn plain(heading: &str) -> String {
     let letters = heading.chars().filter(|c| c.is_alphanumeric());
     letters.flat_map(char::to_lowercase).collect()
 }
 
-/// Where the headings stand; none unless each is there once.
+/// Columns of the headings. None unless each heading occurs once.
 fn columns<const N: usize>(head: &StringRecord, headings: [&str; N]) -> Option<[usize; N]> {
     let mut found = [0; N];
     for (at, heading) in found.iter_mut().zip(headings) {
@@ -206,7 +207,7 @@ fn rows<const N: usize>(
             let heading = head.get(k).map_or("", trimmed);
             if !cell.is_empty() && heading.is_empty() {
                 let expected =
-                    "a heading over it, or quotation marks round a text with a separator in it";
+                    "a heading over it, or quotation marks around a text with a separator";
                 return wrong("a cell", cell, expected);
             }
             if cell.contains('\n') {

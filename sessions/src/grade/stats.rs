@@ -1,6 +1,6 @@
-//! Little sums, in a fixed order.
+//! Statistics with a fixed order of summation.
 
-/// Median of sorted numbers: the mean of the middle two where their count is even; none of none.
+/// Median of sorted numbers. For an even count: the mean of the middle two. None for an empty list.
 pub fn median(sorted: &[f64]) -> Option<f64> {
     let n = sorted.len();
     match n {
@@ -10,24 +10,24 @@ pub fn median(sorted: &[f64]) -> Option<f64> {
     }
 }
 
-/// Mean; none of none.
+/// Mean. None for an empty list.
 pub fn mean(all: &[f64]) -> Option<f64> {
     (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
 }
 
-/// Share in percent; none of none.
+/// Share of `part` in `of`, percent. None for `of` 0.
 pub fn percent(part: usize, of: usize) -> Option<f64> {
     (of > 0).then(|| 100.0 * part as f64 / of as f64)
 }
 
-/// Rounded to so many digits after the point, ties away from zero; -0 is 0.
+/// Number rounded to some digits after the point, ties away from zero. The result is never -0.
 pub fn rounded(x: f64, digits: u32) -> f64 {
     let scale = f64::from(10u32.pow(digits));
     let near = (x * scale).round() / scale;
     if near == 0.0 { 0.0 } else { near }
 }
 
-/// Length of the longest run of growing numbers in `of`, not necessarily neighbours.
+/// Length of the longest increasing subsequence of `of`.
 pub fn longest_rising(of: &[usize]) -> usize {
     let mut tails: Vec<usize> = Vec::new();
     for x in of {

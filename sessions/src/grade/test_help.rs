@@ -1,16 +1,16 @@
-//! Shorthand for tests.
+//! Shorthands for tests.
 
 use sulcus_core::output::ForceZone;
 use sulcus_core::scene::Band;
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{DisplayMesh, Params, Pose, Scene, Sphere, SphereTree, Tool, Vec3};
 
-use super::rubric::Settings;
+use super::settings::Settings;
 use super::sites::{Finding, SiteGrade};
 use crate::exercise::events::Standing;
 use crate::exercise::events::angle::Tilt;
 
-/// Settings as they are built in.
+/// Settings of the built-in rubrics.
 pub const SET: Settings = Settings {
     force_n: [0.1, 0.25],
     reached_mm: 0.5,
@@ -40,7 +40,7 @@ pub fn standing(tooth: u8, site: Site, around: f64, depth_mm: f64, force: f64) -
     }
 }
 
-/// A zone asked for: what is true, what was reached, what was called.
+/// A zone of the exercise with its prescribed, reached and called depth.
 pub fn zone(site: Site, truth: f64, measured: Option<f64>, called: Option<u8>) -> SiteGrade {
     SiteGrade {
         tooth: 36,
@@ -68,7 +68,7 @@ pub fn zone(site: Site, truth: f64, measured: Option<f64>, called: Option<u8>) -
     }
 }
 
-/// Nothing but a probe and a mirror.
+/// A scene with a probe and a mirror, and without objects.
 pub fn empty_scene() -> Scene {
     let ball = [Sphere {
         centre: Vec3::zeros(),

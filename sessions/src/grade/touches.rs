@@ -1,68 +1,70 @@
-//! Touches of the floor: how heavy each was, and how far along the tooth they lie apart.
+//! Touches of the floor: largest force of each, and distances between them along the tooth.
 //!
-//! A hand that walks need not unload the tip to lift it: a touch ends where the force falls far under its own peak, and the next
-//! begins where it rises again as far above the least since. Who does not lift the tip at all drags it, and makes one touch: the way
-//! along the tooth is then a step like any other, as it is the way from one place to the next at which the tip came down.
+//! A walking hand need not unload the tip fully. A touch ends if the force falls far below its peak. The next touch
+//! begins if the force rises as far above the least force since. A tip that is dragged without lifting makes one
+//! touch, and its way along the tooth is a step.
 
 use std::collections::BTreeMap;
 
 use sulcus_core::math::{fmax, fmin};
 
+use super::tolerances::TOUCH_N;
 use crate::exercise::events::Standing;
 
-/// Force at which a touch begins, newtons.
-pub const BEGINS: f64 = 0.02;
-/// Share of its peak under which a touch has ended when the force stays there for so many seconds; the next begins where the force is
-/// as many times the least since. Chosen: as the floor is let go of in the session's events, and half a period of the fastest tremor.
+/// Share of its peak below which a touch ends; its inverse is the rise over the least force that begins the next touch.
+/// Chosen, as the release of the floor in the session's events.
 pub const LET_GO: f64 = 0.5;
-pub const FOR: f64 = 0.05;
-/// Places of touch nearer to each other along the tooth are one, metres.
-const ONE: f64 = 0.4e-3;
-/// A touch that goes as far along the tooth is dragged, metres. Chosen: the longest step that is taught.
+/// Time below that share after which a touch ends, seconds. Chosen: half a period of the fastest tremor.
+pub const LET_GO_S: f64 = 0.05;
+/// Distance along the tooth below which two places of touch are one place, metres.
+pub const ONE: f64 = 0.4e-3;
+/// Way along the tooth from which a touch is dragged, metres. Chosen: the longest step that is taught.
 pub const DRAGGED: f64 = 2e-3;
 
-/// One touch.
+/// Touch of the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// FDI number of the tooth.
     pub tooth: u8,
-    /// Whether on the cheek's side.
+    /// Whether the touch is on the buccal side.
     pub buccal: bool,
-    /// Angle about the tooth where the force was largest, radians, and distance from its axis there, metres.
+    /// Angle about the tooth at the largest force, radians.
     pub around: f64,
-    /// See `around`.
+    /// Distance from the tooth's axis at the largest force, metres.
     pub from_axis: f64,
     /// Largest force, newtons.
     pub peak: f64,
-    /// How far along the tooth it went, from one end to the other, metres.
+    /// Way along the tooth between the two ends of the touch, metres.
     pub way: f64,
 }
 
-/// A touch under way.
+/// Touch that has not ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Now {
     touch: Touch,
-    /// Where it is now along the tooth from where it began, and the ends of the way so far, metres.
+    /// Present place along the tooth from the beginning of the touch, metres.
     along: f64,
+    /// Ends of the way, metres.
     ends: [f64; 2],
     /// Angle about the tooth in the last tick, radians.
     around: f64,
-    /// How long the force has been under the share of its peak, seconds, and the least since then, newtons.
+    /// Time of the force below the share of its peak, seconds.
     light: f64,
+    /// Least force in that time, newtons.
     least: f64,
 }
 
-/// Follows one probe.
+/// Touches of one probe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Touches {
     now: Option<Now>,
-    /// Least force since the last touch of the tooth ended, newtons; none where it is as good as none.
+    /// Least force since the last touch of the tooth, newtons. None before the first touch in a pocket: no force.
     least: Option<f64>,
     all: Vec<Touch>,
 }
 
 impl Touches {
-    /// Takes in a tick of `dt` seconds; none where the tip is in no pocket.
+    /// Takes in a tick of `dt` seconds. None: the tip is in no pocket.
     pub fn observe(&mut self, at: Option<&Standing>, dt: f64) {
         let Some(at) = at else {
             self.end();
@@ -76,7 +78,7 @@ impl Touches {
         let Some(now) = &mut self.now else {
             let least = self.least.map_or(0.0, |least| fmin(least, at.force));
             self.least = Some(least);
-            if at.force >= BEGINS && LET_GO * at.force >= least {
+            if at.force >= TOUCH_N && LET_GO * at.force >= least {
                 self.now = Some(Now::at(at));
             }
             return;
@@ -87,7 +89,7 @@ impl Touches {
         } else {
             (0.0, at.force)
         };
-        if now.light >= FOR {
+        if now.light >= LET_GO_S {
             self.least = Some(now.least);
             self.end();
         }
@@ -97,7 +99,7 @@ impl Touches {
         self.all.extend(self.now.take().map(|now| now.touch));
     }
 
-    /// All touches, the one under way included.
+    /// All touches, with the one that has not ended.
     pub fn all(&self) -> Vec<Touch> {
         let now = self.now.map(|now| now.touch);
         self.all.iter().copied().chain(now).collect()
@@ -124,12 +126,12 @@ impl Now {
     }
 
     fn goes_on(&mut self, at: &Standing) {
-        // (Angles end at half a turn, where a way need not.)
+        // Angles jump at half a turn; the way does not.
         let turn = libm::remainder(at.around - self.around, std::f64::consts::TAU);
         self.around = at.around;
         self.along += turn * at.from_axis;
-        // What moves while the tip is as good as lifted is no drag.
-        if at.force >= BEGINS {
+        // Motion of a lifted tip is no drag.
+        if at.force >= TOUCH_N {
             let [from, to] = self.ends;
             self.ends = [fmin(from, self.along), fmax(to, self.along)];
             self.touch.way = self.ends[1] - self.ends[0];
@@ -143,8 +145,8 @@ impl Now {
     }
 }
 
-/// Distances along the tooth between neighbouring places of touch, for each side of each tooth, and the ways of those that were
-/// dragged, metres, sorted.
+/// Steps, metres, sorted: distances along the tooth between neighbouring places of touch on a side of a tooth, and
+/// the ways of dragged touches.
 pub fn steps(touches: &[Touch]) -> Vec<f64> {
     let mut sides: BTreeMap<(u8, bool), Vec<(f64, f64)>> = BTreeMap::new();
     for touch in touches {
@@ -200,7 +202,7 @@ mod tests {
         assert_eq!(peaks, [0.22, 0.06]);
     }
 
-    /// A hand on the buccal side at these forces (newtons) and angles (degrees), each for 100 ms.
+    /// Touches of a hand on the buccal side with these forces, newtons, and angles, degrees, each for 100 ms.
     fn made(path: &[(f64, f64)]) -> Vec<Touch> {
         let mut touches = Touches::default();
         for (force, degrees) in path {
@@ -225,7 +227,7 @@ mod tests {
         let touches = made(&bobs);
         assert_eq!(touches.len(), 5);
         assert!(touches.iter().all(|touch| touch.peak == 0.6));
-        // Ten degrees at 4 mm, four times.
+        // Four steps of ten degrees at 4 mm.
         let found = steps(&touches);
         assert_eq!(found.len(), 4);
         let ten = 4e-3 * 10f64.to_radians();
@@ -233,8 +235,8 @@ mod tests {
             found.iter().all(|step| (step - ten).abs() < 1e-9),
             "{found:?}"
         );
-        // A press that is slackened to a third and held there is one touch, and so is one that is slackened to two thirds and
-        // pressed again.
+        // A force that falls to a third and stays there is one touch. A force that falls to two thirds and rises
+        // again is one touch, too.
         let peaks = |path: &[(f64, f64)]| {
             let touches = made(path);
             touches.iter().map(|touch| touch.peak).collect::<Vec<_>>()
@@ -244,13 +246,13 @@ mod tests {
             [0.3]
         );
         assert_eq!(peaks(&[(0.3, 90.0), (0.2, 90.0), (0.3, 90.0)]), [0.3]);
-        // Twice as much as that is another.
+        // Twice the least force begins another touch.
         assert_eq!(peaks(&[(0.3, 90.0), (0.1, 90.0), (0.2, 90.0)]), [0.3, 0.2]);
     }
 
     #[test]
     fn a_drag_is_a_step_of_its_whole_way() {
-        // Half a turn over the end of the angles at 4 mm, 5 degrees a time.
+        // Half a turn at 4 mm across the jump of the angle, in steps of 5 degrees.
         let drag: Vec<(f64, f64)> = (0..=36)
             .map(|k| 90.0 + f64::from(k) * 5.0)
             .map(|degrees| {
@@ -272,7 +274,7 @@ mod tests {
             (found[0] - 4e-3 * std::f64::consts::PI).abs() < 1e-9,
             "{found:?}"
         );
-        // As far as a hand slips while it presses is none: 20 degrees are 1.4 mm.
+        // A slip of 20 degrees is 1.4 mm, and no drag.
         assert!(steps(&made(&[(0.2, 60.0), (0.2, 80.0)])).is_empty());
     }
 
@@ -286,7 +288,7 @@ mod tests {
             peak: 0.2,
             way: 0.0,
         };
-        // 20 and 40 degrees at 4 mm are 1.396 and 2.793 mm; 2 degrees (0.14 mm) are the same place.
+        // 20 and 40 degrees at 4 mm are 1.396 and 2.793 mm. Places 2 degrees apart, 0.14 mm, are one place.
         let touches = [
             at(120.0, true),
             at(60.0, true),

@@ -1,69 +1,65 @@
-//! What the tip did in each zone: how long, how deep at a correct force and at any, how heavy, and how it stood there.
+//! Zones as the tip was in them: time, depth at a correct force and at any, force, and tilt at the deepest place.
 
 use std::collections::BTreeMap;
 
 use sulcus_core::math::fmax;
 use sulcus_core::tissue::gingiva::Site;
 
-use super::values::FORGIVEN;
+use super::tolerances::{PROBED_S, TIE, TREMOR_N};
 use crate::exercise::ProbingTask;
 use crate::exercise::events::Standing;
 
-/// A tip farther below the prescribed floor is not in the pocket any more, metres. Chosen: forces that are taught press 0.1 mm too
-/// deep, 0.6 N 0.8 mm.
+/// Distance below the prescribed floor from which the tip is no longer in the pocket, metres. Chosen: taught forces
+/// press 0.1 mm too deep, and 0.6 N press 0.8 mm too deep.
 pub const BEYOND: f64 = 1e-3;
-/// Time in a zone from which it was probed, not passed, seconds.
-pub const STAYED: f64 = 0.2;
-/// What rounding may take off it.
-pub const TIE: f64 = 1e-9;
-
-/// A force on the floor stands while it is not under the target band for longer than this, seconds.
+/// Longest interruption of a force that stands on the floor, seconds.
 pub const LAPSE: f64 = 0.05;
-
-/// Depths within so much of the deepest are the deepest place: how the working end stood is judged there, metres.
+/// Height of the deepest place above the largest depth, metres. The tilt is judged there.
 pub const AT_FLOOR: f64 = 3e-4;
 /// Width of a bin of depth, metres.
 const BIN: f64 = 5e-5;
 
-/// What was seen of one zone.
+/// Measures of one zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ZoneSeen {
     /// Time below the margin, seconds.
     pub seconds: f64,
-    /// Tick in which that came to [`STAYED`].
+    /// Tick in which that time reached [`PROBED_S`].
     pub stayed_at: Option<u64>,
-    /// Deepest that the tip was, metres.
+    /// Largest depth of the tip, metres.
     pub deepest: f64,
-    /// Deepest with a force on the floor inside the target band, metres.
+    /// Reached depth, metres: the largest with a force on the floor inside the target band.
     pub measured: Option<f64>,
     /// Largest force on the floor, newtons.
     pub max_force: f64,
-    /// Longest that a force of the target band or more stood on the floor, lapses ([`LAPSE`]) included, seconds.
+    /// Longest time with a force of the target band or more, seconds. Interruptions up to [`LAPSE`] are part of it.
     pub held: f64,
-    /// Longest that one heavier than the band by more than [`FORGIVEN`] did, likewise.
+    /// Longest time with a force more than [`TREMOR_N`] above the band, seconds, by the same rule.
     pub pressed: f64,
 }
 
-/// A tick, and the time that it stands for: more than its own where ticks before it were skipped.
+/// Tick with its length. A tick after skipped ticks is longer than one period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Its number.
+    /// Number of the tick.
     pub tick: u64,
-    /// Its end, seconds.
+    /// End of the tick, seconds.
     pub to: f64,
-    /// How long it is, seconds.
+    /// Length of the tick, seconds.
     pub dt: f64,
 }
 
-/// How the working end stood, over some time.
+/// Tilt of the working end and reading of its bands, as integrals over some time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stood {
     seconds: f64,
+    /// Time with the right tilt, seconds.
     right: f64,
-    /// Integrals of its tilt, and of how far of it pointed into the col, radian seconds.
+    /// Integral of the tilt, radian seconds.
     tilt: f64,
+    /// Integral of the tilt's part into the col, radian seconds.
     into: f64,
-    /// Integral of what the bands showed, metre seconds.
+    /// Integral of the depth that the bands showed, metre seconds.
     shown: f64,
 }
 
@@ -81,28 +77,28 @@ impl Stood {
         self.tilt / self.seconds
     }
 
-    /// Mean of how far of it pointed into the col, radians.
+    /// Mean of the tilt's part into the col, radians.
     pub fn towards_col(&self) -> f64 {
         self.into / self.seconds
     }
 
-    /// Mean of what the bands showed below the margin, metres.
+    /// Mean depth that the bands showed below the margin, metres.
     pub fn shown(&self) -> f64 {
         self.shown / self.seconds
     }
 
-    /// Whether it was right for at least half of the time.
+    /// Whether the tilt was right for at least half of the time.
     pub fn is_right(&self) -> bool {
         2.0 * self.right >= self.seconds - TIE
     }
 }
 
-/// From when to when a force has stood on the floor, seconds; none where none has yet.
+/// Interval in which a force has stood on the floor, seconds. None before the first such force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Stands(Option<[f64; 2]>);
 
 impl Stands {
-    /// It stands until `to`, after `dt` more; how long it has.
+    /// Extends the interval by a tick that ends at `to` and lasts `dt`. Returns the length of the interval, seconds.
     fn goes_on(&mut self, to: f64, dt: f64) -> f64 {
         let still = |[_, until]: &[f64; 2]| to - dt - until <= LAPSE + TIE;
         let from = self.0.filter(still).map_or(to - dt, |[from, _]| from);
@@ -111,12 +107,13 @@ impl Stands {
     }
 }
 
-/// A zone, and the time in it by depth: at a correct force, and at any.
+/// Zone with the time in it by depth.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Zone {
     seen: ZoneSeen,
-    /// From when to when a force has stood on the floor, seconds: of the band or more, and heavier than that.
+    /// Intervals of a force of the band or more, and of a force above the band.
     stands: [Stands; 2],
+    /// Tilt by bin of depth: at a correct force, and at any force.
     stood: [BTreeMap<u32, Stood>; 2],
 }
 
@@ -125,8 +122,8 @@ struct Zone {
 pub struct Zones(BTreeMap<(u8, Site), Zone>);
 
 impl Zones {
-    /// Takes in a tick; `band` is the target band of force, newtons, `task` has that of tilt, `floor` is the depth prescribed there,
-    /// metres.
+    /// Takes in a tick. `band` is the target band of force, newtons; `task` has the bands of tilt; `floor` is the
+    /// prescribed depth of the zone, metres.
     pub fn observe(
         &mut self,
         at: &Standing,
@@ -141,12 +138,12 @@ impl Zones {
         let zone = self.0.entry((at.tooth, at.site)).or_default();
         let seen = &mut zone.seen;
         seen.seconds += dt;
-        if seen.stayed_at.is_none() && seen.seconds >= STAYED - TIE {
+        if seen.stayed_at.is_none() && seen.seconds >= PROBED_S - TIE {
             seen.stayed_at = Some(tick);
         }
         seen.max_force = fmax(seen.max_force, at.force);
         seen.deepest = fmax(seen.deepest, at.depth);
-        // A tip that was forced out through the wall is beside the pocket, whatever it presses on.
+        // A tip that was forced through the wall is beside the pocket, and reads no depth.
         let inside = floor.is_none_or(|floor| at.depth <= floor + BEYOND);
         let correct = inside && (band[0]..=band[1]).contains(&at.force);
         if correct {
@@ -156,7 +153,7 @@ impl Zones {
         if at.force >= band[0] {
             seen.held = fmax(seen.held, bears.goes_on(to, dt));
         }
-        if at.force > band[1] + FORGIVEN {
+        if at.force > band[1] + TREMOR_N {
             seen.pressed = fmax(seen.pressed, presses.goes_on(to, dt));
         }
         let right = at.tilt.is_right(at.site, task);
@@ -175,12 +172,12 @@ impl Zones {
         }
     }
 
-    /// What was seen of a zone; none where the tip never was.
+    /// Measures of a zone. None if the tip was never in it.
     pub fn of(&self, tooth: u8, site: Site) -> Option<&ZoneSeen> {
         self.0.get(&(tooth, site)).map(|zone| &zone.seen)
     }
 
-    /// How the working end stood at the deepest place ([`AT_FLOOR`]): at a correct force where there was one, else at any.
+    /// Tilt and reading at the deepest place ([`AT_FLOOR`]): at a correct force if there was one, else at any force.
     pub fn stood(&self, tooth: u8, site: Site) -> Option<Stood> {
         let zone = self.0.get(&(tooth, site))?;
         let [correct, any] = &zone.stood;
@@ -196,7 +193,7 @@ impl Zones {
         Some(all)
     }
 
-    /// The zones that the tip was in, by tooth, then in the order of [`Site::ALL`].
+    /// Zones that the tip was in, by tooth, then in the order of [`Site::ALL`].
     pub fn all(&self) -> impl Iterator<Item = (u8, Site)> + '_ {
         self.0.keys().copied()
     }
@@ -233,7 +230,7 @@ mod tests {
         assert!((seen.seconds - 0.75).abs() < 1e-12);
         assert_eq!((seen.stayed_at, seen.max_force), (Some(3), 0.6));
         assert!((seen.deepest - 3.1e-3).abs() < 1e-12);
-        // What the bands showed at 2.0 and at 1.9 mm, in the mean.
+        // Mean reading of the bands at 2.0 and 1.9 mm.
         let stood = zones.stood(36, Site::Buccal).expect("it stood");
         assert!((stood.shown() - 2.75e-3).abs() < 1e-12);
         assert!((seen.measured.expect("correct") - 2e-3).abs() < 1e-12);
@@ -258,7 +255,7 @@ mod tests {
             }
             zones.of(36, Site::Buccal).map_or(0.0, |seen| seen.held)
         };
-        // (Milliseconds; the lapse counts once it has passed, and what is too heavy stands, too.)
+        // Milliseconds. An interruption counts after its end. A force above the band stands, too.
         for (force, ms, held) in [
             (0.09, 100, 0.0),
             (0.1, 100, 0.1),
@@ -271,10 +268,10 @@ mod tests {
             let found = hold(force, ms);
             assert!((found - held).abs() < 1e-9, "{found}, not {held}");
         }
-        // The one at 0.6 N was too heavy, for 200 ms.
+        // 0.6 N was above the band for 200 ms.
         let pressed = zones.of(36, Site::Buccal).map_or(0.0, |seen| seen.pressed);
         assert!((pressed - 0.2).abs() < 1e-9, "{pressed}");
-        // Ticks that were skipped belong to the one after them (half a second of it), here after a lapse.
+        // Half a second of skipped ticks belongs to the tick after them, here after an interruption.
         let at = standing(36, Site::Buccal, 90.0, 2.0, 0.2);
         let now = Span {
             tick: 1451,
@@ -303,12 +300,13 @@ mod tests {
                 zones.observe(&at, now, [0.1, 0.25], &task, Some(4e-3));
             }
         };
-        see(&mut zones, 2.0, 0.2, 60.0, 500); // on the way down: does not count
+        see(&mut zones, 2.0, 0.2, 60.0, 500); // above the deepest place
         see(&mut zones, 4.0, 0.05, 60.0, 500); // too light
         see(&mut zones, 3.95, 0.2, 5.0, 300);
         see(&mut zones, 4.01, 0.2, 40.0, 100);
         let stood = zones.stood(36, Site::Buccal).expect("it was there");
-        // 300 ticks at 5 degrees, 100 at 40: 13.75 in the mean, and right three times of four.
+        // 300 ticks at 5 degrees and 100 at 40 degrees: 13.75 degrees in the mean, right for three quarters of the
+        // time.
         assert!((stood.tilt().to_degrees() - 13.75).abs() < 1e-9);
         assert!(stood.is_right());
         see(&mut zones, 3.9, 0.2, 40.0, 250);

@@ -1,9 +1,10 @@
-//! Magnitudes of a discrete Fourier transform: radix 2, in place, twiddles by libm, so that its bits are the same on every
-//! machine. (A library that picks its kernels by the processor at hand gives other last bits on another.)
+//! Magnitudes of a discrete Fourier transform: radix 2, in place, twiddle factors by libm.
+//!
+//! The bits are the same on every machine. A library that selects its code by the processor gives other last bits.
 
 use std::f64::consts::PI;
 
-/// Transforms in place; both slices have the same length, a power of two (anything else is left as it is).
+/// Transforms in place. Both slices have the same length, a power of two; other slices stay unchanged.
 fn transform(re: &mut [f64], im: &mut [f64]) {
     let n = re.len();
     if !n.is_power_of_two() || im.len() != n || n < 2 {
@@ -37,7 +38,7 @@ fn transform(re: &mut [f64], im: &mut [f64]) {
     }
 }
 
-/// Magnitudes of the transform of a real signal, padded with zeros to `n` (a power of two): `n` of them.
+/// Magnitudes of the transform of a real signal, padded with zeros to `n`, a power of two. The result has `n` values.
 pub fn magnitudes(signal: &[f64], n: usize) -> Vec<f64> {
     let mut re = vec![0.0; n];
     let mut im = vec![0.0; n];
@@ -70,7 +71,7 @@ mod tests {
 
     #[test]
     fn one_wave_is_one_line() {
-        // Amplitude 1 over 64 samples: half of 64 at its own frequency and that frequency's mirror.
+        // A wave of amplitude 1 over 64 samples has lines of 32 at its frequency and at the mirror frequency.
         let wave: Vec<f64> = (0..64)
             .map(|t| libm::cos(2.0 * PI * 5.0 * f64::from(t) / 64.0))
             .collect();

@@ -1,22 +1,27 @@
-//! A low-pass filter of second order (Butterworth, bilinear): what a hand does below its cut-off, and not a device's noise.
+//! Low-pass filter of second order, Butterworth by the bilinear transform, for the motion of a hand without a
+//! device's noise.
 
 use std::f64::consts::{PI, SQRT_2};
 
 use sulcus_core::Vec3;
 
-/// The filter for a point in space.
+/// Filter for a point in space.
 #[derive(Clone, Copy, Debug)]
 pub struct LowPass {
-    /// Of the input (now, one and two samples ago), and of the output.
+    /// Coefficients of the input: now, one and two samples before.
     b: [f64; 3],
+    /// Coefficients of the output: one and two samples before.
     a: [f64; 2],
+    /// Last two inputs.
     input: [Vec3; 2],
+    /// Last two outputs.
     output: [Vec3; 2],
+    /// Whether a sample has come since the last reset.
     begun: bool,
 }
 
 impl LowPass {
-    /// For samples at `rate_hz`, more than twice the cut-off.
+    /// Filter for samples at `rate_hz`, which is more than twice the cut-off.
     pub fn new(rate_hz: f64, cut_off_hz: f64) -> Self {
         let k = libm::tan(PI * cut_off_hz / rate_hz);
         let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
@@ -33,12 +38,12 @@ impl LowPass {
         }
     }
 
-    /// Forgets everything: the next sample is taken as having stood for ever.
+    /// Forgets all samples. The next sample counts as constant before.
     pub fn reset(&mut self) {
         self.begun = false;
     }
 
-    /// The filtered point after one more sample.
+    /// Filtered point after one more sample.
     pub fn step(&mut self, x: Vec3) -> Vec3 {
         if !self.begun {
             self.begun = true;
@@ -58,7 +63,7 @@ impl LowPass {
 mod tests {
     use super::*;
 
-    /// Amplitude of a wave that comes out of a wave of amplitude 1, once it has settled.
+    /// Amplitude of the settled output for a wave of amplitude 1.
     fn gain(hz: f64) -> f64 {
         let mut filter = LowPass::new(1000.0, 20.0);
         let mut most: f64 = 0.0;

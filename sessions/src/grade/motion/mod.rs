@@ -1,4 +1,4 @@
-//! Motion of a hand as signals: filter, spectrum, smoothness, and the measures made of them.
+//! Motion of a tool as signals: low-pass filter, spectrum, smoothness of free moves, series for plots.
 
 pub(crate) mod fft;
 pub(crate) mod lowpass;

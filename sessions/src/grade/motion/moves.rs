@@ -1,9 +1,9 @@
-//! Free-space moves of a tool: found, measured for smoothness, and how long the way was.
+//! Free moves of a tool, with their smoothness, and the length of the path.
 //!
-//! A *move* is one discrete movement through the air: from where the tip's speed rises above [`START`] to where it has been
-//! below [`STOP`] for [`RESTS`], or touches something. Smoothness measures are defined for such a movement alone, never for a
-//! whole session nor for contact (Balasubramanian 2015; 0.1 % of noise or a rest in between changes them by multiples). The
-//! tip's way is low-passed at [`CUT_OFF_HZ`] before its speed is taken; what is above is no hand's.
+//! A *move* is one discrete movement through the air. It begins at a speed of [`START`], and ends after [`RESTS`] below
+//! [`STOP`] or at a contact. Smoothness is defined for such a movement only, not for a session nor for contact
+//! (Balasubramanian 2015): a rest in between changes the result by multiples. The place of the tip is low-passed at
+//! [`CUT_OFF_HZ`] before its speed is computed.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::norm;
@@ -11,37 +11,39 @@ use sulcus_core::math::norm;
 use super::lowpass::LowPass;
 use super::sparc::sparc;
 
-/// Hertz up to which a hand's movement is looked at: tremor (8 to 12 Hz) is inside.
+/// Cut-off of a hand's motion, Hz. Tremor, 8 to 12 Hz, is below it.
 pub const CUT_OFF_HZ: f64 = 20.0;
-/// Speeds between which a move begins and ends, m/s, and how long it must be slow to end, seconds. Chosen.
+/// Speed at which a move begins, m/s. Chosen.
 pub const START: f64 = 10e-3;
-/// See [`START`].
+/// Speed below which a move ends, m/s. Chosen.
 pub const STOP: f64 = 4e-3;
-/// See [`START`].
+/// Time below [`STOP`] after which a move ends, seconds. Chosen.
 pub const RESTS: f64 = 0.1;
-/// Longest hole in a session over which a tool is taken to have moved on, seconds.
+/// Longest gap of skipped ticks over which the tip is interpolated, seconds.
 const GAP: f64 = 0.1;
-/// Shortest move that counts, metres and seconds.
-const LEAST_WAY: f64 = 5e-3;
-const LEAST_TIME: f64 = 0.2;
-/// Rate at which speeds are kept, Hz.
+/// Shortest way of a move, metres.
+pub const LEAST_WAY: f64 = 5e-3;
+/// Shortest time of a move, seconds.
+pub const LEAST_TIME: f64 = 0.2;
+/// Rate of the kept speeds, Hz.
 const RATE_HZ: f64 = 100.0;
-/// Most that one move keeps: five minutes.
+/// Largest number of kept speeds of a move: five minutes.
 const MOST: usize = 30_000;
 
-/// Follows one tool's tip.
+/// Moves of one tool's tip.
 #[derive(Clone, Debug)]
 pub struct Moves {
     filter: LowPass,
     dt: f64,
-    /// Ticks for each speed that is kept, and how many of the next one have passed.
+    /// Number of ticks for each kept speed.
     every: u32,
+    /// Number of ticks since the last kept speed.
     since: u32,
-    /// Where the tip was.
+    /// Last place of the tip.
     tip: Option<Vec3>,
-    /// And where it was after the filter.
+    /// Last place of the tip after the filter.
     last: Option<Vec3>,
-    /// Where the last kept speed was taken.
+    /// Filtered place at the last kept speed.
     kept: Option<Vec3>,
     speeds: Vec<f64>,
     way: f64,
@@ -49,14 +51,14 @@ pub struct Moves {
     moving: bool,
     /// SPARC of every move.
     found: Vec<f64>,
-    /// Way of the tip through the air, metres.
+    /// Path of the tip through the air, metres.
     free_way: f64,
-    /// And wherever it was.
+    /// Path of the tip in all, metres.
     whole_way: f64,
 }
 
 impl Moves {
-    /// Nothing moved yet; `dt` is the length of a tick, seconds.
+    /// Moves before the first tick. `dt` is the length of a tick, seconds.
     pub fn new(dt: f64) -> Self {
         let every = (1.0 / (RATE_HZ * dt)).round().max(1.0) as u32;
         Self {
@@ -77,9 +79,9 @@ impl Moves {
         }
     }
 
-    /// Takes in where the tip is after a tick, metres, and whether it is free: nothing bears on the tool. None where no
-    /// hand holds it. Where `ticks` went by since the last time, because some were skipped, it went straight; after a longer
-    /// [`GAP`] nobody knows how.
+    /// Takes in the place of the tip after a tick, metres, and whether the tool is free. None: no hand holds the tool.
+    /// After skipped ticks, `ticks` is more than 1, and the tip moved straight. A gap longer than [`GAP`] ends the
+    /// move.
     pub fn observe(&mut self, tip: Option<(Vec3, bool)>, ticks: u64) {
         if let (Some((to, free)), Some(from), true) = (tip, self.tip, ticks > 1) {
             if ticks as f64 * self.dt > GAP {
@@ -145,13 +147,13 @@ impl Moves {
         }
     }
 
-    /// The move under way has ended.
+    /// Ends the present move.
     fn end(&mut self) {
         let period = f64::from(self.every) * self.dt;
         let slow = (self.slow / period).round() as usize;
         let moved = self.speeds.len().saturating_sub(slow);
         if self.way >= LEAST_WAY && moved as f64 * period >= LEAST_TIME {
-            // The rest at its end is no part of it.
+            // The rest at the end is no part of the move.
             self.found
                 .extend(sparc(&self.speeds[..moved], 1.0 / period, CUT_OFF_HZ));
         }
@@ -159,7 +161,7 @@ impl Moves {
         (self.way, self.slow, self.moving) = (0.0, 0.0, false);
     }
 
-    /// Median SPARC of the moves, and how many there were; none without a move.
+    /// Median SPARC and number of the moves. None without a move.
     pub fn smoothness(&mut self) -> Option<(f64, usize)> {
         self.end();
         let mut all = self.found.clone();
@@ -167,7 +169,7 @@ impl Moves {
         Some((crate::grade::stats::median(&all)?, all.len()))
     }
 
-    /// Way of the tip, metres: through the air, and altogether.
+    /// Path of the tip, metres: through the air, and in all.
     pub fn ways(&self) -> (f64, f64) {
         (self.free_way, self.whole_way)
     }
@@ -177,7 +179,7 @@ impl Moves {
 mod tests {
     use super::*;
 
-    /// 40 mm along x in `seconds`, bell-shaped speed, then a rest.
+    /// A move of 40 mm along x in `seconds` with a bell-shaped speed, then a rest.
     fn reach(moves: &mut Moves, from: f64, seconds: f64, shake: f64) -> f64 {
         let ticks = (seconds * 1e3) as u32;
         let mut x = from;
@@ -186,7 +188,7 @@ mod tests {
             // Minimum jerk.
             x = from + 0.04 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
             let t = f64::from(k) * 1e-3;
-            // The rest at the end is one.
+            // The rest at the end has no tremor.
             let shake = if s < 1.0 { shake } else { 0.0 };
             let tremor = shake * libm::sin(2.0 * std::f64::consts::PI * 10.0 * t);
             moves.observe(Some((Vec3::new(x + tremor, 0.0, 0.0), true)), 1);
@@ -236,7 +238,7 @@ mod tests {
         assert!((median - each[1]).abs() < 0.02, "{median} {each:?}");
     }
 
-    /// A server that skips 20 ticks in the middle of a reach made the hand look shaky: all of their way was one tick's.
+    /// Skipped ticks in the middle of a move. Earlier versions gave their whole way to one tick, as a jerk.
     #[test]
     fn ticks_that_were_skipped_are_no_jerk_of_the_hand() {
         let run = |skips: bool| {
@@ -259,7 +261,7 @@ mod tests {
         assert_eq!(holed.1, 1);
         assert!((holed.0 - whole.0).abs() < 0.01, "{holed:?} {whole:?}");
         assert!((holed.2 - whole.2).abs() < 1e-5, "{holed:?} {whole:?}");
-        // A hole so long that nobody knows what was in it parts two moves.
+        // A gap longer than `GAP` separates two moves.
         let mut moves = Moves::new(1e-3);
         moves.observe(Some((Vec3::zeros(), true)), 1);
         moves.observe(Some((Vec3::new(1.0, 0.0, 0.0), true)), 500);

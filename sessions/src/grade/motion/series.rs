@@ -1,35 +1,35 @@
-//! Depth and force over time, for plots: the largest of every twentieth of a second, and what was visible then.
+//! Depth, force and sight over time, for plots: the largest values of every 50 ms.
 
 use sulcus_core::tissue::gingiva::Site;
 
 use crate::exercise::events::Standing;
 
-/// Length of one point, seconds.
+/// Time between two points, seconds.
 pub const STEP_S: f64 = 0.05;
-/// Most points that are kept: two hours.
+/// Largest number of points: two hours.
 const MOST: usize = 144_000;
 
-/// A twentieth of a second.
+/// Values of 50 ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Where the tip was last, if in a pocket.
+    /// Last zone of the tip. None outside pockets.
     pub zone: Option<(u8, Site)>,
-    /// Deepest, metres.
+    /// Largest depth, metres.
     pub depth: f64,
-    /// Heaviest on the floor, newtons.
+    /// Largest force on the floor, newtons.
     pub force: f64,
-    /// Heaviest on the leading tool, whatever pushed, newtons.
+    /// Largest force on the leading tool from any object, newtons.
     pub push: f64,
-    /// Whether the target was visible at its end; none without a target.
+    /// Whether the target was visible at the end. None without a target.
     pub visible: Option<bool>,
 }
 
-/// All of a session.
+/// Points of a session.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series(pub Vec<Point>);
 
 impl Series {
-    /// Takes in a tick at `at_s` seconds since the first one, with the force on the leading tool in it, newtons.
+    /// Takes in a tick, `at_s` seconds after the first tick. `push` is the force on the leading tool, newtons.
     pub fn observe(&mut self, at_s: f64, at: Option<&Standing>, push: f64, visible: Option<bool>) {
         let k = (at_s / STEP_S) as usize;
         if k >= MOST {
@@ -82,7 +82,7 @@ mod tests {
         );
         assert_eq!(series.0[1], Point::default());
         assert_eq!(series.0[2].visible, Some(false));
-        // What is after two hours is not kept.
+        // Points after two hours are dropped.
         series.observe(1e9, None, 0.0, None);
         assert_eq!(series.0.len(), 3);
     }

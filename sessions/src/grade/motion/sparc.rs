@@ -1,16 +1,17 @@
-//! SPARC, the spectral arc length of one discrete movement's speed: 0 would be perfectly smooth, more negative is *less*
-//! smooth. As defined by Balasubramanian et al. (J NeuroEng Rehabil 2015, 12:112) and its reference code
-//! (github.com/siva82kb/SPARC): zero padding by 2^4, amplitude threshold 0.05.
+//! SPARC: spectral arc length of the speed of one discrete movement, without unit. More negative is less smooth.
+//!
+//! Definition: Balasubramanian et al., J NeuroEng Rehabil 2015, 12:112, with the reference code at
+//! github.com/siva82kb/SPARC: zero padding by 2^4, amplitude threshold 0.05.
 
 use super::fft::magnitudes;
 
-/// Powers of two by which the spectrum is finer than the signal is long.
+/// Exponent of the zero padding, base 2.
 const PAD: u32 = 4;
-/// Share of the largest magnitude under which the spectrum is cut off at both ends.
+/// Share of the largest magnitude below which both ends of the spectrum are cut off.
 const THRESHOLD: f64 = 0.05;
 
-/// SPARC of a speed profile (any unit) sampled at `rate_hz`, of the spectrum up to `cut_off_hz`. None where there is no
-/// movement, or too little of it to have a spectrum.
+/// SPARC of a speed profile in any unit, sampled at `rate_hz`, from its spectrum up to `cut_off_hz`.
+/// None without a movement, or for a movement too short for a spectrum.
 pub fn sparc(speed: &[f64], rate_hz: f64, cut_off_hz: f64) -> Option<f64> {
     if speed.len() < 2 || !speed.iter().all(|x| x.is_finite()) {
         return None;
@@ -47,7 +48,7 @@ pub fn sparc(speed: &[f64], rate_hz: f64, cut_off_hz: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// exp(-5 t^2), t from -1 to 1 (1 left out), 100 Hz, times what `with` says of a moment.
+    /// Samples of `exp(-5 t^2) with(t)` at 100 Hz, t from -1 to 1, without 1.
     fn bell(with: impl Fn(f64) -> f64) -> Vec<f64> {
         (0..200)
             .map(|k| -1.0 + 0.01 * f64::from(k))

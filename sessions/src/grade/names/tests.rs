@@ -64,7 +64,7 @@ fn a_table_gives_names_and_a_bad_one_says_where() {
     assert!(Names::open(Path::new("no/such.csv")).is_err());
 }
 
-/// The tables of people, as Excel saved them, were refused: all but those in UTF-8 with commas.
+/// Tables as Excel saves them. Earlier versions refused all but UTF-8 with commas.
 #[test]
 fn tables_are_read_as_spreadsheets_save_them() {
     let person = |id: &str, name: &str| (id.to_owned(), name.to_owned());
@@ -140,7 +140,7 @@ fn every_separator_encoding_and_heading_gives_the_same_people() {
         let names = read(format!("{head}\na7,x\n")).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(names.of("a7"), Some("x"), "{head}");
     }
-    // A separator that the first line names and the table has not.
+    // A separator in the first line that the table does not use.
     let names = read("sep=,\nlearner_id;name\na7;x, y\n").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(names.of("a7"), Some("x, y"));
 }

@@ -1,4 +1,4 @@
-//! Bounds of a metric's scale: a number, or a band from one to another.
+//! Bounds of a metric's scale: a number, or a band with a lower and an upper number.
 
 use std::fmt;
 
@@ -6,13 +6,13 @@ use serde::Serialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
-/// A value, or a band of values where both sides count.
+/// Bound of a metric's scale: the value of a full score, or of no score.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Bound {
-    /// One value; which side is better is known from the other bound.
+    /// Number. The other bound tells which side is better.
     One(f64),
-    /// From and to.
+    /// Lower and upper number of a band. Values on both sides of the band lose points.
     Band([f64; 2]),
 }
 
@@ -25,7 +25,7 @@ impl fmt::Display for Bound {
     }
 }
 
-/// Written by hand because an untagged enum would not say how long a wrong list is.
+/// Deserialisation by hand: an untagged enum would not report the length of a wrong list.
 impl<'de> Deserialize<'de> for Bound {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         from.deserialize_any(Written)

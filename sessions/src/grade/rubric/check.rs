@@ -1,4 +1,4 @@
-//! What a rubric's values may be.
+//! Checks of a rubric: ranges of its values, and metrics that its exercise cannot have.
 
 use super::{Bound, Rubric};
 use crate::exercise::Exercise;
@@ -7,11 +7,11 @@ use crate::grade::definitions::METRICS;
 use crate::record::written::{Written, WrittenError};
 
 impl Rubric {
-    /// Checks that what it weighs is asked for: what is not would be left out, and a session in which nothing was asked would be
-    /// perfect.
+    /// Checks that the exercise has something to measure for each metric that counts. Other metrics would be left out,
+    /// and a session without any task would have a full score.
     ///
     /// # Errors
-    /// Names the first metric that counts and has nothing to measure in the exercise.
+    /// The first metric that counts and has nothing to measure in the exercise.
     pub fn fits(&self, exercise: &Exercise) -> Result<(), WrittenError> {
         let weighed = self.metrics.iter().filter(|one| {
             one.weight > 0.0 || one.pass.is_some() || one.deduct.is_some_and(|points| points > 0.0)
@@ -24,7 +24,7 @@ impl Rubric {
             };
             let found = format!("`{name}` in the rubric `{}`", self.name);
             let expected = format!(
-                "metrics that exercise `{}` is for: it asks for no such thing as {}",
+                "a metric of exercise `{}`, which does not have {}",
                 exercise.name,
                 needs.what()
             );
@@ -36,7 +36,7 @@ impl Rubric {
     /// Checks every value.
     ///
     /// # Errors
-    /// Names the first field out of range, with the value found and what is expected.
+    /// The first field out of range: its name, the value found and the value expected.
     pub fn validate(&self) -> Result<(), WrittenError> {
         Self::check_name(&self.name)?;
         if self.version == 0 {
@@ -165,7 +165,7 @@ fn wrong(
     Rubric::wrong(field, found, expected)
 }
 
-/// A number in a range; a NaN is in none.
+/// Checks that a number lies in a range. A NaN lies in none.
 fn within(field: &str, x: f64, low: f64, high: f64) -> Result<(), WrittenError> {
     if (low..=high).contains(&x) {
         return Ok(());
@@ -208,11 +208,18 @@ mod tests {
         let text = rubric.definition().unwrap_or_default();
         for weighed in &rubric.metrics {
             let known = definitions::find(&weighed.name).map_or("", |m| m.definition);
-            assert!(text.contains(&known[..20]), "{}", weighed.name);
+            assert!(
+                !known.is_empty() && text.contains(known),
+                "{}",
+                weighed.name
+            );
         }
         let back = Rubric::parse(&text).unwrap_or_else(|error| panic!("{error}"));
         assert!(back.redefined().is_empty());
-        let other = text.replace("whose called depth is within 1 mm", "called within a mile");
+        let other = text.replace(
+            "called depth is at most 1 mm",
+            "called depth is at most a mile",
+        );
         let other = Rubric::parse(&other).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(other.redefined(), ["called_within_1mm"]);
     }
@@ -235,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_what_was_found_and_expected() {
+    fn an_error_names_the_field_the_value_found_and_the_value_expected() {
         let exercise = Exercise::built_in().remove(1);
         let good = Rubric::of(&exercise).unwrap_or_else(|| panic!("built in"));
         let text = toml::to_string(&good).unwrap_or_default();
@@ -319,7 +326,7 @@ mod tests {
             all.find(|one| one.name == name).expect(name)
         };
         let rubric = |name: &str| Rubric::of(&of(name)).expect("one");
-        // Mid zones alone are zones.
+        // Zones in the middle of a side are enough.
         let mut mid = of("probing");
         mid.zones[0].sites = vec![sulcus_core::tissue::gingiva::Site::Buccal];
         assert_eq!(rubric("probing").fits(&mid), Ok(()));
@@ -349,10 +356,10 @@ mod tests {
         assert_eq!(unknown, ["probe_push"]);
         assert_eq!(left.metrics.len(), rubric.metrics.len() - 1);
         assert!(left.critical.iter().all(|one| one.metric != "probe_peak"));
-        // In a file that somebody writes it is a slip.
+        // In a file by hand, an unknown metric is an error.
         let told = Rubric::parse(&renamed).expect_err("unknown").to_string();
         assert!(told.contains("`probe_push`"), "{told}");
-        // And so it is where nothing says what it means.
+        // Without a definition, an unknown metric of a recording is an error, too.
         let bare = toml::to_string(&rubric).expect("text");
         let bare = bare.replace("\"probe_peak\"", "\"probe_push\"");
         assert!(Rubric::recorded(&bare).is_err());

@@ -1,19 +1,19 @@
-//! Time on the floor by zones of force.
+//! Time on the floor of pockets, by zone of force.
 
 use serde::Serialize;
 use sulcus_core::output::ForceZone;
 
-use super::touches::BEGINS;
+use super::tolerances::TOUCH_N;
 use crate::exercise::events::Standing;
 
-/// Seconds with a force on a floor, by how heavy it was.
+/// Time with a force on a floor, by the size of the force, seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FloorTime {
-    /// Under the target band (and 0.02 N or more).
+    /// Below the target band, 0.02 N or more.
     pub light_s: f64,
-    /// Inside it.
+    /// Inside the target band.
     pub in_band_s: f64,
-    /// Above it, and not yet trauma.
+    /// Above the target band, below the scene's zone of trauma.
     pub heavy_s: f64,
     /// In the scene's zone of trauma.
     pub trauma_s: f64,
@@ -22,9 +22,9 @@ pub struct FloorTime {
 }
 
 impl FloorTime {
-    /// Takes in a tick of `dt` seconds; `band` is the target band, newtons.
+    /// Takes in a tick of `dt` seconds. `band` is the target band, newtons.
     pub fn observe(&mut self, at: &Standing, dt: f64, band: [f64; 2]) {
-        if at.force < BEGINS {
+        if at.force < TOUCH_N {
             return;
         }
         *match at.zone {
@@ -36,12 +36,12 @@ impl FloorTime {
         } += dt;
     }
 
-    /// All of it, seconds.
+    /// Sum of all five times, seconds.
     pub fn whole(&self) -> f64 {
         self.light_s + self.in_band_s + self.heavy_s + self.trauma_s + self.damage_s
     }
 
-    /// Share inside the target band, percent; none where the floor was never touched.
+    /// Share of the time inside the target band, percent. None if the floor was never touched.
     pub fn in_band_percent(&self) -> Option<f64> {
         let whole = self.whole();
         (whole > 0.0).then(|| 100.0 * self.in_band_s / whole)

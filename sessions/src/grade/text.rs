@@ -1,8 +1,8 @@
-//! A grade as text for a terminal.
+//! Grade as text for a terminal, and words that pages share with it.
 
 use super::report::{Grade, MetricGrade, Source};
 
-/// A metric's value with its unit.
+/// Value of a metric with its unit.
 pub fn value(metric: &MetricGrade) -> String {
     match metric.value {
         None => "-".into(),
@@ -11,15 +11,15 @@ pub fn value(metric: &MetricGrade) -> String {
     }
 }
 
-/// Which rubric, in words.
+/// Rubric of a grade, in words.
 pub fn rubric(grade: &Grade) -> String {
     let Some(used) = &grade.rubric else {
         return "none".into();
     };
     let from = match used.source {
         Source::Recording => "from the recording",
-        Source::BuiltIn => "this program's: the recording has none",
-        Source::File => "GIVEN INSTEAD of the recording's own",
+        Source::BuiltIn => "built in, because the recording has none",
+        Source::File => "GIVEN INSTEAD of the recording's rubric",
     };
     let safe = used.name.escape_debug();
     format!(
@@ -29,19 +29,19 @@ pub fn rubric(grade: &Grade) -> String {
     )
 }
 
-/// Whose key it is, in words.
+/// Signer of a grade, in words.
 pub fn signer(grade: &Grade) -> String {
     let short = &grade.signer[..grade.signer.len().min(16)];
     let whose = if grade.signer_trusted {
         "a trusted key"
     } else {
-        "the recording's own word: name the right key with --signer"
+        "key from the recording, not checked; --signer names the right key"
     };
     format!("{short} ({whose})")
 }
 
 impl Grade {
-    /// For a terminal; `exam`: without what tells the depths and what to practise next; `truth`: with what is prescribed.
+    /// Grade as text. `exam`: without advice and without values that tell depths. `truth`: with prescribed depths.
     pub fn text(&self, exam: bool, truth: bool) -> String {
         let safe = |text: &str| text.escape_debug().to_string();
         let learner = if self.learner_id.is_empty() {
@@ -61,7 +61,7 @@ impl Grade {
             lines.push(format!("  WARNING    {says}: {}", safe(&what)));
         }
         let Some(score) = self.score else {
-            let why = self.reason.as_deref().unwrap_or("for no reason known");
+            let why = self.reason.as_deref().unwrap_or("reason unknown");
             lines.push(format!("  NO GRADE   {}", safe(why)));
             return lines.join("\n");
         };
@@ -71,7 +71,7 @@ impl Grade {
             "NOT PASSED"
         };
         lines.push(format!(
-            "  score      {score:.1} of 100, {passed} (from {:.1} on; proposed by the program)",
+            "  score      {score:.1} of 100, {passed} (pass mark {:.1}; proposed by the program)",
             self.pass_mark.unwrap_or_default()
         ));
         lines.extend(
@@ -124,7 +124,7 @@ impl Grade {
         }
         if !exam && !self.advice.is_empty() {
             lines.push(String::new());
-            lines.push("  practise next".into());
+            lines.push("  advice".into());
             for advice in &self.advice {
                 lines.push(format!("  - {}: {}", advice.title, advice.text));
                 lines.extend(advice.sites.iter().map(|site| format!("      {site}")));
