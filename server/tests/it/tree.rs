@@ -94,7 +94,7 @@ fn the_json_says_what_others_rely_on_and_how_sure_it_is() {
 }
 
 #[test]
-fn out_writes_a_page_that_stands_alone_and_its_pictures() {
+fn out_writes_the_numbers_and_a_file_for_rerun() {
     let folder = place();
     let output = tree(
         folder.path(),
@@ -111,48 +111,15 @@ fn out_writes_a_page_that_stands_alone_and_its_pictures() {
     );
     let report = json(&output);
     let out = folder.path().join("deep/in/side");
-    assert_eq!(report["page"].as_str(), Some("deep/in/side/tree.html"));
-    let page = std::fs::read_to_string(out.join("tree.html")).expect("a page");
-    for part in [
-        "<!DOCTYPE html>",
-        "Sphere tree of egg &amp; &lt;b&gt;",
-        "mesh to spheres, mm",
-        "of the volume, %",
-        "In the zone “tip” only",
-        "Level 0: 1 sphere<",
-        "Level 1: 8 spheres",
-        "from above",
-        "histogram of the signed error",
-    ] {
-        assert!(page.contains(part), "{part} is not on the page");
-    }
-    // The words alone: anything may stand in a picture's digits.
-    let words: String = page
-        .split("data:image/png;base64,")
-        .map(|part| {
-            part.trim_start_matches(|c: char| c.is_ascii_alphanumeric() || "+/=".contains(c))
-        })
-        .collect();
-    assert!(words.len() < page.len() / 4);
-    for outside in ["http://", "https://", "<script", "<link", "NaN", "inf"] {
-        assert!(!words.contains(outside), "{outside} is on the page");
-    }
-    // Two levels, whole and zone, three sides, errors and spheres.
-    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 24);
-    let pictures: Vec<_> = std::fs::read_dir(&out)
-        .expect("a folder")
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "png"))
-        .collect();
-    assert_eq!(pictures.len(), 24);
-    for picture in &pictures {
-        let bytes = std::fs::read(picture).expect("reads");
-        assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n"));
-        let name = picture.file_name().expect("a name").to_string_lossy();
-        assert!(page.contains(&*name), "{name} is not named on the page");
-    }
-    let rerun = out.join("tree.rrd");
+    let numbers = std::fs::read_to_string(out.join("tree.json")).expect("the numbers");
+    let numbers: serde_json::Value = serde_json::from_str(&numbers).expect("JSON");
+    assert_eq!(numbers, report);
+    assert_eq!(report["levels"].as_array().map(Vec::len), Some(2));
+    assert_eq!(report["zones"][0]["name"], "tip");
+    let said = text(&output.stdout);
+    assert!(said.contains("written to deep/in/side/tree.json"), "{said}");
     // The file for Rerun comes from the program beside, where a build has made the program.
+    let rerun = out.join("tree.rrd");
     let installed = Path::new(PROGRAM).with_file_name("sulcus-review").exists();
     assert_eq!(rerun.exists(), installed);
     assert_eq!(report["rerun"].is_string(), installed);
@@ -161,6 +128,9 @@ fn out_writes_a_page_that_stands_alone_and_its_pictures() {
     } else {
         assert!(text(&output.stderr).contains("no tree.rrd: the program `sulcus-review`"));
     }
+    // Numbers and scene, no further file.
+    let files = std::fs::read_dir(&out).expect("a folder").count();
+    assert_eq!(files, 1 + usize::from(installed));
 }
 
 #[test]

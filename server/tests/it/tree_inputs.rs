@@ -41,12 +41,12 @@ fn odd_files_are_built_and_what_was_not_read_or_asked_for_is_told() {
         (
             &["scan/crown_open.stl", "--close-base"],
             0.0,
-            "repaired: the open base was closed as asked: a rim of",
+            "repaired: the open base was closed on request: a rim of",
         ),
         (
             &["scan/tooth_with_crumb.stl", "--keep-largest"],
             0.0,
-            "repaired: 1 piece was dropped because only the largest piece was asked for: 4 triangles",
+            "repaired: 1 piece was dropped because only the largest piece was requested: 4 triangles",
         ),
     ];
     for (arguments, volume_mm3, told) in cases {

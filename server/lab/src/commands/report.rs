@@ -9,7 +9,7 @@ use sulcus_program::{PathText, say, tell};
 use crate::commands::tree::writable;
 use crate::page::report;
 use crate::report::paper::{Part, paper_part};
-use crate::report::{Beside, Options, measure};
+use crate::report::{Beside, Kind, Options, Readme, measure};
 use sulcus_program::ProgressLines;
 
 /// Measure speed against error on this machine
@@ -17,7 +17,7 @@ use sulcus_program::ProgressLines;
 #[command(
     about = "Measure speed against error on this machine",
     long_about = "Measure speed against error on this machine: does it hold a kilohertz, how wrong is it, where does it break.\n\nRuns the hard cases by the coupled method and as printed, with the tick's solver and with the judge, times whole ticks and their stages, and compares the tissue models with finite elements. Writes one page (report.html, which needs nothing but itself) and one file of numbers (report.json). Leave the machine alone meanwhile: times are those of a machine that others use, else.",
-    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --paper --out report --peers peers.json\n  sulcus-server report --paper=whole-mouth\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
+    after_long_help = "Examples:\n  sulcus-server report --quick\n  sulcus-server report --paper --out report --peers peers.json\n  sulcus-server report --paper=whole-mouth\n  sulcus-server report --paper --readme server/lab/README.md\n  sulcus-server report --quick --json | tail -1 | jq '.rows[] | select(.status == \"broken\") | .case'\n\nExit code: 0 all that must hold holds, 1 something does not, 2 usage or bad input."
 )]
 pub struct ReportArgs {
     /// Measure fewer cases with fewer repeats: under a minute instead of under ten
@@ -32,6 +32,13 @@ pub struct ReportArgs {
     /// File with the numbers of other engines, written by `cargo bench -p sulcus-peers --features rapier`
     #[arg(long, value_name = "FILE")]
     peers: Option<PathBuf>,
+    /// Document for the measured tables: replaces all lines between `<!-- begin: measured -->` and `<!-- end: measured -->`
+    ///
+    /// The tables have machine, commit, date, and the command that measures each again. A full report has all of
+    /// them: --readme needs --paper without a part, no --quick, and a release build. The commit is that of the checkout
+    /// around the document, by `git`. Numbers of other engines need --peers.
+    #[arg(long, value_name = "FILE")]
+    readme: Option<PathBuf>,
     /// Print one JSON object as the last line of standard output
     #[arg(long)]
     json: bool,
@@ -39,6 +46,12 @@ pub struct ReportArgs {
 
 pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
     let progress = ProgressLines::default();
+    let kind = Kind {
+        quick: args.quick,
+        paper: args.paper,
+    };
+    let readme = args.readme.as_deref();
+    let readme = readme.map(|file| Readme::open(file, kind)).transpose()?;
     if let Some(Some(part)) = args.paper {
         return one_part(part, args, &progress);
     }
@@ -57,8 +70,11 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
         Ok(path)
     };
     write("report.json", &json)?;
-    let page = write("report.html", &report::page(&found))?;
+    let page = write("report.html", &report::page(&found)?)?;
     tell!("wrote {} in {:.0} s", page.shown(), found.took_s);
+    if let Some(readme) = &readme {
+        readme.write(&found)?;
+    }
     for answer in report::answers(&found) {
         say!("{} {}", answer.question, answer.short);
     }
@@ -79,10 +95,10 @@ fn one_part(part: Part, args: &ReportArgs, progress: &ProgressLines) -> anyhow::
     let found = Beside::of(found, args.quick);
     for row in &found.rows {
         let printed = row.printed.as_deref().unwrap_or("unknown");
-        let measured = row.measured.as_deref().unwrap_or("not measured");
         say!("{}, {}", row.place, row.what);
         say!(
-            "    printed:  {printed}\n    measured: {measured}\n    how:      {}",
+            "    printed:  {printed}\n    measured: {}\n    how:      {}",
+            row.measured,
             row.how
         );
     }

@@ -1,8 +1,29 @@
-//! Plots as SVG text: lines and points over one pair of axes, linear or logarithmic.
+//! Plots as SVG: lines and points over one pair of axes, linear or logarithmic.
 
+use std::fmt;
+
+use askama::filters::HtmlSafe;
 use plotters::coord::combinators::{IntoLogRange, LogCoord};
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
+
+/// A plot as SVG. Only [`Plot::svg`] makes one, and `plotters` escapes every text of it: a template inserts it as it is.
+pub(crate) struct Svg(String);
+
+impl Svg {
+    /// Whether there was nothing to draw.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl fmt::Display for Svg {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl HtmlSafe for Svg {}
 
 /// One line.
 pub(crate) struct Series {
@@ -10,6 +31,17 @@ pub(crate) struct Series {
     pub(crate) points: Vec<(f64, f64)>,
     /// Whether its points are joined.
     pub(crate) joined: bool,
+}
+
+impl Series {
+    /// A line of points that are joined.
+    pub(crate) fn joined(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            name: name.into(),
+            points,
+            joined: true,
+        }
+    }
 }
 
 /// One plot.
@@ -40,7 +72,7 @@ const COLOURS: [RGBColor; 8] = [
 
 impl Plot {
     /// The plot, or nothing where there is no finite point.
-    pub(crate) fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> Svg {
         let of = |value: fn(&(f64, f64)) -> f64, log: bool| {
             let points = self.series.iter().flat_map(|series| &series.points);
             let usable = points
@@ -52,7 +84,7 @@ impl Plot {
             })
         };
         let (Some(x), Some(mut y)) = (of(|p| p.0, self.log.0), of(|p| p.1, self.log.1)) else {
-            return String::new();
+            return Svg(String::new());
         };
         if let Some((limit, _)) = &self.limit {
             y = (y.0.min(*limit), y.1.max(*limit));
@@ -69,7 +101,7 @@ impl Plot {
             (false, false) => self.draw(&mut svg, linear(x), linear(y), log_of),
         };
         // Writing into a string does not fail; a plot that cannot be drawn is left out.
-        drawn.map_or(String::new(), |()| svg)
+        Svg(drawn.map_or(String::new(), |()| svg))
     }
 
     /// What the legend has: names, colours, widths of lines. A line alone is named by its axis.
@@ -223,15 +255,12 @@ mod tests {
             let at = svg.split("height=\"").nth(1).expect("a size");
             at.split('"').next().expect("an end").parse::<u32>()
         };
-        assert_eq!(height(&many.svg()), Ok(SIZE.1 + LEGEND.0));
+        assert_eq!(height(&many.svg().0), Ok(SIZE.1 + LEGEND.0));
         for k in 0..6 {
-            many.series.push(Series {
-                name: format!("line {k}"),
-                points: vec![(2.0, 3.0)],
-                joined: true,
-            });
+            many.series
+                .push(Series::joined(format!("line {k}"), vec![(2.0, 3.0)]));
         }
-        let svg = many.svg();
+        let svg = many.svg().0;
         assert_eq!(height(&svg), Ok(SIZE.1 + 4 * LEGEND.0));
         // Every name is below the lowest label of the axes.
         for name in ["ours", "line 5", "not above"] {
@@ -248,7 +277,7 @@ mod tests {
         }
         many.series.truncate(1);
         many.limit = None;
-        assert_eq!(height(&many.svg()), Ok(SIZE.1));
+        assert_eq!(height(&many.svg().0), Ok(SIZE.1));
     }
 
     fn plot(points: Vec<(f64, f64)>, log: (bool, bool)) -> Plot {
@@ -256,11 +285,7 @@ mod tests {
             x: "time, us".into(),
             y: "error, um".into(),
             log,
-            series: vec![Series {
-                name: "ours".into(),
-                points,
-                joined: true,
-            }],
+            series: vec![Series::joined("ours", points)],
             limit: Some((10.0, "not above".into())),
         }
     }
@@ -268,7 +293,7 @@ mod tests {
     #[test]
     fn a_plot_has_its_axes_and_its_points() {
         for log in [(false, false), (true, false), (false, true), (true, true)] {
-            let svg = plot(vec![(1.0, 2.0), (30.0, 4.0)], log).svg();
+            let svg = plot(vec![(1.0, 2.0), (30.0, 4.0)], log).svg().0;
             assert!(
                 svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"),
                 "{svg}"
@@ -282,15 +307,32 @@ mod tests {
 
     #[test]
     fn numbers_beside_an_axis_differ_when_all_points_have_one_value() {
-        let svg = plot(vec![(231.068, 2.0)], (true, true)).svg();
+        let svg = plot(vec![(231.068, 2.0)], (true, true)).svg().0;
         assert!(svg.matches("231.068").count() <= 1, "{svg}");
         assert!(svg.contains("200") && svg.contains("250"), "{svg}");
     }
 
     #[test]
     fn what_cannot_be_drawn_is_left_out() {
-        assert_eq!(plot(vec![], (false, false)).svg(), "");
-        let svg = plot(vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)], (true, true)).svg();
+        assert_eq!(plot(vec![], (false, false)).svg().0, "");
+        let svg = plot(vec![(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)], (true, true))
+            .svg()
+            .0;
         assert_eq!(svg.matches("<circle").count(), 1);
+    }
+
+    #[test]
+    fn every_text_of_a_plot_is_escaped() {
+        let named = |text: &str| {
+            let mut plot = plot(vec![(1.0, 2.0)], (false, false));
+            plot.x = text.to_owned();
+            plot.y = text.to_owned();
+            plot.series[0].name = text.to_owned();
+            plot.limit = Some((10.0, text.to_owned()));
+            plot.svg().0
+        };
+        let svg = named("<b> & \"c\"");
+        assert!(!svg.contains("<b>") && !svg.contains("& "), "{svg}");
+        assert_eq!(svg.matches("&lt;b&gt; &amp; ").count(), 4, "{svg}");
     }
 }

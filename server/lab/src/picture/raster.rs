@@ -1,7 +1,7 @@
 //! A z-buffer: which point of a surface each pixel shows.
 
+use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, fmin};
-use sulcus_core::{Sphere, Vec3};
 use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::camera::{Camera, pixels};
@@ -22,7 +22,7 @@ pub(crate) struct Fragment {
     pub(crate) point: Vec3,
     /// Its unit normal.
     pub(crate) normal: Vec3,
-    /// Number of the sphere or triangle.
+    /// Number of the triangle.
     pub(crate) of: u32,
 }
 
@@ -136,30 +136,6 @@ pub(crate) fn draw_mesh(camera: &Camera, distance: &MeshDistance) -> Fragments {
     buffer.done()
 }
 
-/// Draws balls, each pixel exactly.
-pub(crate) fn draw_spheres(camera: &Camera, spheres: &[Sphere]) -> Fragments {
-    let mut buffer = Buffer::new(camera);
-    let fine = buffer.camera.clone();
-    for (k, sphere) in spheres.iter().enumerate() {
-        let centre = fine.project(&sphere.centre);
-        let radius = sphere.radius / fine.pixel;
-        for y in pixels(centre.y - radius, centre.y + radius, fine.height) {
-            for x in pixels(centre.x - radius, centre.x + radius, fine.width) {
-                let (dx, dy) = (x as f64 + 0.5 - centre.x, y as f64 + 0.5 - centre.y);
-                let square = radius * radius - dx * dx - dy * dy;
-                if square > 0.0 {
-                    let rise = square.sqrt();
-                    buffer.put(x, y, centre.z + rise * fine.pixel, || {
-                        let out = fine.right * dx - fine.up * dy + fine.towards * rise;
-                        (out / radius, k as u32)
-                    });
-                }
-            }
-        }
-    }
-    buffer.done()
-}
-
 fn cross(a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
@@ -201,51 +177,47 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ball_and_its_mesh_give_the_same_picture() {
-        let radius = 0.005;
+    fn a_ball_is_drawn_as_a_disc_of_points_that_face_the_eye() {
+        let (radius, corner) = (0.005, Vec3::repeat(0.006));
         let distance = MeshDistance::new(icosphere(radius, 5));
-        let corner = Vec3::repeat(0.006);
         for side in &SIDES {
             let camera = Camera::new(side, &-corner, &corner, 0.0001);
-            let ball = Sphere {
-                centre: Vec3::zeros(),
-                radius,
-            };
-            let drawn = [
-                draw_mesh(&camera, &distance),
-                draw_spheres(&camera, &[ball]),
-            ];
+            let drawn = draw_mesh(&camera, &distance);
             let disc = std::f64::consts::PI * (radius / camera.pixel * FINER as f64).powi(2);
-            for fragments in &drawn {
-                assert!((fragments.seen.len() as f64 / disc - 1.0).abs() < 0.01);
-                for fragment in &fragments.seen {
-                    // On the ball, on the side of the eye, normal outward.
-                    assert!((fragment.point.norm() - radius).abs() < 1e-5);
-                    assert!(fragment.point.dot(&camera.towards) > -1e-5);
-                    assert!((fragment.normal - fragment.point / radius).norm() < 0.03);
-                }
+            assert!((drawn.seen.len() as f64 / disc - 1.0).abs() < 0.01);
+            for fragment in &drawn.seen {
+                // On the ball, on the side of the eye, normal outward.
+                assert!((fragment.point.norm() - radius).abs() < 1e-5);
+                assert!(fragment.point.dot(&camera.towards) > -1e-5);
+                assert!((fragment.normal - fragment.point / radius).norm() < 0.03);
             }
-            let [mesh, ball] = drawn.map(|fragments| fragments.picture(0.5, |_| [200, 100, 0]));
-            assert_eq!((mesh.width, mesh.height), (120, 120));
-            assert_eq!(mesh.at(0, 0), [255; 3]);
-            for (a, b) in mesh.at(60, 60).iter().zip(ball.at(60, 60)) {
-                assert!(a.abs_diff(b) <= 2);
+            let picture = drawn.picture(0.5, |_| [200, 100, 0]);
+            assert_eq!((picture.width, picture.height), (120, 120));
+            assert_eq!(picture.at(0, 0), [255; 3]);
+            // The normal in the middle is the direction to the eye.
+            let lit = 0.5 + 0.5 / f64::hypot(1.0, f64::hypot(0.5, 0.35));
+            let wanted = [200.0, 100.0, 0.0].map(|c: f64| (c * lit).round() as u8);
+            for (found, wanted) in picture.at(60, 60).iter().zip(wanted) {
+                assert!(found.abs_diff(wanted) <= 2, "{found} {wanted}");
             }
         }
     }
 
     #[test]
     fn what_is_nearer_to_the_eye_hides_the_rest() {
-        let ball = |x: f64| Sphere {
-            centre: Vec3::new(x, 0.0, 0.0),
-            radius: 0.001,
-        };
-        let corner = Vec3::repeat(0.003);
+        let corner = Vec3::new(0.012, 0.006, 0.006);
         let camera = Camera::new(&SIDES[0], &-corner, &corner, 0.0001);
-        for balls in [[ball(0.001), ball(-0.001)], [ball(-0.001), ball(0.001)]] {
-            let seen = draw_spheres(&camera, &balls).seen;
-            let front = balls.iter().position(|b| b.centre.x > 0.0).expect("one");
-            assert!(!seen.is_empty() && seen.iter().all(|f| f.of as usize == front));
+        for (first, second) in [(0.005, -0.005), (-0.005, 0.005)] {
+            let ball = |x: f64| icosphere(0.005, 4).placed(1.0, Vec3::new(x, 0.0, 0.0));
+            let mut both = ball(first);
+            let (vertices, triangles) = (both.vertices.len() as u32, both.triangles.len());
+            let other = ball(second);
+            let moved = |triangle: &[u32; 3]| triangle.map(|v| v + vertices);
+            both.triangles.extend(other.triangles.iter().map(moved));
+            both.vertices.extend(other.vertices);
+            let seen = draw_mesh(&camera, &MeshDistance::new(both)).seen;
+            let in_front = |of: u32| ((of as usize) < triangles) == (first > second);
+            assert!(!seen.is_empty() && seen.iter().all(|f| in_front(f.of)));
         }
     }
 }

@@ -11,15 +11,6 @@ const PARTS: usize = 6;
 pub(crate) struct Traction {
     /// Name, for people.
     pub(crate) name: String,
-    /// Where its middle is, metres; none where it is spread all over.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "tests ask how far training is from what is judged"
-        )
-    )]
-    pub(crate) centre: Option<Vec3>,
     /// Consistent forces on the nodes of the quadratic elements, newtons.
     pub(crate) on_nodes: Vec<Vec3>,
     /// The same traction lumped to the vertices of the surface, newtons.
@@ -122,11 +113,10 @@ pub(crate) fn training(organ: &Organ, patches: usize, spread: usize) -> Vec<Trac
         })
         .collect();
     let mut all = Vec::new();
-    let mut add = |name: String, centre, direction: Vec3, weight: &dyn Fn(&Vec3, &Vec3) -> f64| {
+    let mut add = |name: String, direction: Vec3, weight: &dyn Fn(&Vec3, &Vec3) -> f64| {
         if let Some((on_nodes, on_vertices)) = traction(organ, &direction, weight) {
             all.push(Traction {
                 name,
-                centre,
                 on_nodes,
                 on_vertices,
             });
@@ -160,12 +150,7 @@ pub(crate) fn training(organ: &Organ, patches: usize, spread: usize) -> Vec<Trac
             (tangent, "along"),
             (outward.cross(&tangent), "across"),
         ] {
-            add(
-                format!("patch {k} {along}"),
-                Some(centre),
-                direction,
-                &weight,
-            );
+            add(format!("patch {k} {along}"), direction, &weight);
         }
     }
     for k in 0..spread {
@@ -173,7 +158,7 @@ pub(crate) fn training(organ: &Organ, patches: usize, spread: usize) -> Vec<Trac
         let (z, turn) = (2.0 * u - 1.0, std::f64::consts::TAU * v);
         let flat = (1.0 - z * z).sqrt();
         let direction = Vec3::new(flat * turn.cos(), flat * turn.sin(), z);
-        add(format!("spread {k}"), None, direction, &facing(direction));
+        add(format!("spread {k}"), direction, &facing(direction));
     }
     all
 }

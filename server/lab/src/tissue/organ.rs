@@ -15,6 +15,7 @@ use sulcus_scene::cache::kept_or_built;
 use sulcus_scene::default_cache_dir;
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::mesh::check::check;
+use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::organ::skeleton::{SkeletonOptions, skeleton_held};
 use sulcus_scene::tree::build::TreeOptions;
 
@@ -138,6 +139,13 @@ impl Organ {
             tree,
             skin,
         })
+    }
+
+    /// The surface with its vertices displaced by `by`, metres; at rest without displacements.
+    pub(crate) fn moved(&self, by: &[Vec3]) -> MeshDistance {
+        let mut mesh = self.surface.clone();
+        mesh.vertices.iter_mut().zip(by).for_each(|(v, u)| *v += u);
+        MeshDistance::new(mesh)
     }
 
     /// The skeleton of the tree. Fixed are the nodes whose sphere reaches held tissue, along any axis: the nodes are coarse,

@@ -1,4 +1,4 @@
-//! `sulcus-server tree`: builds a sphere tree for one mesh, measures it and shows it.
+//! `sulcus-server tree`: builds a sphere tree for one mesh and measures its error.
 
 mod viewer;
 mod zone;
@@ -9,26 +9,26 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
-use sulcus_core::{SphereTree, Vec3};
+use sulcus_core::Vec3;
 use sulcus_program::{PathText, say, tell};
-use sulcus_scene::error::{LevelError, Sampling, Spread, TreeReport, ZoneError, measure};
+use sulcus_scene::error::{LevelError, Sampling, Spread, ZoneError, measure};
 use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::mesh::load::Unit;
 use sulcus_scene::mesh::repair::Asked;
 use sulcus_scene::mesh::size::Size;
 use sulcus_scene::mesh::solid::{Reading, read_solid};
 use sulcus_scene::tree::build::{TreeOptions, build_weighted};
-use sulcus_scene::tree::zone::{Zone, importance};
+use sulcus_scene::tree::zone::importance;
 use sulcus_sessions::cli::sibling::find;
 
-use crate::page::{self, Subject};
 use sulcus_program::ProgressLines;
+use viewer::Subject;
 pub use zone::ZoneArg;
 
 /// Build a sphere tree for a mesh and measure its error, both ways and level by level.
 #[derive(Clone, Debug, Args)]
 #[command(
-    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nA mesh whose size is implausible for its kind is refused, and so is a tree that fills a volume much different from the mesh's.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the result can be looked at: tree.html shows every level coloured by error and its spheres, tree.rrd is the same for the Rerun viewer, written where the program sulcus-review is installed.",
+    long_about = "Build a sphere tree for a mesh and measure its error, both ways and level by level.\n\nA mesh whose size is implausible for its kind is refused, and so is a tree that fills a volume much different from the mesh's.\n\nWhat is measured are the spheres themselves; a scene may touch them blended into one smooth surface. Maxima are searched for until nothing larger can be left, not taken from samples. With --out the numbers are written as tree.json, and every level with its spheres and the mesh coloured by error as tree.rrd for the Rerun viewer, where the program sulcus-review is installed.",
     after_long_help = "Examples:\n  sulcus-server tree tooth.stl --levels 4\n  sulcus-server tree tooth.stl --levels 4 --out tooth-tree\n  sulcus-server tree gingiva.stl --levels 3 --zone pocket=near:tooth.stl:0.6 --json | tail -1 | jq .zones\n  sulcus-server tree scan.stl --unit in --keep-largest --close-base\n  sulcus-server tree probe.stl --levels 3 --zone tip=ball:0,0,0,1"
 )]
 pub struct TreeArgs {
@@ -61,7 +61,7 @@ pub struct TreeArgs {
     /// Weight of a sample in a zone, relative to other samples, in the build of the tree
     #[arg(long, value_name = "W", default_value_t = 1000.0, requires = "zone", value_parser = weight)]
     pub zone_weight: f64,
-    /// Folder for a page with pictures and a file for Rerun. A missing folder is created
+    /// Folder for the numbers as JSON and a file for Rerun. A missing folder is created
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON object as the last line of standard output
@@ -89,9 +89,7 @@ struct Report<'a> {
     repairs: &'a [String],
     notes: &'a [String],
     #[serde(serialize_with = "sulcus_program::path::text_or_null")]
-    page: Option<PathBuf>,
-    #[serde(serialize_with = "sulcus_program::path::text_or_null")]
-    rerun: Option<PathBuf>,
+    rerun: Option<&'a Path>,
 }
 
 /// Runs the command; the exit code is 0.
@@ -160,64 +158,44 @@ pub fn run(args: &TreeArgs) -> anyhow::Result<u8> {
         );
         print(&zone.levels);
     }
-    let (mut page, mut rerun) = (None, None);
+    let rerun = match &args.out {
+        Some(out) => {
+            let stem = args.mesh.file_stem().unwrap_or(args.mesh.as_os_str());
+            let subject = Subject {
+                name: Path::new(stem).shown().to_string(),
+                distance: &distance,
+                tree: &tree,
+                report: &report,
+            };
+            for_rerun(out, &subject)?
+        }
+        None => None,
+    };
+    let json = serde_json::to_string(&Report {
+        levels: &report.levels,
+        zones: &report.zones,
+        build_s,
+        measure_s,
+        mesh: &args.mesh,
+        triangles: described.triangles,
+        volume_mm3: described.volume_mm3,
+        repairs: &repairs,
+        notes: &notes,
+        rerun: rerun.as_deref(),
+    })?;
     if let Some(out) = &args.out {
-        let subject = subject(
-            args,
-            &distance,
-            &tree,
-            &zones,
-            &report,
-            [build_s, measure_s],
-        );
-        let levels = page::level_errors(&subject);
-        page = Some(page::write(out, &subject, &levels, &|what| {
-            progress.report(what, 1.0);
-        })?);
-        rerun = for_rerun(out, &subject, &levels)?;
+        let numbers = out.join("tree.json");
+        std::fs::write(&numbers, &json)
+            .with_context(|| format!("{}: cannot write the numbers", numbers.shown()))?;
         say!("");
-        for path in page.iter().chain(&rerun) {
+        for path in [Some(&numbers), rerun.as_ref()].into_iter().flatten() {
             say!("written to {}", path.shown());
         }
     }
     if args.json {
-        let report = Report {
-            levels: &report.levels,
-            zones: &report.zones,
-            build_s,
-            measure_s,
-            mesh: &args.mesh,
-            triangles: described.triangles,
-            volume_mm3: described.volume_mm3,
-            repairs: &repairs,
-            notes: &notes,
-            page,
-            rerun,
-        };
-        say!("{}", serde_json::to_string(&report)?);
+        say!("{json}");
     }
     Ok(0)
-}
-
-fn subject<'a>(
-    args: &'a TreeArgs,
-    distance: &'a MeshDistance,
-    tree: &'a SphereTree,
-    zones: &'a [Zone],
-    report: &'a TreeReport,
-    [build_s, measure_s]: [f64; 2],
-) -> Subject<'a> {
-    let stem = args.mesh.file_stem().unwrap_or(args.mesh.as_os_str());
-    Subject {
-        name: Path::new(stem).shown().to_string(),
-        file: &args.mesh,
-        distance,
-        tree,
-        zones,
-        report,
-        build_s,
-        measure_s,
-    }
 }
 
 /// Makes the folder if need be and writes a file into it.
@@ -230,11 +208,7 @@ pub(crate) fn writable(folder: &Path) -> anyhow::Result<()> {
 }
 
 /// The path of the written file; none where the program that writes files for Rerun is not installed.
-fn for_rerun(
-    folder: &Path,
-    subject: &Subject,
-    levels: &[page::LevelErrors],
-) -> anyhow::Result<Option<PathBuf>> {
+fn for_rerun(folder: &Path, subject: &Subject) -> anyhow::Result<Option<PathBuf>> {
     let program = match find("sulcus-review") {
         Ok(program) => program,
         Err(missing) => {
@@ -243,7 +217,7 @@ fn for_rerun(
         }
     };
     let path = folder.join("tree.rrd");
-    viewer::write(&program, &path, subject, levels)?;
+    viewer::write(&program, &path, subject)?;
     Ok(Some(path))
 }
 

@@ -5,31 +5,39 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use anyhow::Context as _;
-use sulcus_core::Vec3;
+use sulcus_core::{Sphere, SphereTree, Vec3};
 use sulcus_program::PathText;
-use sulcus_scene::error::surface_error;
+use sulcus_scene::error::{TreeReport, surface_error, surface_points};
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::mesh::repair::repair;
 use sulcus_view::{LevelPicture, TreePicture};
 
-use crate::page::{LevelErrors, Subject};
-use crate::picture::{diverging, ivory};
+use crate::picture::{Scale, diverging, ivory};
 
 /// Colours are per vertex, so triangles are cut in four until there are at least so many.
 const TRIANGLES: usize = 40_000;
+/// Points of the surface whose errors set the scale of a level.
+const POINTS: usize = 50_000;
+
+/// Content of the file.
+pub(super) struct Subject<'a> {
+    /// Name of the mesh.
+    pub(super) name: String,
+    /// The mesh.
+    pub(super) distance: &'a MeshDistance,
+    /// The tree.
+    pub(super) tree: &'a SphereTree,
+    /// The measured errors.
+    pub(super) report: &'a TreeReport,
+}
 
 /// Writes `tree.rrd` through the child process `program`, which reads the picture as JSON from its standard input.
 ///
 /// # Errors
 /// When the child process cannot be started or fails; its own message stands on standard error.
-pub(super) fn write(
-    program: &Path,
-    path: &Path,
-    subject: &Subject,
-    levels: &[LevelErrors],
-) -> anyhow::Result<()> {
-    let picture = picture(subject, levels);
+pub(super) fn write(program: &Path, path: &Path, subject: &Subject) -> anyhow::Result<()> {
+    let picture = picture(subject);
     let named = || format!("{}: cannot write {}", program.shown(), path.shown());
     let mut child = Command::new(program)
         .args(["tree", "--out"])
@@ -49,51 +57,64 @@ pub(super) fn write(
     flushed.with_context(named)
 }
 
-fn picture(subject: &Subject, levels: &[LevelErrors]) -> TreePicture {
+fn picture(subject: &Subject) -> TreePicture {
     let mut mesh = subject.distance.mesh().clone();
     while mesh.triangles.len() < TRIANGLES {
         mesh = cut_in_four(&mesh);
     }
     let fine = MeshDistance::new(mesh);
     let mesh = fine.mesh();
-    let millimetres = |v: &Vec3| [v.x, v.y, v.z].map(|x| (1e3 * x) as f32);
+    let normal = |v| {
+        let n = fine.vertex_normal(v);
+        [n.x, n.y, n.z].map(|x| x as f32)
+    };
     TreePicture {
         name: subject.name.clone(),
         vertices: mesh.vertices.iter().map(millimetres).collect(),
-        normals: (0..mesh.vertices.len() as u32)
-            .map(|v| {
-                let n = fine.vertex_normal(v);
-                [n.x, n.y, n.z].map(|x| x as f32)
-            })
-            .collect(),
+        normals: (0..mesh.vertices.len() as u32).map(normal).collect(),
         triangles: mesh.triangles.clone(),
-        levels: levels
-            .iter()
-            .zip(&subject.report.levels)
-            .map(|(level, error)| LevelPicture {
-                level: level.level,
-                vertex_colours: surface_error(&level.spheres, &mesh.vertices)
-                    .into_iter()
-                    .map(|error| diverging(level.scale.part(1e3 * error)))
-                    .collect(),
-                centres: level.spheres.iter().map(|s| millimetres(&s.centre)).collect(),
-                radii: level.spheres.iter().map(|s| (1e3 * s.radius) as f32).collect(),
-                sphere_colours: (0..level.spheres.len() as u32).map(ivory).collect(),
-                caption: format!(
-                    "**Level {}: {} spheres.** Blue: the mesh sticks out of the spheres (gap, at most {:.3} mm). Orange: a sphere sticks out of the mesh (bulge, at most {:.3} mm). Full colour: {} mm.\n\nMesh to spheres: mean {:.4}, max {:.4} mm. Spheres to mesh: mean {:.4}, max {:.4} mm.",
-                    level.level,
-                    error.spheres,
-                    error.max_gap_mm,
-                    error.max_bulge_mm,
-                    level.scale.full_mm,
-                    error.mesh_to_spheres_mm.mean,
-                    error.mesh_to_spheres_mm.max,
-                    error.spheres_to_mesh_mm.mean,
-                    error.spheres_to_mesh_mm.max,
-                ),
-            })
-            .collect(),
+        levels: levels(subject, mesh),
     }
+}
+
+fn millimetres(v: &Vec3) -> [f32; 3] {
+    [v.x, v.y, v.z].map(|x| (1e3 * x) as f32)
+}
+
+/// The levels of the tree, coarse to fine, with the colours of the vertices of `fine`, the mesh cut finer.
+fn levels(subject: &Subject, fine: &TriMesh) -> Vec<LevelPicture> {
+    let points = surface_points(subject.distance.mesh(), POINTS);
+    let places: Vec<_> = points.iter().map(|p| p.point).collect();
+    let level = |level: u8| {
+        let shape = subject.tree.shape_at(level);
+        let spheres: Vec<Sphere> = shape.map(|(_, node)| node.sphere()).collect();
+        let errors = surface_error(&spheres, &places).into_iter().zip(&points);
+        let weighted_mm: Vec<_> = errors.map(|(error, p)| (1e3 * error, p.area)).collect();
+        let scale = Scale::fit(&weighted_mm);
+        let vertex_colours = surface_error(&spheres, &fine.vertices)
+            .into_iter()
+            .map(|error| diverging(scale.part(1e3 * error)));
+        let error = &subject.report.levels[usize::from(level)];
+        LevelPicture {
+            level,
+            vertex_colours: vertex_colours.collect(),
+            centres: spheres.iter().map(|s| millimetres(&s.centre)).collect(),
+            radii: spheres.iter().map(|s| (1e3 * s.radius) as f32).collect(),
+            sphere_colours: (0..spheres.len() as u32).map(ivory).collect(),
+            caption: format!(
+                "**Level {level}: {} spheres.** Blue: the mesh sticks out of the spheres (gap, at most {:.3} mm). Orange: a sphere sticks out of the mesh (bulge, at most {:.3} mm). Full colour: {} mm.\n\nMesh to spheres: mean {:.4}, max {:.4} mm. Spheres to mesh: mean {:.4}, max {:.4} mm.",
+                error.spheres,
+                error.max_gap_mm,
+                error.max_bulge_mm,
+                scale.full_mm,
+                error.mesh_to_spheres_mm.mean,
+                error.mesh_to_spheres_mm.max,
+                error.spheres_to_mesh_mm.mean,
+                error.spheres_to_mesh_mm.max,
+            ),
+        }
+    };
+    (0..=subject.tree.depth()).map(level).collect()
 }
 
 /// Every triangle as four, on the same surface.

@@ -1,18 +1,32 @@
 //! The three answers of the first screen.
 
-use std::fmt::Write;
-
-use super::super::html::escaped;
+use super::failures::failures;
+use super::rates;
 use crate::report::{FELT_MJ, Level, Loop, Report, Row};
 
-/// A question, a short answer, and what it stands on.
+/// A question, a short answer, and its grounds.
 pub(crate) struct Answer {
     pub(crate) question: &'static str,
     pub(crate) short: String,
     /// `yes`, `so` or `no`.
     pub(crate) mood: &'static str,
-    /// HTML.
-    pub(super) long: String,
+    pub(super) long: Vec<Line>,
+}
+
+/// A paragraph of an answer.
+pub(super) enum Line {
+    Text(String),
+    /// A bound that does not hold.
+    Broken(String),
+    /// Largest errors of the models of the tongue, percent of the displacement.
+    Tongue {
+        /// Surface compliance.
+        elements: f64,
+        /// Springs with one factor fitted.
+        fitted: f64,
+        /// Springs as shipped.
+        shipped: f64,
+    },
 }
 
 /// The answers, in their order.
@@ -51,7 +65,7 @@ fn speed(report: &Report) -> Answer {
             question,
             short: "not measured".into(),
             mood: "so",
-            long: String::new(),
+            long: Vec::new(),
         };
     };
     let t = &level.times;
@@ -64,8 +78,8 @@ fn speed(report: &Report) -> Answer {
         let half = t.tick_us_ci95.as_ref().map(of);
         half.map_or(String::new(), |half| format!(" ± {half:.0}"))
     };
-    let mut long = format!(
-        "<p>The whole mouth, two hands at work: {:.0}{} µs in the median, {:.0}{} µs at p99.9, {:.0} µs at most, of 1,000 (CPU time, {} ticks, {}). On the wall {:.2} % of ticks took longer than a millisecond.</p>",
+    let mut long = vec![Line::Text(format!(
+        "The whole mouth, two hands at work: {:.0}{} µs in the median, {:.0}{} µs at p99.9, {:.0} µs at most, of 1,000 (CPU time, {} ticks, {}). On the wall {:.2} % of ticks took longer than a millisecond.",
         t.tick_us.p50,
         spread(|t| t.p50),
         t.tick_us.p999,
@@ -77,7 +91,7 @@ fn speed(report: &Report) -> Answer {
             runs => format!("{runs} runs; ± is 95 %"),
         },
         t.over_1_ms_percent,
-    );
+    ))];
     let mut slow: Vec<&Row> = coupled(report).collect();
     slow.sort_by(|a, b| b.times.tick_us.p999.total_cmp(&a.times.tick_us.p999));
     let over = slow
@@ -85,15 +99,14 @@ fn speed(report: &Report) -> Answer {
         .filter(|row| row.times.tick_us.p999 > 1000.0)
         .count();
     if let Some(row) = slow.first() {
-        let _ = write!(
-            long,
-            "<p>Rates held of {} kHz: {}. Of {} hard cases {over} take longer than a millisecond at p99.9; the slowest, {}: {:.0} µs.</p>",
-            tried(report),
-            held(report),
+        long.push(Line::Text(format!(
+            "Rates held of {} kHz: {}. Of {} hard cases {over} take longer than a millisecond at p99.9; the slowest, {}: {:.0} µs.",
+            rates::tried(&report.rates),
+            rates::held(&report.rates),
             slow.len(),
             row.case,
             row.times.tick_us.p999,
-        );
+        )));
     }
     let mood = if over > 0 && mood == "yes" {
         "so"
@@ -108,33 +121,6 @@ fn speed(report: &Report) -> Answer {
     }
 }
 
-/// The rates that were tried, kilohertz, in words.
-fn tried(report: &Report) -> String {
-    let mut all: Vec<u16> = report.rates.iter().map(|rate| rate.rate_hz).collect();
-    all.sort_unstable();
-    all.dedup();
-    let each: Vec<String> = all
-        .iter()
-        .map(|hz| format!("{}", f64::from(*hz) / 1e3))
-        .collect();
-    match each.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        _ => each.concat(),
-    }
-}
-
-/// What each shipped scene holds, in words.
-fn held(report: &Report) -> String {
-    let each =
-        super::rates::held(&report.rates)
-            .into_iter()
-            .map(|(scene, rate_hz)| match rate_hz {
-                0 => format!("{scene} none"),
-                _ => format!("{scene} {}", rate_hz / 1000),
-            });
-    each.collect::<Vec<_>>().join(", ")
-}
-
 fn error(report: &Report) -> Answer {
     let deepest = coupled(report)
         .map(|row| row.residual_um)
@@ -142,28 +128,25 @@ fn error(report: &Report) -> Answer {
     let jump = coupled(report)
         .map(|row| row.slow_force_step_n)
         .fold(0.0, f64::max);
-    let mut long = format!(
-        "<p>Deepest that a tool is in what it touches, over {} hard cases: {deepest:.2} µm (at most 1). Largest click of the force under a slow hand: {:.0} mN (at most 20).</p>",
+    let mut long = vec![Line::Text(format!(
+        "Deepest that a tool is in what it touches, over {} hard cases: {deepest:.2} µm (at most 1). Largest click of the force under a slow hand: {:.0} mN (at most 20).",
         coupled(report).count(),
         jump * 1e3,
-    );
+    ))];
     let mut short = format!("{deepest:.2} µm deep");
     if let Some(level) = shipped(report) {
-        let _ = write!(
-            long,
-            "<p>What is touched stands off the drawn molar by {:.0} µm in the mean, {:.0} µm at most.</p>",
+        long.push(Line::Text(format!(
+            "What is touched stands off the drawn molar by {:.0} µm in the mean, {:.0} µm at most.",
             level.tooth_error_mean_um, level.tooth_error_max_um
-        );
-        let _ = write!(short, ", shape {:.0} µm", level.tooth_error_mean_um);
+        )));
+        short += &format!(", shape {:.0} µm", level.tooth_error_mean_um);
     }
     let outrun = outrun_um(report);
     let (share, scene) = outrun_most(report);
     if outrun > 1.0 {
-        let _ = write!(
-            long,
-            "<p>In ticks that a leaping hand outran (under random poses {:.0} % of a tool's at most: {}) a tool and what it strikes, soft tissue most, overlap by up to {outrun:.0} µm until a later one is done.</p>",
-            share, scene
-        );
+        long.push(Line::Text(format!(
+            "In ticks that a leaping hand outran (under random poses {share:.0} % of a tool's at most: {scene}) a tool and what it strikes, soft tissue most, overlap by up to {outrun:.0} µm until a later one is done.",
+        )));
     }
     let worst = |model: &str| {
         let all = report.finite_elements.iter().filter(|e| e.model == model);
@@ -171,15 +154,12 @@ fn error(report: &Report) -> Answer {
     };
     let (elements, fitted) = (worst("surface_compliance"), worst("skeleton_one_factor"));
     if elements > 0.0 {
-        let _ = write!(
-            long,
-            "<p>A tongue by finite elements (<code>organ</code>) moves wrong by {elements:.0} % of its displacement at most; the mouth's tongue of springs, made as stiff as the elements by one factor, by {fitted:.0} %; as shipped it is set for a living tongue, several times as soft ({:.0} %).</p>",
-            worst("skeleton")
-        );
-        let _ = write!(
-            short,
-            ", tongue {fitted:.0} % ({elements:.0} % by elements)"
-        );
+        long.push(Line::Tongue {
+            elements,
+            fitted,
+            shipped: worst("skeleton"),
+        });
+        short += &format!(", tongue {fitted:.0} % ({elements:.0} % by elements)");
     }
     Answer {
         question: "How wrong is it?",
@@ -211,52 +191,6 @@ fn outrun_most(report: &Report) -> (f64, &'static str) {
     )
 }
 
-/// What does not hold, in words: hard cases, random poses, links, rest, what was promised beside the peers.
-pub(crate) fn failures(report: &Report) -> Vec<String> {
-    let rows = report.rows.iter().filter(|row| row.status == "broken");
-    let rows = rows.map(|row| {
-        let what = row.broken.first().map_or("", String::as_str);
-        format!("{} ({}): {what}", row.case, row.solver)
-    });
-    let rough = report.random_poses.iter().filter(|r| !r.holds());
-    let rough = rough.map(|r| {
-        format!(
-            "random poses, {}: {} not finite, {} faults, residual {:.2} µm, click {:.3} N, {:.1} % outrun, {:.0} µm deep meanwhile",
-            r.scene,
-            r.not_finite,
-            r.faults,
-            r.residual_um,
-            r.slow_force_step_n,
-            r.exhausted_percent,
-            r.exhausted_residual_um
-        )
-    });
-    let loops = report.passivity.loops.iter().filter(|l| !l.passive);
-    let loops = loops.map(|l| {
-        format!(
-            "{} over a link of {} ms puts out {:.2} mJ",
-            l.case, l.delay_ms, l.energy_controlled_mj
-        )
-    });
-    let hours = report.passivity.hours.iter().filter(|hour| !hour.holds());
-    let hours =
-        hours.map(|hour| format!("{} drifts by {:.2} µm at rest", hour.case, hour.drift_um));
-    let peers = report.peers.iter().flat_map(|peers| {
-        let ratios = peers["ratios"].as_array().cloned().unwrap_or_default();
-        ratios.into_iter().filter(|ratio| ratio["holds"] == false)
-    });
-    let peers = peers.map(|ratio| {
-        let name = ratio["name"].as_str().unwrap_or_default();
-        format!(
-            "beside its peers, {name}: {:.2}, asked {:.2} at least",
-            ratio["value"].as_f64().unwrap_or(f64::NAN),
-            ratio["at_least"].as_f64().unwrap_or(f64::NAN)
-        )
-    });
-    let all = rows.chain(rough).chain(loops).chain(hours);
-    all.chain(peers).collect()
-}
-
 /// What the loops over links put out at most, without and with the controller, in words.
 fn over_links(report: &Report) -> Option<String> {
     let loops = &report.passivity.loops;
@@ -282,10 +216,7 @@ fn breaks(report: &Report) -> Answer {
         of("printed").count(),
         of("printed").filter(|row| row.status != "holds").count(),
     );
-    let mut long = String::new();
-    for what in broken.iter().take(3) {
-        let _ = write!(long, "<p class=\"no\">{}</p>", escaped(what));
-    }
+    let mut long: Vec<Line> = broken.iter().take(3).cloned().map(Line::Broken).collect();
     let mut near: Vec<&Row> = of("coupled").filter(|row| row.status == "holds").collect();
     near.sort_by(|a, b| b.nearest.1.total_cmp(&a.nearest.1));
     // Limits that the tick itself keeps to are reached whenever they are needed.
@@ -304,20 +235,14 @@ fn breaks(report: &Report) -> Answer {
         }
     }
     if !named.is_empty() {
-        let _ = write!(
-            long,
-            "<p>Nearest to breaking: {}.</p>",
-            escaped(&named.join(", "))
-        );
+        let near = named.join(", ");
+        long.push(Line::Text(format!("Nearest to breaking: {near}.")));
     }
     let exhausted: u64 = coupled(report).map(|row| row.exhausted_ticks).sum();
-    let _ = write!(
-        long,
-        "<p>Ticks in which the hand outran the tool: {exhausted}. The method as printed, for comparison: {failing} of {printed} cases do not hold.</p>"
-    );
-    if let Some(links) = over_links(report) {
-        let _ = write!(long, "<p>{}</p>", escaped(&links));
-    }
+    long.push(Line::Text(format!(
+        "Ticks in which the hand outran the tool: {exhausted}. The method as printed, for comparison: {failing} of {printed} cases do not hold."
+    )));
+    long.extend(over_links(report).map(Line::Text));
     let passivity = &report.passivity;
     let all = of("coupled").count()
         + report.random_poses.len()

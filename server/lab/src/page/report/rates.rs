@@ -1,11 +1,35 @@
-//! The shipped scenes at 1 kHz and beyond.
+//! The rates that the shipped scenes hold, in words.
 
-use std::fmt::Write;
+use crate::report::Rate;
 
-use crate::report::{Rate, Report};
+/// The rates tried, kilohertz.
+pub(super) fn tried(rates: &[Rate]) -> String {
+    let mut all: Vec<u16> = rates.iter().map(|rate| rate.rate_hz).collect();
+    all.sort_unstable();
+    all.dedup();
+    let each: Vec<String> = all
+        .iter()
+        .map(|hz| format!("{}", f64::from(*hz) / 1e3))
+        .collect();
+    match each.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => each.concat(),
+    }
+}
+
+/// Each shipped scene with the highest rate that it holds, kilohertz.
+pub(super) fn held(rates: &[Rate]) -> String {
+    let each = highest(rates)
+        .into_iter()
+        .map(|(scene, rate_hz)| match rate_hz {
+            0 => format!("{scene} none"),
+            _ => format!("{scene} {}", rate_hz / 1000),
+        });
+    each.collect::<Vec<_>>().join(", ")
+}
 
 /// Highest of the rates tried that each scene holds, hertz; 0 for none.
-pub(super) fn held(rates: &[Rate]) -> Vec<(&'static str, u16)> {
+fn highest(rates: &[Rate]) -> Vec<(&'static str, u16)> {
     let mut held: Vec<(&'static str, u16)> = Vec::new();
     for rate in rates {
         let this = if rate.holds { rate.rate_hz } else { 0 };
@@ -15,39 +39,4 @@ pub(super) fn held(rates: &[Rate]) -> Vec<(&'static str, u16)> {
         }
     }
     held
-}
-
-pub(super) fn rates(html: &mut String, report: &Report) {
-    html.push_str("<section id=\"rates\"><h2>Rates beyond 1 kHz</h2>\n<p class=\"note\">The rate is a parameter of the scene (<code>params.rate_hz</code>, <code>--rate-hz</code>): the same hands in the shipped scenes at each, up to the first that is not held (8 kHz is the most that a scene may ask for). Good: p99.9 is under the period; force, residual and click (20 mN in a millisecond, so 5 mN in a tick at 4 kHz) do not get worse. (Residual: looked at every ");
-    let _ = write!(
-        html,
-        "{:.0}",
-        crate::report::LOOKS_S[usize::from(report.quick)] * 1e3
-    );
-    html.push_str(" ms.)</p>\n<div class=\"wide\"><table><thead><tr><th>scene</th><th>ticks a second</th><th>period, µs</th><th>p50, µs</th><th>p99</th><th>p99.9</th><th>max</th><th>holds</th><th>highest at p99.9, kHz</th><th>force, N mean</th><th>residual, µm</th><th>click, mN</th><th>buzz, mN</th></tr></thead><tbody>\n");
-    for rate in &report.rates {
-        let t = &rate.times.tick_us;
-        let (class, holds) = if rate.holds {
-            ("holds", "yes")
-        } else {
-            ("broken", "no")
-        };
-        let _ = writeln!(
-            html,
-            "<tr><td>{}</td><td>{}</td><td>{:.0}</td><td>{:.1}</td><td>{:.0}</td><td>{:.0}</td><td>{:.0}</td><td class=\"{class}\">{holds}</td><td>{:.1}</td><td>{:.3}</td><td>{:.2}</td><td>{:.1}</td><td>{:.2}</td></tr>",
-            rate.scene,
-            rate.rate_hz,
-            rate.period_us,
-            t.p50,
-            t.p99,
-            t.p999,
-            t.max,
-            rate.max_hz * 1e-3,
-            rate.force_n,
-            rate.residual_um,
-            rate.slow_force_step_n * 1e3,
-            rate.buzz_n * 1e3,
-        );
-    }
-    html.push_str("</tbody></table></div></section>\n");
 }

@@ -1,7 +1,6 @@
 //! A model's shape under a load beside that of the finite elements, as one picture that explains itself.
 
 use sulcus_core::Vec3;
-use sulcus_scene::mesh::distance::MeshDistance;
 
 use super::reference::Reference;
 use crate::picture::text::{INK, extent, write};
@@ -47,15 +46,8 @@ pub(super) fn picture(
     reference: &Reference,
     found: &[Vec3],
 ) -> anyhow::Result<Vec<u8>> {
-    let shape = |by: Option<&[Vec3]>| {
-        let mut mesh = organ.surface.clone();
-        for (v, u) in mesh.vertices.iter_mut().zip(by.unwrap_or_default()) {
-            *v += u;
-        }
-        MeshDistance::new(mesh)
-    };
-    let rest = shape(None);
-    let (wanted_shape, model_shape) = (shape(Some(&reference.moved)), shape(Some(found)));
+    let rest = organ.moved(&[]);
+    let (wanted_shape, model_shape) = (organ.moved(&reference.moved), organ.moved(found));
     let both = found.iter().zip(&reference.moved);
     let off_mm: Vec<f64> = both.map(|(a, b)| 1e3 * (a - b).norm()).collect();
 

@@ -1,15 +1,15 @@
-//! The scale of a level's colours: round numbers, so that people can read them.
+//! The scale of colours of an error, with a round end.
 
-/// What full colour means, millimetres.
+/// The error with full colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
-    /// Error at which the colour is full, millimetres.
+    /// Millimetres.
     pub(crate) full_mm: f64,
 }
 
 impl Scale {
-    /// The next 1, 2 or 5 times a power of ten at which at least 99 % of the area is not beyond full
-    /// colour. From errors in millimetres and the areas they stand for.
+    /// The next 1, 2 or 5 times a power of ten that at least 99 % of the area does not exceed. From errors in
+    /// millimetres, each with its area.
     pub(crate) fn fit(weighted_mm: &[(f64, f64)]) -> Self {
         let mut sizes: Vec<(f64, f64)> = weighted_mm.iter().map(|p| (p.0.abs(), p.1)).collect();
         sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -24,14 +24,14 @@ impl Scale {
         }
     }
 
-    /// From -1 to 1 within the scale, from millimetres.
+    /// An error in millimetres as a share of full colour: from -1 to 1 within the scale.
     pub(crate) fn part(self, error_mm: f64) -> f64 {
         error_mm / self.full_mm
     }
 }
 
 /// The next 1, 2 or 5 times a power of ten, at least a tenth of a micrometre (in millimetres).
-pub(crate) fn round_up(x: f64) -> f64 {
+fn round_up(x: f64) -> f64 {
     for exponent in -4..6 {
         for digit in [1.0, 2.0, 5.0] {
             // Division keeps the decimals exact: 0.05, not 0.05000000000000001.
