@@ -1,4 +1,4 @@
-//! The command line of `sulcus-server`: what is asked, and the exit code.
+//! The command line of `sulcus-server`: commands and exit codes.
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -10,12 +10,12 @@ use tracing_subscriber::EnvFilter;
 
 use crate::serve;
 
-/// Simulates a mouth at 1 kHz for the station that connects, and compiles what is simulated.
+/// Server of the Sulcus simulator: simulates a mouth, serves one client at a time, records and signs every session.
 #[derive(Parser)]
 #[command(
     name = "sulcus-server",
     version,
-    after_help = "Exit code: 0 all is well, 1 a finding (a recording is not complete), 2 usage or bad input.\nLogs go to standard error; SULCUS_LOG=debug says more."
+    after_help = "Exit codes: 0 success, 1 a finding (serve: a recording is not complete), 2 wrong usage, bad input, a busy port, or an\noutput that cannot be written.\nLogs go to standard error. SULCUS_LOG=debug prints more; the default is SULCUS_LOG=info."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -30,7 +30,7 @@ enum Command {
     Lab(sulcus_lab::commands::LabCommand),
 }
 
-/// Runs the program with these arguments, the first of which is its name.
+/// Runs the program with `args` and returns its exit code. The first argument is the name of the program.
 pub fn run<I, T>(args: I) -> ExitCode
 where
     I: IntoIterator<Item = T>,
@@ -42,7 +42,7 @@ where
         Err(message) => return output::usage(message.print(), message.use_stderr()),
     };
     let filter = EnvFilter::try_from_env("SULCUS_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
-    // A program that embeds this one may have set its own.
+    // A program that embeds this one may have set its own subscriber.
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(|| output::Log)
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[cfg(feature = "lab")]
-    /// A comment on a subcommand's variant had taken the place of its long help.
+    /// A comment on a subcommand's variant replaces its long help. Once such a comment hid the list of files.
     #[test]
     fn the_long_help_of_tissue_says_what_a_folder_holds() {
         for action in ["fit", "evaluate"] {

@@ -1,54 +1,56 @@
-//! What can keep a server from serving.
+//! Errors of a server.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use sulcus_program::PathText;
 
-/// Why a server does not start, or has ended badly.
+/// Error that keeps a server from starting, or ends it.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
-    /// The port is taken.
+    /// Another socket is bound to the port.
     #[error(
-        "cannot listen on {listen}: another program uses this port; stop it or choose another port"
+        "cannot listen on {listen}: another program uses this UDP port; stop it, or choose another port with --listen"
     )]
     PortBusy {
         /// Address asked for.
         listen: SocketAddr,
     },
-    /// The address cannot be used.
-    #[error("cannot listen on {listen}: {source}")]
+    /// The system refuses the address for any other reason.
+    #[error(
+        "cannot listen on {listen}: {source}; choose an address of this machine and a permitted port"
+    )]
     Listen {
         /// Address asked for.
         listen: SocketAddr,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// The folder of recordings cannot be used.
-    #[error("cannot write recordings to {}: {source}", .path.shown())]
+    /// The folder of recordings does not exist and cannot be created.
+    #[error("cannot create the folder for recordings {}: {source}", .path.shown())]
     Recordings {
         /// Folder asked for.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// Recordings cannot be signed.
+    /// The key that signs recordings cannot be read or created.
     #[error("cannot sign recordings: {0}")]
     Key(#[from] sulcus_sessions::KeyError),
-    /// A value in the configuration makes no sense.
+    /// A value of the configuration is out of its range.
     #[error("{field} is {found}, expected {expected}")]
     Config {
-        /// Which value.
+        /// Name of the value, for people.
         field: &'static str,
         /// Value found.
         found: String,
-        /// What it must be.
+        /// Range of the value.
         expected: &'static str,
     },
-    /// Certificate or TLS set-up failed.
-    #[error("cannot set up the server's certificate: {0}")]
+    /// The certificate cannot be made, or TLS or QUIC cannot be configured.
+    #[error("cannot set up certificate and TLS of the server: {0}")]
     Tls(String),
-    /// The system refuses a thread, an event or a runtime.
+    /// The system refuses a thread, a socket's registration, random numbers or a runtime.
     #[error("cannot start the server: {0}")]
     System(#[from] std::io::Error),
     /// The network thread panicked.

@@ -1,16 +1,17 @@
-//! Stations over QUIC, the real-time thread, recording.
+//! Server of a station: QUIC, the real-time simulation thread, recording.
 //!
 //! # Threads of one server
-//! - *network*: a current-thread tokio runtime; owns the endpoint, the control stream, all sockets.
-//! - *simulation*, one per session: a plain thread at SCHED_FIFO where permitted, ticking at 1 kHz on
-//!   absolute deadlines. It never allocates, locks, or touches a tokio type.
+//! - *network*: a current-thread tokio runtime; owns the endpoint, the control stream, the socket.
+//! - *simulation*, one per session: a plain thread at SCHED_FIFO where permitted. It ticks at the scene's rate on
+//!   absolute deadlines, and while it ticks, it never allocates, locks, or touches a tokio type.
 //! - *recorder*, one per session: writes and signs the recording behind a bounded queue.
 //!
-//! They meet in wait-free hand-overs only: triple buffers (newest wins) for poses and wrenches, a ring
-//! for rows, atomic words for buttons, pause and force limit, one eventfd to wake the network.
+//! Every hand-over to and from the simulation is wait-free. Triple buffers carry poses and wrenches, and the newest
+//! wins. A ring carries rows to the recorder. Atomic words hold buttons, pause and force limit. One eventfd wakes the
+//! network. A bounded channel carries a client's events from the network to the recorder.
 //!
-//! What depends on a wall clock (age, staleness, skipped ticks) is decided here and handed to the
-//! tick as input, so a recording of inputs is enough to run the session again.
+//! Facts of a wall clock are age, staleness and skipped ticks. This crate decides them and hands them to the tick as
+//! input, so a recording of inputs is enough to run the session again.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 

@@ -1,4 +1,4 @@
-//! `sulcus-server serve`: one station until Ctrl-C.
+//! `sulcus-server serve`: runs one station until Ctrl-C.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,76 +20,110 @@ use crate::net::addresses::{for_clients, resolve};
 use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerHandle};
 use sulcus_program::ProgressLines;
 
-/// Serve one station until Ctrl-C.
+/// Long text of the help.
+const ABOUT: &str = "\
+Run one station until Ctrl-C.
+
+A station serves one client at a time, simulates its scene at 1000 ticks per second unless the scene file or --rate-hz sets
+another rate, and records and signs every session. Several stations are several processes, each with its own port.
+
+At the start the server prints a ticket: token and certificate fingerprint in one line. A client needs the address and the
+ticket: `sulcus-client run --server ADDRESS:PORT --ticket TICKET`. The certificate is new at every start, and with it the
+ticket. SULCUS_TOKEN or --token keeps the token.";
+
+/// Text after the options of the help.
+const NOTES: &str = "\
+Examples:
+  sulcus-server serve                       clients on this machine only
+  sulcus-server serve --listen 0.0.0.0:4433 --exercise bimanual --recordings /srv/recordings
+  sulcus-server serve --listen 0.0.0.0:4433 --scene my-scene.toml       own scene, without a grade
+  sulcus-server serve --json | jq -r '.ticket // empty'                 the ticket alone
+
+Firewall: open the UDP port of --listen for incoming packets. The server opens no connection by itself.
+Real-time scheduling: `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or `ulimit -r 50` and `ulimit -l unlimited`.
+  Without these rights the server warns once and misses more ticks under load.
+End: Ctrl-C, SIGTERM or a hang-up of the terminal. The running session ends, and its recording is signed. The end takes up
+  to 32 seconds on a slow disk.
+Cache of scenes: $SULCUS_CACHE, else $XDG_CACHE_HOME/sulcus, else ~/.cache/sulcus.
+Logs go to standard error. SULCUS_LOG=debug prints more; the default is SULCUS_LOG=info.
+
+Exit codes: 0 every recording is complete, 1 a recording is not complete, 2 wrong usage, bad input, a busy port, or an
+output that cannot be written.";
+
+/// Run one station: one client at a time, every session recorded and signed
 #[derive(Clone, Debug, Args)]
-#[command(
-    long_about = "Serve one station until Ctrl-C: one client at a time, simulated at 1 kHz (--rate-hz), every session recorded and signed.\n\nThe ticket printed at the start is all that a client needs besides the address: token and certificate in one line. It is new at every start; with --token the token stays the same.",
-    after_long_help = "Examples:\n  sulcus-server serve\n  sulcus-server serve --listen 0.0.0.0:4433 --scene crown.toml --recordings /srv/recordings\n  sulcus-server serve --certificate-out server.der --json | jq -r .ticket    (the first line is the address, the last the summaries)\n\nLate ticks: grant real-time scheduling with `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or raise `ulimit -r` and `ulimit -l`."
-)]
+#[command(long_about = ABOUT, after_long_help = NOTES)]
 pub struct ServeArgs {
-    /// UDP address to listen on, or a name; `0.0.0.0` or `[::]`: any address of this machine; port 0: any free one
+    /// UDP address to listen on, or a name. 127.0.0.1: clients on this machine only. 0.0.0.0 or [::]: every address of
+    /// this machine. Port 0: any free port
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:4433")]
     pub listen: String,
-    /// Scene file (TOML) or compiled scene (.scene); default: the exercise's own
+    /// Scene file (TOML) or compiled scene (.scene). Default: the scene of the exercise
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Seed of a generated patient, instead of the scene file's
+    /// Seed of the generated patient; refused for a scene without a generated patient. Default: the seed of the scene
+    /// file
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Ticks a second, 250 to 8000; the scene's own when omitted (1000 unless its file says so)
+    /// Ticks per second, 250 to 8000. Default: the rate of the scene file, else 1000
     #[arg(long, value_name = "HZ")]
     pub rate_hz: Option<u16>,
-    /// Folder for recordings, made when missing
+    /// Folder for recordings. A missing folder is created
     #[arg(long, value_name = "DIR", default_value = "recordings")]
     pub recordings: PathBuf,
-    /// Secret that clients must know; default: $SULCUS_TOKEN (other users cannot see it), else a random one
+    /// Secret that clients must know, 1 to 256 bytes. Other users of the machine see this option, but not the
+    /// environment variable SULCUS_TOKEN. Default: SULCUS_TOKEN, else a new random token
     #[arg(long, value_name = "T")]
     pub token: Option<String>,
-    /// Write the server's certificate (DER) here, for clients to pin
+    /// File for the server's certificate (DER), for clients with `--certificate`. Default: not written
     #[arg(long, value_name = "FILE")]
     pub certificate_out: Option<PathBuf>,
-    /// Name of this station in recordings
+    /// Name of the station in recordings, at most 256 bytes
     #[arg(long, value_name = "NAME", default_value = "station")]
     pub station: String,
-    /// Opaque learner id for recordings when the client names none, never a name: letters, digits, - and _, one digit at least
+    /// Opaque learner id for sessions whose client names none, never a name: letters, digits, `-` and `_`, with at
+    /// least one digit
     #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
     pub learner: String,
-    /// What sessions are for: it goes into the recordings, signed, and grades are shown accordingly
+    /// Purpose of the sessions. The purpose is recorded and signed, and `sulcus-sessions grade` presents the grade by
+    /// it
     #[arg(long, value_enum, default_value_t)]
     pub mode: Mode,
-    /// What students are asked to do: bimanual, crown, probing, retraction, a file of one (ending in .toml), or `free`; its
-    /// definition and rubric go into the recordings. Default: crown, with --scene free, which is not graded
+    /// Exercise: bimanual, crown, probing, retraction, an exercise file that ends in .toml, or `free` without a grade.
+    /// The recordings hold its definition and rubric. Default: crown; with --scene: free
     #[arg(long, value_name = "NAME")]
     pub exercise: Option<String>,
-    /// Rubric for the recordings instead of the exercise's own
+    /// Rubric file for the recordings; refused with the exercise `free`. Default: the rubric of the exercise
     #[arg(long, value_name = "FILE")]
     pub rubric: Option<PathBuf>,
-    /// Simulate tissue at its finer level while ticks take less CPU time than this on average, microseconds; default: always
-    /// the coarse level, as graded sessions need it
+    /// Largest mean CPU time of a tick, microseconds, 10 to 900. Tissue is simulated at its fine level while ticks take
+    /// less; refused with a rubric. Default: always the coarse level
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(10..=900))]
     pub detail_budget: Option<u32>,
-    /// Largest force in every session, newtons, below the scene's own limit; a client can ask for less, never for more
+    /// Largest force of every session, newtons. A client can lower the limit, never raise it. Default and upper bound:
+    /// the limit of the scene
     #[arg(long, value_name = "N", value_parser = newtons)]
     pub force_limit: Option<f32>,
-    /// Longest session, seconds
+    /// Longest session, seconds, 1 or more. Default: no limit
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_session: Option<u64>,
-    /// Key file that signs recordings, made on first use; default: station.key in $SULCUS_STATE_DIR, else
-    /// ~/.local/state/sulcus. Its public half stands beside it, ending in .pub: graders of exams need it
+    /// File of the key that signs recordings, created on first use. The public key beside it ends in .pub; graders of
+    /// exams need it. Default: station.key in $SULCUS_STATE_DIR, else in $XDG_STATE_HOME/sulcus, else in
+    /// ~/.local/state/sulcus
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
-    /// Do not ask for real-time scheduling and locked memory
+    /// Do not request real-time scheduling and locked memory
     #[arg(long)]
     pub no_realtime: bool,
-    /// Print JSON: one object with address and ticket first, one with all sessions on the last line
+    /// Print JSON: an object with address and ticket on the first line, an object with all sessions on the last line
     #[arg(long)]
     pub json: bool,
 }
 
-/// Serves; the exit code is 1 when a recording is not complete.
+/// Runs a station until a signal. The exit code is 0, or 1 if a recording is not complete.
 ///
 /// # Errors
-/// A scene, port, folder or value that cannot be used: one sentence.
+/// A scene, exercise, rubric, key, address, folder or value that cannot be used. The error is one sentence.
 pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     let asked = asked(args)?;
     let otherwise = match &asked {
@@ -101,13 +135,16 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     if let Some(exercise) = &asked {
         for what in Events::new(&scene, exercise).missing() {
             let (name, scene) = (&exercise.name, &scene.name);
-            tell!("warning: exercise `{name}` wants {what}, which scene `{scene}` has not");
+            tell!("warning: exercise `{name}` needs {what}, which scene `{scene}` lacks");
         }
     }
     let (exercise, rubric) = recorded(asked.as_ref(), args.rubric.as_deref())?;
     for coupling in too_stiff(&scene) {
         if !rubric.is_empty() {
-            bail!("exercise `{}` is graded: {coupling}", exercise.name);
+            bail!(
+                "exercise `{}` is graded and needs a coupling that a device can display: {coupling}",
+                exercise.name
+            );
         }
         tell!("warning: {coupling}");
     }
@@ -140,23 +177,23 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     let server = start(config, &args.listen)?;
     if let Some(path) = &args.certificate_out {
         std::fs::write(path, server.certificate_der())
-            .with_context(|| format!("{}: cannot write the certificate", path.shown()))?;
+            .with_context(|| format!("--certificate-out {}: cannot write", path.shown()))?;
     }
     announce(&server, &scene_name, &exercise_name, args.json);
     wait_for_signal(&server)?;
-    tell!("ending the session, if one runs ...");
+    tell!("the server is ending; a running session is closed and its recording signed");
     server.shutdown();
     let sessions = server.join()?;
     Ok(report(&sessions, args))
 }
 
-/// Starts the server on the first address of `listen` that this machine has.
+/// Starts the server on the first address of `listen` that this machine can use.
 fn start(mut config: ServerConfig, listen: &str) -> anyhow::Result<ServerHandle> {
     let mut refused = Vec::new();
     for address in resolve(listen)? {
         config.listen = address;
         match Server::start(config.clone()) {
-            // Of `localhost`, one of the two addresses may not exist.
+            // One of the two addresses of `localhost` may not exist.
             Err(error @ ServerError::Listen { .. }) => refused.push(error.to_string()),
             other => return Ok(other?),
         }
@@ -167,11 +204,11 @@ fn start(mut config: ServerConfig, listen: &str) -> anyhow::Result<ServerHandle>
 fn newtons(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(force) if force.is_finite() && force > 0.0 => Ok(force),
-        _ => Err(format!("`{text}` is not a force in newtons above 0")),
+        _ => Err("expected a force in newtons above 0".to_owned()),
     }
 }
 
-/// What students are asked to do; none where they are free.
+/// Exercise of the arguments; `None` for free exploration.
 fn asked(args: &ServeArgs) -> anyhow::Result<Option<sulcus_sessions::Exercise>> {
     let free = Exercise::default().name;
     let otherwise = if args.scene.is_some() { &free } else { "crown" };
@@ -179,7 +216,7 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Option<sulcus_sessions::Exercise>> 
     if name == free {
         if let Some(rubric) = &args.rubric {
             bail!(
-                "--rubric {} has nothing to grade: exercise `{free}` asks for nothing",
+                "--rubric is {}, but exercise `{free}` has no grade; name an exercise with --exercise",
                 rubric.shown()
             );
         }
@@ -193,13 +230,16 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Option<sulcus_sessions::Exercise>> 
     let found = all.into_iter().find(|one| one.name == name);
     found.map(Some).with_context(|| {
         format!(
-            "--exercise is `{name}`, expected one of {}, {free}, or a file (ending in .toml)",
+            "--exercise is `{name}`, expected one of {}, {free}, or an exercise file that ends in .toml",
             names.join(", ")
         )
     })
 }
 
-/// The exercise as it is offered and recorded, and the rubric's text (empty where nothing is asked that is graded).
+/// Exercise as offered and recorded, and the text of its rubric; the text is empty if the exercise is not graded.
+///
+/// # Errors
+/// The file of `rubric` is not valid, or does not fit the exercise.
 fn recorded(
     asked: Option<&sulcus_sessions::Exercise>,
     rubric: Option<&Path>,
@@ -216,7 +256,7 @@ fn recorded(
         None => Rubric::of(one),
     };
     if let Some(Err(error)) = rubric.as_ref().map(|rubric| rubric.fits(one)) {
-        tell!("warning: what is recorded cannot be graded: {error}");
+        tell!("warning: the recordings cannot be graded: {error}");
     }
     let rubric = rubric.map(|rubric| rubric.definition()).transpose()?;
     let exercise = Exercise {
@@ -228,7 +268,11 @@ fn recorded(
     Ok((exercise, rubric.unwrap_or_default()))
 }
 
-/// A scene file, a compiled scene or a built-in one, its bytes, and the text of its patient (empty where there is none).
+/// Scene of a scene file, a compiled scene or the built-in `otherwise`, with its bytes and the text of its patient. The
+/// text is empty for a compiled scene and for a scene without a patient.
+///
+/// # Errors
+/// The file is not valid, the rate does not fit the scene, or `seed` has no generated patient.
 fn load(
     path: Option<&Path>,
     otherwise: BuiltIn,
@@ -245,7 +289,7 @@ fn load(
         Some(path) if path.extension().is_some_and(|ending| ending == "scene") => {
             if seed.is_some() {
                 bail!(
-                    "--seed has no effect on {}: a compiled scene has its patient",
+                    "--seed cannot be used with {}: the patient of a compiled scene is fixed",
                     path.shown()
                 );
             }
@@ -268,11 +312,11 @@ fn load(
     }
     if seed.is_some() && compiled.seed.is_none() {
         let has = match compiled.patient {
-            Some(_) => "a written one (`patient` of `[mouth]`)",
-            None => "none (one with `[mouth]` has)",
+            Some(_) => "a written patient (`patient` of `[mouth]`)",
+            None => "no patient (no table `[mouth]`)",
         };
         bail!(
-            "--seed is a generated patient's, and scene `{}` has {has}",
+            "--seed needs a generated patient, but scene `{}` has {has}",
             compiled.scene.name
         );
     }
@@ -299,7 +343,7 @@ fn announce(server: &ServerHandle, scene: &str, exercise: &str, json: bool) {
         say!("{object}");
     } else {
         let any = if listen.ip().is_unspecified() {
-            " (on any address of this machine)"
+            " (listening on every address of this machine)"
         } else {
             ""
         };
@@ -307,13 +351,13 @@ fn announce(server: &ServerHandle, scene: &str, exercise: &str, json: bool) {
         say!("  token        {}", ticket.token);
         say!("  certificate  {fingerprint} (SHA-256)");
         say!("  ticket       {ticket}");
-        say!("Ctrl-C ends the session and the server.");
+        say!("Ctrl-C ends the running session and the server.");
     }
 }
 
-/// Whether the program was started to outlive its terminal (`nohup`).
+/// Whether the process ignores hang-ups, as under `nohup`.
 fn ignores_hang_ups() -> bool {
-    // SAFETY: zeroes are a valid `sigaction`; without a new action the call only fills in the present one.
+    // SAFETY: zeros are a valid `sigaction`; without a new action the call only reads the present one.
     let (result, present) = unsafe {
         let mut present: libc::sigaction = std::mem::zeroed();
         let result = libc::sigaction(libc::SIGHUP, std::ptr::null(), &mut present);
@@ -322,7 +366,7 @@ fn ignores_hang_ups() -> bool {
     result == 0 && present.sa_sigaction == libc::SIG_IGN
 }
 
-/// Returns when the terminal hangs up; never where that is ignored.
+/// Returns at a hang-up of the terminal; never returns while hang-ups are ignored.
 async fn hung_up(signal: &mut Option<Signal>) {
     match signal {
         Some(signal) => {
@@ -332,7 +376,8 @@ async fn hung_up(signal: &mut Option<Signal>) {
     }
 }
 
-/// Returns on Ctrl-C, on SIGTERM (containers), on SIGHUP (the terminal is gone), or when the server has ended by itself.
+/// Returns on Ctrl-C, on SIGTERM, on SIGHUP unless it is ignored, or within 500 ms after the server has ended by
+/// itself.
 fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -360,10 +405,11 @@ fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
     })
 }
 
+/// Prints a line for each session, and with `--json` the summaries. Returns the exit code.
 fn report(sessions: &[SessionSummary], args: &ServeArgs) -> u8 {
     for session in sessions {
         tell!(
-            "{}: {} ticks, {} missed, tick p50 {:.0} us, p99.9 {:.0} us, largest force {:.2} N{}",
+            "{}: {} ticks, {} missed (late or skipped), CPU time of a tick p50 {:.0} us, p99.9 {:.0} us, largest force {:.2} N{}",
             args.recordings.join(&session.recording).shown(),
             session.ticks,
             session.deadline_misses,

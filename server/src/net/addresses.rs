@@ -1,4 +1,4 @@
-//! Addresses to listen on and addresses to name to clients.
+//! Addresses to listen on, and addresses to print for clients.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 
@@ -6,10 +6,10 @@ use anyhow::Context;
 use nix::ifaddrs::getifaddrs;
 use nix::net::if_::InterfaceFlags;
 
-/// Addresses of `HOST:PORT`, those of IPv4 first.
+/// Addresses of `ADDRESS:PORT` or `NAME:PORT`, IPv4 first.
 ///
 /// # Errors
-/// When it is not of that form, or the name is unknown: one sentence.
+/// The text has another form, or the name is unknown or has no address. The error is one sentence.
 pub(crate) fn resolve(text: &str) -> anyhow::Result<Vec<SocketAddr>> {
     let found = text
         .to_socket_addrs()
@@ -19,13 +19,14 @@ pub(crate) fn resolve(text: &str) -> anyhow::Result<Vec<SocketAddr>> {
     found.dedup();
     anyhow::ensure!(
         !found.is_empty(),
-        "--listen is `{text}`, a name without an address"
+        "--listen is `{text}`, a name without an address, expected ADDRESS:PORT or NAME:PORT"
     );
     Ok(found)
 }
 
-/// Addresses by which clients reach a server that listens on `local`, the best first. A server that listens on any address
-/// is reached by each address of this machine.
+/// Addresses by which clients reach a server that listens on `local`, the preferred one first.
+///
+/// A server on the unspecified address is reached by each address of this machine; without a network, by loopback.
 pub(crate) fn for_clients(local: SocketAddr) -> Vec<SocketAddr> {
     if !local.ip().is_unspecified() {
         return vec![local];
@@ -34,7 +35,7 @@ pub(crate) fn for_clients(local: SocketAddr) -> Vec<SocketAddr> {
     if local.is_ipv4() {
         ips.retain(IpAddr::is_ipv4);
     }
-    // Where another machine would be answered from.
+    // Source address of packets to other machines.
     let preferred = if local.is_ipv4() {
         toward_v4()
     } else {
@@ -55,8 +56,8 @@ pub(crate) fn for_clients(local: SocketAddr) -> Vec<SocketAddr> {
     ips.into_iter().map(address).collect()
 }
 
-/// Addresses of the interfaces that are up, loopback left out. Link-local ones of IPv6 are left out too: they name no
-/// machine without an interface beside them.
+/// Addresses of the interfaces that are up, IPv4 first, without loopback and without link-local addresses of IPv6.
+/// A link-local address needs an interface to name a machine.
 fn of_this_machine() -> Vec<IpAddr> {
     let mut ips: Vec<IpAddr> = Vec::new();
     for interface in getifaddrs().into_iter().flatten() {
@@ -77,7 +78,7 @@ fn is_reachable(ip: IpAddr) -> bool {
     !ip.is_loopback() && !ip.is_unspecified() && !link_local
 }
 
-/// This machine's address on the way to others, by IPv4; none without a route.
+/// Source address of this machine towards other machines by IPv4; `None` without a route.
 fn toward_v4() -> Option<IpAddr> {
     toward(
         (Ipv4Addr::UNSPECIFIED, 0).into(),
@@ -85,13 +86,13 @@ fn toward_v4() -> Option<IpAddr> {
     )
 }
 
-/// The same by IPv6.
+/// Source address of this machine towards other machines by IPv6; `None` without a route.
 fn toward_v6() -> Option<IpAddr> {
     let documentation = Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1);
     toward((Ipv6Addr::UNSPECIFIED, 0).into(), (documentation, 9).into())
 }
 
-/// The source address that the system would choose; connecting a UDP socket sends nothing.
+/// Source address that the system chooses for packets to `to`. The connect of a UDP socket sends no packet.
 fn toward(from: SocketAddr, to: SocketAddr) -> Option<IpAddr> {
     let socket = UdpSocket::bind(from).ok()?;
     socket.connect(to).ok()?;

@@ -1,4 +1,4 @@
-//! Who may come in: hello, version, token, exercise, and whether the station is free.
+//! Admission of a client: hello, version, names, token, exercise, and a free station.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,10 +14,11 @@ use super::control;
 use super::{CLOSE_REFUSED, Shared, close_after_last_word, session};
 use crate::Exercise;
 
-/// Pause before a wrong token is refused: guessing is slow, typing errors do not notice.
+/// Delay before a wrong token is refused. The delay slows guesses down.
 const WRONG_TOKEN: Duration = Duration::from_millis(200);
 
-/// Takes one connection through its hello and, when it may come in, through its session.
+/// Reads the hello of a connection, then runs its session or refuses the client. A connection without a hello within
+/// [`HELLO`] is closed.
 pub(super) async fn admit(connection: Connection, shared: Arc<Shared>) {
     let from = connection.remote_address();
     let streams = tokio::time::timeout(HELLO, async {
@@ -31,11 +32,11 @@ pub(super) async fn admit(connection: Connection, shared: Arc<Shared>) {
     let mut phase = shared.phase.clone();
     let streams = tokio::select! {
         streams = streams => streams,
-        // A server that ends does not wait for strangers.
+        // A server that ends does not wait for a hello.
         _ = phase.changed() => return connection.close(CLOSE_REFUSED, b"server stopped"),
     };
     let Ok(Ok((mut send, recv, message))) = streams else {
-        tracing::info!("{from} said no hello");
+        tracing::info!("{from} sent no hello");
         connection.close(CLOSE_REFUSED, b"no hello");
         return;
     };
@@ -77,7 +78,7 @@ async fn welcome(
     }
 }
 
-/// The hello, or why it is not accepted.
+/// Checks the first message. The result is the hello, or the refusal to send.
 async fn judge(
     message: Result<ClientMessage, ReadError>,
     shared: &Shared,
@@ -92,7 +93,7 @@ async fn judge(
         }
         Err(ReadError::Codec(CodecError::Version { found })) => {
             let text = format!(
-                "this server speaks protocol version {PROTOCOL_VERSION}, the client {found}; \
+                "this server has protocol version {PROTOCOL_VERSION}, the client {found}; \
                  install the same release on both"
             );
             return Err(refused(RefusedReason::Version, &text));
@@ -119,7 +120,7 @@ async fn judge(
         let text = format!("learner `{}`: {expected}", clean(&hello.learner));
         return Err(refused(RefusedReason::BadHello, &text));
     }
-    // Hashes compare in constant time, strings do not.
+    // Hashes compare in constant time; strings do not.
     if blake3::hash(hello.token.as_bytes()) != blake3::hash(shared.config.token.as_bytes()) {
         tokio::time::sleep(WRONG_TOKEN).await;
         return Err(refused(
@@ -127,7 +128,7 @@ async fn judge(
             "the token is wrong; use the one that the server printed",
         ));
     }
-    // (Where nothing is asked, whatever is performed is welcome.)
+    // A station with free exploration accepts every exercise.
     let offered = &shared.config.exercise.name;
     let free = *offered == Exercise::default().name;
     if !hello.exercise.is_empty() && !free && &hello.exercise != offered {
@@ -188,12 +189,12 @@ fn server_hello(shared: &Shared, epoch: u32) -> ServerHello {
     }
 }
 
-/// Text of a client, fit for a log line or a message.
+/// Text of a client for a log line or a message: at most 64 characters, without control characters.
 fn clean(text: &str) -> String {
     printable(text, 64)
 }
 
-/// Text that a peer had a hand in, on one line of so many characters at most.
+/// Text that may hold words of a peer, without control characters, at most `most` characters long.
 pub(super) fn printable(text: &str, most: usize) -> String {
     let plain = text.chars().filter(|c| !c.is_control());
     plain.take(most).collect()

@@ -5,14 +5,15 @@ use std::time::Duration;
 use quinn::{SendStream, VarInt};
 use sulcus_proto::{ServerMessage, frame};
 
-/// Time a client has to take one control message. Without it, one that grants no stream window would
-/// hold a task, and with it the station, for as long as it keeps its connection alive.
+/// Timeout for a client to take one control message.
+///
+/// Without the timeout a client that grants no stream window would hold the station as long as its connection lives.
 const WRITE: Duration = Duration::from_secs(2);
-/// Application code of a control stream given up half-way through a message.
+/// Application code of a control stream that the server resets after a timeout.
 const GIVEN_UP: VarInt = VarInt::from_u32(1);
 
-/// Writes one message; `false` when the connection is gone or the client does not take the message
-/// in [`WRITE`]. Nothing more can be written then.
+/// Writes one message. `false`: encoding failed, the connection is lost, or the client did not take the message within
+/// [`WRITE`]. After a timeout the stream is reset, and every later write fails.
 pub(super) async fn write(stream: &mut SendStream, message: &ServerMessage) -> bool {
     let bytes = match frame::encode(message) {
         Ok(bytes) => bytes,
@@ -24,8 +25,11 @@ pub(super) async fn write(stream: &mut SendStream, message: &ServerMessage) -> b
     match tokio::time::timeout(WRITE, stream.write_all(&bytes)).await {
         Ok(written) => written.is_ok(),
         Err(_) => {
-            tracing::warn!("the client takes no control messages");
-            // Half a message may be out: a further one must fail at once, not follow it.
+            tracing::warn!(
+                "the client took no control message for {} s; the control stream is closed",
+                WRITE.as_secs()
+            );
+            // A part of the message may have been sent: a later message must fail at once, not follow that part.
             let _ = stream.reset(GIVEN_UP);
             false
         }
@@ -45,7 +49,7 @@ mod tests {
     use crate::net::identity::Identity;
     use crate::net::transport;
 
-    /// A client that keeps its connection alive but takes no byte of any stream.
+    /// Configuration of a client that keeps its connection alive but takes no byte of any stream.
     fn deaf(identity: &Identity) -> ClientConfig {
         let mut roots = rustls::RootCertStore::empty();
         roots.add(identity.certificate.clone()).expect("a root");
@@ -99,7 +103,7 @@ mod tests {
             assert!(!write(&mut send, &message).await);
             let first = begun.elapsed();
             assert!(first >= WRITE && first < 2 * WRITE, "{first:?}");
-            // The goodbye that follows costs no further wait.
+            // A goodbye after that causes no further wait.
             assert!(!write(&mut send, &message).await);
             assert!(begun.elapsed() < first + WRITE / 2);
             assert!(

@@ -1,5 +1,5 @@
-//! Datagrams of one session: poses in through the newest-wins filter, wrenches out with epoch,
-//! sequence and hold time.
+//! Datagrams of one session: poses in, through the newest-wins filter; wrenches out, with epoch, sequence and hold
+//! time.
 
 use quinn::Connection;
 use sulcus_proto::newest::{Arrival, ArrivalCounts};
@@ -9,16 +9,17 @@ use triple_buffer::{Input, Output};
 use crate::session::handoff::{PoseIn, WrenchOut};
 use sulcus_link::clock::monotonic_ns;
 
-/// The network's ends of the two triple buffers, and what it counts.
+/// The network's ends of the two triple buffers, and counters of datagrams.
 pub(super) struct Datagrams {
     epoch: u32,
     filter: NewestWins,
     poses: Input<Option<PoseIn>>,
     wrenches: Output<WrenchOut>,
+    /// Sequence of the next wrench; wraps.
     sent: u32,
-    /// Of another epoch.
+    /// Number of poses of another epoch.
     pub foreign: u64,
-    /// That did not decode.
+    /// Number of datagrams that did not decode.
     pub malformed: u64,
 }
 
@@ -35,13 +36,13 @@ impl Datagrams {
         }
     }
 
-    /// Begins a new epoch: whatever is still under way belongs to the past.
+    /// Begins a new epoch. Poses of an older epoch are counted as foreign and ignored.
     pub fn begin_epoch(&mut self, epoch: u32) {
         self.epoch = epoch;
         self.filter.restart();
     }
 
-    /// Takes in one datagram.
+    /// Takes one datagram: the newest pose of the present epoch goes to the simulation.
     pub fn arrived(&mut self, bytes: &[u8]) {
         let arrived_ns = monotonic_ns();
         let Ok(datagram) = PoseDatagram::from_bytes(bytes) else {
@@ -60,7 +61,7 @@ impl Datagrams {
         }
     }
 
-    /// Sends the newest wrench if there is one that was not sent.
+    /// Sends the newest wrench, unless it was sent before.
     pub fn send(&mut self, connection: &Connection) {
         if !self.wrenches.update() {
             return;
@@ -78,16 +79,18 @@ impl Datagrams {
         match datagram.to_bytes() {
             Ok(bytes) => {
                 self.sent = self.sent.wrapping_add(1);
-                // Full buffer: the oldest goes. Closed connection: the session's loop sees it too.
+                // A full buffer drops its oldest datagram. A closed connection ends the session's loop.
                 let _ = connection.send_datagram(bytes.to_vec().into());
             }
-            // Only a number that is not finite; the core rules that out. Nothing is sent, and the
+            // The cause can only be a number that is not finite, which the core excludes. Nothing is sent, and the
             // client's watchdog takes the force to zero.
-            Err(error) => tracing::error!("tick {} gave no wrench: {error}", datagram.tick),
+            Err(error) => {
+                tracing::error!("the wrench of tick {} is not sent: {error}", datagram.tick);
+            }
         }
     }
 
-    /// How poses fared.
+    /// Counts of arrived poses of the session's epochs: accepted, late, duplicate, lost.
     pub fn counts(&self) -> ArrivalCounts {
         self.filter.counts()
     }

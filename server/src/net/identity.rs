@@ -1,20 +1,20 @@
-//! Who the server is: a self-signed certificate, made anew at every start and pinned by clients.
+//! Identity of the server: a self-signed certificate, made anew at every start and pinned by clients.
 
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
 
 use crate::ServerError;
 
-/// Certificate and key.
+/// Certificate and its private key.
 pub(crate) struct Identity {
     pub certificate: CertificateDer<'static>,
     pub key: PrivateKeyDer<'static>,
 }
 
 impl Identity {
-    /// A fresh self-signed certificate for `localhost` and the station's name.
+    /// A new self-signed certificate for `localhost` and, if the station's name can be a host name, for that name.
     pub fn generate(station: &str) -> Result<Self, ServerError> {
         let mut names = vec!["localhost".to_owned()];
-        // A station may be called anything; only what can be a host name goes into the certificate.
+        // A station may have any name; only a possible host name goes into the certificate.
         let is_host = |c: char| c.is_ascii_alphanumeric() || c == '-';
         if station.len() <= 63
             && !station.is_empty()
@@ -35,9 +35,9 @@ impl Identity {
 /// SHA-256 of a certificate in DER, as `openssl x509 -fingerprint -sha256` prints it.
 ///
 /// # Errors
-/// Never with the cipher suites this program is built with.
+/// None with the cipher suites that this program is built with.
 pub fn fingerprint(certificate_der: &[u8]) -> Result<[u8; 32], ServerError> {
-    // TLS needs SHA-256 anyway: use its implementation instead of another crate's.
+    // TLS needs SHA-256 anyway: its implementation replaces another crate.
     let suite = rustls::crypto::ring::cipher_suite::TLS13_AES_128_GCM_SHA256;
     let missing = || ServerError::Tls("SHA-256 is missing".into());
     let digest = suite

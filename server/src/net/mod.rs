@@ -21,66 +21,67 @@ use tokio::task::JoinSet;
 use crate::session::levels::Levels;
 use crate::{ServerConfig, ServerError};
 
-/// What the whole server is about to do.
+/// Phase of the whole server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
-    /// Serve.
+    /// Accept connections and run sessions.
     Serve,
-    /// End the session properly, say goodbye, close.
+    /// End the running session with a goodbye, then close.
     Shutdown,
-    /// Close at once without a word to the client; the recording is still finished.
+    /// Close at once without a goodbye. The recording is still finished.
     Halt,
 }
 
-/// What connections share.
+/// Data shared by all connections.
 pub(crate) struct Shared {
     pub config: ServerConfig,
     pub scene_hash: [u8; 32],
     pub phase: watch::Receiver<Phase>,
     /// Pause and force limit of the station's side.
     pub levels: Levels,
-    /// How often the station's side has lifted its pause: each time a new epoch begins.
+    /// Number of pauses that the station's side has lifted. Each change begins a new epoch.
     pub lifted: watch::Receiver<u64>,
-    /// Held by the session that runs: whoever finds it locked is told that the station is busy.
+    /// State of the station, locked by the client that uses it. A client that finds it locked is refused as busy.
     pub station: Arc<Mutex<Station>>,
 }
 
-/// What the one running session owns.
+/// State of the station from session to session.
 pub(crate) struct Station {
-    /// Epoch of the last session; every session and every resume takes the next one.
+    /// Newest epoch; every accepted client and every resume takes the next one.
     pub epoch: u32,
-    /// Sessions so far.
+    /// Summaries of the sessions so far, oldest first.
     pub summaries: Vec<SessionSummary>,
 }
 
 impl Station {
-    /// A new session epoch; 0 is never used.
+    /// Takes the next epoch. After the largest number comes 1; 0 is never used.
     pub fn next_epoch(&mut self) -> u32 {
         self.epoch = self.epoch.wrapping_add(1).max(1);
         self.epoch
     }
 }
 
-/// Application code of a proper close.
+/// Application code of a close after a goodbye, or at the end of the server.
 const CLOSE_OK: VarInt = VarInt::from_u32(0);
 /// Application code of a refusal.
 const CLOSE_REFUSED: VarInt = VarInt::from_u32(1);
-/// Time a client has to read the last message and close.
+/// Timeout for a client to read the last message and to close the connection.
 const LAST_WORD: Duration = Duration::from_secs(2);
-/// Time that connections have to end by themselves once the server ends: a message that is not taken,
-/// a goodbye that is not taken, the last word, and some to finish the recording.
+/// Timeout for all connections to end by themselves at the end of the server.
+///
+/// The time covers two control messages that are not taken, the last message, and the end of the recording.
 const FAREWELL: Duration = Duration::from_secs(10);
-/// Time that a recording has to be finished after that, on a slow disk.
+/// Further time for a recording on a slow disk.
 const FINISHING: Duration = Duration::from_secs(20);
-/// Connections being served at once, refused ones included.
+/// Largest number of connections served at once, refused clients included.
 const CONNECTIONS: usize = 64;
-/// As many, and whoever comes next proves first that it is where its packets say: senders that lie about it must not
+/// Number of connections from which a new client must prove its address first. Senders with false addresses must not
 /// take all slots.
 const CROWD: usize = CONNECTIONS / 2;
-/// Characters of an error, which may quote a peer, in a log line.
+/// Largest length of an error in a log line, characters. The error may quote a peer.
 const ERROR_CHARACTERS: usize = 256;
 
-/// Serves until the phase says otherwise; returns the sessions served.
+/// Serves until the phase is no longer [`Phase::Serve`]. Returns the summaries of the sessions, oldest first.
 pub(crate) async fn serve(
     socket: std::net::UdpSocket,
     quic: quinn::ServerConfig,
@@ -103,7 +104,7 @@ pub(crate) async fn serve(
                     Answer::Serve => {
                         connections.spawn(connection(incoming, shared.clone()));
                     }
-                    // Fails only for an address that is proven.
+                    // An error means a validated address, which `answer` excludes.
                     Answer::Retry => drop(incoming.retry()),
                     Answer::Refuse => incoming.refuse(),
                 },
@@ -111,32 +112,34 @@ pub(crate) async fn serve(
             },
         }
     }
-    // Sessions see the phase too; each finishes its recording before its task ends.
+    // Sessions read the phase too; each finishes its recording before its task ends.
     let halted = *phase.borrow() == Phase::Halt;
     let ended = !halted && all_ended(&mut connections, FAREWELL).await;
-    // From here on nothing waits for a client any more.
+    // Nothing waits for a client from here on.
     endpoint.close(CLOSE_OK, b"server stopped");
     let unfinished = !ended
         && !all_ended(&mut connections, FINISHING).await
-        // Only a session holds it that long.
+        // Only a session holds the lock that long.
         && shared.station.try_lock().is_err();
     connections.shutdown().await;
-    // Let the last packets out, but do not wait for clients that are gone.
+    // Time for the last packets; lost clients do not extend it.
     let _ = tokio::time::timeout(LAST_WORD, endpoint.wait_idle()).await;
     let mut station = shared.station.lock().await;
     if unfinished {
-        tracing::error!("the session did not end in time; its recording may be cut off");
+        tracing::error!(
+            "the session did not end in time; its recording may lack the end: complete it with `sulcus-sessions info --recover`"
+        );
         let summary = SessionSummary::empty(EndReason::Recording);
         station.summaries.push(summary);
     }
     Ok(std::mem::take(&mut station.summaries))
 }
 
-/// What becomes of a first packet.
+/// Answer to the first packet of a client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Answer {
     Serve,
-    /// Come again with a token that only the true owner of the address receives; costs no slot.
+    /// A QUIC Retry packet: only the true owner of the address receives its token. A retry takes no slot.
     Retry,
     Refuse,
 }
@@ -151,7 +154,7 @@ fn answer(served: usize, proven: bool) -> Answer {
     }
 }
 
-/// Waits until all connections have ended, at most this long; whether they have.
+/// Waits at most `limit` for the end of all connections. `false`: timeout.
 async fn all_ended(connections: &mut JoinSet<()>, limit: Duration) -> bool {
     let all = async { while connections.join_next().await.is_some() {} };
     tokio::time::timeout(limit, all).await.is_ok()
@@ -165,11 +168,14 @@ async fn connection(incoming: quinn::Incoming, shared: Arc<Shared>) {
             let why = admission::printable(&error.to_string(), ERROR_CHARACTERS);
             tracing::info!("connection from {from} failed: {why}");
         }
-        Err(_) => tracing::info!("connection from {from} failed: the handshake takes too long"),
+        Err(_) => tracing::info!(
+            "connection from {from} failed: no handshake within {} s",
+            HELLO.as_secs()
+        ),
     }
 }
 
-/// Waits until the client has closed (it does so after the last message), then closes.
+/// Waits at most [`LAST_WORD`] for the client's close, then closes. A client closes after the last message.
 async fn close_after_last_word(connection: &Connection, code: VarInt, why: &[u8]) {
     let _ = tokio::time::timeout(LAST_WORD, connection.closed()).await;
     connection.close(code, why);

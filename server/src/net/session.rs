@@ -21,10 +21,13 @@ use crate::session::running::{Running, Started};
 
 type Messages = Receiver<Result<ClientMessage, ReadError>>;
 
-/// Time a station has from its hello to its start: meanwhile nobody else can have it.
+/// Timeout from the server's hello to the client's start. In this time the station is in use.
 const START: Duration = Duration::from_secs(20);
 
-/// Runs a session. `None`: the client left before it started anything.
+/// Runs a session from the hello to the goodbye and returns its summary.
+///
+/// `None`: no session was started. The client stopped, left, broke the protocol or sent no start within [`START`], or
+/// the server ended. A recording that cannot be opened gives a summary.
 pub(super) async fn run(
     connection: Connection,
     mut send: SendStream,
@@ -36,14 +39,14 @@ pub(super) async fn run(
     let mut phase = shared.phase.clone();
     let levels = shared.levels.of_new_connection();
     if let Err((reason, text)) = started(&mut messages, &mut phase, &levels, START).await {
-        tracing::info!("session over before its start ({reason:?})");
+        tracing::info!("the client ended before a session was started ({reason:?})");
         say_goodbye(&connection, &mut send, SessionSummary::empty(reason), &text).await;
         return None;
     }
-    // Opening a recording writes the whole scene: not on the thread that carries the packets.
+    // The start of a recording writes the whole scene. The thread of the packets must not wait for it.
     let plan = Plan::new(&shared.config, &hello);
     let config = shared.config.clone();
-    // A pause that was lifted before this session has no poses to forget.
+    // A pause that was lifted before this session needs no new epoch.
     let mut lifted = shared.lifted.clone();
     lifted.mark_unchanged();
     let in_force = levels.clone();
@@ -56,7 +59,7 @@ pub(super) async fn run(
             say_goodbye(&connection, &mut send, summary.clone(), &text).await;
             return Some(summary);
         }
-        // The runtime is going down.
+        // The runtime is shutting down, or the start has panicked.
         Err(_) => return None,
     };
     let Started {
@@ -91,7 +94,7 @@ pub(super) async fn run(
     summary.foreign = datagrams.foreign;
     summary.malformed = datagrams.malformed;
     tracing::info!(
-        "session over ({:?}): {} ticks, recording {}",
+        "the session has ended ({:?}): {} ticks, recording {}",
         summary.end,
         summary.ticks,
         summary.recording
@@ -100,7 +103,7 @@ pub(super) async fn run(
     Some(summary)
 }
 
-/// Waits for the start, at most this long; or why there is none, with one sentence for people.
+/// Waits at most `limit` for the start. The error is the reason and one sentence for people.
 async fn started(
     messages: &mut Messages,
     phase: &mut watch::Receiver<Phase>,
@@ -108,10 +111,10 @@ async fn started(
     limit: Duration,
 ) -> Result<(), (EndReason, String)> {
     match tokio::time::timeout(limit, start_said(messages, phase, levels)).await {
-        Ok(said) => said.map_err(|reason| (reason, "Nothing was started.".to_owned())),
+        Ok(said) => said.map_err(|reason| (reason, "No session was started.".to_owned())),
         Err(_) => {
             let text = format!(
-                "Nothing was started within {} s; connect again.",
+                "No session was started within {} s; connect again.",
                 limit.as_secs()
             );
             Err((EndReason::TimeUp, text))
@@ -130,11 +133,11 @@ async fn start_said(
             message = messages.recv() => match message {
                 Some(Ok(ClientMessage::Start)) => return Ok(()),
                 Some(Ok(ClientMessage::Stop)) => return Err(EndReason::Stopped),
-                // In force from the first tick on.
+                // The level holds from the first tick on.
                 Some(Ok(ClientMessage::Command(command))) => {
                     request(levels, command);
                 }
-                // There is nothing yet that these could act on.
+                // Buttons and events have no meaning before the start.
                 Some(Ok(ClientMessage::Button(_) | ClientMessage::Event(_))) => {}
                 Some(Ok(ClientMessage::Hello(_)) | Err(ReadError::Codec(_))) => return Err(EndReason::Protocol),
                 Some(Err(ReadError::Closed(_))) | None => return Err(EndReason::ConnectionLost),
@@ -162,7 +165,7 @@ async fn live(
     let bell = match running.bell().listen() {
         Ok(bell) => bell,
         Err(error) => {
-            tracing::error!("cannot listen to the simulation: {error}");
+            tracing::error!("the network cannot wait for the simulation: {error}");
             return EndReason::Simulation;
         }
     };
@@ -182,7 +185,11 @@ async fn live(
                 if accepted != poses {
                     (poses, heard) = (accepted, Instant::now());
                 } else if heard.elapsed() >= silence {
-                    tracing::warn!("no pose for {:.1} s: the session ends", heard.elapsed().as_secs_f64());
+                    tracing::warn!(
+                        "the session ends: no new pose for {:.1} s, expected one within {:.0} s",
+                        heard.elapsed().as_secs_f64(),
+                        silence.as_secs_f64()
+                    );
                     return EndReason::ConnectionLost;
                 }
             },
@@ -238,19 +245,20 @@ async fn live(
     }
 }
 
-/// Takes what a student's connection asks for: a pause of its own, its end, a lower limit.
+/// Applies a command of the student's connection: a pause of its own, its end, or a lower limit. An invalid limit is
+/// ignored with a warning.
 fn request(levels: &Levels, command: Command) -> Taken {
     let taken = levels.student(command);
     if let Taken::NoForce(newtons) = taken {
         tracing::warn!(
-            "the client asks for a force limit of {newtons}, expected 0 (none of its own) or a positive force: ignored"
+            "force limit of the client is {newtons} N, expected 0 (no limit of its own) or a positive force: ignored"
         );
     }
     taken
 }
 
-/// Begins a new epoch when a pause was lifted: poses from before or during the pause must not move anything now. `false`
-/// when the client does not take the message.
+/// Begins a new epoch after the end of a pause: poses from before its end must not move a tool. `false`: the client
+/// does not take the message.
 async fn begin_epoch(
     send: &mut SendStream,
     datagrams: &mut Datagrams,
@@ -261,6 +269,7 @@ async fn begin_epoch(
     control::write(send, &ServerMessage::Epoch(epoch)).await
 }
 
+/// Sends the goodbye and closes the connection. A client that does not take the goodbye loses the connection.
 async fn say_goodbye(
     connection: &Connection,
     send: &mut SendStream,
@@ -302,7 +311,7 @@ mod tests {
                 .expect_err("nothing was said");
             assert_eq!(reason, EndReason::TimeUp);
             assert!(text.contains("connect again"), "{text}");
-            // A request from before the start holds from the first tick on.
+            // A command from before the start holds from the first tick on.
             let pause = ClientMessage::Command(Command::Pause);
             sender.send(Ok(pause)).await.expect("room");
             sender.send(Ok(ClientMessage::Start)).await.expect("room");

@@ -9,7 +9,7 @@ use sulcus_proto::{ALPN, limits};
 use crate::ServerError;
 use crate::net::identity::Identity;
 
-/// The server's half of the connection.
+/// TLS and QUIC configuration of the server: TLS 1.3, the protocol's ALPN, no client certificate.
 pub(crate) fn server_config(identity: &Identity) -> Result<ServerConfig, ServerError> {
     let tls_error = |error: &dyn std::fmt::Display| ServerError::Tls(error.to_string());
     let provider = Arc::new(rustls::crypto::ring::default_provider());
@@ -31,7 +31,7 @@ fn transport() -> Result<TransportConfig, ServerError> {
         .map_err(|error| ServerError::Tls(error.to_string()))?;
     let window = VarInt::from_u32(2 * limits::CONTROL_BYTES as u32);
     transport
-        // The client opens the control stream; its window holds two messages.
+        // The client opens one control stream; its window holds two messages of the largest size.
         .max_concurrent_bidi_streams(VarInt::from_u32(1))
         .stream_receive_window(window)
         .receive_window(window);

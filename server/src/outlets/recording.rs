@@ -1,4 +1,4 @@
-//! The recorder thread: takes what the simulation queues, writes and signs it, gives buffers back.
+//! The recorder thread: takes the simulation's queue, writes and signs the recording, returns buffers.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,26 +23,27 @@ use crate::session::changes::Changes;
 use crate::session::handoff::Flags;
 use crate::session::levels::InForce;
 
-/// How often the queue is emptied. It holds four seconds at any rate; the recorder itself flushes every 100 ms
-/// of record time.
+/// Pause between two passes over the queue, which holds about four seconds or more. The recorder itself flushes every
+/// 100 ms of recorded time.
 const POLL: Duration = Duration::from_millis(5);
 
-/// Slots in the queue of events: more than a person causes, less than a flood.
+/// Number of slots in the channel of events and of the end; chosen as more than a person causes in [`POLL`].
 pub(crate) const EVENTS: usize = 256;
 
-/// What the simulation queues. One queue for all, so that a snapshot follows its tick's row, and a look comes before it.
+/// Entry of the simulation's queue. One queue keeps the order: look and shapes, then their tick, then its snapshot.
 #[expect(
     clippy::large_enum_variant,
     reason = "nearly all are ticks, and a box would be allocated in the tick's thread"
 )]
 pub(crate) enum Entry {
-    /// A tick, its output, its thread CPU time in nanoseconds, and what both sides asked for: the events of the exercise
-    /// are found in it here, and the viewers' messages are made of it, not in the tick's thread.
+    /// Row of a tick, its output, its CPU time in nanoseconds, and the levels of both sides. The recorder's thread
+    /// finds the events and makes the viewers' messages.
     Tick(Row, TickOutput, u32, InForce),
-    /// Sphere centres that events look at, as the following tick left them ([`sulcus_sessions::exercise::events::Look`]).
+    /// Number of a tick, and the sphere centres after it that events need, world axes, metres: see [`Look`].
     Look(u64, Vec<Vec3>),
-    /// Shapes for viewers, as the following tick left them.
+    /// Shapes for viewers after the next tick in the queue.
     Shapes(Box<Shapes>),
+    /// State after a tick, with the tick's time since 1970.
     Snapshot {
         unix_ns: u64,
         tick: u64,
@@ -50,21 +51,24 @@ pub(crate) enum Entry {
     },
 }
 
-/// What the network says to the recorder.
+/// Message from the network to the recorder.
 pub(crate) enum FromNetwork {
+    /// Event of the client.
     Event(Event),
-    /// Nothing more will be queued; write the end.
+    /// End of the session. The simulation has ended, and no entry follows.
     End(Box<SessionSummary>),
 }
 
-/// What became of a recording.
+/// Result of a recording.
 #[derive(Debug)]
 pub(crate) struct Report {
+    /// Name of the file in the folder of recordings.
     pub file_name: String,
+    /// First failure, one sentence; `None`: the recording is signed and whole.
     pub error: Option<String>,
 }
 
-/// What is known of a session before it is recorded.
+/// Facts of a session before its recording.
 pub(crate) struct Plan {
     learner: String,
     client: String,
@@ -86,10 +90,10 @@ impl Plan {
     }
 }
 
-/// A recorder with header, scene and the state before the first tick, and its file's name.
+/// An open recording with header, scene and the state before the first tick; its file's name; the finder of events.
 pub(crate) struct Open(SessionWriter, String, Narrator);
 
-/// Finds the events of a session.
+/// Finder of a session's events.
 pub(crate) struct Narrator {
     scene: Arc<Scene>,
     events: Events,
@@ -100,7 +104,11 @@ impl Narrator {
         let exercise = Exercise::recorded(&config.exercise.definition);
         let events = Events::new(&config.scene, &exercise);
         for what in events.missing() {
-            tracing::warn!("the exercise wants {what}, which the scene has not");
+            tracing::warn!(
+                "exercise `{}` needs {what}, which scene `{}` lacks",
+                config.exercise.name,
+                config.scene.name
+            );
         }
         Self {
             scene: config.scene.clone(),
@@ -108,38 +116,39 @@ impl Narrator {
         }
     }
 
-    /// What has to be read of a tick's shapes.
+    /// Reader of the shapes that events need.
     pub fn look(&self) -> &Look {
         self.events.look()
     }
 }
 
 impl Open {
-    /// Who finds the events.
+    /// Finder of the events.
     pub fn narrator(&self) -> &Narrator {
         &self.2
     }
 
-    /// What copies the shapes for viewers.
+    /// Reader of the shapes for viewers.
     pub fn sampler(&self) -> Sampler {
         self.0.sampler()
     }
 }
 
-/// Buffers that the recorder gives back to the simulation.
+/// Rings of buffers from the recorder back to the simulation.
 pub(crate) struct Returned {
-    /// Of snapshots.
+    /// Buffers of snapshots.
     pub snapshots: Producer<Vec<u8>>,
-    /// Of looks.
+    /// Buffers of looks.
     pub looks: Producer<Vec<Vec3>>,
-    /// Of shapes for viewers.
+    /// Buffers of shapes for viewers.
     pub shapes: Producer<Box<Shapes>>,
 }
 
-/// Opens a recording under a name that no file has.
+/// Opens a recording under a new name and writes header, scene and first state.
 ///
 /// # Errors
-/// One sentence: no key, no folder, no space.
+/// One sentence: the key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this
+/// second.
 pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
     let header = SessionHeader {
         exercise_name: config.exercise.name.clone(),
@@ -169,13 +178,14 @@ pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
     Ok(Open(writer, name, Narrator::new(config)))
 }
 
-/// The key that signs recordings: in the file named, else at its usual place; made on first use.
+/// Key that signs recordings, from `path`, else from [`StationKey::default_path`]. A missing key is created.
 pub(crate) fn station_key(path: Option<&Path>) -> Result<StationKey, sulcus_sessions::KeyError> {
     let path = path.map_or_else(StationKey::default_path, |path| Ok(PathBuf::from(path)))?;
     StationKey::load_or_create(&path)
 }
 
-/// Starts the recorder's thread; it ends on [`FromNetwork::End`] or when both other sides are gone.
+/// Starts the recorder's thread. The thread ends after [`FromNetwork::End`], or without an end record when the
+/// network's side is dropped.
 pub(crate) fn spawn(
     open: Open,
     entries: Consumer<Entry>,
@@ -203,7 +213,7 @@ pub(crate) fn spawn(
         .spawn(move || thread.run(file_name))
 }
 
-/// Tells the network when the thread panics: the session must not go on unrecorded.
+/// Alarm to the network at a panic of the recorder: the session must not go on unrecorded.
 struct Alarm {
     flags: Arc<Flags>,
     bell: Bell,
@@ -221,17 +231,18 @@ impl Drop for Alarm {
 struct Thread {
     writer: SessionWriter,
     narrator: Narrator,
-    /// The newest.
+    /// Newest look, until its tick comes.
     look: Option<(u64, Vec<Vec3>)>,
-    /// The newest.
+    /// Newest shapes, until their tick comes.
     shapes: Option<Box<Shapes>>,
-    /// Of pause and force limit.
+    /// Changes of pause and force limit.
     changes: Changes,
     entries: Consumer<Entry>,
     returned: Returned,
     network: Receiver<FromNetwork>,
     flags: Arc<Flags>,
     bell: Bell,
+    /// First failure of a write.
     error: Option<String>,
 }
 
@@ -252,7 +263,7 @@ impl Thread {
                 }
                 Ok(FromNetwork::End(summary)) => break Some(summary),
                 Err(TryRecvError::Empty) => std::thread::sleep(POLL),
-                // The session came apart: keep what there is.
+                // The network's side was dropped without an end.
                 Err(TryRecvError::Disconnected) => break None,
             }
         };
@@ -260,7 +271,7 @@ impl Thread {
         let Some(summary) = end else {
             return Report {
                 file_name,
-                error: Some("the session came apart; the file is cut off".into()),
+                error: Some("the session ended without a summary; the file has no end".into()),
             };
         };
         let unsaid = summary.edges_dropped + self.changes.unsaid();
@@ -287,12 +298,12 @@ impl Thread {
             lost: summary.poses.lost,
             late: summary.poses.late + summary.poses.duplicate,
         });
-        // The first failure is the one that explains the others.
+        // The first failure explains the later ones.
         let error = self.error.or(finished.err().map(|error| error.to_string()));
         Report { file_name, error }
     }
 
-    /// Writes all that is queued.
+    /// Writes all queued entries.
     fn drain(&mut self) {
         while let Ok(entry) = self.entries.pop() {
             let result = match entry {
@@ -313,7 +324,7 @@ impl Thread {
                     bytes,
                 } => {
                     let result = self.writer.snapshot(unix_ns, tick, &bytes);
-                    // There is room for every buffer that was ever made.
+                    // The ring has a slot for every buffer.
                     let _ = self.returned.snapshots.push(bytes);
                     result
                 }
@@ -322,7 +333,7 @@ impl Thread {
         }
     }
 
-    /// Writes a tick's row, what happened in it, and what viewers read of it.
+    /// Writes a tick's row, its events and its messages for viewers.
     fn tick(
         &mut self,
         row: &Row,
@@ -355,7 +366,7 @@ impl Thread {
         written
     }
 
-    /// Keeps the first failure and tells the network, which ends the session.
+    /// Keeps and logs the first failure, and wakes the network, which ends the session.
     fn check(&mut self, result: Result<(), RecordError>) {
         if let Err(error) = result
             && self.error.is_none()
@@ -375,7 +386,7 @@ mod tests {
 
     use super::*;
 
-    /// A tick in which nobody holds anything.
+    /// Output of a tick in which no hand holds a tool.
     fn output(tick: u64) -> TickOutput {
         let idle = ToolOutput::absent(Pose::identity());
         TickOutput {

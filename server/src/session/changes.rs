@@ -1,4 +1,4 @@
-//! Changes of pause and force limit, as events of a recording: which side, and in which tick first in force.
+//! Changes of pause and force limit as events of a recording, each with its side and the first tick in force.
 
 use serde_json::json;
 use sulcus_sessions::Occurrence;
@@ -6,11 +6,12 @@ use sulcus_sessions::exercise::events::{FORCE_LIMIT, PAUSED, RESUMED};
 
 use crate::session::levels::{InForce, Level};
 
-/// Changes by a student in one session that become events. A client that switches a thousand times a second must not fill
-/// the disk; the ticks hold every change in any case.
+/// Largest number of a student's changes that become events in one session.
+///
+/// A client that switches a thousand times a second must not fill the disk. The inputs of the ticks hold every change.
 const BY_STUDENT: u64 = 1000;
 
-/// Finds the changes from tick to tick. Before the first tick nobody has asked for anything.
+/// Finds changes from tick to tick. Before the first tick neither side has a pause or a limit.
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
     before: InForce,
@@ -18,7 +19,7 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
-    /// Events of a tick that has kept to `in_force`; none in nearly all ticks.
+    /// Events of a tick with the levels `in_force`; empty in nearly all ticks.
     pub fn take(&mut self, tick: u64, in_force: InForce) -> Vec<Occurrence> {
         // An empty vector allocates nothing.
         let mut said = Vec::new();
@@ -35,7 +36,7 @@ impl Changes {
         said
     }
 
-    /// Changes by the student that became no event.
+    /// Number of the student's changes that became no event.
     pub fn unsaid(&self) -> u64 {
         self.by_student.saturating_sub(BY_STUDENT)
     }
@@ -61,7 +62,7 @@ fn changed(tick: u64, by: &str, before: Level, now: Level, said: &mut Vec<Occurr
     }
 }
 
-/// The shortest decimal that is this f32: 0.2 and not 0.20000000298.
+/// The shortest decimal number of an f32: 0.2 and not 0.20000000298.
 fn decimal(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
@@ -107,7 +108,7 @@ mod tests {
         );
     }
 
-    /// A flood of the student's must not crowd out what the station's side has set.
+    /// A flood of the student's changes must not displace those of the station's side.
     #[test]
     fn a_student_that_switches_all_the_time_has_a_bounded_log_and_the_station_has_its_own() {
         let mut changes = Changes::default();

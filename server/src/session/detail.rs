@@ -1,18 +1,21 @@
-//! The time-critical choice of level (the paper's section 3.1): tissue is simulated at its coarse level, and at
-//! the finer one while ticks leave time for it. Decided here, from the CPU time of the ticks before; recorded,
-//! because it enters the tick as [`sulcus_core::TickInput::detail`], so a replay needs no clock.
+//! Choice of tissue's level of detail by time (the paper's section 3.1): coarse, and fine while ticks leave time for
+//! it.
 //!
-//! A switch of level steps the force a little, so the choice is slow to rise, quick to fall, and does not
-//! go to and fro: each fall doubles the wait for the next rise.
+//! The choice is a function of the CPU times of the previous ticks. The level enters the tick as
+//! [`sulcus_core::TickInput::detail`] and is recorded, so a replay needs no clock.
+//!
+//! A switch of level changes the force by a small step. The choice therefore rises slowly and falls quickly. Each fall
+//! doubles the wait for the next rise, up to 64 times the first wait.
 
 use sulcus_core::TickInput;
 
-/// Which level of detail tissue is simulated at.
+/// Level of detail of tissue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// The same throughout: what a graded session needs, since all students must feel the same.
+    /// One level, 0 (coarse) or 1 (fine), for the whole session. A graded session needs a fixed level, because all
+    /// students must feel the same tissue.
     Fixed(u8),
-    /// As fine as the time allows.
+    /// The finest level that the time allows, from coarse at the start.
     ByTime(Budget),
 }
 
@@ -22,24 +25,28 @@ impl Default for Detail {
     }
 }
 
-/// What the choice by time goes by.
+/// Parameters of the choice by time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// CPU time that a tick may take on average, microseconds. Over it the level falls. Range 10 to 900 (a
-    /// tick has 1,000, and the hand's share of them is the network's). Larger: finer for longer, and less room
-    /// for what is rare.
+    /// Largest mean CPU time of a tick, microseconds, 10 to 900. The level falls at a mean above it.
+    ///
+    /// The number is absolute at every rate: a tick has 1000 us at 1 kHz and 125 us at 8 kHz. A larger budget keeps the
+    /// fine level longer and leaves less time for rare long ticks.
     pub budget_us: u32,
-    /// How many times longer a tick is expected to take one level finer, per cent. The level rises while this
-    /// much more is still within the budget. Range 100 to 2000. Larger: rises less often in vain.
+    /// Expected CPU time of a tick at the next finer level, per cent of the time at the present level, 100 to 2000.
+    ///
+    /// The level may rise while the mean times this factor is within the budget. A larger number causes fewer rises
+    /// that are soon followed by a fall.
     pub growth_percent: u32,
-    /// Ticks that must leave time before the level rises, after the first fall twice as many, and so on up to
-    /// 64 times. Range 10 to 60,000.
+    /// Number of consecutive ticks with time left before the first rise, 10 to 60,000. Each fall doubles the number, up
+    /// to 64 times the first one.
     pub settle_ticks: u32,
 }
 
 impl Default for Budget {
-    /// A third of a tick; a finer level about three times as dear (8 times as many spheres in the skeleton, but
-    /// the collision is the same); half a second.
+    /// A third of a tick and half a second at 1 kHz, and three times the CPU time at the finer level.
+    ///
+    /// The finer skeleton has 8 times as many spheres, but its collision costs the same.
     fn default() -> Self {
         Self {
             budget_us: 333,
@@ -50,10 +57,10 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// Checks the ranges.
+    /// Checks the ranges of all fields.
     ///
     /// # Errors
-    /// Field, value found, range expected.
+    /// The first field out of range: its name, the value found, the range expected.
     pub fn validate(&self) -> Result<(), (&'static str, String, &'static str)> {
         let fields = [
             ("detail budget", self.budget_us, 10..=900, "10 to 900 us"),
@@ -79,25 +86,29 @@ impl Budget {
     }
 }
 
-/// The mean follows this share of the way per tick: about 16 ticks of memory, so that neither a cache miss nor
-/// a page fault counts as a trend.
+/// Time constant of the moving mean, ticks: each tick moves the mean by a sixteenth of the difference. A cache miss or
+/// a page fault alone then changes no level.
 const MEMORY_TICKS: u64 = 16;
-/// Doublings of the wait at most.
+/// Largest number of doublings of the wait.
 const MOST_DOUBLINGS: u32 = 6;
-/// A level that stood for so many waits has proved itself: the wait is back at its shortest.
+/// Duration of the fine level, in waits of the present length, after which the next wait is the shortest again.
+///
+/// Only the fine level counts, and only in a tick whose mean is within the budget. The wait is the doubled one: after
+/// six falls, 8 times 64 times [`Budget::settle_ticks`].
 const PROVED_WAITS: u32 = 8;
 
-/// Chooses the level of the next tick from the durations of those before: a pure function of them.
+/// Chooses the level of the next tick. The choice is a pure function of the durations of the previous ticks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chooser {
     detail: Detail,
     level: u8,
-    /// Mean CPU time, nanoseconds, times [`MEMORY_TICKS`].
+    /// Moving mean of the CPU time, nanoseconds, times [`MEMORY_TICKS`].
     mean: u64,
-    /// Ticks that left time since the last that did not.
+    /// Number of consecutive ticks with time left for the finer level.
     quiet: u32,
-    /// Ticks at the present level.
+    /// Number of ticks at the present level.
     stood: u32,
+    /// Number of doublings of the wait, 0 to [`MOST_DOUBLINGS`].
     doublings: u32,
 }
 
@@ -117,17 +128,17 @@ impl Chooser {
         }
     }
 
-    /// The level for the next tick.
+    /// Level for the next tick.
     pub fn level(&self) -> u8 {
         self.level
     }
 
-    /// Takes in the CPU time of the tick that has just run.
+    /// Takes the CPU time of the tick that has just run, nanoseconds. A fixed level ignores it.
     pub fn took(&mut self, cpu_ns: u64) {
         let Detail::ByTime(budget) = self.detail else {
             return;
         };
-        // A second is as bad as it gets, and leaves room to multiply.
+        // A limit of one second prevents an overflow of the products.
         let cpu_ns = cpu_ns.min(1_000_000_000);
         self.mean = self.mean - self.mean / MEMORY_TICKS + cpu_ns;
         let mean_ns = self.mean / MEMORY_TICKS;
@@ -168,7 +179,7 @@ mod tests {
         Chooser::new(Detail::ByTime(Budget::default()))
     }
 
-    /// Runs `ticks` in which a tick costs `cost(level)` nanoseconds; returns the switches.
+    /// Runs `ticks` ticks, of which tick `k` costs `cost(k, level)` nanoseconds. Returns the number of switches.
     fn run(chooser: &mut Chooser, ticks: u32, cost: impl Fn(u32, u8) -> u64) -> u32 {
         let mut switches = 0;
         for k in 0..ticks {
@@ -214,7 +225,7 @@ mod tests {
     fn one_late_tick_in_a_hundred_is_no_trend() {
         let mut chooser = by_time();
         let cost = |k: u32, _| if k % 100 == 99 { 2_000_000 } else { 40_000 };
-        // 2 ms now and then is an average of 60 us, but just after it the mean is over 100.
+        // One tick of 2 ms in a hundred gives an average of 60 us, but just after it the moving mean exceeds 100 us.
         let switches = run(&mut chooser, 60_000, cost);
         assert!(switches <= 1, "{switches} switches");
     }
@@ -223,7 +234,7 @@ mod tests {
     fn a_finer_level_that_never_fits_is_tried_ever_more_rarely() {
         let mut chooser = by_time();
         let cost = |_, level| if level == 0 { 50_000 } else { 800_000 };
-        // Ten minutes. Waits of 0.5, 1, 2, ... 32 s: each try is one rise and one fall.
+        // Ten minutes with waits of 0.5, 1, 2, ... 32 s. Each attempt is one rise and one fall.
         let early = run(&mut chooser, 30_000, cost);
         let late = run(&mut chooser, 570_000, cost);
         assert!((8..=12).contains(&early), "{early} switches in 30 s");

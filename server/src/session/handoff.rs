@@ -1,31 +1,35 @@
-//! Hand-overs from thread to thread. Every one is wait-free for the simulation: triple buffers where the newest wins,
-//! rings where nothing may be lost, atomic words for buttons (and for pause and force limit, in
-//! [`crate::session::levels`]), one eventfd as the only wake-up.
+//! Hand-overs between threads, each wait-free for the simulation.
+//!
+//! Triple buffers carry poses and wrenches: the newest wins. Rings carry rows and buffers: a full ring drops the new
+//! entry, and dropped rows are counted. Atomic words hold buttons, and in [`crate::session::levels`] pause and force
+//! limit. One eventfd wakes the network.
 
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 
 use sulcus_core::{MAX_TOOLS, Params};
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
 
-/// Slots in the recorder's queue at least.
+/// Smallest number of slots in the recorder's queue.
 const LEAST_ROWS: usize = 4096;
-/// What the recorder's queue holds, seconds of ticks.
+/// Length of the recorder's queue, seconds of ticks.
 const QUEUED_S: f64 = 4.0;
-/// Slots in the recorder's queue at the scene's rate, rounded up: looks, shapes and snapshots go with the ticks.
+/// Number of slots in the recorder's queue at the scene's rate: four seconds of ticks, rounded up to a power of two.
+/// Looks, shapes and snapshots take slots of the same queue.
 pub(crate) fn rows(params: &Params) -> usize {
     let ticks = params.ticks_in(QUEUED_S) as usize;
     ticks.next_power_of_two().max(LEAST_ROWS)
 }
-/// State snapshot buffers that go round.
+/// Number of buffers for state snapshots.
 pub(crate) const SNAPSHOTS: usize = 3;
-/// Looks on their way: as many as a queue of so many rows can hold.
+/// Number of buffers for looks: one for every `every`-th of `rows` ticks, and one more.
 pub(crate) fn looks(rows: usize, every: u64) -> usize {
     rows / every.max(1) as usize + 1
 }
-/// Shapes for viewers on their way: a quarter of a second's. Where none is left, a frame is left out, and the next one is not.
+/// Number of buffers for the shapes of viewers: a quarter of a second at 62.5 frames a second. Without a free buffer
+/// one frame is skipped.
 pub(crate) const SHAPES: usize = 16;
 
-/// Network to simulation: the newest pose and when it came.
+/// Network to simulation: the newest pose and its arrival.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseIn {
     pub datagram: PoseDatagram,
@@ -33,13 +37,14 @@ pub(crate) struct PoseIn {
     pub arrived_ns: u64,
 }
 
-/// Network to simulation: buttons that went down, a bit each; held buttons come with the poses. However many edges a
-/// client sends, none takes the place of another.
+/// Network to simulation: buttons pressed since the last tick, one bit for each. A pose carries the held buttons.
+///
+/// No press replaces that of another button. Several presses of one button within a tick count once.
 #[derive(Debug, Default)]
 pub(crate) struct Pressed([AtomicU16; MAX_TOOLS]);
 
 impl Pressed {
-    /// A button went down; tools and buttons that do not exist are ignored.
+    /// Sets the bit of a pressed button. Unknown tools and buttons are ignored.
     pub fn press(&self, tool: u8, button: u8) {
         let bit = 1u16.checked_shl(u32::from(button)).unwrap_or(0);
         if let Some(buttons) = self.0.get(usize::from(tool)) {
@@ -47,7 +52,7 @@ impl Pressed {
         }
     }
 
-    /// Buttons that went down since the last call, for each tool.
+    /// Takes the buttons pressed since the last call, for each tool.
     pub fn take(&self) -> [u16; MAX_TOOLS] {
         std::array::from_fn(|tool| self.0[tool].swap(0, Ordering::AcqRel))
     }
@@ -64,11 +69,11 @@ pub(crate) struct WrenchOut {
 /// Flags of one session.
 #[derive(Debug, Default)]
 pub(crate) struct Flags {
-    /// Network to simulation: end.
+    /// Network to simulation: the session ends.
     pub stop: AtomicBool,
-    /// Recorder to network: writing failed, end the session.
+    /// Recorder to network: writing failed or the recorder panicked, so the session must end.
     pub record_failed: AtomicBool,
-    /// Simulation to network: the thread is leaving, asked or not.
+    /// Simulation to network: the thread ends, by request or by a panic.
     pub simulation_over: AtomicBool,
 }
 
@@ -104,7 +109,7 @@ mod tests {
             };
             assert_eq!(rows(&params), slots, "{rate_hz} Hz");
             assert!(slots >= 4 * usize::from(rate_hz));
-            // A look every twentieth of a second, as the exercises need it.
+            // One look in a twentieth of a second, as the exercises need.
             let every = params.ticks_in(0.05);
             assert!(looks(slots, every) >= 80, "{rate_hz} Hz");
         }

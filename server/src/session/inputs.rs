@@ -1,4 +1,4 @@
-//! Input of a tick, made of all that has arrived: age, staleness, pause, force limit, buttons.
+//! Input of a tick from the arrived data: newest pose, age, staleness, pause, force limit, buttons.
 
 use std::time::Duration;
 
@@ -8,20 +8,20 @@ use sulcus_proto::limits;
 use crate::session::handoff::PoseIn;
 use crate::session::levels::InForce;
 
-/// State between ticks of what comes from outside.
+/// State of the inputs between ticks.
 #[derive(Debug)]
 pub(crate) struct Inputs {
-    /// Tools in the scene; further slots stay absent whatever a client says.
+    /// Number of tools in the scene. Further slots stay absent, whatever a client sends.
     tools: usize,
-    /// Between two ticks.
+    /// Time between two ticks, nanoseconds.
     tick_ns: u64,
     pose: Option<PoseIn>,
     /// Pause and force limit for the next tick.
     pub in_force: InForce,
     /// Level of detail for the next tick.
     pub detail: u8,
-    /// Buttons that went down since the tool's last tick with a hand: seen for one tick at least, even
-    /// when every pose that held them was lost. Kept until there is a tick to see them in.
+    /// Buttons pressed since the tool's last tick with a hand. Each is input of one tick at least, even if every pose
+    /// that held it was lost, and waits for a tick with a hand.
     pressed: [u16; MAX_TOOLS],
 }
 
@@ -37,24 +37,25 @@ impl Inputs {
         }
     }
 
-    /// A newer pose arrived.
+    /// Takes a newer pose.
     pub fn pose(&mut self, pose: PoseIn) {
         self.pose = Some(pose);
     }
 
-    /// The newest pose.
+    /// Newest pose; `None` before the first one.
     pub fn newest(&self) -> Option<&PoseIn> {
         self.pose.as_ref()
     }
 
-    /// Buttons went down, for each tool.
+    /// Adds pressed buttons, for each tool.
     pub fn pressed(&mut self, buttons: [u16; MAX_TOOLS]) {
         for (pressed, buttons) in self.pressed.iter_mut().zip(buttons) {
             *pressed |= buttons;
         }
     }
 
-    /// Input of the tick that begins at `now_ns` after `skipped` grid ticks were missed.
+    /// Input of the tick that begins at `now_ns` of the server's monotonic clock, after `skipped` missed grid points.
+    /// Without a pose all tools are absent.
     pub fn take(&mut self, now_ns: u64, skipped: u16) -> TickInput {
         let mut input = TickInput {
             paused: self.in_force.paused(),
@@ -64,7 +65,7 @@ impl Inputs {
             ..TickInput::IDLE
         };
         let Some(pose) = &self.pose else { return input };
-        // It may have arrived after this tick began.
+        // The pose may have arrived after `now_ns` was read.
         let age_ns = now_ns.saturating_sub(pose.arrived_ns);
         let stale = Duration::from_nanos(age_ns) >= limits::POSE_STALE;
         let age_ticks = u16::try_from(age_ns / self.tick_ns).unwrap_or(u16::MAX);

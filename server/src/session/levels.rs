@@ -1,19 +1,18 @@
-//! Pause and force limit as levels: atomic words that every tick reads, so that no queue stands between a command and
-//! the hand.
+//! Pause and force limit as levels: atomic words that every tick reads. No queue delays a command.
 //!
-//! The station's side and the student's connection each hold a level of their own. The station's level lives as long as
-//! the server: before, between and after sessions. The student's level lives as long as the connection. In force is
-//! the pause of either side and the smaller of the two limits: a student can make a session gentler, never rougher.
+//! The station's side and the student's connection each have a level. The station's level lives as long as the server:
+//! before, between and after sessions. The student's level lives as long as the connection. A tick obeys the pause of
+//! either side and the smaller of the two limits: a student can lower the force, never raise it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use sulcus_proto::control::Command;
 
-/// Pause and limit that one side asks for.
+/// Pause and force limit of one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Level {
-    /// Forces are to be zero.
+    /// Whether the side has paused: all forces ramp to zero.
     pub paused: bool,
     /// Largest force, newtons; 0: the scene's limit.
     pub force_limit_n: f32,
@@ -22,9 +21,9 @@ pub(crate) struct Level {
 /// Levels of both sides in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct InForce {
-    /// Asked for by the station's side.
+    /// Level of the station's side.
     pub station: Level,
-    /// Asked for by the student's connection.
+    /// Level of the student's connection.
     pub student: Level,
 }
 
@@ -47,15 +46,15 @@ impl InForce {
 /// Outcome of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Taken {
-    /// The level is what was asked for.
+    /// The level has the value of the command.
     Set,
-    /// The side's pause has ended: a new session epoch begins.
+    /// The command ended a pause of the side: a new session epoch begins, even if the other side still has a pause.
     Lifted,
-    /// The limit is no force: negative, infinite or not a number. The level is as before.
+    /// The limit is negative, infinite or not a number. The level is unchanged.
     NoForce(f32),
 }
 
-/// A side's level in one word: bit 32 is the pause, the low half the limit's bits.
+/// Level of one side in one word: bit 32 is the pause, the low half holds the bits of the limit.
 #[derive(Debug, Default)]
 struct Word(AtomicU64);
 
@@ -86,7 +85,7 @@ impl Word {
                 }
             }
             Command::ForceLimit(newtons) if is_limit(newtons) => {
-                // Adding makes a zero of -0.0.
+                // The addition turns -0.0 into 0.
                 let limit = u64::from((newtons + 0.0).to_bits());
                 let with = |word: u64| word & !Self::LIMIT | limit;
                 self.0.update(Ordering::AcqRel, Ordering::Acquire, with);
@@ -97,12 +96,12 @@ impl Word {
     }
 }
 
-/// Whether a number of newtons can be a limit: 0 (the scene's) or a finite positive force.
+/// Whether a number of newtons is a valid limit: 0 for the scene's limit, or a finite positive force.
 pub(crate) fn is_limit(newtons: f32) -> bool {
     newtons.is_finite() && newtons >= 0.0
 }
 
-/// The station's level and that of one connection. Clones share both.
+/// Level of the station and level of one connection. Clones share both.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
     station: Arc<Word>,
@@ -110,7 +109,7 @@ pub(crate) struct Levels {
 }
 
 impl Levels {
-    /// The same station, and a connection that has asked for nothing yet.
+    /// Levels of a new connection: the same station, and a student without pause and limit.
     pub fn of_new_connection(&self) -> Self {
         Self {
             station: self.station.clone(),
@@ -118,17 +117,17 @@ impl Levels {
         }
     }
 
-    /// A command of the station's side.
+    /// Applies a command of the station's side.
     pub fn station(&self, command: Command) -> Taken {
         self.station.take(command)
     }
 
-    /// A request of the student's connection.
+    /// Applies a command of the student's connection.
     pub fn student(&self, command: Command) -> Taken {
         self.student.take(command)
     }
 
-    /// Levels that a tick which begins now keeps to. Wait-free.
+    /// Levels for a tick that begins now. Wait-free.
     pub fn in_force(&self) -> InForce {
         InForce {
             station: self.station.load(),
@@ -141,7 +140,7 @@ impl Levels {
 mod tests {
     use super::*;
 
-    /// A client could resume what the instructor had paused, and take back the limit.
+    /// A client could once lift the instructor's pause and limit.
     #[test]
     fn a_student_adds_to_what_the_station_asks_for_and_takes_nothing_away() {
         let levels = Levels::default();
@@ -205,7 +204,7 @@ mod tests {
         assert_eq!(levels.in_force().force_limit_n().to_bits(), 0);
     }
 
-    /// The limit and the pause share a word: a change of one beside the other must not lose either.
+    /// Limit and pause share a word: simultaneous changes must keep both.
     #[test]
     fn changes_of_pause_and_limit_at_once_lose_neither() {
         let levels = Levels::default();

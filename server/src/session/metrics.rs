@@ -1,50 +1,59 @@
-//! What the simulation thread measures of itself. Everything is sized before the first tick.
+//! Measurements of the simulation thread. All memory is allocated before the first tick.
 
-use hdrhistogram::Histogram;
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
 use sulcus_core::{MAX_TOOLS, TickOutput};
-use sulcus_proto::{Percentiles, SessionSummary};
+use sulcus_link::Times;
+use sulcus_proto::SessionSummary;
 
-/// Longest time told apart, nanoseconds; longer ones count as this.
-const LONGEST_NS: u64 = 1_000_000_000;
+/// Longest time that a histogram resolves, seconds. A longer time counts as this one.
+const LONGEST_S: u32 = 1;
 
-/// Times and findings of all ticks so far.
+/// Times and counters of all ticks so far.
 pub(crate) struct Metrics {
-    cpu_ns: Histogram<u64>,
-    wall_ns: Histogram<u64>,
-    wake_ns: Histogram<u64>,
+    cpu_ns: Times,
+    wall_ns: Times,
+    wake_ns: Times,
+    /// Number of ticks computed.
     pub ticks: u64,
+    /// Number of grid points skipped.
     pub skipped: u64,
+    /// Number of ticks that ended after the next grid point.
     pub late: u64,
+    /// Number of rows that found the recorder's queue full.
     pub rows_dropped: u64,
+    /// Number of snapshots without a free buffer or slot.
     pub snapshots_dropped: u64,
+    /// Deepest penetration of a converged tick, metres.
     residual_m: f64,
+    /// Number of tool-ticks whose substeps ran out, arrivals excluded.
     exhausted: u64,
-    /// From (re)entry to the first converged tick the graphic tool travels to the hand: substeps that
-    /// run out then are no finding.
+    /// Whether the tool travels to the hand: from its appearance to the first converged tick. Exhausted substeps are
+    /// normal in that time.
     arriving: [bool; MAX_TOOLS],
+    /// Number of tool-ticks with a stale pose.
     stale: u64,
+    /// Largest force sent to the hand, newtons.
     force_n: f64,
 }
 
 /// Times of one tick, nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TickTimes {
-    /// From its grid point to its begin.
+    /// Time from the grid point to the begin of the tick.
     pub wake_ns: u64,
-    /// Thread CPU time.
+    /// CPU time of the thread in the tick.
     pub cpu_ns: u64,
-    /// Wall time.
+    /// Wall time of the tick.
     pub wall_ns: u64,
 }
 
 impl Metrics {
-    pub fn new() -> std::io::Result<Self> {
-        Ok(Self {
-            cpu_ns: histogram()?,
-            wall_ns: histogram()?,
-            wake_ns: histogram()?,
+    pub fn new() -> Self {
+        Self {
+            cpu_ns: Times::up_to(LONGEST_S),
+            wall_ns: Times::up_to(LONGEST_S),
+            wake_ns: Times::up_to(LONGEST_S),
             ticks: 0,
             skipped: 0,
             late: 0,
@@ -55,15 +64,15 @@ impl Metrics {
             arriving: [true; MAX_TOOLS],
             stale: 0,
             force_n: 0.0,
-        })
+        }
     }
 
-    /// Takes in one tick; allocates nothing.
+    /// Takes the times and the output of one tick. No allocation.
     pub fn tick(&mut self, times: TickTimes, output: &TickOutput) {
         self.ticks += 1;
-        self.cpu_ns.saturating_record(times.cpu_ns);
-        self.wall_ns.saturating_record(times.wall_ns);
-        self.wake_ns.saturating_record(times.wake_ns);
+        self.cpu_ns.record(times.cpu_ns);
+        self.wall_ns.record(times.wall_ns);
+        self.wake_ns.record(times.wake_ns);
         for (tool, arriving) in output.tools.iter().zip(&mut self.arriving) {
             let force = norm(&tool.wrench.force);
             if force > self.force_n {
@@ -82,35 +91,20 @@ impl Metrics {
         }
     }
 
-    /// Writes what was measured into a summary.
+    /// Writes the measurements into a summary.
     pub fn fill(&self, summary: &mut SessionSummary) {
         summary.ticks = self.ticks;
         summary.skipped = self.skipped;
         summary.deadline_misses = self.late + self.skipped;
-        summary.tick_us = percentiles(&self.cpu_ns);
-        summary.tick_wall_us = percentiles(&self.wall_ns);
-        summary.wake_us = percentiles(&self.wake_ns);
+        summary.tick_us = self.cpu_ns.percentiles();
+        summary.tick_wall_us = self.wall_ns.percentiles();
+        summary.wake_us = self.wake_ns.percentiles();
         summary.max_residual_um = self.residual_m * 1e6;
         summary.exhausted = self.exhausted;
         summary.stale = self.stale;
         summary.max_force_n = self.force_n;
         summary.rows_dropped = self.rows_dropped;
         summary.snapshots_dropped = self.snapshots_dropped;
-    }
-}
-
-/// Three significant digits from 1 ns to 1 s, all buckets there from the start.
-fn histogram() -> std::io::Result<Histogram<u64>> {
-    Histogram::new_with_bounds(1, LONGEST_NS, 3).map_err(std::io::Error::other)
-}
-
-fn percentiles(times_ns: &Histogram<u64>) -> Percentiles {
-    let us = |ns: u64| ns as f64 / 1e3;
-    Percentiles {
-        p50: us(times_ns.value_at_quantile(0.5)),
-        p99: us(times_ns.value_at_quantile(0.99)),
-        p999: us(times_ns.value_at_quantile(0.999)),
-        max: us(times_ns.max()),
     }
 }
 
@@ -123,7 +117,7 @@ mod tests {
 
     #[test]
     fn exhaustion_counts_from_arrival() {
-        let mut metrics = Metrics::new().expect("histograms");
+        let mut metrics = Metrics::new();
         let times = TickTimes {
             wake_ns: 0,
             cpu_ns: 1,
@@ -151,18 +145,5 @@ mod tests {
             assert_eq!(tick(status::EXHAUSTED, false), before + 1);
             assert_eq!(tick(status::ABSENT, true), before + 1);
         }
-    }
-
-    #[test]
-    fn percentiles_are_microseconds() {
-        let mut times = histogram().expect("bounds");
-        for us in 1..=1000 {
-            times.saturating_record(us * 1000);
-        }
-        times.saturating_record(u64::MAX);
-        let p = percentiles(&times);
-        assert!((p.p50 - 501.0).abs() < 2.0, "{p:?}");
-        assert!((p.p99 - 991.0).abs() < 2.0, "{p:?}");
-        assert!((p.max - 1e6).abs() < 1e3, "{p:?}");
     }
 }

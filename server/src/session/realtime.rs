@@ -7,24 +7,27 @@ use sulcus_link::schedule::{exact_timers, fifo};
 /// Priority of the simulation thread among SCHED_FIFO ones.
 const PRIORITY: i32 = 50;
 
-/// Makes the calling thread as punctual as the system permits: SCHED_FIFO, exact timers, memory that
-/// is never paged out. What is not permitted is said once per process and done without.
+/// Requests SCHED_FIFO, exact timers and locked memory for the calling thread. The lock covers the memory mapped so
+/// far.
+///
+/// A missing right causes one warning in a process, and the thread runs without it.
 pub(crate) fn enter() {
     static SCHEDULE: Once = Once::new();
     static MEMORY: Once = Once::new();
     if let Err(error) = fifo(PRIORITY) {
         SCHEDULE.call_once(|| {
             tracing::warn!(
-                "no real-time scheduling ({error}): ticks will be late under load; \
-                 grant CAP_SYS_NICE or raise `ulimit -r` to {PRIORITY}"
+                "no real-time scheduling ({error}): more ticks are missed under load; \
+                 grant CAP_SYS_NICE or set `ulimit -r {PRIORITY}`"
             );
         });
     }
-    // What is mapped now, not what will be: future mappings of the process are none of our business.
+    // A lock of future mappings would also affect the other threads.
     if let Err(error) = rustix::mm::mlockall(rustix::mm::MlockAllFlags::CURRENT) {
         MEMORY.call_once(|| {
             tracing::warn!(
-                "memory is not locked ({error}): paging may delay ticks; raise `ulimit -l`"
+                "memory is not locked ({error}): paging may delay ticks; \
+                 grant CAP_IPC_LOCK or set `ulimit -l unlimited`"
             );
         });
     }

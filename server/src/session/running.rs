@@ -1,4 +1,4 @@
-//! A session's two threads and the hand-overs between them, seen from the network.
+//! Threads of a session, simulation and recorder, and their hand-overs, as the network uses them.
 
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -23,11 +23,10 @@ use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;
 use crate::session::simulation::Simulation;
 
-/// Events of one session, bytes of kind and content: a recording is for the hand, not for whatever a
-/// client likes to say.
+/// Largest sum of a client's events in one session, bytes of kind and content. A client must not fill the disk.
 const EVENT_BYTES: usize = 1024 * 1024;
 
-/// Stops the simulation when a session is given up without [`Running::finish`].
+/// Stops the simulation when a session is dropped without [`Running::finish`].
 struct Abandoned(Arc<Flags>);
 
 impl Drop for Abandoned {
@@ -36,11 +35,12 @@ impl Drop for Abandoned {
     }
 }
 
-/// The recorder's ear for events: bounded in number and in bytes, never blocks.
+/// Channel of a client's events to the recorder, bounded in number and in bytes. A push never blocks.
 struct Events {
     to_recorder: SyncSender<FromNetwork>,
+    /// Sum of the accepted events, bytes.
     bytes: usize,
-    /// Found the queue full or the bytes used up.
+    /// Number of events that found the queue full or the bytes used up.
     dropped: u64,
 }
 
@@ -55,19 +55,22 @@ impl Events {
 
     fn push(&mut self, event: Event) {
         let bytes = self.bytes + event.kind.len() + event.json.len();
-        // A recorder that is gone has raised its flag, by its alarm if it panicked.
+        // A recorder that has ended has raised its flag, after a panic by its alarm.
         if bytes <= EVENT_BYTES && self.to_recorder.try_send(FromNetwork::Event(event)).is_ok() {
             self.bytes = bytes;
             return;
         }
         if self.dropped == 0 {
-            tracing::warn!("the client sends more events than are recorded: some are dropped");
+            tracing::warn!(
+                "the client sent more than {EVENT_BYTES} bytes of events, or more than {EVENTS} events at once: \
+                 further events may be dropped"
+            );
         }
         self.dropped += 1;
     }
 }
 
-/// A session whose threads run.
+/// A running session: handles of its threads.
 pub(crate) struct Running {
     flags: Arc<Flags>,
     _abandoned: Abandoned,
@@ -78,7 +81,7 @@ pub(crate) struct Running {
     recorder: JoinHandle<Report>,
 }
 
-/// A session and the network's ends of its triple buffers.
+/// A new session and the network's ends of its triple buffers.
 pub(crate) struct Started {
     pub running: Running,
     pub poses: Input<Option<PoseIn>>,
@@ -86,8 +89,10 @@ pub(crate) struct Started {
 }
 
 impl Running {
-    /// Opens the recording, then starts the threads, whose first tick keeps to `levels` already. Blocks while the scene
-    /// is written.
+    /// Opens the recording, then starts both threads. The first tick obeys `levels`. Blocks while the scene is written.
+    ///
+    /// # Errors
+    /// The reason of the end and one sentence: the recording cannot be written, or a thread cannot start.
     pub fn start(
         config: &ServerConfig,
         plan: Plan,
@@ -143,7 +148,7 @@ impl Running {
                 detail: config.detail,
                 real_time: config.real_time,
             };
-            // Should this fail, the recorder sees its queue and channel abandoned and finishes.
+            // After an error the recorder's channel is closed: the recorder ends, and the file has no end record.
             let simulation = simulation.spawn()?;
             let running = Running {
                 _abandoned: Abandoned(flags.clone()),
@@ -168,7 +173,7 @@ impl Running {
         })
     }
 
-    /// Rung after every tick, and when a thread leaves or fails.
+    /// Wake-up of the network: after every tick, at the end of the simulation, and at a failure of the recorder.
     pub fn bell(&self) -> &Bell {
         &self.bell
     }
@@ -178,18 +183,20 @@ impl Running {
         &self.flags
     }
 
-    /// Tells the simulation that a button went down.
+    /// Passes the press of a button to the simulation.
     pub fn press(&self, tool: u8, button: u8) {
         self.pressed.press(tool, button);
     }
 
-    /// Hands an event to the recorder; one too many is counted.
+    /// Passes an event to the recorder. An event above the limits is dropped and counted.
     pub fn event(&mut self, event: Event) {
         self.events.push(event);
     }
 
-    /// Stops the simulation, finishes and signs the recording; blocks until both are done. Returns
-    /// the summary and one sentence for people.
+    /// Stops the simulation, then finishes and signs the recording. Blocks until both threads have ended.
+    ///
+    /// Returns the summary and a short text for the goodbye. The end in the summary is `reason`, unless a thread
+    /// failed.
     pub fn finish(self, reason: EndReason, poses: ArrivalCounts) -> (SessionSummary, String) {
         Flags::raise(&self.flags.stop);
         let mut summary = SessionSummary::empty(reason);
@@ -199,18 +206,18 @@ impl Running {
             Ok(metrics) => metrics.fill(&mut summary),
             Err(_) => summary.end = EndReason::Simulation,
         }
-        // With the simulation gone, the queue holds all there will ever be.
+        // The simulation has ended: the queue holds all remaining entries.
         let _ = self
             .events
             .to_recorder
             .send(FromNetwork::End(Box::new(summary.clone())));
         let mut text = match summary.end {
             EndReason::Stopped => "The session was stopped.",
-            EndReason::TimeUp => "The time is up.",
+            EndReason::TimeUp => "The session has reached its time limit.",
             EndReason::Shutdown => "The server is shutting down.",
             EndReason::ConnectionLost => "The connection was lost.",
             EndReason::Protocol => {
-                "The client broke the protocol; install the same release on both."
+                "The client violated the protocol; install the same release of client and server."
             }
             EndReason::Recording => "The recording could not be written.",
             EndReason::Simulation => "The simulation ended unexpectedly.",
@@ -225,7 +232,7 @@ impl Running {
                 summary.complete =
                     summary.rows_dropped == 0 && summary.end != EndReason::Simulation;
                 if summary.rows_dropped > 0 {
-                    text.push_str(" Rows of the recording were lost: it cannot be graded.");
+                    text.push_str(" The recording has lost rows and cannot be graded.");
                 }
             }
             Ok(Report {
@@ -238,7 +245,7 @@ impl Running {
             }
             Err(_) => {
                 summary.end = EndReason::Recording;
-                text = "The recorder ended unexpectedly.".to_owned();
+                text = "The recorder ended unexpectedly; the recording has no end.".to_owned();
             }
         }
         if !summary.complete {

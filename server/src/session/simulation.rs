@@ -1,5 +1,5 @@
-//! The simulation thread: one tick per millisecond on absolute deadlines. What is missed is skipped,
-//! counted and recorded as input, never caught up.
+//! The simulation thread: ticks at the scene's rate on absolute deadlines. A missed grid point is skipped, counted and
+//! recorded as input. The thread never runs two ticks to catch up.
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -23,35 +23,36 @@ use crate::session::metrics::{Metrics, TickTimes};
 use crate::session::realtime;
 use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
 
-/// Everything that the simulation thread owns.
+/// Data that the simulation thread owns.
 pub(crate) struct Simulation {
     pub scene: Arc<Scene>,
     pub poses: Output<Option<PoseIn>>,
     /// Pause and force limit of both sides.
     pub levels: Levels,
-    /// Buttons that went down.
+    /// Buttons pressed since the last tick.
     pub pressed: Arc<Pressed>,
     pub wrenches: Input<WrenchOut>,
     pub bell: Bell,
     pub flags: Arc<Flags>,
-    /// To the recorder.
+    /// Queue to the recorder.
     pub entries: Producer<Entry>,
-    /// Snapshot buffers that the recorder has written and gives back.
+    /// Free buffers for snapshots, returned by the recorder.
     pub buffers: Consumer<Vec<u8>>,
-    /// What is read of the shapes for the events of the exercise.
+    /// Reader of the shapes for the events of the exercise.
     pub look: Look,
-    /// Buffers for that, which the recorder gives back.
+    /// Free buffers for looks, returned by the recorder.
     pub looks: Consumer<Vec<Vec3>>,
-    /// What is read of the shapes for viewers.
+    /// Reader of the shapes for viewers.
     pub sampler: Sampler,
-    /// Buffers for that, which the recorder gives back.
+    /// Free buffers for shapes, returned by the recorder.
     pub shapes: Consumer<Box<Shapes>>,
     /// Level of detail of tissue.
     pub detail: Detail,
+    /// Whether to request real-time scheduling and locked memory.
     pub real_time: bool,
 }
 
-/// Says that the thread is leaving, even when it panics.
+/// Reports the end of the thread to the network, even after a panic.
 struct Leaving(Arc<Flags>, Bell);
 
 impl Drop for Leaving {
@@ -64,8 +65,8 @@ impl Drop for Leaving {
 impl Simulation {
     /// Starts the thread; it ends when [`Flags::stop`] is raised.
     pub fn spawn(self) -> std::io::Result<JoinHandle<Metrics>> {
-        // Sized here: the thread allocates nothing once it ticks.
-        let metrics = Metrics::new()?;
+        // Allocated here: the thread allocates nothing after its first tick.
+        let metrics = Metrics::new();
         std::thread::Builder::new()
             .name("sulcus-sim".into())
             .spawn(move || self.run(metrics))
@@ -75,7 +76,7 @@ impl Simulation {
         let _leaving = Leaving(self.flags.clone(), self.bell.clone());
         let (flags, real_time) = (self.flags.clone(), self.real_time);
         let mut ticker = Ticker::new(self, metrics);
-        // Late, so that all that was allocated is locked; the grid begins after it.
+        // After all allocations, so that their memory is locked. The grid begins afterwards.
         if real_time {
             realtime::enter();
         } else {
@@ -89,12 +90,13 @@ impl Simulation {
     }
 }
 
-/// The clock's grid: one point per tick.
+/// Grid of the ticks' deadlines on the monotonic clock, nanoseconds.
 struct Grid {
     begin_ns: u64,
     next_ns: u64,
-    /// Between two points.
+    /// Time between two points.
     tick_ns: u64,
+    /// Time since 1970 at `begin_ns`.
     unix_at_begin: u64,
 }
 
@@ -108,13 +110,13 @@ impl Grid {
         };
     }
 
-    /// Monotonic time as time since 1970: never goes back, unlike the system's.
+    /// Time since 1970 of a monotonic time, nanoseconds. A change of the system's clock in a session has no effect.
     fn unix_ns(&self, now_ns: u64) -> u64 {
         self.unix_at_begin + (now_ns - self.begin_ns)
     }
 }
 
-/// Sleeps and ticks; nothing in [`Ticker::step`] allocates or locks.
+/// Loop of the simulation thread. [`Ticker::step`] neither allocates nor locks.
 struct Ticker {
     link: Simulation,
     scene: Arc<Scene>,
@@ -148,7 +150,7 @@ impl Ticker {
         }
     }
 
-    /// Sleeps to the next grid point and runs its tick.
+    /// Sleeps to the next grid point, runs its tick, sends the wrench, then queues the records.
     fn step(&mut self) {
         sleep_until(self.grid.next_ns);
         let now_ns = monotonic_ns();
@@ -160,7 +162,7 @@ impl Ticker {
         self.collect();
         self.inputs.detail = self.chooser.level();
         let input = self.inputs.take(now_ns, skipped);
-        // The wall's window encloses the CPU's: CPU time never exceeds wall time.
+        // The window of the wall time encloses that of the CPU time: CPU time never exceeds wall time.
         let wall = monotonic_ns();
         let cpu = thread_cpu_ns();
         let output = tick(
@@ -173,7 +175,7 @@ impl Ticker {
         let cpu_end = thread_cpu_ns();
         let wall_end = monotonic_ns();
 
-        // The hand first, the record after.
+        // The wrench goes first, because the hand waits for it.
         self.link.wrenches.write(wrench_out(
             &output,
             self.inputs.newest(),
@@ -208,8 +210,8 @@ impl Ticker {
         }
     }
 
-    /// Queues the tick for the record and its events, and before it the shapes that are looked at. (Should the queue be
-    /// full, the row is missing too, and that is counted.)
+    /// Queues the tick for the recorder, and before it the shapes that its events and viewers need. A full queue drops
+    /// the entry; only dropped rows are counted.
     fn record(&mut self, unix_ns: u64, input: &TickInput, output: &TickOutput, cpu_ns: u64) {
         if self.link.look.is_due(output.tick)
             && let Ok(mut centres) = self.link.looks.pop()
@@ -218,7 +220,7 @@ impl Ticker {
             if let Err(PushError::Full(entry)) =
                 self.link.entries.push(Entry::Look(output.tick, centres))
             {
-                // As for a snapshot.
+                // No free on this thread; see `snapshot`.
                 std::mem::forget(entry);
             }
         }
@@ -253,19 +255,19 @@ impl Ticker {
         };
         if let Err(PushError::Full(entry)) = self.link.entries.push(entry) {
             self.metrics.snapshots_dropped += 1;
-            // Freeing is as bad as allocating here: the buffer is lost to the pool, not to the heap.
+            // A free could lock, like an allocation. The buffer is leaked instead.
             std::mem::forget(entry);
         }
     }
 }
 
-/// Grid points after `grid_ns` that had passed by `now_ns`. More than a tick's input can say stay for
-/// the next one.
+/// Number of grid points after `grid_ns` up to `now_ns`, at most 65535. The next tick counts the remaining points.
 fn grid_points_missed(grid_ns: u64, now_ns: u64, tick_ns: u64) -> u16 {
     u16::try_from(now_ns.saturating_sub(grid_ns) / tick_ns).unwrap_or(u16::MAX)
 }
 
-/// What a tick says, for the wire. f64 to f32 rounds to nearest; limits were applied in the tick.
+/// Wrench and graphic pose of a tick for the wire. Numbers are rounded from f64 to f32; the tick has applied the
+/// limits. Without a pose the echo is invalid.
 fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> WrenchOut {
     let mut datagram = WrenchDatagram {
         tick: output.tick,
@@ -297,7 +299,7 @@ fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> Wrenc
         valid: true,
         sequence: pose.datagram.sequence,
         device_time_ns: pose.datagram.device_time_ns,
-        // Filled in when it is sent.
+        // The network sets the hold time when it sends the wrench.
         hold_us: 0,
     };
     WrenchOut {

@@ -1,4 +1,4 @@
-//! What a server is told before it starts.
+//! Configuration of a server.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -13,16 +13,16 @@ use sulcus_sessions::Mode;
 use crate::ServerError;
 use crate::session::detail::Detail;
 
-/// What a student is asked to do.
+/// Exercise of a station, as clients and recordings receive it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exercise {
-    /// Name: letters, digits, `-`, `_`, `/`. It becomes part of the recording's file name.
+    /// Name: 1 to 64 ASCII letters, digits, `-`, `_` or `/`. The name is part of a recording's file name, `/` as `-`.
     pub name: String,
-    /// For the student.
+    /// Task for the student, at most 16 KiB.
     pub text: String,
-    /// Its definition (TOML or JSON) as it goes into the recording; may be empty.
+    /// Definition (TOML) for the recording; empty for free exploration.
     pub definition: String,
-    /// Seed of what is random in it.
+    /// Seed of the exercise, sent to clients and recorded. The server itself draws no random numbers from it.
     pub seed: u64,
 }
 
@@ -37,53 +37,53 @@ impl Default for Exercise {
     }
 }
 
-/// Everything a server is told. One server is one station: one client at a time.
+/// Configuration of a server. One server is one station, with one client at a time.
 #[derive(Clone, Debug)]
 pub struct ServerConfig {
-    /// UDP address to listen on; port 0: any free one.
+    /// UDP address to listen on; port 0: any free port.
     pub listen: SocketAddr,
-    /// Compiled scene; its parameters name the solver.
+    /// Compiled scene; its parameters hold rate, solver and limits.
     pub scene: Arc<Scene>,
-    /// The same scene as bytes: what is hashed and recorded.
+    /// The same scene as bytes, for the hash in the hello and for the recording.
     pub scene_bytes: Arc<Vec<u8>>,
-    /// Folder for recordings; created when missing.
+    /// Folder for recordings; created if missing.
     pub recordings: PathBuf,
-    /// Secret that a client must know.
+    /// Secret that a client must know, 1 to 256 bytes.
     pub token: String,
     /// Exercise offered.
     pub exercise: Exercise,
-    /// Name of this station, for the record and the certificate.
+    /// Name of the station in recordings, at most 256 bytes. The certificate holds it too, if it can be a host name.
     pub station: String,
-    /// Opaque learner id for the record when the client names none; never a name.
+    /// Opaque learner id for recordings when the client names none; never a name; may be empty.
     pub learner: String,
-    /// What sessions are for, for the record: who may see what of a grade.
+    /// Purpose of the sessions. The purpose is recorded, and a grade is presented by it.
     pub mode: Mode,
-    /// The patient's text for the recording; may be empty.
+    /// Text of the patient for the recording; may be empty.
     pub patient: String,
-    /// The rubric's text for the recording; may be empty.
+    /// Text of the rubric for the recording; empty: sessions are not graded.
     pub rubric: String,
-    /// File of the key that signs recordings, made on first use; `None`: at its usual place
-    /// (`sulcus_sessions::StationKey::default_path`).
+    /// File of the key that signs recordings, created on first use. `None`: `StationKey::default_path` of
+    /// `sulcus_sessions`.
     pub station_key: Option<PathBuf>,
-    /// Level of detail of tissue: fixed, as sessions with a rubric need it, or by the time that ticks leave.
+    /// Level of detail of tissue. A session with a rubric needs a fixed level.
     pub detail: Detail,
-    /// Force limit of the station's side at the start, newtons; 0: the scene's limit. [`crate::ServerHandle::command`]
-    /// changes it.
+    /// Force limit of the station's side at the start, newtons; 0: the scene's limit. A larger limit than the scene's
+    /// has no effect. [`crate::ServerHandle::command`] changes the limit.
     pub force_limit_n: f32,
     /// Longest session; `None`: no limit.
     pub max_session: Option<Duration>,
-    /// A session ends when no pose came for so long: a client whose device hangs must not hold the station all night.
+    /// Time without a new pose after which a session ends. A client whose device hangs must not hold the station.
     pub max_silence: Duration,
-    /// Whether to ask the system for real-time scheduling and locked memory. (Where it is not
-    /// permitted the server says so once and carries on.)
+    /// Whether to request real-time scheduling and locked memory. A missing right causes one warning.
     pub real_time: bool,
 }
 
 impl ServerConfig {
-    /// Loopback, any port, a random token, free exploration, no time limit.
+    /// Defaults: loopback, any free port, a random token, free exploration without a grade, practice, no time limit, a
+    /// session's end after 60 s without a pose.
     ///
     /// # Errors
-    /// If the system gives no randomness.
+    /// The system gives no random numbers.
     pub fn new(
         scene: Arc<Scene>,
         scene_bytes: Arc<Vec<u8>>,
@@ -156,7 +156,11 @@ impl ServerConfig {
             );
         }
         if self.max_session.is_some_and(|limit| limit.is_zero()) {
-            return bad("session limit", "zero".into(), "more than zero, or none");
+            return bad(
+                "longest session",
+                "0 s".into(),
+                "more than 0 s, or no limit",
+            );
         }
         match self.detail {
             Detail::Fixed(level) if level > TickInput::MAX_DETAIL => {
@@ -170,8 +174,8 @@ impl ServerConfig {
             Detail::ByTime(_) if !self.rubric.is_empty() => {
                 return bad(
                     "level of detail",
-                    "by time, in a session with a rubric".into(),
-                    "a fixed level where a session is graded: all students must feel the same",
+                    "chosen by time in sessions with a rubric".into(),
+                    "a fixed level in graded sessions: omit --detail-budget, or choose an exercise without a grade",
                 );
             }
             Detail::ByTime(budget) => {
@@ -184,7 +188,7 @@ impl ServerConfig {
     }
 }
 
-/// 128 random bits as text.
+/// 128 random bits as 32 hexadecimal digits.
 fn random_token() -> Result<String, ServerError> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes)

@@ -1,4 +1,4 @@
-//! Starting, steering and ending a server from another thread.
+//! Start, control and end of a server from another thread.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
@@ -18,8 +18,10 @@ use crate::{ServerConfig, ServerError};
 /// A station's server.
 pub struct Server;
 
-/// A running server. Dropping it stops at once, without a goodbye (recordings are still finished);
-/// [`ServerHandle::shutdown`] and [`ServerHandle::join`] end it properly.
+/// A running server.
+///
+/// A drop ends the server without a goodbye to the client. The drop blocks until the recording is finished, at most
+/// about 22 seconds. [`ServerHandle::shutdown`] and [`ServerHandle::join`] end the server with a goodbye.
 pub struct ServerHandle {
     local_addr: SocketAddr,
     certificate_der: Vec<u8>,
@@ -31,17 +33,18 @@ pub struct ServerHandle {
 }
 
 impl Server {
-    /// Binds the socket, then serves on threads of its own.
+    /// Checks the configuration, creates the folder, opens the key, binds the socket, then serves on threads of its
+    /// own.
     ///
     /// # Errors
-    /// A busy port, an unusable folder, or a value in the configuration that makes no sense.
+    /// A value out of range, an unusable folder or key, a busy port, an unusable address, or a system without threads.
     pub fn start(config: ServerConfig) -> Result<ServerHandle, ServerError> {
         config.validate()?;
         std::fs::create_dir_all(&config.recordings).map_err(|source| ServerError::Recordings {
             path: config.recordings.clone(),
             source,
         })?;
-        // Found out now, not when the first student has sat down.
+        // A missing key is an error of the start, not of the first session.
         crate::outlets::recording::station_key(config.station_key.as_deref())?;
         let identity = Identity::generate(&config.station)?;
         let quic = transport::server_config(&identity)?;
@@ -69,7 +72,7 @@ impl Server {
             lifted: lifted_out,
             station: Arc::new(Mutex::new(station)),
         });
-        // All sockets of a station on one thread: more would only add wake-ups.
+        // One thread: more threads would only add wake-ups.
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()?;
@@ -77,7 +80,7 @@ impl Server {
             .name("sulcus-net".into())
             .spawn(move || {
                 let served = runtime.block_on(net::serve(socket, quic, shared));
-                // Sessions have ended; whatever is stuck in the system is not waited for.
+                // Sessions have ended; a blocked call of the system does not delay the end.
                 runtime.shutdown_background();
                 served
             })?;
@@ -94,12 +97,12 @@ impl Server {
 }
 
 impl ServerHandle {
-    /// Where the server listens.
+    /// Address of the socket, with the port that the system chose.
     pub fn local_addr(&self) -> SocketAddr {
         self.local_addr
     }
 
-    /// The server's certificate, for clients to pin.
+    /// Certificate of the server (DER), for clients that pin the whole certificate.
     pub fn certificate_der(&self) -> &[u8] {
         &self.certificate_der
     }
@@ -109,23 +112,25 @@ impl ServerHandle {
         &self.ticket
     }
 
-    /// Sets the pause or the force limit of the station's side, at once and for every session, the running one and those
-    /// that begin later, until it is set again. A student's connection cannot lift either. `false`: the server has
-    /// ended. A limit that is no force (negative, infinite, not a number) changes nothing.
+    /// Sets the pause or the force limit of the station's side, from the next tick on. The level holds for the running
+    /// session and all later ones until the next command.
+    ///
+    /// A student cannot lift either. A limit that is negative, infinite or not a number is ignored with a warning.
+    /// `false`: the server has ended.
     pub fn command(&self, command: Command) -> bool {
         match self.levels.station(command) {
             Taken::Set => {}
             Taken::Lifted => self.lifted.send_modify(|times| *times += 1),
             Taken::NoForce(newtons) => tracing::warn!(
-                "force limit {newtons} ignored: expected 0 (the scene's) or a positive force"
+                "force limit of the station is {newtons} N, expected 0 (the scene's limit) or a positive force: ignored"
             ),
         }
         !self.is_finished()
     }
 
-    /// Ends the running session with a goodbye and stops serving; returns at once.
+    /// Begins the end: the running session ends with a goodbye, and new clients are not accepted. Returns at once.
     pub fn shutdown(&self) {
-        // Nobody listens: it has ended already.
+        // An error means that the server has ended already.
         let _ = self.phase.send(Phase::Shutdown);
     }
 
@@ -134,11 +139,11 @@ impl ServerHandle {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Waits until the server has ended (after [`ServerHandle::shutdown`]) and returns the summaries
-    /// of its sessions, oldest first.
+    /// Waits for the end of the server and returns the summaries of its sessions, oldest first. Without
+    /// [`ServerHandle::shutdown`] before, the call may never return.
     ///
     /// # Errors
-    /// If the network thread failed.
+    /// The network thread could not use the socket, or panicked.
     pub fn join(mut self) -> Result<Vec<SessionSummary>, ServerError> {
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
@@ -152,7 +157,7 @@ impl Drop for ServerHandle {
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
             let _ = self.phase.send(Phase::Halt);
-            // Its result has no taker; threads must not outlive the handle.
+            // The result is of no use here; the thread must not outlive the handle.
             let _ = thread.join();
         }
     }

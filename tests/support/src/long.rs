@@ -1,13 +1,15 @@
-//! The list of long proofs, and which of them this run performs.
+//! The table of long proofs, and the selection of a run.
 //!
-//! `SULCUS_LONG=all` selects every proof, `SULCUS_LONG=slice:N` the proofs of slice `N` modulo [`slices`], and a list of
-//! names with commas those. `.ci/run` runs one slice each time: `cargo test --workspace -- long::` with `N` the number
-//! of commits. Every proof is a test in a module `long`, so that this filter finds all of them.
+//! `SULCUS_LONG=all` selects every proof. `SULCUS_LONG=slice:N` selects the proofs of slice `N` modulo the number of
+//! [`slices`]. A list of names with commas selects these proofs, and an unset variable none.
+//!
+//! `.ci/run` runs one slice each time: `cargo test --workspace -- long::`, with the number of commits as `N`. Every
+//! proof is a test in a module `long`, so that this filter finds all of them.
 
 /// Environment variable with the selection.
 const SELECT: &str = "SULCUS_LONG";
 
-/// Longest slice, minutes on two cores. A proof longer than that is a slice of its own.
+/// Longest slice, minutes on two cores.
 pub const SLICE_MINUTES: f64 = 6.0;
 
 /// A proof that takes minutes.
@@ -15,7 +17,7 @@ pub const SLICE_MINUTES: f64 = 6.0;
 pub struct Long {
     /// Name, for `SULCUS_LONG`.
     pub name: &'static str,
-    /// The claim that the proof checks.
+    /// Claim of the proof, one sentence.
     pub proves: &'static str,
     /// Duration on two cores, minutes.
     pub minutes: f64,
@@ -27,7 +29,7 @@ pub use table::LONG;
 /// Whether this run performs the proof `name`.
 ///
 /// # Panics
-/// When the table has no such proof, or `SULCUS_LONG` is wrong.
+/// The table has no such proof, or `SULCUS_LONG` has another form.
 pub fn selected(name: &str) -> bool {
     assert!(
         LONG.iter().any(|long| long.name == name),
@@ -38,7 +40,8 @@ pub fn selected(name: &str) -> bool {
     chosen.contains(&name)
 }
 
-/// Names of the proofs of every slice: as many successive proofs of the table as fit into [`SLICE_MINUTES`].
+/// Names of the proofs of every slice. A slice holds as many successive proofs of the table as fit into
+/// [`SLICE_MINUTES`].
 pub fn slices() -> Vec<Vec<&'static str>> {
     let mut slices: Vec<Vec<&'static str>> = Vec::new();
     let mut room = 0.0;
@@ -55,7 +58,7 @@ pub fn slices() -> Vec<Vec<&'static str>> {
     slices
 }
 
-/// Names of the proofs of a selection.
+/// Names of the proofs of a selection; the error is a message with the accepted forms.
 fn chosen(selection: &str) -> Result<Vec<&'static str>, String> {
     if selection == "all" {
         return Ok(LONG.iter().map(|long| long.name).collect());

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Environment variable with the resources that must be there, a list with commas.
+/// Environment variable with the required resources, a list with commas.
 const REQUIRE: &str = "SULCUS_REQUIRE";
 
 /// A resource beyond the Rust toolchain.
@@ -20,7 +20,7 @@ pub enum Resource {
 }
 
 impl Resource {
-    /// Every resource, in the order of messages.
+    /// All resources, in the order of messages.
     pub const ALL: [Self; 4] = [Self::Data, Self::Python, Self::Browser, Self::Adapter];
 
     /// Name in `SULCUS_REQUIRE`.
@@ -33,10 +33,10 @@ impl Resource {
         }
     }
 
-    /// Passes a found value on. A missing resource is reported on the terminal and gives `None`.
+    /// Returns a found value. A missing resource is reported on the terminal and gives `None`.
     ///
     /// # Panics
-    /// When `SULCUS_REQUIRE` names the missing resource, or a name that is no resource.
+    /// `SULCUS_REQUIRE` names the missing resource, or holds an unknown name.
     pub fn or_skip<T>(self, found: Result<T, String>) -> Option<T> {
         let listed = std::env::var(REQUIRE).unwrap_or_default();
         let required = required(&listed).unwrap_or_else(|message| panic!("{message}"));
@@ -61,10 +61,10 @@ impl Resource {
         }
     }
 
-    /// Passes the path on when a file or folder is there, else behaves as [`Self::or_skip`].
+    /// Returns the canonical path of a file or folder. A missing one is a missing resource, as in [`Self::or_skip`].
     ///
     /// # Panics
-    /// As [`Self::or_skip`].
+    /// The file or folder is missing and required, as in [`Self::or_skip`].
     pub fn path_or_skip(self, path: &Path) -> Option<PathBuf> {
         let found = path
             .canonicalize()
@@ -73,7 +73,7 @@ impl Resource {
     }
 }
 
-/// The resources of a list with commas.
+/// Resources of a list with commas; the error is a message with the accepted names.
 fn required(listed: &str) -> Result<Vec<Resource>, String> {
     let names = listed.split(',').map(str::trim);
     let names = names.filter(|name| !name.is_empty());

@@ -57,8 +57,8 @@ pub(crate) fn group_contacts(scene: &Scene, substep: &mut Substep, cores: &[Vec<
 /// Writes the contact rows within the prediction distance `d`: hard contacts, and seeds with their members on blended
 /// objects. The rows are in the order of the contacts' objects, and on a blended object grouped by tool sphere.
 ///
-/// `cores` has the cores of each object's nodes. `narrowed` means that `d` is shorter than the distance of the contact list. Returns the share of `d` within which
-/// the rows of every tool sphere fit, normally 1.
+/// `cores` has the cores of each object's nodes. `narrowed` means that `d` is shorter than the distance of the contact
+/// list. Returns the share of `d` within which the rows of every tool sphere fit, normally 1.
 pub(crate) fn write_rows(
     scene: &Scene,
     substep: &mut Substep,

@@ -1,4 +1,4 @@
-//! The ticker by hand: no allocation, nothing lost silently.
+//! Single steps of the ticker: no allocation, no uncounted loss.
 
 #[path = "../../../core/tests/counting/mod.rs"]
 mod counting;
@@ -124,7 +124,7 @@ fn bench(rows: usize) -> Bench {
         detail: Detail::default(),
         real_time: false,
     };
-    let mut ticker = Ticker::new(simulation, Metrics::new().expect("histograms"));
+    let mut ticker = Ticker::new(simulation, Metrics::new());
     ticker.grid.begin(monotonic_ns());
     Bench {
         ticker,
@@ -169,7 +169,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
     bench.ticker.next_snapshot = 3;
     for k in 0..10 {
         if k == 5 {
-            // Held up: grid points pass.
+            // A delay, in which grid points pass.
             std::thread::sleep(std::time::Duration::from_millis(10));
         }
         bench.ticker.step();
@@ -215,10 +215,10 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
 #[test]
 fn a_recorder_that_stalls_costs_rows_and_says_so() {
     let mut bench = bench(4);
-    // On a busy machine ten ticks may go past one at which shapes are looked at, which would take a slot.
+    // On a busy machine one of ten ticks may read shapes, which would take a slot.
     bench.ticker.link.look = Look::default();
     bench.ticker.link.shapes = RingBuffer::new(1).1;
-    // Nor may a snapshot come before the ring is full, wherever the clock's grid is by then.
+    // No snapshot may come before the ring is full, at any position of the clock's grid.
     bench.ticker.next_snapshot = u64::MAX;
     for _ in 0..4 {
         bench.ticker.step();

@@ -32,7 +32,7 @@ fn a_selection_is_all_a_slice_modulo_their_number_or_names() {
     }
 }
 
-/// A proof that no test performs, or a test of minutes that no row names, would be lost without a trace.
+/// Every row has one test. A row without a test, or a test without a row, would go unnoticed.
 #[test]
 fn every_row_of_the_table_is_one_test_in_a_module_named_long() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -59,7 +59,7 @@ fn every_row_of_the_table_is_one_test_in_a_module_named_long() {
             }
         }
     }
-    // This file's own needle.
+    // The pattern of this test itself.
     uses.remove(").skip(1) {");
     let table: BTreeMap<_, _> = LONG.iter().map(|long| (long.name.to_owned(), 1)).collect();
     assert_eq!(uses, table);
