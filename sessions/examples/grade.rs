@@ -6,15 +6,25 @@
 
 use std::path::PathBuf;
 
+use clap::Parser;
 use sulcus_sessions::grade::{Options, grade};
 use sulcus_sessions::{Recording, ReplayOptions, replay};
 
+/// Open, replay and grade a recording
+#[derive(Parser)]
+struct Arguments {
+    /// Recording of a session. A recording of the corpus without a file
+    #[arg(
+        value_name = "FILE",
+        default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/probing.mcap"),
+        hide_default_value = true
+    )]
+    recording: PathBuf,
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/probing.mcap");
-    let file = std::env::args_os()
-        .nth(1)
-        .map_or_else(|| corpus.into(), PathBuf::from);
-    let recording = Recording::open(&file)?;
+    let arguments = Arguments::parse();
+    let recording = Recording::open(&arguments.recording)?;
     let report = replay(&recording, &ReplayOptions::default(), &mut |_| ())?;
     println!(
         "{} ticks, identical: {}, chain valid: {}",

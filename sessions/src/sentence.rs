@@ -1,6 +1,6 @@
-//! An error as people read it.
+//! An error with its causes as one line of text.
 
-/// The error and its causes in one line, for standard error; a cause that the line already ends with is not said twice.
+/// One line with the error and its causes, for standard error. A cause with which the line already ends is left out.
 pub fn sentence(error: &anyhow::Error) -> String {
     error.chain().fold(String::new(), |said, cause| {
         let cause = cause.to_string();
@@ -25,7 +25,7 @@ mod tests {
             .context("cannot write: disk on fire")
             .context("a.toml");
         assert_eq!(sentence(&error), "a.toml: cannot write: disk on fire");
-        // What only happens to stand somewhere before is not the cause told.
+        // A cause that stands elsewhere in the line is not left out.
         let error = anyhow::anyhow!("disk").context("disk.toml");
         assert_eq!(sentence(&error), "disk.toml: disk");
     }

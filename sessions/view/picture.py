@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""A picture of a file for the Rerun viewer, made without a window.
+"""Picture of a file for the Rerun viewer, made without a window.
 
     python -m venv venv && venv/bin/pip install rerun-sdk==0.36.3
     venv/bin/python sessions/view/picture.py FILE.rrd FILE.png [--view NAME] [--rerun venv/bin/rerun]
 
-Needs Vulkan: a graphics card's, or Mesa's in software (Debian: `apt-get install mesa-vulkan-drivers libvulkan1`; name it
-with VK_ICD_FILENAMES=/usr/share/vulkan/icd.d/lvp_icd.x86_64.json where there are others). The slider stands where the file
-ends, so that a file of `sulcus-sessions review --to S` shows the moment S.
+The picture needs Vulkan: of a graphics card, or Mesa's in software. In Debian: `apt-get install mesa-vulkan-drivers
+libvulkan1`. With several drivers, VK_ICD_FILENAMES=/usr/share/vulkan/icd.d/lvp_icd.x86_64.json selects Mesa's.
+The slider is at the end of the file, so a file of `sulcus-sessions review --to S` shows the time S.
 
---view: `all` (default), or the number of a view of the layout, counted down the tree, containers too (the reviews of this
-version: 3 is the mouth, 5 the pocket, 6 the tongue).
+--view: `all` (default), or the number of a view in the layout. Views and containers are numbered in the order of the tree.
+In reviews of this version 3 is the mouth, 5 the pocket, 6 the tongue.
 """
 
 import argparse
@@ -24,11 +24,11 @@ def main() -> int:
     parser.add_argument("file")
     parser.add_argument("picture")
     parser.add_argument("--view", default="all")
-    parser.add_argument("--rerun", help="the viewer's program, if it is not on PATH")
+    parser.add_argument("--rerun", help="program of the viewer; default: rerun on PATH")
     parser.add_argument("--port", type=int, default=9899)
     parser.add_argument("--wait", type=float, default=6.0, help="seconds for the viewer to draw, default 6")
     asked = parser.parse_args()
-    # The viewer writes it, wherever that stands.
+    # The viewer has another working directory.
     asked.picture = os.path.abspath(asked.picture)
 
     if "XDG_RUNTIME_DIR" not in os.environ:
@@ -52,7 +52,7 @@ def main() -> int:
         else:
             number = int(asked.view)
             viewer.save_screenshot(asked.picture, view_id=f"00000000-0000-4000-8000-{number:012x}")
-        # It is written a little later.
+        # The viewer writes the picture a little later.
         for _ in range(100):
             if os.path.exists(asked.picture) and os.path.getsize(asked.picture) > 0:
                 time.sleep(1.0)
@@ -60,7 +60,7 @@ def main() -> int:
             time.sleep(0.2)
     finally:
         viewer.close()
-    print(f"no picture came of {asked.file} in 20 s", file=sys.stderr)
+    print(f"{asked.file}: no picture after 20 s, expected one", file=sys.stderr)
     return 1
 
 

@@ -1,4 +1,4 @@
-//! `replay` with a "what if": a comparison.
+//! `replay` with changes of the scene: a comparison.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ fn text(report: &ComparisonReport) -> String {
         .map_or("nowhere".to_owned(), |tick| format!("from tick {tick}"));
     let mut lines = vec![
         format!(
-            "  COMPARISON, not a replay: what if {}; {} ticks, {:.1} times real time",
+            "  COMPARISON, not a replay: with {}; {} ticks, {:.1} times real time",
             report.changed.join(", "),
             report.ticks,
             report.realtime_factor
@@ -56,13 +56,13 @@ fn text(report: &ComparisonReport) -> String {
             apart.rms_tip_mm
         ),
         side("recorded", &report.recorded),
-        side("what if", &report.what_if),
+        side("changed", &report.what_if),
     ];
     if let Some(migration) = &report.migration {
         lines.push(format!("  migrated   {migration}"));
     } else if !report.recorded_side_identical {
         lines.push(
-            "  WARNING    the recorded scene does not give the recorded states either: the difference is not the change's alone"
+            "  WARNING    the recorded scene does not give the recorded states either, so the change is not the only difference"
                 .to_owned(),
         );
     }
@@ -73,7 +73,7 @@ fn text(report: &ComparisonReport) -> String {
         ));
         if report.what_if_snapshot_tick != part.snapshot_tick {
             lines.push(format!(
-                "             (what if from that of tick {}: what changed cannot go on from the recorded state)",
+                "             changed scene from the snapshot of tick {}: the recorded state is not valid in it",
                 report.what_if_snapshot_tick
             ));
         }

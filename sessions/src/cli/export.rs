@@ -23,8 +23,8 @@ pub(super) struct ExportArgs {
     pub(super) out: PathBuf,
     /// Write the tables ticks.csv and events.csv. Default without --meshes
     ///
-    /// Columns of numbers hold numbers. Text that a spreadsheet would read as a number, a date or a formula begins with an
-    /// apostrophe, and so does every hash. Programs that read the tables drop a leading apostrophe.
+    /// Columns of numbers hold numbers. Text that a spreadsheet would read as a number, a date or a formula begins with
+    /// an apostrophe, and so does every hash. Programs that read the tables drop a leading apostrophe.
     #[arg(long)]
     pub(super) csv: bool,
     /// Write a line of ticks.csv for every N ticks
@@ -36,7 +36,7 @@ pub(super) struct ExportArgs {
     /// Write meshes at this time, seconds from the first tick. The option may be repeated
     #[arg(long, value_name = "SECONDS", requires = "meshes")]
     pub(super) at: Vec<f64>,
-    /// Write meshes every so many seconds. Default without --at: 1
+    /// Time between meshes, seconds. Default without --at: 1
     #[arg(long, value_name = "SECONDS", requires = "meshes")]
     pub(super) every: Option<f64>,
     /// Print one JSON object as the last line of standard output
@@ -68,8 +68,8 @@ impl ExportArgs {
     }
 }
 
-/// The folder for each file: `out` itself for a single one, else a folder in it by the file's name; of files with the
-/// same name in different folders, the second has `-2` behind it.
+/// Folder of each file. A single file has `out` itself, several files have folders in it with the files' names. The
+/// second of two equal names gets `-2`.
 fn folders(out: &Path, files: &[PathBuf]) -> Vec<PathBuf> {
     if let [_] = files {
         return vec![out.to_owned()];
@@ -100,7 +100,7 @@ pub(super) fn run(args: &ExportArgs) -> ExitCode {
 
 fn export_of(path: &Path, folder: &Path, args: &ExportArgs) -> anyhow::Result<Outcome> {
     let recording = open(path)?;
-    // Draws nothing when standard error is no terminal.
+    // The bar draws nothing if standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
@@ -136,10 +136,10 @@ fn text(path: &Path, folder: &Path, done: &Exported) -> String {
     lines.push(match done.first_divergent_tick {
         None => format!("  replay     identical, {} ticks", done.ticks),
         Some(tick) if done.close => format!(
-            "  replay     differs from tick {tick}, as a recording of a former version may: this is what the replay gave"
+            "  replay     differs from tick {tick}, as a recording of a former version may; the export is of the replay"
         ),
         Some(tick) => {
-            format!("  replay     DIFFERS from tick {tick}: this is what the replay gave")
+            format!("  replay     DIFFERS from tick {tick}; the export is of the replay")
         }
     });
     if let Some(unsound) = &done.unsound {
@@ -152,7 +152,7 @@ fn text(path: &Path, folder: &Path, done: &Exported) -> String {
 mod tests {
     use super::*;
 
-    /// Two recordings of the same name in different folders were written into one folder, the second over the first.
+    /// Before, two recordings of the same name in different folders were written into one folder.
     #[test]
     fn every_recording_has_a_folder_of_its_own() {
         let folders = |files: &[&str]| {

@@ -1,4 +1,4 @@
-//! `info`: what recordings hold.
+//! `info`: content of recordings.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -11,15 +11,15 @@ use super::print::{Outcome, at, for_each, object};
 use crate::record::info::info;
 use crate::record::read::{ReadError, Recording};
 use crate::record::recover::{RecoverError, recover};
-use crate::record::verify::Signature;
+use crate::record::signature::Signature;
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
-    /// Recover one truncated or damaged recording: write every whole chunk to this new file, and report each gap. A replay
-    /// of the new file continues from the first snapshot behind each gap. The new file cannot be graded
+    /// Recover one truncated or damaged recording: write every whole chunk to this new file, and report each gap. A
+    /// replay of the new file continues from the first snapshot behind each gap. The new file cannot be graded
     #[arg(long, value_name = "OUT")]
     pub(super) recover: Option<PathBuf>,
     /// Print one JSON object as the last line of standard output
@@ -27,7 +27,7 @@ pub(super) struct InfoArgs {
     pub(super) json: bool,
 }
 
-/// `info`, or with `--recover` what was recovered.
+/// `info`, or recovery with `--recover`.
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
     let files = recordings(&args.files);
     let Some(out) = &args.recover else {
@@ -35,7 +35,7 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
     };
     anyhow::ensure!(
         files.len() == 1,
-        "--recover takes one recording, found {}: name one, and its own new file",
+        "--recover takes one recording, found {}: name one recording and one new file",
         files.len()
     );
     Ok(for_each(&files, args.json, "bytes", |path| {
@@ -45,7 +45,7 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
 
 fn recover_to(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let recording = match Recording::open(path) {
-        // Damage at the very beginning, behind which there may be rows.
+        // There may be rows behind damage at the beginning.
         Err(ReadError::NoRows { .. }) => Recording::salvage(path),
         other => other,
     };
@@ -58,7 +58,7 @@ fn recover_to(path: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let recovered = recover(&recording, out, &mut |bytes| bar.set_position(bytes));
     bar.finish_and_clear();
     let recovered = match recovered {
-        // It names the other file.
+        // The error names the other file.
         Err(error @ RecoverError::Write { .. }) => Err(error.into()),
         other => other.map_err(|error| at(path, &error)),
     }?;

@@ -1,4 +1,4 @@
-//! Recordings that arguments name: files, and folders of them.
+//! Recordings named by arguments: files and folders.
 
 use std::path::{Path, PathBuf};
 
@@ -7,8 +7,8 @@ use sulcus_program::PathText;
 use super::print::at;
 use crate::record::read::Recording;
 
-/// The files that `arguments` name, in their order. A folder stands for all recordings in it (not in folders below it),
-/// sorted by name; without any it stays in the list, and [`open`] refuses it.
+/// Files named by `arguments`, in their order. A folder stands for all recordings in it, without subfolders, sorted by
+/// name. A folder without recordings stays in the list, and [`open`] refuses it.
 pub fn recordings(arguments: &[PathBuf]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for argument in arguments {
@@ -25,7 +25,8 @@ pub fn recordings(arguments: &[PathBuf]) -> Vec<PathBuf> {
     files
 }
 
-/// Recordings in a folder, sorted by name. Hidden files are ignored: a Mac leaves `._NAME.mcap` beside every copy.
+/// Recordings in a folder, sorted by name. Hidden files are ignored, because a Mac leaves `._NAME.mcap` beside every
+/// copy.
 fn within(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut found: Vec<PathBuf> = entries
@@ -43,10 +44,10 @@ fn within(folder: &Path) -> Vec<PathBuf> {
 /// Opens a recording.
 ///
 /// # Errors
-/// A sentence with the file's name. A folder is refused because no recording is in it.
+/// The file is no recording, or a folder: a text with the file's name.
 pub fn open(path: &Path) -> anyhow::Result<Recording> {
     if path.is_dir() {
-        // A folder that may not be read says so itself.
+        // For a folder without permission the error is that of the system.
         std::fs::read_dir(path).map_err(|error| at(path, &error))?;
         anyhow::bail!(
             "{}: no recording in this folder, expected files whose names end in .mcap",

@@ -1,4 +1,4 @@
-//! The command line: what is asked, what is printed, and the exit code.
+//! Command line of `sulcus-sessions`: arguments, output, exit codes.
 
 mod compared;
 mod export;
@@ -26,7 +26,7 @@ use sulcus_program::{output, say};
 #[command(
     name = "sulcus-sessions",
     version,
-    after_help = "Exit code: 0 all is well, 1 a finding (a replay differs by more than a former version of the format explains, a signature does not hold, what viewers read was changed, a file is damaged or cut off: not gradable; info takes one that was cut off as it is), 2 usage or bad input."
+    after_help = "Exit code: 0 success, 1 a finding (a replay differs, an invalid signature, changed channels for viewers, a damaged file, no grade), 2 wrong usage, bad input, or an output that cannot be written. `info` accepts a recording that was cut off with exit code 0; `replay` reports it as a finding."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -37,7 +37,7 @@ struct Cli {
 enum Command {
     /// Print the content of recordings: duration, scene, exercise, station, size, ending, signature
     #[command(
-        after_long_help = "A recording that was cut off (kill -9, power loss, full disk) is read as far as it goes; --recover makes a whole file of it and of one that is damaged: every whole chunk, behind the damage too, an index, a proper end, and a note of what is missing. Between the gaps its signatures hold, and a replay begins again with the first snapshot behind each gap; a session with a gap or without its end cannot be graded.\n\nExamples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending\n  sulcus-sessions info torn.mcap --recover whole.mcap"
+        after_long_help = "A recording that was cut off (kill -9, power loss, full disk) is read as far as it goes. --recover writes a new file of every whole chunk, also behind damage, with an index, a proper end, and a note of the missing part. Between the gaps the signatures hold, and a replay continues from the first snapshot behind each gap. A session with a gap or without its end cannot be graded.\n\nExamples:\n  sulcus-sessions info session.mcap\n  sulcus-sessions info recordings/*.mcap --json | tail -n 1 | jq .files[].ending\n  sulcus-sessions info torn.mcap --recover whole.mcap"
     )]
     Info(info::InfoArgs),
     /// Replay recordings and compare every state, wrench, snapshot and signature
@@ -50,7 +50,7 @@ enum Command {
     Review(review::ReviewArgs),
     /// Export recordings as tables and meshes for other programs
     #[command(
-        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact; events.csv holds the recorded log, and a recording whose signature does not hold or that was cut off is said to be so (exit code 1). ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those that people see, deformed as the tissue was; meshes/frames.csv says which file shows which part when.",
+        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact. events.csv has the recorded log. A recording with an invalid signature, or one that was cut off, causes a warning and exit code 1. ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those of the display, deformed like the tissue; meshes/frames.csv lists file, part and time.",
         after_long_help = "Examples:\n  sulcus-sessions export session.mcap --out session\n  sulcus-sessions export session.mcap --out session --csv --every-ticks 10\n  sulcus-sessions export session.mcap --out session --meshes obj --at 12.5 --at 13"
     )]
     Export(export::ExportArgs),
@@ -59,7 +59,7 @@ enum Command {
     Grade(grade::GradeArgs),
 }
 
-/// Runs the program with these arguments, the first of which is its name.
+/// Runs the program with these arguments. The first argument is the program's name.
 pub fn run<I, T>(args: I) -> ExitCode
 where
     I: IntoIterator<Item = T>,

@@ -1,4 +1,4 @@
-//! Many files at once: a queue of files, a thread on every core, outcomes printed in the files' order.
+//! Parallel work on many files: a queue of files, a thread for each core, outcomes printed in the files' order.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -11,12 +11,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::print::{Outcome, Tally};
 
-/// Progress of all files together, in ticks: grows as files are opened.
+/// Progress of all files together, in ticks. The total grows when a file is opened.
 pub(super) struct Progress(ProgressBar);
 
 impl Progress {
     fn new(files: usize) -> Self {
-        // Draws nothing when standard error is no terminal.
+        // The bar draws nothing if standard error is no terminal.
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
         let of = match files {
             1 => String::new(),
@@ -30,7 +30,7 @@ impl Progress {
         Self(bar)
     }
 
-    /// A file of so many ticks begins; gives what to tell the number of ticks done in it.
+    /// Adds a file with this number of ticks; function that takes the number of finished ticks.
     pub fn file(&self, ticks: u64) -> impl FnMut(u64) + '_ {
         self.0.inc_length(ticks);
         let mut before = 0;
@@ -41,13 +41,14 @@ impl Progress {
     }
 }
 
-/// As many threads as there are cores, unless said otherwise, and no more than files.
+/// Number of threads: by default the number of cores, never more than files.
 pub(super) fn threads(jobs: Option<NonZeroUsize>, files: usize) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     jobs.map_or_else(cores, NonZeroUsize::get).min(files).max(1)
 }
 
-/// Does `one` to every file, `jobs` at once, prints in order, and gives the worst exit code; sums `total` over the files.
+/// Calls `one` for every file, `jobs` at once, and prints the outcomes in order; worst exit code. The JSON object sums
+/// `total` over the files.
 pub(super) fn for_each_at_once(
     files: &[PathBuf],
     json: bool,

@@ -1,4 +1,4 @@
-//! Output that every command shares: one outcome a file, text or JSON, the worst exit code.
+//! Output of all commands: one outcome per file as text or JSON, and the worst exit code.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -6,13 +6,13 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 use sulcus_program::{PathText, say, tell};
 
-/// Outcome of one file: an object, a text, and whether something is wrong.
+/// Outcome of one file: JSON object, text, finding.
 pub struct Outcome {
     /// The file's object in the JSON output.
     pub json: Map<String, Value>,
-    /// The text for people; nothing is printed where it is empty.
+    /// Text for people; an empty text is not printed.
     pub text: String,
-    /// Exit code 1 instead of 0.
+    /// Whether the exit code is 1 instead of 0.
     pub finding: bool,
 }
 
@@ -24,7 +24,7 @@ pub fn object(value: Value) -> Map<String, Value> {
     }
 }
 
-/// The error's own sentence, with the file's name unless it says so itself.
+/// Error with the file's name, unless the error has the name.
 pub fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
     let (path, text) = (path.shown().to_string(), error.to_string());
     if text.contains(&path) {
@@ -34,7 +34,7 @@ pub fn at(path: &Path, error: &dyn std::error::Error) -> anyhow::Error {
     }
 }
 
-/// Outcomes printed so far, and the object to print last.
+/// Outcomes printed so far, and the objects of the last line.
 pub(super) struct Tally {
     json: bool,
     code: u8,
@@ -50,7 +50,7 @@ impl Tally {
         }
     }
 
-    /// Prints what a file came to, or that it cannot be used.
+    /// Prints the outcome of a file, or its error.
     pub(super) fn add(&mut self, path: &Path, outcome: anyhow::Result<Outcome>) {
         match outcome {
             Ok(outcome) => {
@@ -70,7 +70,7 @@ impl Tally {
         }
     }
 
-    /// Prints the last line, and gives the worst exit code.
+    /// Prints the last line; worst exit code.
     pub(super) fn finish(self, total: &str) -> ExitCode {
         if self.json {
             let object = match <[Value; 1]>::try_from(self.objects) {
@@ -83,7 +83,7 @@ impl Tally {
     }
 }
 
-/// Does `one` to every file, prints, and gives the worst exit code; sums `total` over the files.
+/// Calls `one` for every file and prints the outcomes; worst exit code. The JSON object sums `total` over the files.
 pub fn for_each(
     files: &[PathBuf],
     json: bool,
@@ -97,7 +97,7 @@ pub fn for_each(
     tally.finish(total)
 }
 
-/// Several files as one object: `identical` only when every one is.
+/// Several files as one object. `identical` is true only if it is true for every file.
 pub(super) fn summary(objects: Vec<Value>, total: &str) -> Value {
     let sum: u64 = objects.iter().filter_map(|file| file[total].as_u64()).sum();
     let mut all = Map::from_iter([(total.to_owned(), json!(sum))]);
@@ -106,7 +106,7 @@ pub(super) fn summary(objects: Vec<Value>, total: &str) -> Value {
         let first = objects
             .iter()
             .find(|file| file["first_divergent_tick"].is_u64());
-        // The slowest: what a user who waits for all of them would notice.
+        // The slowest file limits a user who waits for all files.
         let slowest = objects
             .iter()
             .filter_map(|file| file["realtime_factor"].as_f64())

@@ -1,4 +1,4 @@
-//! `replay`: recorded sessions run again.
+//! `replay`: replay of recorded sessions.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -21,19 +21,19 @@ use crate::replay::{ReplayOptions, ReplayReport, Span, replay};
 pub(super) const ABOUT: &str = "\
 Runs recorded sessions again and compares every state, wrench, snapshot and signature.
 
-A recording holds its compiled scene and the input of every tick, so that the same program gives the same bits. The first \
-tick that differs is named; where another version recorded, also how far the replay is from the record. A recording of a former version \
-of the format is migrated: its inputs are run by the present tick, and as long as that stays close it can be graded. Signatures show \
-whether the recording is what the station recorded: without --signer the key is taken from the recording itself, so compare its \
+A recording has its compiled scene and the input of every tick, so the same program gives the same bits. The first tick that \
+differs is named. If another version recorded, the deviation from the record is printed, too. A recording of a former version of \
+the format is migrated: the present tick runs its inputs, and the session can be graded as long as the replay stays close. \
+Signatures show that the recording is the station's own. Without --signer the key is taken from the recording itself; compare its \
 fingerprint.
 
---from and --to replay a part: it begins with the snapshot before it (there is one every ten seconds), and what is run is \
-compared as in a replay of all.
+--from and --to replay a part. The replay starts from the last snapshot before the part, of which there is one every ten \
+seconds, and compares everything that it runs.
 
---solver, --tissue, --level, --detail and --blend ask \"what if\": then this is no replay but a comparison, and says so \
-(`comparison: true`, never identical). Both scenes, the recorded and the changed one, are run on the recorded motion, which does not \
-answer to the changed forces. Only what the compiled scene holds can be asked: tissue that is rigid or as printed, levels \
-that its trees have. Finer trees, other organs or elasticity take its meshes: compile another scene for them.";
+--solver, --tissue, --level, --detail and --blend change the scene. The result is then a comparison and no replay \
+(`comparison: true`, never identical). The recorded and the changed scene run the recorded motion, which does not answer to \
+changed forces. Only changes within the compiled scene are possible: rigid or printed tissue, and levels of its trees. Finer \
+trees, other organs or another elasticity need the meshes: compile another scene.";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -41,8 +41,8 @@ Examples:
   sulcus-sessions replay session.mcap --signer station.pub --json
   sulcus-sessions replay session.mcap --from 30 --to 42.5
   sulcus-sessions replay recordings/*.mcap --audit --jobs 4
-  sulcus-sessions replay session.mcap --solver clarabel     by how many newtons the judge would have differed
-  sulcus-sessions replay session.mcap --tissue rigid        what nothing that yields would have felt like
+  sulcus-sessions replay session.mcap --solver clarabel     difference of the independent solver in newtons
+  sulcus-sessions replay session.mcap --tissue rigid        forces without soft tissue
   sulcus-sessions replay session.mcap --level 2 --to 10     coarser teeth";
 
 #[derive(Args)]
@@ -50,7 +50,7 @@ pub(super) struct ReplayArgs {
     /// Recordings, or folders of recordings
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<PathBuf>,
-    /// Begin at this session time, seconds, from the snapshot before it
+    /// Start at this session time, seconds, from the snapshot before
     #[arg(long, value_name = "S")]
     from: Option<f64>,
     /// End at this session time, seconds
@@ -61,8 +61,8 @@ pub(super) struct ReplayArgs {
     audit: bool,
     #[command(flatten)]
     what_if: WhatIfArgs,
-    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. The public key
-    /// of a station is `station.pub` in $SULCUS_STATE_DIR, else in ~/.local/state/sulcus
+    /// Accept only recordings signed by this key: a file with the public key, or its 64 hexadecimal digits. The public
+    /// key of a station is `station.pub` in $SULCUS_STATE_DIR, else in ~/.local/state/sulcus
     #[arg(long, value_name = "PUBKEYFILE|HEX")]
     signer: Option<PathBuf>,
     /// Number of files replayed at once. Default: the number of cores
@@ -164,7 +164,7 @@ fn replay_of(path: &Path, options: &ReplayOptions, progress: &Progress) -> anyho
     let recording = open(path)?;
     let mut tell = progress.file(recording.facts().rows);
     let report = replay(&recording, options, &mut tell).map_err(|error| at(path, &error))?;
-    // (Of a part, the rest.)
+    // For a part, the rest counts as finished.
     tell(recording.facts().rows);
     let mut json = object(serde_json::to_value(&report)?);
     json.insert("file".to_owned(), json!(path.shown().to_string()));
@@ -228,12 +228,12 @@ fn text(report: &ReplayReport, ours: Option<bool>) -> String {
     for stretch in &report.stretches {
         lines.push(format!("  stretch    {stretch}"));
     }
-    // Whoever makes a whole file anew can sign it with a key of their own: say whose key it is.
+    // A person who makes a whole file anew can sign it with another key. So the text names the owner of the key.
     let whose = match ours {
         _ if report.signer_trusted => "",
         Some(true) => " (this station's key)",
-        Some(false) => " (NOT this station's key: name the right one with --signer)",
-        None => " (the key is the recording's own: name the right one with --signer)",
+        Some(false) => " (NOT this station's key; --signer gives the right key)",
+        None => " (key from the recording itself; --signer gives the right key)",
     };
     lines.push(format!("  signature  {}{whose}", report.signature));
     if report.viewers == Viewers::Changed {
@@ -246,7 +246,7 @@ fn text(report: &ReplayReport, ours: Option<bool>) -> String {
     });
     if let Some(audit) = &report.audit {
         lines.push(format!(
-            "  audit      {} ticks with contact ({} unjudged), pose within {:.3e} mm of the judge's, KKT residual up to {:.3e}",
+            "  audit      {} ticks with contact ({} unjudged), pose within {:.3e} mm of the judge's pose, KKT residual up to {:.3e}",
             audit.ticks, audit.unjudged, audit.max_pose_error_mm, audit.max_kkt_residual
         ));
     }

@@ -1,4 +1,4 @@
-//! `review`: hands the command over to `sulcus-review`, the only program that links Rerun.
+//! `review`: starts `sulcus-review`, the only program that links Rerun.
 
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};

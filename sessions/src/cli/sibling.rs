@@ -3,10 +3,10 @@
 use std::env::consts::EXE_SUFFIX;
 use std::path::PathBuf;
 
-/// Finds the program `name` beside the running program, else on PATH.
+/// Path of the program `name`, beside the running program or on PATH.
 ///
 /// # Errors
-/// When neither has the program; the message says how to build it.
+/// The program is in neither place: a text with the command that builds it.
 pub fn find(name: &str) -> anyhow::Result<PathBuf> {
     let file = format!("{name}{EXE_SUFFIX}");
     let beside = std::env::current_exe()
@@ -17,7 +17,7 @@ pub fn find(name: &str) -> anyhow::Result<PathBuf> {
     let mut places = beside.into_iter().chain(on_path);
     places.find(|place| place.is_file()).ok_or_else(|| {
         anyhow::anyhow!(
-            "the program `{name}` is neither beside this program nor on PATH; to build it: cargo build --release -p sulcus-view --features rerun"
+            "the program `{name}` is neither beside this program nor on PATH; to build the program: cargo build --release -p sulcus-view --features rerun"
         )
     })
 }

@@ -1,4 +1,4 @@
-//! Files that a command writes: nothing that is read, and no recording, is written over.
+//! Protection of input files and recordings from being overwritten.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -11,20 +11,20 @@ const MCAP: &[u8] = b"\x89MCAP0\r\n";
 /// Checks that `out`, given as `option`, may be written.
 ///
 /// # Errors
-/// When it is one of `read`, whatever it is called there, or holds a recording: what is in it would be lost.
+/// `out` is a recording, or one of the files in `read`, under any name.
 pub fn may_write<'a>(
     option: &str,
     out: &Path,
     read: impl IntoIterator<Item = &'a Path>,
 ) -> anyhow::Result<()> {
     let Ok(real) = out.canonicalize() else {
-        // Nothing is there yet, or nothing that this program may see: writing it says why.
+        // No file is there, or the program may not see it. Writing then reports the reason.
         return Ok(());
     };
     let same = |path: &&Path| is_same(path, &real);
     if let Some(same) = read.into_iter().find(same) {
         anyhow::bail!(
-            "{option} is `{}`, which is read as `{}`, expected another file: what is in it would be lost",
+            "{option} is `{}`, which is read as `{}`, expected another file: the content would be lost",
             out.shown(),
             same.shown()
         );
@@ -35,13 +35,13 @@ pub fn may_write<'a>(
         && first == MCAP;
     anyhow::ensure!(
         !is_recording,
-        "{option} is `{}`, which is a recording, expected another file: it would be lost",
+        "{option} is `{}`, which is a recording, expected another file: the recording would be lost",
         out.shown()
     );
     Ok(())
 }
 
-/// Whether two paths are one file that is there: by their names without links, or as two names of it.
+/// Whether two paths lead to the same file, by links or by two names.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -79,7 +79,7 @@ mod tests {
             )
             .is_ok()
         );
-        // By whatever name.
+        // The same file under another name.
         let told = check(&around, &[&path("table.csv")])
             .expect_err("it is read")
             .to_string();
@@ -92,12 +92,12 @@ mod tests {
             std::fs::hard_link(path("table.csv"), path("same.csv")).expect("linked");
             assert!(check(&path("same.csv"), &[&path("table.csv")]).is_err());
         }
-        // A shell that put the first recording of a folder behind an option.
+        // A shell's expansion may put the first recording of a folder behind an option.
         let told = check(&path("session.mcap"), &[])
             .expect_err("a recording")
             .to_string();
         assert!(told.contains("which is a recording"), "{told}");
-        // What is no file at all is none of both.
+        // A device is neither an input file nor a recording.
         assert!(check(Path::new("/dev/null"), &[&path("table.csv")]).is_ok());
     }
 }

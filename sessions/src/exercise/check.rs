@@ -1,16 +1,16 @@
-//! What an exercise's values may be.
+//! Valid values of an exercise.
 
 use super::{Exercise, Kind};
 use crate::record::written::{Written, WrittenError};
 
-/// Most entries of the tour.
+/// Largest number of entries of the tour.
 const MOST_ZONES: usize = 64;
 
 impl Exercise {
     /// Checks every value.
     ///
     /// # Errors
-    /// Names the first field out of range, with the value found and what is expected.
+    /// A field is out of range: the first such field, the value found and the values expected.
     pub fn validate(&self) -> Result<(), WrittenError> {
         Self::check_name(&self.name)?;
         for (field, text, most) in [
@@ -37,7 +37,7 @@ impl Exercise {
         for (k, zones) in self.zones.iter().enumerate() {
             fdi(&format!("zone[{k}].tooth"), zones.tooth)?;
             if zones.sites.is_empty() || zones.sites.len() > 6 {
-                let found = format!("{} of them", zones.sites.len());
+                let found = format!("{} sites", zones.sites.len());
                 return wrong(&format!("zone[{k}].sites"), found, "1 to 6 sites");
             }
         }
@@ -99,7 +99,7 @@ fn wrong(
     Exercise::wrong(field, found, expected)
 }
 
-/// A number in a range; a NaN is in none.
+/// Checks a number against a range. NaN is in no range.
 fn within(field: &str, x: f64, low: f64, high: f64, unit: &str) -> Result<(), WrittenError> {
     if (low..=high).contains(&x) {
         return Ok(());
@@ -136,7 +136,7 @@ fn band(
     }
 }
 
-/// A permanent tooth: quadrant 1 to 4, then 1 to 8.
+/// Checks the FDI number of a permanent tooth: quadrant 1 to 4, then 1 to 8.
 fn fdi(field: &str, tooth: u8) -> Result<(), WrittenError> {
     if (1..=4).contains(&(tooth / 10)) && (1..=8).contains(&(tooth % 10)) {
         return Ok(());

@@ -1,6 +1,6 @@
-//! How single values are written in an exercise's file.
+//! Text forms of single values in an exercise's file.
 
-/// Sites by their names.
+/// Names of sites.
 pub mod site_names {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -23,7 +23,7 @@ pub mod site_names {
     }
 }
 
-/// A seed as a number, or as text where it is larger than TOML's numbers.
+/// Seed as a number, or as text if the seed exceeds TOML's numbers.
 pub mod seed {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -54,7 +54,7 @@ pub mod seed {
         match Written::deserialize(from) {
             Ok(Written::Number(number)) => Ok(Some(number)),
             Ok(Written::Text(text)) => text.parse().map(Some).map_err(|_| wrong(&text)),
-            Err(_) => Err(wrong(&"something else")),
+            Err(_) => Err(wrong(&"neither a whole number nor text")),
         }
     }
 }

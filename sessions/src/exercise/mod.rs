@@ -1,12 +1,12 @@
-//! What a student is asked to do, as data: a TOML file. The same text, with seed and length, goes into the recording, so
-//! that whoever replays it knows what was asked.
+//! Exercise, the task of a session: a TOML file. A recording contains the same text, with seed and length, so that a
+//! replay knows the task.
 //!
 //! ```toml
 //! name = "probing"                # letters, digits, - _ /
 //! kind = "probing"                # crown, probing, retraction, bimanual, free
-//! about = "for lists"
-//! task = "what the student is told"
-//! scene = "pocket"                # name of a scene that the programs bring along
+//! about = "short description"
+//! task = "text for the student"
+//! scene = "pocket"                # name of a built-in scene
 //! duration_s = 20.0
 //!
 //! [[zone]]                        # zones to visit, in order
@@ -16,13 +16,13 @@
 //! [probing]                       # may be left out
 //! force_n = [0.2, 0.25]           # force on the floor at which a depth is read
 //! proximal_tilt_deg = [10, 25]    # tilt into the col at proximal sites
-//! mid_tilt_deg = 15               # most tilt in the middle of a side
-//! step_mm = 1                     # between two touches of the floor while walking
+//! mid_tilt_deg = 15               # largest tilt in the middle of a side
+//! step_mm = 1                     # distance between two touches of the floor
 //!
-//! [target]                        # what has to be seen past the tongue
+//! [target]                        # to be seen past the tongue
 //! tooth = 36
 //! eye_mm = [250, -120, 260]       # world axes: x anterior, y patient's left, z up
-//! visible = 0.7                   # share of it that must be free
+//! visible = 0.7                   # least free share
 //! ```
 
 mod check;
@@ -33,19 +33,19 @@ use crate::record::written::{Written, WrittenError};
 use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::gingiva::Site;
 
-/// What kind of task it is.
+/// Kind of an exercise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// The probe is led round a crown.
+    /// The probe follows the circumference of a crown.
     Crown,
     /// Pockets are probed.
     Probing,
     /// The tongue is held aside.
     Retraction,
-    /// Both at once, a hand each.
+    /// Probing and retraction at once, with a hand each.
     Bimanual,
-    /// Nothing in particular.
+    /// Free exploration.
     #[default]
     Free,
 }
@@ -56,12 +56,12 @@ pub enum Kind {
 pub struct Zones {
     /// FDI number of the tooth.
     pub tooth: u8,
-    /// Its sites.
+    /// Sites of the tooth.
     #[serde(with = "fields::site_names")]
     pub sites: Vec<Site>,
 }
 
-/// How pockets are to be probed.
+/// Prescription of probing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ProbingTask {
@@ -69,12 +69,14 @@ pub struct ProbingTask {
     /// clinical studies (Karayiannis 1992, Lang 1991).
     pub force_n: [f64; 2],
     /// Least and greatest tilt at proximal sites, degrees: of the working end against the tooth's axis, into the col
-    /// under the contact. Default 10 to 25, range 0 to 60. Source: 10 to 15 degrees are taught; wider for the teeth's own shape.
+    /// under the contact. Default 10 to 25, range 0 to 60. Source: 10 to 15 degrees are taught; wider for the teeth's
+    /// own shape.
     pub proximal_tilt_deg: [f64; 2],
-    /// Largest tilt in the middle of a side, any way, degrees; at proximal sites the largest out of the col. Default 15,
-    /// range 1 to 60; chosen.
+    /// Largest tilt in the middle of a side in any direction, degrees, and largest tilt out of the col at proximal
+    /// sites. Default 15, range 1 to 60; chosen.
     pub mid_tilt_deg: f64,
-    /// Way along the tooth between two touches of the floor, mm. Default 1, range 0.1 to 5. Source: 1 mm steps are taught.
+    /// Distance along the tooth between two touches of the floor, mm. Default 1, range 0.1 to 5. Source: 1 mm steps are
+    /// taught.
     pub step_mm: f64,
 }
 
@@ -89,35 +91,35 @@ impl Default for ProbingTask {
     }
 }
 
-/// What has to be seen past the tongue: the tongue's side of a crown, just above the gingival margin.
+/// Target of retraction, to be seen past the tongue: the tongue's side of a crown, just above the gingival margin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
     /// FDI number of the tooth.
     pub tooth: u8,
-    /// The operator's eye, world axes, mm.
+    /// Operator's eye, world axes, mm.
     pub eye_mm: [f64; 3],
-    /// Share of the target that must be free, 0.05 to 1.
+    /// Least free share of the target, 0.05 to 1.
     pub visible: f64,
 }
 
-/// An exercise.
+/// Exercise: the task of a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exercise {
     /// Name: letters, digits, `-`, `_`, `/`; part of a recording's file name.
     pub name: String,
-    /// What kind of task it is.
+    /// Kind of the exercise.
     pub kind: Kind,
-    /// What it is about, for lists.
+    /// Short description, for lists.
     pub about: String,
-    /// What the student is told.
+    /// Text of the task for the student.
     pub task: String,
-    /// Name of the scene it is performed in, of those that the programs bring along.
+    /// Name of a built-in scene.
     pub scene: String,
     /// Length, seconds.
     pub duration_s: f64,
-    /// Seed of whatever is random, in a recording.
+    /// Seed of all random numbers, in a recording.
     #[serde(
         default,
         skip_serializing_if = "Option::is_none",
@@ -127,10 +129,10 @@ pub struct Exercise {
     /// Zones to visit, in order.
     #[serde(default, rename = "zone", skip_serializing_if = "Vec::is_empty")]
     pub zones: Vec<Zones>,
-    /// How pockets are to be probed.
+    /// Prescription of probing.
     #[serde(default)]
     pub probing: ProbingTask,
-    /// What has to be seen past the tongue.
+    /// Target of retraction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<Target>,
 }
@@ -143,32 +145,32 @@ const BUILT_IN: [&str; 4] = [
 ];
 
 impl Exercise {
-    /// An exercise from its text.
+    /// Exercise from its text.
     ///
     /// # Errors
-    /// Names the key, the value found and what is expected; says so of unknown keys too.
+    /// A key is unknown, missing or out of range: the key, the value found and the values expected.
     pub fn parse(text: &str) -> Result<Self, WrittenError> {
         Self::parsed(text)
     }
 
-    /// An exercise from its file.
+    /// Exercise from its file.
     ///
     /// # Errors
-    /// As [`Exercise::parse`], and when the file cannot be read.
+    /// The errors of [`Exercise::parse`], or the file cannot be read.
     pub fn open(path: &std::path::Path) -> Result<Self, WrittenError> {
         Self::opened(path)
     }
 
-    /// The exercises that the programs bring along, in the order of lists.
+    /// Built-in exercises in the order of lists.
     pub fn built_in() -> Vec<Self> {
-        // (A test parses each.)
+        // A test parses each exercise.
         BUILT_IN
             .iter()
             .filter_map(|text| Self::parse(text).ok())
             .collect()
     }
 
-    /// Nothing in particular is asked: a hard case, or free exploration.
+    /// Exercise without a task, for a hard case or free exploration.
     pub fn free(name: &str, duration_s: f64) -> Self {
         Self {
             name: name.into(),
@@ -184,16 +186,16 @@ impl Exercise {
         }
     }
 
-    /// The exercise of a recording, from its attachment. What cannot be read is free exploration: its events are
-    /// those of any session.
+    /// Exercise of a recording, from its attachment. An invalid text gives free exploration, whose events any session
+    /// has.
     pub fn recorded(text: &str) -> Self {
         Self::parse(text).unwrap_or_else(|_| Self::free("free", 1.0))
     }
 
-    /// The text for a recording: all values, those of the defaults too, and the seed.
+    /// Text for a recording: all values, also the default ones, and the seed.
     ///
     /// # Errors
-    /// Never for an exercise that is valid.
+    /// Never for a valid exercise.
     pub fn definition(&self, seed: u64) -> Result<String, WrittenError> {
         let with_seed = Self {
             seed: Some(seed),
@@ -202,7 +204,7 @@ impl Exercise {
         toml::to_string(&with_seed).map_err(|error| Self::syntax(&error))
     }
 
-    /// Every zone to visit, in order.
+    /// Zones of the tour, in order.
     pub fn tour(&self) -> impl Iterator<Item = (u8, Site)> + '_ {
         let of = |zones: &'_ Zones| zones.tooth;
         self.zones

@@ -1,12 +1,12 @@
-//! Cells of exported tables that hold text: written so that a spreadsheet takes them for text, and read back.
+//! Text in the cells of exported tables, written so that a spreadsheet keeps it, and read back.
 //!
-//! A spreadsheet turns `007` into 7, `1e5` into 100000, `3-4` into a date, and `=1+1` into 2. An apostrophe before such a text
-//! keeps it. Columns of hashes and keys have the apostrophe in every row, other text only where it is needed. Columns of numbers
-//! never have one.
+//! A spreadsheet turns `007` into 7, `1e5` into 100000, `3-4` into a date, and `=1+1` into 2. An apostrophe before such
+//! a text prevents this. Columns of hashes and keys have the apostrophe in every row, other text only if necessary.
+//! Columns of numbers never have an apostrophe.
 
 use std::borrow::Cow;
 
-/// Months as spreadsheets know them, by their first three letters and in full.
+/// Names of months. Spreadsheets know the first three letters and the full name.
 const MONTHS: [&str; 12] = [
     "january",
     "february",
@@ -22,7 +22,7 @@ const MONTHS: [&str; 12] = [
     "december",
 ];
 
-/// Any text.
+/// Cell of any text.
 pub(crate) fn text(text: &str) -> Cow<'_, str> {
     if is_misread(text) {
         Cow::Owned(format!("'{text}"))
@@ -31,7 +31,7 @@ pub(crate) fn text(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A hash or a key: marked in every row, so that a column reads alike from its first row to its last.
+/// Cell of a hash or a key, marked in every row, so that all cells of a column look alike.
 pub(crate) fn code(code: &str) -> String {
     match code {
         "" => String::new(),
@@ -39,7 +39,8 @@ pub(crate) fn code(code: &str) -> String {
     }
 }
 
-/// The text of a cell that was written by [`text`], or by a person who marks text as spreadsheets do (`'007`, `="007"`).
+/// Text of a cell. The cell was written by [`text`], or by a person with the marks of spreadsheets, `'007` and
+/// `="007"`.
 pub(crate) fn read(cell: &str) -> &str {
     if let Some(text) = cell
         .strip_prefix("=\"")
@@ -52,7 +53,7 @@ pub(crate) fn read(cell: &str) -> &str {
         .unwrap_or(cell)
 }
 
-/// Whether a spreadsheet would take a text for something else. A marked text is marked again, so that reading is exact.
+/// Whether a spreadsheet would change a text. A marked text counts, too, so that reading is exact.
 fn is_misread(text: &str) -> bool {
     let shown = text.trim();
     let formula = ['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠'];
@@ -125,7 +126,7 @@ mod tests {
     proptest! {
         #[test]
         fn what_is_written_is_read_again(original in ".{0,12}|'{0,3}[0-9e./-]{0,6}") {
-            // A formula that holds nothing but a text is a way to write the text.
+            // A formula with nothing but a text is a form of that text.
             prop_assume!(!original.starts_with("=\""));
             let written = text(&original);
             prop_assert_eq!(read(&written), original.as_str());

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ExportError, create};
-use crate::export::cells;
+use super::cells;
+use super::error::{ExportError, create};
 use crate::record::message::{Event, Level};
 use crate::record::occurrence::Occurrence;
 
-/// Columns. `kind`, `tick` and `data` (JSON) are those of an occurrence; `text` is any other line.
+/// Columns. `kind`, `tick` and `data` (JSON) are those of an occurrence. `text` is any other line.
 const COLUMNS: [&str; 7] = [
     "time_s",
     "time_unix_ns",
@@ -40,7 +40,7 @@ impl EventTable {
     }
 
     pub fn line(&mut self, event: &Event) -> Result<(), ExportError> {
-        // What was said before the first tick has a negative time.
+        // Lines before the first tick have a negative time.
         let seconds = if event.time_unix_ns >= self.began_unix_ns {
             (event.time_unix_ns - self.began_unix_ns) as f64 / 1e9
         } else {
@@ -79,7 +79,7 @@ impl EventTable {
             .map_err(|source| ExportError::write(&self.path, source))
     }
 
-    /// Lines written.
+    /// Closes the table; number of lines.
     pub fn finish(mut self) -> Result<u64, ExportError> {
         let flushed = self.csv.flush();
         flushed.map_err(|source| ExportError::write(&self.path, source))?;

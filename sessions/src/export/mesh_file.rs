@@ -1,10 +1,10 @@
-//! A mesh as a file: OBJ for whatever reads text, PLY for whatever wants it small.
+//! Mesh files: OBJ as text, PLY as a small binary.
 
 use std::io::{self, Write};
 
 use sulcus_core::DisplayMesh;
 
-/// What mesh files are written as. Metres, world axes.
+/// Format of mesh files. Metres, world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
     /// Wavefront: text, colours after the coordinates of each vertex.

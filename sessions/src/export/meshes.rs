@@ -1,15 +1,17 @@
-//! `meshes/`: what the scene looks like at chosen times.
+//! `meshes/`: meshes of the scene at chosen times.
 //!
-//! `rest/NAME` has every object as it rests. `frames.csv` says for each time and each part which file shows it: the one at rest,
-//! or `TICK/NAME` for tools and for tissue that is touched or moving.
+//! `rest/NAME` is an object at rest. `frames.csv` names the file of each part at each time: the file at rest, or
+//! `TICK/NAME` for tools and for tissue that is touched or moves.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use sulcus_core::{DisplayMesh, DisplaySkin, Pose, Scene, TickOutput, Vec3, Workspace};
 
-use super::{ExportError, ExportOptions, MeshFormat, create, create_folder};
-use crate::export::cells;
+use super::cells;
+use super::error::{ExportError, create, create_folder};
+use super::mesh_file::MeshFormat;
+use super::options::ExportOptions;
 use crate::record::channels::{is_held, paths};
 
 pub(super) struct Meshes {
@@ -19,9 +21,9 @@ pub(super) struct Meshes {
     csv: csv::Writer<std::io::BufWriter<std::fs::File>>,
     tools: Vec<String>,
     objects: Vec<String>,
-    /// Made when first needed: a skin takes a while.
+    /// Skins, made when first needed, because making one is slow.
     skins: Vec<Option<DisplaySkin>>,
-    /// Single times that are still to come, ascending.
+    /// Single times still to come, ascending.
     at_s: Vec<f64>,
     every_s: Option<f64>,
     next_s: f64,
@@ -85,7 +87,7 @@ impl Meshes {
             .map_err(|source| ExportError::write(&path, source))
     }
 
-    /// Whether the tick at this time is the first at or after one that was asked for.
+    /// Whether the tick at this time is the first at or after a requested time.
     fn is_due(&mut self, seconds: f64) -> bool {
         // Times in a file are whole nanoseconds.
         let now = seconds + 1e-9;
@@ -149,7 +151,7 @@ impl Meshes {
             .map_err(|source| ExportError::write(&self.list, source))
     }
 
-    /// Times and files written.
+    /// Closes the table; number of times and of files.
     pub fn finish(mut self) -> Result<(u64, u64), ExportError> {
         let flushed = self.csv.flush();
         flushed.map_err(|source| ExportError::write(&self.list, source))?;
@@ -157,13 +159,13 @@ impl Meshes {
     }
 }
 
-/// The vertices of a tool's mesh at `world_from_tool`.
+/// Vertices of a tool's mesh at `world_from_tool`.
 fn posed(mesh: &DisplayMesh, world_from_tool: &Pose) -> Vec<[f32; 3]> {
     let to_world = |v: &[f32; 3]| narrow(&world_from_tool.transform(&Vec3::from(v.map(f64::from))));
     mesh.vertices.iter().map(to_world).collect()
 }
 
-/// The vertices of a tissue's mesh whose carriers have gone `moved`.
+/// Vertices of a tissue's mesh, by the displacements `moved` of its carriers.
 fn deformed(mesh: &DisplayMesh, skin: &DisplaySkin, moved: &[Vec3]) -> Vec<[f32; 3]> {
     let mut by = vec![Vec3::zeros(); mesh.vertices.len()];
     skin.displacements(moved, &mut by);

@@ -1,16 +1,16 @@
-//! `ticks.csv`: every tick, or every so many, in one line.
+//! `ticks.csv`: a line for every tick, or for every number of ticks.
 
 use std::path::{Path, PathBuf};
 
 use sulcus_core::{Pose, Scene, TickOutput, ToolOutput, Vec3};
 
-use super::{ExportError, create};
-use crate::export::cells;
-use crate::record::channels::paths;
+use super::cells;
+use super::error::{ExportError, create};
+use crate::record::channels::{is_held, paths};
 use crate::record::occurrence::zone_name;
 use crate::record::row::Row;
 
-/// Columns of the session. Time from the first row.
+/// Columns of the session. The time counts from the first row.
 const SESSION: [&str; 8] = [
     "tick",
     "time_s",
@@ -22,8 +22,9 @@ const SESSION: [&str; 8] = [
     "hash",
 ];
 
-/// Columns of each tool, after its name. Poses are `world_from_tool`, forces about the device point in world axes: those sent
-/// to the hand, and raw, before ramp, clamp and slew. Empty while nobody holds the tool.
+/// Columns of each tool, after its name. Poses are `world_from_tool`. Forces are about the device point in world axes:
+/// those sent to the hand, and raw ones before ramp, clamp and slew limit. The cells are empty while no hand holds the
+/// tool.
 const TOOL: [&str; 42] = [
     "status",
     "age_ticks",
@@ -135,7 +136,7 @@ impl TickTable {
             line.push_field(&out.status.to_string());
             line.push_field(&held.age_ticks.to_string());
             line.push_field(&held.buttons.to_string());
-            if crate::record::channels::is_held(out) {
+            if is_held(out) {
                 self.tool(&mut line, out, tip);
             } else {
                 (3..TOOL.len()).for_each(|_| line.push_field(""));
@@ -168,7 +169,7 @@ impl TickTable {
         ] {
             line.push_field(&field);
         }
-        // Without rows there is no gap.
+        // Without contact rows there is no gap.
         if out.min_gap.is_finite() {
             line.push_field(&out.min_gap.to_string());
         } else {
@@ -186,7 +187,7 @@ impl TickTable {
         line.push_field(zone_name(reading.zone));
     }
 
-    /// Lines written.
+    /// Closes the table; number of lines.
     pub fn finish(mut self) -> Result<u64, ExportError> {
         let flushed = self.csv.flush();
         flushed.map_err(|source| ExportError::write(&self.path, source))?;

@@ -1,6 +1,6 @@
-//! Bounded little-endian reading: every read may fail, none can panic.
+//! Bounded little-endian reading. A read beyond the end gives `None` and never panics.
 
-/// What is left of some bytes that are being read from the front.
+/// Rest of some bytes that are read from the front.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cut<'a>(pub &'a [u8]);
 

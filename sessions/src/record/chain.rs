@@ -1,12 +1,12 @@
-//! The chain over everything exact.
+//! Chain of hashes over the exact record.
 //!
-//! A hash alone proves nothing: an editor could run the simulation again and rewrite every one of
-//! them. So the station signs the head of the chain every ten seconds and at the end.
+//! A hash alone proves nothing, because an editor could run the simulation again and rewrite all hashes. So the station
+//! signs the head of the chain every ten seconds and at the end.
 
 use crate::record::statement::Statement;
 
-/// What kind of message a link of the chain covers. Part of the hashed bytes, so that a message of
-/// one kind cannot stand for one of another.
+/// Kind of the message that a link of the chain covers. The kind is part of the hashed bytes, so a message of one kind
+/// cannot replace a message of another kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Link {
     Row = 1,
@@ -14,8 +14,7 @@ pub(crate) enum Link {
     Event = 3,
 }
 
-/// Running head: `head = blake3(head || kind || inner bytes)`, beginning with the digest of the
-/// header.
+/// Running head, `head = blake3(head || kind || inner bytes)`. The first head is the digest of the header.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     head: [u8; 32],
@@ -32,7 +31,7 @@ impl Chain {
         }
     }
 
-    /// A chain that goes on from a head that a station stated.
+    /// Chain that continues from a stated head.
     pub fn from_statement(says: &Statement) -> Self {
         Self {
             head: says.head,
@@ -41,7 +40,7 @@ impl Chain {
         }
     }
 
-    /// Adds a message; `tick` is that of a row or snapshot, otherwise the last one is kept.
+    /// Adds a message. `tick` is the tick of a row or snapshot; without a tick the chain keeps the last one.
     pub fn add(&mut self, link: Link, tick: Option<u64>, message: &[u8]) {
         let mut hasher = blake3::Hasher::new();
         hasher

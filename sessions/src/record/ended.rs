@@ -1,11 +1,11 @@
-//! How a session ended, as the last line of its log says.
+//! Reason for the end of a session, in the last line of its log.
 
 use sulcus_proto::control::EndReason;
 
-/// What the line begins with.
+/// First words of the line.
 const BEGINS: &str = "session ended: ";
 
-/// Every reason ([`words`] knows of a new one).
+/// All reasons. The `match` in [`words`] fails to compile with a new reason.
 const ALL: [EndReason; 7] = [
     EndReason::Stopped,
     EndReason::TimeUp,
@@ -16,24 +16,26 @@ const ALL: [EndReason; 7] = [
     EndReason::Simulation,
 ];
 
-/// The line.
+/// Line of the log for a reason.
 pub fn line(reason: EndReason) -> String {
     format!("{BEGINS}{reason:?}")
 }
 
-/// In words, why a session ended before its time; none where a line of the log does not say so.
+/// Reason of an early end, in words; `None` for any other line of the log and for an end on request.
 pub fn early(line: &str) -> Option<&'static str> {
     let said = line.strip_prefix(BEGINS)?;
     let found = ALL.iter().find(|reason| said == format!("{reason:?}"));
     found.and_then(|reason| words(*reason))
 }
 
-/// Why that was before its time; none where it was as asked for.
+/// Text for a reason of an early end; `None` for an end on request.
 fn words(reason: EndReason) -> Option<&'static str> {
     match reason {
         EndReason::Stopped | EndReason::TimeUp => None,
         EndReason::Shutdown => Some("the station was shut down"),
-        EndReason::ConnectionLost => Some("the connection to the client was lost, or it closed it"),
+        EndReason::ConnectionLost => {
+            Some("the connection to the client was lost, or closed by the client")
+        }
         EndReason::Protocol => Some("the client broke the protocol"),
         EndReason::Recording => Some("the recording could not be written"),
         EndReason::Simulation => Some("the simulation could not go on"),

@@ -1,8 +1,8 @@
-//! The protobuf message around the bytes of an exact message, so that every stock decoder reads every channel.
+//! Protobuf message around the bytes of an exact message. With it every stock decoder reads every channel.
 //!
-//! `sulcus.v1.ExactRow`, `ExactState`, `ExactStatement` and `ExactEvent` have one field, number 1, of type `bytes`. The chain, its
-//! hashes and signatures are over the inner bytes: protobuf has many encodings of one message, and a tool that writes a file
-//! anew may choose another.
+//! `sulcus.v1.ExactRow`, `ExactState`, `ExactStatement` and `ExactEvent` have one field, number 1, of type `bytes`.
+//! Chain and signatures cover the inner bytes, because protobuf has many encodings of one message. A tool that writes a
+//! file anew may choose another encoding.
 
 use prost::encoding::{
     DecodeContext, WireType, decode_key, decode_varint, encode_key, encode_varint, skip_field,
@@ -11,7 +11,7 @@ use prost::encoding::{
 /// Number of the field that holds the inner bytes, in all four messages.
 const FIELD: u32 = 1;
 
-/// Encodes the message around `inner` into `outer`, whose former content is dropped.
+/// Encodes the message around `inner` into `outer`. The former content of `outer` is dropped.
 pub(crate) fn seal(inner: &[u8], outer: &mut Vec<u8>) {
     outer.clear();
     encode_key(FIELD, WireType::LengthDelimited, outer);
@@ -19,9 +19,9 @@ pub(crate) fn seal(inner: &[u8], outer: &mut Vec<u8>) {
     outer.extend_from_slice(inner);
 }
 
-/// The inner bytes of any valid encoding of the message, borrowed; `None` where it is no protobuf message.
+/// Inner bytes of any valid encoding of the message, borrowed; `None` for bytes that are no protobuf message.
 ///
-/// As the format asks of every reader, unknown fields are skipped, the last of several fields counts, and an absent one is empty.
+/// The rules of protobuf hold: unknown fields are skipped, the last of several fields counts, an absent field is empty.
 pub(crate) fn open(mut outer: &[u8]) -> Option<&[u8]> {
     let mut inner: &[u8] = &[];
     while !outer.is_empty() {
@@ -48,7 +48,7 @@ mod tests {
         let plain = [0x0a, 3, 7, 8, 9];
         assert_eq!(open(&plain), Some(&[7, 8, 9][..]));
         for outer in [
-            // A length and a key that are longer than they need be.
+            // A length and a key with more bytes than necessary.
             &[0x0a, 0x83, 0x80, 0x00, 7, 8, 9][..],
             &[0x8a, 0x00, 3, 7, 8, 9],
             // Unknown fields of every wire type: varint, 64 bits, bytes, group, 32 bits.

@@ -4,27 +4,27 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Most gaps that a recording is believed to have.
+/// Largest number of gaps in a valid recording.
 pub(crate) const MOST: usize = 4096;
 
-/// A place where exact messages are missing: a damaged stretch of the file was left out there.
+/// Place where exact messages are missing, because recovery left out a damaged stretch of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gap {
     /// Messages of the exact channels before the gap.
     pub messages: u64,
-    /// First missing tick; `None` where the recording has no tick before the gap, or where no tick is missing.
+    /// First missing tick; `None` without a tick before the gap, or if no tick is missing.
     pub from_tick: Option<u64>,
-    /// Last missing tick; `None` where nothing behind the gap says so, or where no tick is missing.
+    /// Last missing tick; `None` if no later message tells it, or if no tick is missing.
     pub to_tick: Option<u64>,
-    /// Length of the stretch in the damaged file that was left out, bytes.
+    /// Length of the left out stretch of the damaged file, bytes.
     pub bytes: u64,
-    /// Where the stretch began in the damaged file.
+    /// First byte of the stretch in the damaged file.
     pub at_byte: u64,
 }
 
 impl Gap {
-    /// Number of missing ticks; `None` where that is unknown.
+    /// Number of missing ticks; `None` if unknown.
     pub fn ticks(&self) -> Option<u64> {
         match (self.from_tick, self.to_tick) {
             (Some(from), Some(to)) => Some((to + 1).saturating_sub(from)),
@@ -33,7 +33,7 @@ impl Gap {
         }
     }
 
-    /// The gaps that a recovery's note lists; `None` where the text is no list of gaps that a recording could have.
+    /// Gaps in a recovery's note; `None` if the text is no valid list of gaps.
     pub(crate) fn parse(text: &str) -> Option<Vec<Self>> {
         let gaps: Vec<Self> = serde_json::from_str(text).ok()?;
         let in_order = gaps
@@ -46,7 +46,7 @@ impl Gap {
         (in_order && gaps.len() <= MOST && gaps.iter().all(sane)).then_some(gaps)
     }
 
-    /// The text that [`Gap::parse`] reads.
+    /// Text for [`Gap::parse`].
     pub(crate) fn list(gaps: &[Self]) -> String {
         // Integers always serialise.
         serde_json::to_string(gaps).unwrap_or_default()

@@ -1,28 +1,28 @@
-//! What a recording says about itself before its first tick.
+//! Header of a recording: all data that are known before the first tick.
 
 use std::collections::BTreeMap;
 
 use crate::record::key::PublicKey;
 use crate::record::mode::Mode;
 
-/// Version of the recording's layout and of what its numbers mean ([`crate::record::format`]). Another version is migrated or refused, never
-/// guessed at.
+/// Version of the recording's layout and of the meaning of its numbers ([`crate::record::format`]). Another version is
+/// migrated or refused.
 pub const FORMAT_VERSION: &str = "5";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
-/// Key in it that recordings of before 24 November 2026 do not have.
+/// Key of the hash of the tick's sources; absent in recordings from before 24 November 2026.
 const TICK_SOURCE: &str = "tick_source";
-/// Another that those do not have.
+/// Key of the mode; absent in recordings from before 24 November 2026.
 const MODE: &str = "mode";
 /// Name of the compiled scene's attachment.
 pub(crate) const SCENE: &str = "scene.bin";
 /// Attachments besides the scene: all text.
 pub(crate) const TEXTS: [&str; 3] = ["exercise", "patient", "rubric"];
 
-/// All that is constant in a session.
+/// Constant data of a session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionHeader {
-    /// Compiled scene, as [`sulcus_core::Scene::to_bytes`] gives it.
+    /// Compiled scene, bytes of [`sulcus_core::Scene::to_bytes`].
     pub scene: Vec<u8>,
     /// Name of the exercise.
     pub exercise_name: String,
@@ -32,29 +32,29 @@ pub struct SessionHeader {
     pub patient: String,
     /// The rubric's text; may be empty.
     pub rubric: String,
-    /// Seed of whatever was random (the simulated hand); 0 for a person.
+    /// Seed of the simulated hand; 0 for a person.
     pub seed: u64,
     /// Name of the station.
     pub station: String,
-    /// Opaque id of the learner. Never a name.
+    /// Opaque id of the learner, never a name.
     pub learner_id: String,
-    /// What the session is for; none in recordings of before it was said.
+    /// Mode; `None` in recordings from before 24 November 2026.
     pub mode: Option<Mode>,
-    /// Version of the program that recorded.
+    /// Version of the recording program.
     pub program_version: String,
     /// `debug` or `release`.
     pub build: String,
-    /// Which tick that program has: the beginning of a hash over its sources, as hexadecimal digits; empty in recordings of before
-    /// it was said.
+    /// First hexadecimal digits of a hash over the sources of the tick; empty in recordings from before 24 November
+    /// 2026.
     pub tick_source: String,
     /// Processor and system, such as `x86_64-linux`.
     pub target: String,
-    /// When the session began, nanoseconds since the Unix epoch.
+    /// Start of the session, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
 }
 
 impl SessionHeader {
-    /// A header for `scene` and practice, with this program's version, build and target; everything else empty.
+    /// Header for `scene` in practice mode, with version, build and target of this program. All other fields are empty.
     pub fn new(scene: Vec<u8>) -> Self {
         Self {
             scene,
@@ -79,7 +79,7 @@ impl SessionHeader {
         }
     }
 
-    /// Attachment's name and bytes.
+    /// Name and bytes of each attachment.
     pub(crate) fn attachments(&self) -> [(&'static str, &[u8]); 4] {
         [
             (SCENE, &self.scene),
@@ -99,7 +99,7 @@ impl SessionHeader {
         *blake3::hash(self.exercise.as_bytes()).as_bytes()
     }
 
-    /// The pairs of the metadata record.
+    /// Pairs of the metadata record.
     pub(crate) fn to_metadata(&self, signer: &PublicKey) -> BTreeMap<String, String> {
         let mut pairs: BTreeMap<String, String> = self
             .attachments()
@@ -128,9 +128,10 @@ impl SessionHeader {
         pairs
     }
 
-    /// Inverse of [`SessionHeader::to_metadata`], given the attachments.
+    /// Inverse of [`SessionHeader::to_metadata`], with the attachments.
     ///
-    /// Fails with the name of the first key that is missing or not of its kind.
+    /// # Errors
+    /// A key is missing or invalid: name of the first such key.
     pub(crate) fn from_metadata(
         pairs: &BTreeMap<String, String>,
         attachments: &BTreeMap<String, Vec<u8>>,
@@ -170,8 +171,8 @@ pub(crate) fn hash_key(attachment: &str) -> String {
     format!("blake3 {attachment}")
 }
 
-/// Digest of the metadata: the beginning of the chain, and part of every signature, so that neither
-/// learner nor scene nor signer can be exchanged.
+/// Digest of the metadata. It is the first head of the chain and part of every signature, so learner, scene and signer
+/// cannot be exchanged.
 pub(crate) fn digest(pairs: &BTreeMap<String, String>) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
     for text in pairs.iter().flat_map(|(key, value)| [key, value]) {

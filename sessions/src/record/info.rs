@@ -1,4 +1,4 @@
-//! A recording in a few lines.
+//! Summary of a recording, without a replay.
 
 use std::fmt;
 use std::path::Path;
@@ -10,41 +10,42 @@ use crate::record::bytes::hex;
 use crate::record::format::Migration;
 use crate::record::mode::Mode;
 use crate::record::read::{Ending, ReadError, Recording};
+use crate::record::signature::Signature;
 use crate::record::sizes::{Sizes, sizes};
 use crate::record::statement::SessionEnd;
-use crate::record::verify::{Signature, verify};
+use crate::record::verify::verify;
 use crate::record::viewers::Viewers;
 
-/// What `info` says of a file.
+/// Content of a recording's file, as printed by `info`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
-    /// The file.
+    /// Name of the file.
     pub file: String,
-    /// Its length, bytes.
+    /// Length of the file, bytes.
     pub bytes: u64,
-    /// Bytes for each minute of the session; `None` when it is too short to say.
+    /// Bytes per minute of the session, without the header; `None` for a session without duration.
     pub bytes_per_minute: Option<f64>,
-    /// Where its bytes are, what a minute takes, and what an hour will.
+    /// Bytes by part and channel, and a forecast per hour.
     pub sizes: Sizes,
-    /// From the first row to the last, seconds.
+    /// Time from the first row to the last, seconds.
     pub duration_s: f64,
-    /// Rows.
+    /// Number of rows.
     pub ticks: u64,
     /// First tick.
     pub first_tick: u64,
     /// Last tick.
     pub last_tick: u64,
-    /// Snapshots of the state.
+    /// Number of snapshots of the state.
     pub snapshots: u64,
-    /// Lines in the log.
+    /// Number of lines in the log.
     pub events: u64,
-    /// Signed statements.
+    /// Number of signed statements.
     pub signatures: u64,
-    /// Name of the scene; `None` when its bytes are not a scene of this version.
+    /// Name of the scene; `None` if this version cannot read the scene.
     pub scene: Option<String>,
     /// blake3 of the compiled scene.
     pub scene_blake3: String,
-    /// Hash of what the scene was compiled from.
+    /// Hash of the scene's sources.
     pub scene_source_hash: Option<String>,
     /// Name of the exercise.
     pub exercise: String,
@@ -54,38 +55,38 @@ pub struct Info {
     pub seed: u64,
     /// Opaque id of the learner.
     pub learner_id: String,
-    /// Station.
+    /// Name of the station.
     pub station: String,
-    /// What the session was for; null in recordings of before it was said.
+    /// Mode of the session; null in recordings from before 24 November 2026.
     pub mode: Option<Mode>,
-    /// Version of the program that recorded.
+    /// Version of the recording program.
     pub program_version: String,
     /// `debug` or `release`.
     pub build: String,
-    /// Processor and system.
+    /// Processor and system, such as `x86_64-linux`.
     pub target: String,
-    /// What becomes of a recording of a former version of the format.
+    /// Migration of a recording of a former version of the format.
     pub migration: Option<Migration>,
-    /// When the session began, nanoseconds since the Unix epoch.
+    /// Start of the session, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
-    /// How the file ends.
+    /// Ending of the file.
     pub ending: Ending,
-    /// The station's counters at the end.
+    /// Counters of the station at the end of the session.
     pub end: Option<SessionEnd>,
     /// Public key that the recording names as its signer.
     pub signer: String,
-    /// What the signatures say, with that key.
+    /// Result of the signatures, by the key that the recording names.
     pub signature: Signature,
-    /// What viewers read of it.
+    /// State of the channels for viewers.
     pub viewers: Viewers,
-    /// Chunks of what viewers read that cannot be unpacked, and were passed over.
+    /// Damaged chunks of the channels for viewers, which were skipped.
     pub damaged_views: u64,
 }
 
-/// Summarises a recording; checks its signatures, runs no tick.
+/// Summary of a recording. Checks the signatures, and runs no tick.
 ///
 /// # Errors
-/// When the file changes meanwhile.
+/// The file has changed since it was opened.
 pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     let verdict = verify(recording, None)?;
     let (header, facts) = (recording.header(), recording.facts());
@@ -94,7 +95,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     let (from, to) = facts.times_unix_ns.unwrap_or_default();
     let duration_s = to.saturating_sub(from) as f64 * 1e-9;
     let sizes = sizes(recording, duration_s)?;
-    // Without the header, which is there once, however long the session.
+    // The header is stored once, however long the session is.
     let body = recording.len() - sizes.header_bytes;
     Ok(Info {
         file: path.shown().to_string(),
@@ -132,7 +133,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
 }
 
 impl Info {
-    /// Whether something is wrong with the file; being cut off is not.
+    /// Whether the file has a fault. A cut off end is no fault.
     pub fn is_finding(&self) -> bool {
         matches!(self.ending, Ending::Damaged { .. })
             || matches!(self.signature, Signature::Invalid { .. })
@@ -143,7 +144,7 @@ impl Info {
 
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Text from a file may hold anything, also what a terminal obeys.
+        // Text from a file may contain control characters of a terminal.
         let safe = |text: &str| text.escape_debug().to_string();
         let or = |text: &str, other: &str| {
             if text.is_empty() {
@@ -224,7 +225,7 @@ impl fmt::Display for Info {
         if self.damaged_views > 0 {
             writeln!(
                 f,
-                "  damaged    {} chunks of what viewers read",
+                "  damaged    {} chunks of the channels for viewers",
                 self.damaged_views
             )?;
         }

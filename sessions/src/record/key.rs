@@ -1,4 +1,4 @@
-//! The station's signing key: one file, made on first use, never leaving the station.
+//! Signing key of a station: one file, made on first use, which never leaves the station.
 
 use std::fmt;
 use std::io::Write as _;
@@ -12,64 +12,64 @@ use crate::record::bytes::{from_hex32, hex};
 /// First line of a key file.
 const KEY_TITLE: &str = "sulcus station key 1";
 
-/// Why there is no usable key.
+/// Reason why no key can be used.
 #[derive(Debug, thiserror::Error)]
 pub enum KeyError {
     /// The file could not be read or written.
     #[error("cannot {action} `{}`: {source}", path.shown())]
     Io {
-        /// What was tried.
+        /// Failed action.
         action: &'static str,
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// The file holds something else.
-    #[error("`{}` is not a {expected}: move it away, or name another file", path.shown())]
+    /// The file holds other content.
+    #[error("`{}` is not a {expected}: move the file away, or name another file", path.shown())]
     NotAKey {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it should be.
+        /// Expected content.
         expected: &'static str,
     },
-    /// Others can read the secret.
-    #[error("`{}` can be read by others (mode {mode:03o}): anyone could sign as this station; run chmod 600 on it, or delete it to make a new key", path.shown())]
+    /// Other users can read the secret.
+    #[error("`{}` can be read by others (mode {mode:03o}), expected mode 600: other users could sign as this station; run chmod 600 on the file, or delete the file to get a new key", path.shown())]
     Exposed {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its permission bits.
+        /// Permission bits of the file.
         mode: u32,
     },
-    /// Nowhere to keep the key.
+    /// No folder for the key is known.
     #[error("no place for the station's key: set SULCUS_STATE_DIR, XDG_STATE_HOME or HOME")]
     NoHome,
-    /// The system gave no random numbers.
+    /// The system has no random numbers.
     #[error("the system gave no random numbers for a new key: {0}")]
     Random(String),
 }
 
-/// The public half: enough to verify, printed as its fingerprint.
+/// Public half of a key, which verifies signatures. Its text is the fingerprint.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct PublicKey(VerifyingKey);
 
 impl PublicKey {
-    /// The key of the station that this program runs on; `None` when it has none yet.
+    /// Public key of this station; `None` if the station has no key yet.
     pub fn of_this_station() -> Option<Self> {
         let file = StationKey::default_path().ok()?.with_extension("pub");
         Self::from_file_or_hex(file).ok()
     }
 
-    /// From 64 hexadecimal digits; `None` for anything else.
+    /// Public key from 64 hexadecimal digits; `None` for any other text.
     pub fn from_hex(text: &str) -> Option<Self> {
         let key = VerifyingKey::from_bytes(&from_hex32(text.trim())?).ok()?;
         (!key.is_weak()).then_some(Self(key))
     }
 
-    /// From a file that holds the 64 digits, or the digits themselves.
+    /// Public key from 64 hexadecimal digits, or from a file with the digits.
     ///
     /// # Errors
-    /// When it is neither.
+    /// The argument is neither.
     pub fn from_file_or_hex(given: impl AsRef<Path>) -> Result<Self, KeyError> {
         let path = given.as_ref().to_owned();
         if let Some(key) = path.to_str().and_then(Self::from_hex) {
@@ -92,7 +92,7 @@ impl PublicKey {
         hex(self.0.as_bytes())
     }
 
-    /// Strict verification: refuses weak keys and malleable signatures.
+    /// Whether the signature is valid. Strict: refuses weak keys and malleable signatures.
     pub(crate) fn verify(&self, message: &[u8], signature: &[u8; 64]) -> bool {
         self.0
             .verify_strict(message, &Signature::from_bytes(signature))
@@ -112,7 +112,7 @@ impl fmt::Debug for PublicKey {
     }
 }
 
-/// The secret half, wiped from memory when dropped. Its `Debug` shows the public key only.
+/// Secret half of a key, wiped from memory when dropped. Its `Debug` shows the public key only.
 #[derive(Clone)]
 pub struct StationKey(SigningKey);
 
@@ -123,26 +123,26 @@ impl fmt::Debug for StationKey {
 }
 
 impl StationKey {
-    /// A key from given bytes: for tests, and for a demo that must not touch the disk.
+    /// Key from given bytes, for tests and for a demo without access to the disk.
     pub fn from_seed(seed: [u8; 32]) -> Self {
         Self(SigningKey::from_bytes(&seed))
     }
 
-    /// A new key from the system's random numbers, kept nowhere.
+    /// New key from the system's random numbers, not stored.
     ///
     /// # Errors
-    /// When the system gives none.
-    pub fn generate() -> Result<Self, KeyError> {
+    /// The system has no random numbers.
+    fn generate() -> Result<Self, KeyError> {
         let mut seed = [0; 32];
         getrandom::fill(&mut seed).map_err(|error| KeyError::Random(error.to_string()))?;
         Ok(Self::from_seed(seed))
     }
 
-    /// Where a station keeps its key: `station.key` in `SULCUS_STATE_DIR`, else in
-    /// `XDG_STATE_HOME/sulcus`, else in `HOME/.local/state/sulcus`.
+    /// Path of the station's key: `station.key` in `SULCUS_STATE_DIR`, else in `XDG_STATE_HOME/sulcus`, else in
+    /// `HOME/.local/state/sulcus`.
     ///
     /// # Errors
-    /// When none of the three is set.
+    /// None of the three variables is set.
     pub fn default_path() -> Result<PathBuf, KeyError> {
         let set = |name| {
             std::env::var_os(name)
@@ -156,18 +156,18 @@ impl StationKey {
         Ok(directory.join("station.key"))
     }
 
-    /// The key in the file at `path`; makes one (mode 0600, its public half beside it with the
-    /// extension `pub`) when there is no such file.
+    /// Key in the file at `path`. Without a file a new key is made, with mode 0600, and its public half beside it with
+    /// the extension `pub`.
     ///
     /// # Errors
-    /// When the file cannot be read or made, is not a key, or can be read by others.
+    /// The file cannot be read or made, is no key, or can be read by other users.
     pub fn load_or_create(path: &Path) -> Result<Self, KeyError> {
         match Self::load(path) {
             Err(KeyError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {}
             found => return found,
         }
         Self::generate()?.store(path)?;
-        // Another process may have been first; whoever won, the file is the station's key.
+        // Another process may have stored its key first. The key in the file is the station's key.
         Self::load(path)
     }
 
@@ -224,11 +224,11 @@ impl StationKey {
             let mut file = options.open(&fresh)?;
             file.write_all(format!("{KEY_TITLE}\n{}\n", hex(self.0.as_bytes())).as_bytes())?;
             file.sync_all()?;
-            // A link never replaces: of two stations starting at once, one key survives, whole.
+            // A link never replaces a file, so of two stations that start at once one whole key survives.
             match std::fs::hard_link(&fresh, path) {
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => Ok(()),
                 Err(error) => Err(error),
-                // For whoever verifies.
+                // The public half is for programs that verify.
                 Ok(()) => {
                     std::fs::write(path.with_extension("pub"), format!("{}\n", self.public()))
                 }
@@ -238,7 +238,7 @@ impl StationKey {
         written.map_err(failed)
     }
 
-    /// The public half.
+    /// Public half of the key.
     pub fn public(&self) -> PublicKey {
         PublicKey(self.0.verifying_key())
     }

@@ -1,16 +1,16 @@
-//! The channels of a recording, and what one message of each says.
+//! Exact channels of a recording, and their messages.
 
 use serde::{Deserialize, Serialize};
 
 use crate::record::bytes::Cut;
 use crate::record::chain::Link;
-use crate::record::channels::{Schema, exact};
 use crate::record::envelope;
 use crate::record::format::Layout;
 use crate::record::row::Row;
+use crate::record::schema::{Schema, exact};
 use crate::record::statement::SignedStatement;
 
-/// Channels that this crate writes and reads. Others in a file are for viewers, and are skipped.
+/// Exact channels, which this crate writes and reads. Other channels are for viewers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
     Ticks,
@@ -31,7 +31,7 @@ impl Topic {
         }
     }
 
-    /// Encoding of the messages in this layout.
+    /// Encoding of the topic's messages in a layout.
     pub fn encoding(self, layout: Layout) -> &'static str {
         match (layout, self) {
             (Layout::Protobuf, _) => "protobuf",
@@ -42,7 +42,7 @@ impl Topic {
         }
     }
 
-    /// Layout of the messages of a channel of this encoding; `None` where it is none of this topic's.
+    /// Layout of a channel with this encoding; `None` for an encoding that the topic never has.
     pub fn layout(self, encoding: &str) -> Option<Layout> {
         let known = [Layout::Protobuf, Layout::Bare];
         known
@@ -50,7 +50,7 @@ impl Topic {
             .find(|layout| self.encoding(*layout) == encoding)
     }
 
-    /// Schema of the messages in the present layout.
+    /// Schema of the topic's messages in the present layout.
     pub fn schema(self) -> Schema {
         match self {
             Self::Ticks => exact::ROW,
@@ -65,27 +65,27 @@ impl Topic {
     }
 }
 
-/// How much an event matters.
+/// Importance of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
-    /// Good to know.
+    /// Information.
     Info,
-    /// Something was not as it should be.
+    /// A deviation from the expected course.
     Warning,
-    /// Something failed.
+    /// A failure.
     Error,
 }
 
-/// A line in the session's log.
+/// Line in the session's log.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
     /// Session clock, nanoseconds since the Unix epoch.
     pub time_unix_ns: u64,
-    /// How much it matters.
+    /// Importance.
     pub level: Level,
-    /// What happened.
+    /// Text of the line.
     pub text: String,
 }
 
@@ -96,29 +96,29 @@ impl Event {
     }
 }
 
-/// A message of one of this crate's channels.
+/// Message of an exact channel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
-    /// A tick.
+    /// Row of a tick.
     Row(Row),
-    /// The state after a tick.
+    /// State after a tick.
     Snapshot {
-        /// The tick.
+        /// Number of the tick.
         tick: u64,
         /// Bytes of [`sulcus_core::State`].
         state: Vec<u8>,
     },
-    /// A signed head of the chain.
+    /// Signed head of the chain.
     Signed(SignedStatement),
-    /// A line in the log.
+    /// Line in the log.
     Event(Event),
 }
 
-/// Ticks beyond this (nine thousand years) are damage, and would overflow a counter somewhere.
+/// Largest valid tick: nine thousand years at 1 kHz. A larger number is damage and could overflow a counter.
 pub(crate) const MAX_TICK: u64 = 1 << 58;
 
 impl Message {
-    /// Decodes a message in this layout; `None` when its bytes are not of their kind.
+    /// Decodes a message of this layout; `None` for invalid bytes.
     pub(crate) fn decode(topic: Topic, layout: Layout, bytes: &[u8]) -> Option<Self> {
         let bytes = match layout {
             Layout::Protobuf => envelope::open(bytes)?,
@@ -141,7 +141,7 @@ impl Message {
         }
     }
 
-    /// What the chain covers of this message: kind, tick and bytes; `None` for what signs it.
+    /// Part of the message that the chain covers: kind, tick and bytes; `None` for a signed statement.
     pub(crate) fn chained(&self) -> Option<(Link, Option<u64>, Vec<u8>)> {
         match self {
             Self::Row(row) => Some((Link::Row, Some(row.tick), row.to_bytes().to_vec())),

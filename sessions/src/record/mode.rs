@@ -1,25 +1,25 @@
-//! What a session is for: who may see what of its grade, and when.
+//! Mode of a session: the rules for showing its grade.
 
 use std::fmt;
 
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// What a session is for. A station says it when the session begins, and it is signed with the rest of the recording's header.
+/// Mode of a session. The station sets the mode at the start, and signs it with the rest of the header.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// Everything is shown.
     #[default]
     Practice,
-    /// The learner's own score comes before the grade.
+    /// The learner's own score precedes the grade.
     SelfAssessment,
-    /// By the recording's own rubric and a trusted key only; neither advice nor anything that tells how deep a pocket is.
+    /// Only the recorded rubric and a trusted key count. Neither advice nor anything that tells a depth is shown.
     Exam,
 }
 
 impl Mode {
-    /// As on the command line, in JSON, and in recordings.
+    /// Name on the command line, in JSON and in recordings.
     pub fn name(self) -> &'static str {
         match self {
             Self::Practice => "practice",
@@ -28,7 +28,7 @@ impl Mode {
         }
     }
 
-    /// The mode of that name.
+    /// Mode of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         let all = [Self::Practice, Self::SelfAssessment, Self::Exam];
         all.into_iter().find(|mode| mode.name() == name)

@@ -1,4 +1,4 @@
-//! Names of recordings: `FOLDER/TIME-EXERCISE.mcap`, sorted by time, never one that exists.
+//! File names of recordings, `FOLDER/TIME-EXERCISE.mcap`: sorted by time, never the name of an existing file.
 
 use std::path::{Path, PathBuf};
 
@@ -6,15 +6,15 @@ use crate::record::header::SessionHeader;
 use crate::record::key::StationKey;
 use crate::record::recorder::{RecordError, Recorder};
 
-/// Sessions that may begin within the same second in the same folder.
+/// Largest number of sessions that begin within the same second in the same folder.
 const ATTEMPTS: u32 = 1000;
 
 impl Recorder {
-    /// As [`Recorder::create`], under a name in `folder` made of the header's start and exercise that
-    /// no file has yet. Returns the file's path too.
+    /// New recording in `folder`, as by [`Recorder::create`], and its path. The name consists of the header's start and
+    /// exercise, and no file has it yet.
     ///
     /// # Errors
-    /// When the file cannot be written, or a thousand sessions began in this second.
+    /// The file cannot be written, or a thousand sessions began in this second.
     pub fn create_in(
         folder: &Path,
         header: &SessionHeader,
@@ -38,13 +38,13 @@ impl Recorder {
     }
 }
 
-/// `YYYYMMDDTHHMMSSZ` of a time since 1970.
+/// Time since 1970 as `YYYYMMDDTHHMMSSZ`.
 fn utc(unix_ns: u64) -> String {
     let seconds = unix_ns / 1_000_000_000;
     let (days, second) = (seconds / 86_400, seconds % 86_400);
     let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    // Days to a Gregorian date, years beginning in March (Hinnant, "chrono-compatible low-level date
-    // algorithms"), without the part for dates before 1970.
+    // Days to a Gregorian date with years that begin in March. Source: Hinnant, "chrono-compatible low-level date
+    // algorithms", without the part for dates before 1970.
     let z = days + 719_468;
     let (era, day_of_era) = (z / 146_097, z % 146_097);
     let year_of_era =
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn dates_are_gregorian() {
-        // `date -u -d @N`.
+        // Expected values by `date -u -d @N`.
         let cases = [
             (0, "19700101T000000Z"),
             (951_782_399, "20000228T235959Z"),

@@ -1,5 +1,5 @@
-//! Events that have a name and data, as lines of a session's log: `KIND at tick N: JSON`. What a client sends
-//! and what the exercise itself causes look the same there.
+//! Events with name and data, as lines of a session's log: `KIND at tick N: JSON`. Events of a client and events of the
+//! exercise have the same form.
 
 use std::fmt;
 
@@ -8,22 +8,22 @@ use sulcus_core::output::{ForceZone, PocketReading};
 
 use crate::record::message::Level;
 
-/// Name of the event that a hand has become too heavy on the floor of a pocket.
+/// Kind of the event: the force of a hand on the floor of a pocket enters another zone.
 pub const FORCE_ZONE: &str = "force_zone";
 
-/// Something that happened in an exercise.
+/// Event of an exercise, with name and data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occurrence {
-    /// What kind of thing, one word.
+    /// Kind, one word.
     pub kind: String,
-    /// Tick in which it happened.
+    /// Tick of the event.
     pub tick: u64,
-    /// Its data.
+    /// Data of the event.
     pub data: Value,
 }
 
 impl Occurrence {
-    /// A hand entered a heavier zone of force: event `force_zone` with `tool`, `object`, `zone` (`too_heavy`,
+    /// Event `force_zone`: a hand entered another zone of force. Data: `tool`, `object`, `zone` (`light`, `too_heavy`,
     /// `trauma` or `damage`), `floor_force_n`, `depth_mm` and `around_deg` (from mesial over buccal).
     pub fn force_zone(tick: u64, tool: usize, reading: &PocketReading) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Occurrence {
         }
     }
 
-    /// How much it matters: what a teacher would speak of is a warning.
+    /// Importance. Faults of a learner are warnings.
     pub fn level(&self) -> Level {
         let light = self.kind == FORCE_ZONE && self.data["zone"] == zone_name(ForceZone::Light);
         let wrong = match self.kind.as_str() {
@@ -53,7 +53,7 @@ impl Occurrence {
         if wrong { Level::Warning } else { Level::Info }
     }
 
-    /// The occurrence in a line of the log; `None` for any other line.
+    /// Occurrence in a line of the log; `None` for any other line.
     pub fn parse(text: &str) -> Option<Self> {
         let (head, data) = text.split_once(": ")?;
         let (kind, tick) = head.split_once(" at tick ")?;
@@ -71,7 +71,7 @@ impl fmt::Display for Occurrence {
     }
 }
 
-/// A zone's name in data.
+/// Name of a zone of force in data.
 pub fn zone_name(zone: ForceZone) -> &'static str {
     match zone {
         ForceZone::Light => "light",

@@ -1,4 +1,4 @@
-//! Which build of the program did something.
+//! Identity of a build of the program.
 
 use std::fmt;
 
@@ -6,22 +6,23 @@ use serde::Serialize;
 
 use crate::record::header::SessionHeader;
 
-/// Version, build, target and tick of a program. Two that are equal give the same bits; two that differ should, and whether
-/// they did is what a replay shows.
+/// Version, build, target and tick of a program. Equal programs give the same bits. Different programs may, and a
+/// replay shows whether the bits differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Program {
-    /// Version.
+    /// Version of the program.
     pub version: String,
     /// `debug` or `release`.
     pub build: String,
     /// Processor and system, such as `x86_64-linux`.
     pub target: String,
-    /// Beginning of a hash over the tick's sources; empty where the recording is of before it was said.
+    /// First hexadecimal digits of a hash over the sources of the tick; empty in recordings from before 24 November
+    /// 2026.
     pub tick_source: String,
 }
 
 impl Program {
-    /// The one that a header names.
+    /// Program that a header names.
     pub fn of(header: &SessionHeader) -> Self {
         Self {
             version: header.program_version.clone(),
@@ -31,7 +32,7 @@ impl Program {
         }
     }
 
-    /// This one.
+    /// The running program.
     pub fn this() -> Self {
         Self::of(&SessionHeader::new(Vec::new()))
     }
@@ -39,7 +40,7 @@ impl Program {
 
 impl fmt::Display for Program {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A header's text may hold anything, also what a terminal obeys.
+        // Text of a header may contain control characters of a terminal.
         let [version, build, target, tick] =
             [&self.version, &self.build, &self.target, &self.tick_source]
                 .map(|text| text.escape_debug());

@@ -1,13 +1,12 @@
-//! Reading a recording: strict, bounded, never a panic, and what a crash left is still read.
+//! Recording: header, facts and messages of a file that `crate::record::scan` has read.
+
+mod ending;
+mod error;
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde::Serialize;
-use sulcus_core::scene::SCENE_VERSION;
 use sulcus_core::{Scene, SceneError};
-use sulcus_program::PathText;
 
 use crate::record::format::Migration;
 use crate::record::gap::Gap;
@@ -15,158 +14,38 @@ use crate::record::header::SessionHeader;
 use crate::record::key::PublicKey;
 use crate::record::message::Message;
 use crate::record::program::Program;
-use crate::record::scan;
-use crate::record::scan::Depth;
+use crate::record::signature::Signature;
 use crate::record::statement::SessionEnd;
-use crate::record::verify::Signature;
-use crate::record::viewers::Viewers;
+use crate::record::unpack::{Topics, unpack};
+use crate::record::viewers::{Sum, Viewers};
 
-/// Why a file is not a recording that can be read.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    /// The system refused.
-    #[error("cannot read `{}`: {source}", path.shown())]
-    Io {
-        /// Which file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// It does not begin as an MCAP file does.
-    #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
-    NotMcap,
-    /// An MCAP file of somebody else's.
-    #[error("not a Sulcus recording: the MCAP file has no metadata `sulcus`")]
-    NotSulcus,
-    /// Nothing can be said about a recording without its header.
-    #[error("recording ends inside its header, after {at} bytes: nothing in it can be used")]
-    HeaderCut {
-        /// Length of what is whole.
-        at: u64,
-    },
-    /// Another version of the layout.
-    #[error("recording has format version `{found}`, this program reads {expected}: {advice}")]
-    Version {
-        /// Version found.
-        found: String,
-        /// Versions that are read.
-        expected: String,
-        /// What the version is, and what to do.
-        advice: String,
-    },
-    /// The header is there, and wrong.
-    #[error("recording's header is damaged: {what}")]
-    Header {
-        /// What is wrong.
-        what: String,
-    },
-    /// Nothing to replay.
-    #[error("recording has no rows: it ended before its first tick was written ({ending})")]
-    NoRows {
-        /// How it ended, in words.
-        ending: String,
-    },
-    /// The file is not what it was when it was opened.
-    #[error("recording changed while it was being read: {what}")]
-    Changed {
-        /// What is wrong now.
-        what: String,
-    },
-    /// The scene is of another version of the core.
-    #[error(
-        "recording's scene has version {found}, this program ({}) reads {SCENE_VERSION}: replay it with the program that recorded it, {recorded_by}",
-        Program::this()
-    )]
-    SceneVersion {
-        /// Who could.
-        recorded_by: Box<Program>,
-        /// Version found.
-        found: u16,
-    },
-    /// The scene cannot be used.
-    #[error(
-        "recording's scene cannot be used by this program ({}), recorded by {recorded_by}: {source}",
-        Program::this()
-    )]
-    Scene {
-        /// Who could.
-        recorded_by: Box<Program>,
-        /// What is wrong.
-        source: Box<SceneError>,
-    },
-}
+pub use ending::Ending;
+pub use error::ReadError;
 
-/// How a recording ends.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Ending {
-    /// With the station's last statement and everything an MCAP file ends with.
-    Finished,
-    /// Somewhere: the program was killed, or the machine stopped. What is before is whole.
-    CutOff {
-        /// Length of what is whole.
-        at_byte: u64,
-        /// What is missing.
-        why: String,
-    },
-    /// Properly, but without the station's last statement, or with gaps: what a torn or damaged file held was written anew
-    /// ([`crate::recover()`]).
-    Recovered {
-        /// How the torn file ended.
-        was: String,
-        /// What was missing.
-        missing: String,
-    },
-    /// With bytes that are wrong. What is before is whole; what is after is not read.
-    Damaged {
-        /// Where the wrong bytes begin.
-        at_byte: u64,
-        /// What is wrong.
-        why: String,
-    },
-}
-
-impl std::fmt::Display for Ending {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Finished => f.write_str("finished"),
-            Self::CutOff { at_byte, why } => write!(f, "cut off after {at_byte} bytes: {why}"),
-            // A file's own words may hold anything, also what a terminal obeys.
-            Self::Recovered { was, missing } => write!(
-                f,
-                "recovered from one that was {}; missing: {}",
-                was.escape_debug(),
-                missing.escape_debug()
-            ),
-            Self::Damaged { at_byte, why } => write!(f, "damaged at byte {at_byte}: {why}"),
-        }
-    }
-}
-
-/// What a first pass over the file found.
+/// Facts of a recording, from a first pass over the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Facts {
-    /// Rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Snapshots.
+    /// Number of snapshots.
     pub snapshots: u64,
-    /// Lines in the log, but for the hash over what viewers read.
+    /// Number of lines in the log, without the hash over the channels for viewers.
     pub events: u64,
-    /// Signed statements.
+    /// Number of signed statements.
     pub signatures: u64,
-    /// First and last tick that have a row.
+    /// First and last tick with a row.
     pub ticks: Option<(u64, u64)>,
     /// Time of the first and last row, nanoseconds since the Unix epoch.
     pub times_unix_ns: Option<(u64, u64)>,
-    /// What the recording program said at the end; not verified here.
+    /// Counters of the recording program at the end of the session; not verified here.
     pub end: Option<SessionEnd>,
-    /// Chunks of what viewers read that cannot be unpacked, and were passed over.
+    /// Damaged chunks of the channels for viewers, which were skipped.
     pub damaged_views: u64,
-    /// What the log says of all that viewers read.
-    pub(crate) viewers: Option<crate::record::viewers::Sum>,
+    /// Hash over the channels for viewers in the log.
+    pub(crate) viewers: Option<Sum>,
 }
 
-/// A recording's bytes, mapped or in memory.
+/// Bytes of a recording, mapped or in memory.
 pub(crate) enum Bytes {
     Mapped(memmap2::Mmap),
     Owned(Vec<u8>),
@@ -182,21 +61,21 @@ impl std::ops::Deref for Bytes {
     }
 }
 
-/// A recording whose structure was checked from end to end; its messages are unpacked as they are
-/// read, so that an hour takes no more memory than a second.
+/// Recording whose structure was checked from end to end. Messages are unpacked when they are read, so an hour takes no
+/// more memory than a second.
 pub struct Recording {
     pub(crate) bytes: Arc<Bytes>,
     pub(crate) header: SessionHeader,
     pub(crate) header_digest: [u8; 32],
     pub(crate) migration: Option<Migration>,
     pub(crate) signer: PublicKey,
-    /// Where the attachments and the metadata of the header begin.
+    /// First bytes of the header's attachments and metadata.
     pub(crate) placed: Vec<usize>,
     /// Chunks, and stretches of records outside of chunks.
     pub(crate) pieces: Vec<Range<usize>>,
-    /// Schemas and channels that the file's summary alone still names.
+    /// Schemas and channels that only the file's summary contains.
     pub(crate) declared: Vec<Range<usize>>,
-    /// Where what is read of the file ends.
+    /// End of the part of the file that is read.
     pub(crate) tail: usize,
     pub(crate) facts: Facts,
     pub(crate) viewers: Viewers,
@@ -214,82 +93,20 @@ impl std::fmt::Debug for Recording {
 }
 
 impl Recording {
-    /// Opens and checks a file. One that is still being written may be opened: it is read as far as
-    /// it had come.
-    ///
-    /// # Errors
-    /// When it is no recording, or holds no row.
-    pub fn open(path: &Path) -> Result<Self, ReadError> {
-        Self::map(path, Depth::Strict)
-    }
-
-    /// As [`Recording::open`], and every chunk that is whole behind damage is read, too: for a recovery.
-    /// [`Recording::gaps`] says where something is missing.
-    ///
-    /// # Errors
-    /// As [`Recording::open`].
-    pub fn salvage(path: &Path) -> Result<Self, ReadError> {
-        Self::map(path, Depth::Salvage)
-    }
-
-    /// This recording, with every chunk that is whole behind damage.
-    ///
-    /// # Errors
-    /// When the file changes meanwhile.
-    pub(crate) fn salvaged(&self) -> Result<Self, ReadError> {
-        scan::scan(Arc::clone(&self.bytes), Depth::Salvage)
-    }
-
-    fn map(path: &Path, depth: Depth) -> Result<Self, ReadError> {
-        let failed = |source| ReadError::Io {
-            path: path.to_owned(),
-            source,
-        };
-        let file = std::fs::File::open(path).map_err(failed)?;
-        let metadata = file.metadata().map_err(failed)?;
-        if metadata.is_dir() {
-            return Err(failed(std::io::ErrorKind::IsADirectory.into()));
-        }
-        if metadata.len() == 0 {
-            return Err(ReadError::NotMcap);
-        }
-        // SAFETY: the map is only read. A recording only ever grows, and growth is not seen; a
-        // program that overwrote it meanwhile would be noticed as damage, since nothing is trusted
-        // across two reads. (One that shortened it could end this process, as with any mapped file.)
-        let map = unsafe { memmap2::Mmap::map(&file) }.map_err(failed)?;
-        scan::scan(Arc::new(Bytes::Mapped(map)), depth)
-    }
-
-    /// As [`Recording::open`], from memory.
-    ///
-    /// # Errors
-    /// As [`Recording::open`].
-    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, ReadError> {
-        scan::scan(Arc::new(Bytes::Owned(bytes)), Depth::Strict)
-    }
-
-    /// As [`Recording::salvage`], from memory.
-    ///
-    /// # Errors
-    /// As [`Recording::open`].
-    pub fn salvage_bytes(bytes: Vec<u8>) -> Result<Self, ReadError> {
-        scan::scan(Arc::new(Bytes::Owned(bytes)), Depth::Salvage)
-    }
-
-    /// What is constant in the session.
+    /// Constant data of the session.
     pub fn header(&self) -> &SessionHeader {
         &self.header
     }
 
-    /// What is made of it, where it is of a former version of the format.
+    /// Migration of a recording of a former version of the format.
     pub fn migration(&self) -> Option<Migration> {
         self.migration
     }
 
-    /// The compiled scene, validated.
+    /// Compiled scene, validated.
     ///
     /// # Errors
-    /// When its bytes are not a scene of this version.
+    /// The bytes are no scene of this version.
     pub fn scene(&self) -> Result<Scene, ReadError> {
         let recorded_by = || Box::new(Program::of(&self.header));
         Scene::from_bytes(&self.header.scene).map_err(|source| match source {
@@ -304,40 +121,39 @@ impl Recording {
         })
     }
 
-    /// The key that the recording says it was signed with. Whether it was is for
-    /// [`crate::verify()`] to find; whether that key is to be trusted, only its reader knows.
+    /// Public key that the recording names as its signer. [`crate::verify()`] checks the signatures. Whether the key is
+    /// trusted, only the reader of the recording knows.
     pub fn signer(&self) -> PublicKey {
         self.signer
     }
 
-    /// Counts and spans.
+    /// Counts and spans of the recording.
     pub fn facts(&self) -> &Facts {
         &self.facts
     }
 
-    /// Whether a chunk that was found good begins at this byte; one of viewers' that was passed over is not.
+    /// Whether a valid chunk begins at this byte. A skipped chunk of the channels for viewers is not valid.
     pub(crate) fn is_good_chunk(&self, at: usize) -> bool {
         let begins = |piece: &Range<usize>| piece.start;
         self.pieces.binary_search_by_key(&at, begins).is_ok()
     }
 
-    /// Whether what viewers read of it is what was recorded.
-    /// (A hash in a log that is not what was signed says nothing.)
+    /// State of the channels for viewers. With an invalid signature the hash in the log proves nothing.
     pub fn viewers_by(&self, signature: &Signature) -> Viewers {
         match (self.viewers, signature) {
             (Viewers::AsSigned, Signature::Invalid { .. }) => Viewers::NotSigned,
-            // A part of it may be missing with the rest.
+            // A part of the channels may be missing in a gap.
             (Viewers::Changed, _) if !self.gaps.is_empty() => Viewers::NotSigned,
             (viewers, _) => viewers,
         }
     }
 
-    /// Where a part of the exact record is missing: in what was recovered of a damaged file.
+    /// Places where a part of the exact record is missing, in a recovered recording.
     pub fn gaps(&self) -> &[Gap] {
         &self.gaps
     }
 
-    /// How it ends.
+    /// Ending of the file.
     pub fn ending(&self) -> &Ending {
         &self.ending
     }
@@ -347,12 +163,12 @@ impl Recording {
         self.bytes.len() as u64
     }
 
-    /// Never: a recording has at least one row.
+    /// Always false: a recording has at least one row.
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// All messages in the order in which they were written.
+    /// All messages in the order of writing.
     pub fn messages(&self) -> Messages<'_> {
         Messages {
             recording: self,
@@ -365,21 +181,21 @@ impl Recording {
 
 impl Recording {
     /// Channels that are known before the first piece is read.
-    fn declared_topics(&self) -> scan::Topics {
-        let mut topics = scan::Topics::new();
+    fn declared_topics(&self) -> Topics {
+        let mut topics = Topics::new();
         for range in &self.declared {
-            // Found good by the scan; of bytes that changed meanwhile, the message that names the channel is found wrong.
-            let _ = scan::unpack(&self.bytes[range.clone()], &mut topics, None);
+            // The scan has checked these bytes. If they have changed since, unpacking of the messages fails.
+            let _ = unpack(&self.bytes[range.clone()], &mut topics, None);
         }
         topics
     }
 }
 
-/// Iterator over a recording's messages; unpacks one chunk at a time.
+/// Iterator over the messages of a recording. Unpacks one chunk at a time.
 pub struct Messages<'a> {
     recording: &'a Recording,
     next_piece: usize,
-    topics: scan::Topics,
+    topics: Topics,
     unpacked: std::vec::IntoIter<Message>,
 }
 
@@ -393,7 +209,7 @@ impl Iterator for Messages<'_> {
             }
             let range = self.recording.pieces.get(self.next_piece)?.clone();
             self.next_piece += 1;
-            match scan::unpack(&self.recording.bytes[range], &mut self.topics, None) {
+            match unpack(&self.recording.bytes[range], &mut self.topics, None) {
                 Ok(messages) => self.unpacked = messages.into_iter(),
                 Err(what) => {
                     self.next_piece = self.recording.pieces.len();

@@ -1,78 +1,77 @@
-//! Writing one session into one MCAP file.
+//! Recorder of one session into one MCAP file.
 
 mod begin;
 mod error;
+mod output;
 mod viewers;
 
 use std::fs::OpenOptions;
 use std::path::Path;
 
-use mcap::records::MessageHeader;
-use mcap::write::NoSeek;
+use prost::Message;
 
 use crate::record::chain::{Chain, Link};
-use crate::record::channels;
+use crate::record::channels::foxglove_types::log;
 use crate::record::envelope;
 use crate::record::header;
 use crate::record::header::SessionHeader;
 use crate::record::key::StationKey;
 use crate::record::message::{Event, Level, Topic};
 use crate::record::row::Row;
+use crate::record::schema::Schema;
 use crate::record::statement::{SessionEnd, Statement};
-use crate::record::storage::{FileStorage, Sink, Storage};
-use crate::record::viewers::Summing;
+use crate::record::storage::{FileStorage, Storage};
+
+pub use error::RecordError;
+pub(crate) use output::reason;
 
 use begin::begin;
-pub(crate) use begin::reason;
-pub use error::RecordError;
-use viewers::Waiting;
+use output::{Mcap, Output};
+use viewers::Views;
 
-/// Record time between two flushes: what kill -9 can cost, besides the chunk being written.
+/// Record time between two flushes, nanoseconds: the loss by kill -9, besides the chunk being written.
 const FLUSH_EVERY_NS: u64 = 100_000_000;
-/// Record time between two signatures.
+/// Record time between two signatures, nanoseconds.
 const SIGN_EVERY_NS: u64 = 10_000_000_000;
-/// Seconds between two snapshots of the state in a record.
+/// Time between two snapshots of the state in a recording, seconds.
 pub const SNAPSHOT_EVERY_S: f64 = 10.0;
 
-/// What a finished recording holds.
+/// Size of a finished recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Finished {
-    /// Length of the file.
+    /// Length of the file, bytes.
     pub bytes: u64,
-    /// Rows in it.
+    /// Number of rows.
     pub rows: u64,
 }
 
-/// Writes one session. Not for the thread that ticks: a flush may take milliseconds.
+/// Recorder of one session. It must not run in the thread that ticks, because a flush may take milliseconds.
 ///
-/// A recorder dropped without [`Recorder::finish`] leaves a file that says it was cut off.
+/// A recorder that is dropped without [`Recorder::finish`] leaves a file that is read as cut off.
 pub struct Recorder {
-    /// Gone after the first failure, or when finished.
-    writer: Option<mcap::Writer<NoSeek<Sink>>>,
+    output: Output,
     ids: [u16; Topic::ALL.len()],
     /// Channel of the log for viewers.
     log: u16,
-    /// Messages for viewers that are not in a chunk yet.
-    waiting: Waiting,
-    /// Sum over those that are.
-    viewed: Summing,
+    views: Views,
     key: StationKey,
     chain: Chain,
     hashes: [[u8; 32]; 3],
-    /// Record time of the last flush and of the last signature; the first message sets both.
+    /// Record time of the last flush and of the last signature. The first message sets both.
     times: Option<(u64, u64)>,
     last_time: u64,
-    /// The protobuf message around the bytes that are written next.
+    /// Protobuf message around the bytes of the next message.
     sealed: Vec<u8>,
     snapshots: u64,
+    /// Number of rows that came after writing had failed.
     lost_rows: u64,
 }
 
 impl Recorder {
-    /// Makes the file, with header and attachments already on their way to the disk.
+    /// Makes the file and writes header and attachments.
     ///
     /// # Errors
-    /// When the file exists, or cannot be written.
+    /// The file exists, or cannot be written.
     pub fn create(
         path: &Path,
         header: &SessionHeader,
@@ -92,7 +91,7 @@ impl Recorder {
             .map_err(failed)?;
         let storage = FileStorage::new(file).map_err(failed)?;
         Self::on(Box::new(storage), header, key).inspect_err(|_| {
-            // Without its header the file is of no use to anyone.
+            // A file without its header has no use.
             let _ = std::fs::remove_file(path);
         })
     }
@@ -110,11 +109,10 @@ impl Recorder {
         let digest = header::digest(&metadata);
         let begun = begin(storage, header, metadata).map_err(stopped)?;
         Ok(Self {
-            writer: Some(begun.writer),
+            output: Output::new(begun.writer),
             ids: begun.ids,
             log: begun.log,
-            waiting: Waiting::default(),
-            viewed: begun.viewed,
+            views: begun.views,
             key,
             chain: Chain::new(digest),
             hashes: [digest, header.scene_hash(), header.exercise_hash()],
@@ -126,11 +124,11 @@ impl Recorder {
         })
     }
 
-    /// Adds the row of a tick; flushes and signs when record time says so.
+    /// Adds the row of a tick. Flushes and signs by record time.
     ///
     /// # Errors
-    /// Out of order; or the first failure to write. After that failure rows are only counted
-    /// ([`Recorder::lost_rows`]) and `Ok` is returned, so that a caller logs it once.
+    /// The row is out of order, or writing fails for the first time. After that failure rows are only
+    /// counted and the result is `Ok`, so that a caller logs the failure once.
     pub fn push(&mut self, row: &Row) -> Result<(), RecordError> {
         if self.snapshots == 0 {
             return Err(RecordError::NoSnapshot);
@@ -141,7 +139,7 @@ impl Recorder {
                 last: self.chain.tick(),
             });
         }
-        if self.writer.is_none() {
+        if !self.output.is_open() {
             self.lost_rows += 1;
             return Ok(());
         }
@@ -151,11 +149,11 @@ impl Recorder {
         self.on_time(row.time_unix_ns)
     }
 
-    /// Adds the state after `tick` (bytes of [`sulcus_core::State::to_bytes`]): once before the
-    /// first row, then every [`SNAPSHOT_EVERY_S`], right after that tick's row.
+    /// Adds the state after `tick`, bytes of [`sulcus_core::State::to_bytes`]. The first snapshot precedes the first
+    /// row. Further snapshots follow every [`SNAPSHOT_EVERY_S`], right after the row of their tick.
     ///
     /// # Errors
-    /// Out of order; or the first failure to write.
+    /// The snapshot is out of order, or writing fails for the first time.
     pub fn snapshot(
         &mut self,
         time_unix_ns: u64,
@@ -174,10 +172,10 @@ impl Recorder {
         self.put(Topic::Snapshots, time_unix_ns, &bytes)
     }
 
-    /// Adds something worth reading to the session's log, and to the log for viewers.
+    /// Adds a line to the session's log, and to the log for viewers.
     ///
     /// # Errors
-    /// The first failure to write.
+    /// Writing fails for the first time.
     pub fn event(
         &mut self,
         time_unix_ns: u64,
@@ -185,7 +183,7 @@ impl Recorder {
         text: &str,
     ) -> Result<(), RecordError> {
         self.log_exactly(time_unix_ns, level, text)?;
-        let log = channels::log(time_unix_ns, level, text);
+        let log = log(time_unix_ns, level, text);
         self.view(self.log, self.last_time, &log)
     }
 
@@ -202,43 +200,63 @@ impl Recorder {
         }
         .to_bytes();
         self.chain.add(Link::Event, None, &bytes);
-        // In MCAP's log the time of what came before it: a tool that sorts messages by that time keeps the order of the chain.
+        // The log time is the time of the message before. A tool that sorts messages by log time then keeps the order
+        // of the chain.
         self.put(Topic::Events, self.last_time, &bytes)
     }
 
-    /// Closes the chunks and hands them to the system. [`Recorder::push`] does so by itself every
-    /// 100 ms of record time (what viewers read: every 500 ms); call this when rows stop coming.
+    /// Closes the chunks and hands them to the system. [`Recorder::push`] does so every 100 ms of record time, and
+    /// every 500 ms for the channels for viewers. A caller without further rows calls this method.
     ///
     /// # Errors
-    /// The first failure to write.
+    /// Writing fails for the first time.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         self.write(|writer| writer.flush())?;
-        self.flush_views()
+        self.views.flush(&mut self.output, self.chain.rows())
     }
 
-    /// Rows that came after writing had failed.
-    pub fn lost_rows(&self) -> u64 {
-        self.lost_rows
+    /// Adds a channel of protobuf messages for viewers. After a failure to write the number is meaningless.
+    pub(crate) fn add_view(&mut self, topic: &str, schema: &Schema) -> Result<u16, RecordError> {
+        let (mut id, views) = (0, &mut self.views);
+        let rows = self.chain.rows();
+        self.output.write(rows, |writer| {
+            id = views.declare(writer, topic, schema)?;
+            Ok(())
+        })?;
+        Ok(id)
     }
 
-    /// Rows given to the file.
+    /// Adds a message to a channel for viewers.
+    pub(crate) fn view(
+        &mut self,
+        channel: u16,
+        time_unix_ns: u64,
+        message: &impl Message,
+    ) -> Result<(), RecordError> {
+        if self.output.is_open() && self.views.push(channel, time_unix_ns, message) {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Number of rows given to the file.
     pub fn rows(&self) -> u64 {
         self.chain.rows()
     }
 
-    /// Signs the end and closes the file, synced to the disk.
+    /// Signs the end, closes the file, and waits until the disk has the file.
     ///
     /// # Errors
-    /// When writing fails or has failed before.
+    /// Writing fails or has failed before.
     pub fn finish(mut self, end: SessionEnd) -> Result<Finished, RecordError> {
         self.flush()?;
-        // In the signed log alone: what viewers read is over.
-        let line = self.viewed.sum().line();
+        // Only the exact log has this line, because the channels for viewers are complete.
+        let line = self.views.sum().line();
         self.log_exactly(self.last_time, Level::Info, &line)?;
         self.sign(self.last_time, Some(end))?;
         let rows = self.rows();
         let stopped = |what: String| RecordError::Stopped { rows, what };
-        let Some(mut writer) = self.writer.take() else {
+        let Some(mut writer) = self.output.take() else {
             let lost = self.lost_rows;
             return Err(stopped(format!(
                 "{lost} rows came after writing had failed"
@@ -251,7 +269,7 @@ impl Recorder {
     }
 
     fn on_time(&mut self, now: u64) -> Result<(), RecordError> {
-        // A clock set back counts like one that went on: rows must not wait for it to catch up.
+        // A clock that was set back counts like a clock that went on. Rows must not wait until the clock has caught up.
         let (flushed, signed) = *self.times.get_or_insert((now, now));
         if now.abs_diff(signed) >= SIGN_EVERY_NS {
             self.sign(now, None)?;
@@ -259,7 +277,9 @@ impl Recorder {
         }
         if now.abs_diff(flushed) >= FLUSH_EVERY_NS {
             self.write(|writer| writer.flush())?;
-            self.flush_views_if_due()?;
+            if self.views.is_due() {
+                self.views.flush(&mut self.output, self.chain.rows())?;
+            }
             self.times = self.times.map(|(_, signed)| (now, signed));
         }
         Ok(())
@@ -282,13 +302,7 @@ impl Recorder {
 
     fn put(&mut self, topic: Topic, time_unix_ns: u64, bytes: &[u8]) -> Result<(), RecordError> {
         self.last_time = time_unix_ns;
-        let header = MessageHeader {
-            channel_id: self.ids[topic as usize],
-            // Wraps after 49 days; nothing reads it but other tools.
-            sequence: self.chain.rows() as u32,
-            log_time: time_unix_ns,
-            publish_time: time_unix_ns,
-        };
+        let header = output::header(self.ids[topic as usize], self.chain.rows(), time_unix_ns);
         let mut sealed = std::mem::take(&mut self.sealed);
         envelope::seal(bytes, &mut sealed);
         let written = self.write(|writer| writer.write_to_known_channel(&header, &sealed));
@@ -296,27 +310,11 @@ impl Recorder {
         written
     }
 
-    /// Runs `action` on the writer; after the first failure there is no writer, and this is `Ok`.
     fn write(
         &mut self,
-        action: impl FnOnce(&mut mcap::Writer<NoSeek<Sink>>) -> mcap::McapResult<()>,
+        action: impl FnOnce(&mut Mcap) -> mcap::McapResult<()>,
     ) -> Result<(), RecordError> {
-        let Some(writer) = &mut self.writer else {
-            return Ok(());
-        };
-        action(writer).map_err(|error| {
-            self.abandon();
-            RecordError::Stopped {
-                rows: self.chain.rows(),
-                what: reason(&error),
-            }
-        })
-    }
-
-    /// Lets go of the writer without the summary that it would write when dropped: the file must
-    /// not look finished.
-    fn abandon(&mut self) {
-        drop(self.writer.take().map(mcap::Writer::into_inner));
+        self.output.write(self.chain.rows(), action)
     }
 }
 
@@ -324,6 +322,6 @@ impl Drop for Recorder {
     fn drop(&mut self) {
         // A panic elsewhere should not cost the last tenth of a second.
         let _ = self.flush();
-        self.abandon();
+        self.output.abandon();
     }
 }

@@ -1,15 +1,16 @@
-//! A torn or damaged recording made whole again, as far as it goes.
+//! Recovery of a cut off or damaged recording.
 //!
-//! A crash leaves a clean prefix without an end: this program reads it as it is, other MCAP tools may not. A broken disk leaves
-//! damage with whole chunks behind it. Recovery writes a new file of all whole chunks, with an index and a proper end. Its metadata
-//! `sulcus.recovered` says how the damaged file ended, what is missing, and where the gaps are ([`Gap`]), so that a replay begins
-//! again with the first snapshot behind each. A damaged chunk of what viewers read is left behind, so that they can open the
-//! rest. Messages are copied as they are: chain and signatures hold between the gaps. A grade does not rest on a recording with a
-//! gap.
+//! A crash leaves a clean prefix without an end. This program reads the prefix, other MCAP tools may not. A broken disk
+//! leaves damage with whole chunks behind it. Recovery writes a new file of all whole chunks, with an index and a
+//! proper end.
+//!
+//! The metadata `sulcus.recovered` of the new file says how the damaged file ended, what is missing, and where the gaps
+//! are ([`crate::Gap`]). A replay continues from the first snapshot behind each gap. Damaged chunks of the channels for
+//! viewers are left out. Messages are copied unchanged, so chain and signatures hold between the gaps. A recording with
+//! a gap is not graded.
 
 mod lost;
 
-use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -20,65 +21,60 @@ use mcap::{Attachment, Compression, WriteOptions, Writer};
 use serde::Serialize;
 use sulcus_program::PathText;
 
-use crate::record::gap::Gap;
+use crate::record::note;
+use crate::record::note::Note;
 use crate::record::read::{Ending, Facts, ReadError, Recording};
-use crate::record::verify::{Signature, verify};
+use crate::record::signature::Signature;
+use crate::record::verify::verify;
 use crate::record::walk;
 use crate::record::walk::{Framed, Walk};
 
 pub use lost::{Lost, LostChannel};
 
-/// Name of the metadata record that a recovered file has.
-pub(crate) const METADATA: &str = "sulcus.recovered";
-/// Its keys that a reader asks for.
-pub(crate) const WAS: &str = "was";
-/// See there.
-pub(crate) const MISSING: &str = "missing";
-/// The gaps, as JSON; not there where there is none.
-pub(crate) const GAPS: &str = "gaps";
+use lost::Seen;
 
-/// Why nothing was recovered.
+/// Reason why nothing was recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
-    /// It is no recording, or holds no row.
+    /// The file is no recording, or has no row.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// There is nothing to do.
+    /// The recording is whole.
     #[error("nothing to recover: the recording is {0}")]
     Whole(Ending),
     /// The new file cannot be written.
     #[error("cannot write `{}`: {what}", path.shown())]
     Write {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         what: String,
     },
-    /// What a first reading found good cannot be copied.
+    /// A part of the recording that was valid at first cannot be copied.
     #[error("recording cannot be copied: {0}")]
     Copy(String),
 }
 
-/// What was recovered.
+/// Result of a recovery.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recovered {
-    /// The new file.
+    /// Name of the new file.
     pub file: String,
-    /// Its length, bytes.
+    /// Length of the new file, bytes.
     pub bytes: u64,
-    /// Rows in it.
+    /// Number of rows in the new file.
     pub ticks: u64,
-    /// The first of them.
+    /// First tick with a row.
     pub first_tick: u64,
-    /// The last of them.
+    /// Last tick with a row.
     pub last_tick: u64,
-    /// How the torn file ends.
+    /// Ending of the damaged file.
     pub was: Ending,
-    /// How the new one does.
+    /// Ending of the new file.
     pub ending: Ending,
-    /// What is missing.
+    /// Missing part.
     pub lost: Lost,
-    /// What the signatures say of the new file.
+    /// Result of the signatures of the new file.
     pub signature: Signature,
 }
 
@@ -103,11 +99,11 @@ impl std::fmt::Display for Recovered {
     }
 }
 
-/// Writes every whole chunk of `recording`, before and behind damage, to a new file at `out`. `progress` is told the bytes of
-/// the damaged file that are done.
+/// Writes every whole chunk of `recording`, before and behind damage, to a new file at `out`. `progress` gets the
+/// number of finished bytes of the damaged file.
 ///
 /// # Errors
-/// When the recording is whole, or the file exists or cannot be written. Then nothing is left at `out`, unless it was there before.
+/// The recording is whole, or the file exists or cannot be written. In these cases no new file is left at `out`.
 pub fn recover(
     recording: &Recording,
     out: &Path,
@@ -117,7 +113,7 @@ pub fn recover(
         path: out.to_owned(),
         what: what.to_string(),
     };
-    // Before a file is made.
+    // The scan may fail, so it precedes the creation of the file.
     let whole = salvaged(recording)?;
     let file = OpenOptions::new()
         .write(true)
@@ -152,15 +148,15 @@ pub fn recover(
         })
     })();
     written.inspect_err(|_| {
-        // Half a recovery is of no use to anyone.
+        // An incomplete recovery has no use.
         let _ = std::fs::remove_file(out);
     })
 }
 
-/// As [`recover`], to any writer; gives it back, and what is missing.
+/// Recovery to any writer, as by [`recover`]. Gives the writer back, with the missing part.
 ///
 /// # Errors
-/// As [`recover`].
+/// The errors of [`recover`].
 pub fn recover_to<W: Write>(
     recording: &Recording,
     out: W,
@@ -169,18 +165,18 @@ pub fn recover_to<W: Write>(
     write(&salvaged(recording)?, out, progress)
 }
 
-/// The recording with every whole chunk.
+/// Recording with every whole chunk, also behind damage.
 fn salvaged(recording: &Recording) -> Result<Recording, RecoverError> {
     match recording.ending() {
         Ending::CutOff { .. } | Ending::Damaged { .. } => {}
-        // Others cannot open it for a damaged chunk of viewers'.
+        // Other tools cannot open a file with a damaged chunk of the channels for viewers.
         _ if recording.facts().damaged_views > 0 => {}
         ending => return Err(RecoverError::Whole(ending.clone())),
     }
     Ok(recording.salvaged()?)
 }
 
-/// Writes what was salvaged, and the note.
+/// Writes the salvaged chunks and the note.
 fn write<W: Write>(
     whole: &Recording,
     out: W,
@@ -189,21 +185,11 @@ fn write<W: Write>(
     let mut copy = Copy::new(out, whole)?;
     copy.all(whole, progress)?;
     let lost = lost::find(whole, &copy.seen);
-    let mut note = BTreeMap::from([
-        (
-            "by".to_owned(),
-            crate::record::program::Program::this().to_string(),
-        ),
-        (WAS.to_owned(), whole.ending().to_string()),
-        (MISSING.to_owned(), lost.to_string()),
-    ]);
-    if !whole.gaps().is_empty() {
-        note.insert(GAPS.to_owned(), Gap::list(whole.gaps()));
-    }
+    let note = Note::new(whole.ending().to_string(), lost.to_string(), whole.gaps());
     copy.writer
         .write_metadata(&Metadata {
-            name: METADATA.to_owned(),
-            metadata: note,
+            name: note::METADATA.to_owned(),
+            metadata: note.0,
         })
         .map_err(copied)?;
     copy.writer.finish().map_err(copied)?;
@@ -214,9 +200,6 @@ fn copied(error: mcap::McapError) -> RecoverError {
     RecoverError::Copy(crate::record::recorder::reason(&error))
 }
 
-/// A channel and the time of the last message of it that was kept.
-pub(crate) type Seen = BTreeMap<u16, (String, Option<u64>)>;
-
 struct Copy<W: Write> {
     writer: Writer<NoSeek<W>>,
     seen: Seen,
@@ -224,17 +207,18 @@ struct Copy<W: Write> {
 
 impl<W: Write> Copy<W> {
     fn new(out: W, whole: &Recording) -> Result<Self, RecoverError> {
-        // As it was: the first record says who wrote the messages, the metadata who recovered them.
+        // The library name stays: the first record names the recording program, and the metadata name the recovering
+        // program.
         let first = walk(whole)?.peek().ok();
         let library = first.and_then(|first| match parsed(&first) {
             Ok(Record::Header(header)) => Some(header.library),
             _ => None,
         });
         let library =
-            library.ok_or_else(|| RecoverError::Copy("it has no first record".to_owned()))?;
+            library.ok_or_else(|| RecoverError::Copy("the file has no first record".to_owned()))?;
         let writer = WriteOptions::new()
             .library(library)
-            // As the recorder packs.
+            // The compression is that of the recorder.
             .compression(Some(Compression::Zstd))
             .compression_level(1)
             .compression_threads(0)
@@ -285,7 +269,7 @@ impl<W: Write> Copy<W> {
         }
     }
 
-    /// Copies a record.
+    /// Copies one record.
     fn one(&mut self, record: Record<'_>) -> Result<(), RecoverError> {
         let writer = &mut self.writer;
         match record {

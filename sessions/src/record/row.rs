@@ -1,17 +1,17 @@
-//! The exact row: what went into one tick and what came out of it, in fixed bytes.
+//! Exact row: input and output of one tick in a fixed number of bytes.
 
 use sulcus_core::{MAX_TOOLS, TickInput, TickOutput};
 
 use crate::record::bytes::Cut;
 
-/// One tick as recorded: enough to run it again and to notice any difference.
+/// One recorded tick: enough to run the tick again and to notice any difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Number of the tick on the clock's grid.
     pub tick: u64,
     /// Session clock, nanoseconds since the Unix epoch.
     pub time_unix_ns: u64,
-    /// All that came from outside.
+    /// Complete input of the tick.
     pub input: TickInput,
     /// Chained state hash after the tick.
     pub hash: u64,
@@ -22,14 +22,14 @@ pub struct Row {
     pub status: [u16; MAX_TOOLS],
 }
 
-/// Six f32 and a u16.
+/// Length of a tool's part: six f32 and a u16.
 const TOOL_BYTES: usize = 26;
 
 impl Row {
     /// Length of [`Row::to_bytes`].
     pub const BYTES: usize = 8 + 8 + TickInput::BYTES + MAX_TOOLS * TOOL_BYTES + 8;
 
-    /// The row of a tick that was just run.
+    /// Row of a tick that has just run.
     pub fn new(time_unix_ns: u64, input: &TickInput, output: &TickOutput) -> Self {
         let wrench = output.tools.map(|tool| {
             let (f, t) = (tool.wrench.force, tool.wrench.torque);
@@ -45,7 +45,7 @@ impl Row {
         }
     }
 
-    /// The layout that `proto/sulcus/v1/exact_row.proto` describes; bit-exact for every float, NaN included.
+    /// Bytes in the layout of `proto/sulcus/v1/exact_row.proto`, bit-exact for every float, NaN included.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         let mut rest = &mut bytes[..];
@@ -65,7 +65,7 @@ impl Row {
         bytes
     }
 
-    /// Inverse of [`Row::to_bytes`]; `None` for any other length, or a flag byte never written.
+    /// Inverse of [`Row::to_bytes`]; `None` for another length or an unknown flag.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut cut = Cut(bytes);
         let mut row = Self {

@@ -1,35 +1,83 @@
-//! The first pass over a recording: its header, then every chunk once, then how it ends.
+//! First pass over a recording's file: header, every chunk once, ending.
 //!
-//! Any legal arrangement of an MCAP file is read: attachments and metadata before, between and behind the messages, chunks of
-//! any size up to a bound and of any compression, messages outside of chunks, with or without index and summary.
+//! Any legal arrangement of an MCAP file is read. Attachments and metadata may be before, between and behind the
+//! messages. Chunks may have any size up to a bound and any compression. Messages may be outside of chunks. Index and
+//! summary may be missing.
 
+mod gaps;
 mod head;
 mod pass;
 mod salvage;
-mod unpack;
+mod state;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use crate::record::read::{Bytes, ReadError, Recording};
 use crate::record::viewers::Viewers;
 use crate::record::walk::Walk;
 
-pub(crate) use unpack::{Topics, unpack};
-
 use head::Head;
 use pass::Pass;
+use state::Depth;
 
-/// How far a file is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Depth {
-    /// Up to the first damage.
-    Strict,
-    /// Every whole chunk, behind any damage too: for a recovery.
-    Salvage,
+impl Recording {
+    /// Opens and checks a file. A file that is still being written is read up to its present end.
+    ///
+    /// # Errors
+    /// The file is no recording, or has no row.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::map(path, Depth::Strict)
+    }
+
+    /// Recording with every whole chunk, also behind damage, for a recovery. [`Recording::gaps`] names the places where
+    /// messages are missing.
+    ///
+    /// # Errors
+    /// The errors of [`Recording::open`].
+    pub fn salvage(path: &Path) -> Result<Self, ReadError> {
+        Self::map(path, Depth::Salvage)
+    }
+
+    /// The same recording with every whole chunk, also behind damage.
+    ///
+    /// # Errors
+    /// The file has changed since it was opened.
+    pub(crate) fn salvaged(&self) -> Result<Self, ReadError> {
+        scan(Arc::clone(&self.bytes), Depth::Salvage)
+    }
+
+    fn map(path: &Path, depth: Depth) -> Result<Self, ReadError> {
+        let failed = |source| ReadError::Io {
+            path: path.to_owned(),
+            source,
+        };
+        let file = std::fs::File::open(path).map_err(failed)?;
+        let metadata = file.metadata().map_err(failed)?;
+        if metadata.is_dir() {
+            return Err(failed(std::io::ErrorKind::IsADirectory.into()));
+        }
+        if metadata.len() == 0 {
+            return Err(ReadError::NotMcap);
+        }
+        // SAFETY: the map is only read. A recording only grows, and growth is not visible in the map. A program that
+        // overwrites the file causes damage that is found, because no result of one read is trusted in the next. A
+        // program that shortens the file could end this process, as with any mapped file.
+        let map = unsafe { memmap2::Mmap::map(&file) }.map_err(failed)?;
+        scan(Arc::new(Bytes::Mapped(map)), depth)
+    }
+
+    /// Recording from bytes in memory, as by [`Recording::open`].
+    ///
+    /// # Errors
+    /// The errors of [`Recording::open`].
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, ReadError> {
+        scan(Arc::new(Bytes::Owned(bytes)), Depth::Strict)
+    }
 }
 
-/// Reads and checks everything once.
-pub(crate) fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadError> {
+/// Reads and checks the whole file once.
+fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadError> {
     let mut walk = Walk::new(&bytes).ok_or(ReadError::NotMcap)?;
     let head = Head::read(walk.clone())?;
     let checked = head.check()?;
@@ -50,7 +98,7 @@ pub(crate) fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadErr
     let viewers = Viewers::of(state.facts.viewers.as_ref(), &state.viewed.sum());
     let gaps = match depth {
         Depth::Strict => head.gaps(),
-        Depth::Salvage => salvage::with_former(state.gaps, head.gaps(), state.messages),
+        Depth::Salvage => gaps::with_former(state.gaps, head.gaps(), state.messages),
     };
     let placed = head.placed.iter().copied().collect();
     let mut recording = Recording {
@@ -69,7 +117,7 @@ pub(crate) fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadErr
         bytes,
     };
     if depth == Depth::Salvage {
-        salvage::forget_bridged_gaps(&mut recording)?;
+        gaps::forget_bridged(&mut recording)?;
     }
     Ok(recording)
 }

@@ -1,4 +1,4 @@
-//! Where a recording's bytes are: header, exact record, what viewers read; channel by channel.
+//! Bytes of a recording by part: header, exact record, channels for viewers; and by channel.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,52 +12,52 @@ use crate::record::read::{ReadError, Recording};
 use crate::record::walk;
 use crate::record::walk::{Framed, Walk};
 
-/// One channel.
+/// Bytes of one channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ChannelSize {
-    /// Its topic.
+    /// Topic of the channel.
     pub topic: String,
-    /// Name of its messages' type.
+    /// Name of the messages' type.
     pub schema: String,
-    /// How its messages are written: `protobuf` where viewers read them.
+    /// Encoding of the messages: `protobuf` for viewers.
     pub encoding: String,
-    /// Whether replays and grades rest on it; otherwise it is for viewers.
+    /// Whether the channel belongs to the exact record; otherwise it is for viewers.
     pub exact: bool,
-    /// Messages.
+    /// Number of messages.
     pub messages: u64,
-    /// Bytes of the messages themselves, unpacked.
+    /// Bytes of the messages themselves, uncompressed.
     pub message_bytes: u64,
-    /// Bytes in the file, with framing and index. A chunk packs channels of one kind together: this is the channel's share of
-    /// it by unpacked length.
+    /// Bytes in the file, with framing and index. A chunk contains several channels, and the share of each is by
+    /// uncompressed length.
     pub stored_bytes: f64,
 }
 
-/// Where the bytes are.
+/// Bytes of a recording by part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Sizes {
-    /// Everything before the first message, with attachments and metadata wherever they are: the scene above all. There once,
-    /// however long the session.
+    /// Everything before the first message, and all attachments and metadata. The largest part is the scene.
+    /// Independent of the length of the session.
     pub header_bytes: u64,
     /// Exact rows, snapshots, signatures and events.
     pub exact_bytes: f64,
     /// Channels for viewers.
     pub view_bytes: f64,
-    /// What is left: the summary, and whatever is not whole.
+    /// Rest: the summary, and incomplete records.
     pub rest_bytes: f64,
-    /// The exact record, 10^6 bytes for each minute of the session; `None` when it is too short to say.
+    /// Exact record, 10^6 bytes per minute of the session; `None` for a session without duration.
     pub exact_mb_per_minute: Option<f64>,
-    /// The channels for viewers, likewise.
+    /// Channels for viewers, 10^6 bytes per minute of the session; `None` for a session without duration.
     pub view_mb_per_minute: Option<f64>,
-    /// Forecast: 10^9 bytes that a station records in an hour which is one session.
+    /// Forecast for an hour that is one session, 10^9 bytes.
     pub gb_per_station_hour: Option<f64>,
-    /// Each channel, by topic.
+    /// Channels, sorted by topic.
     pub channels: Vec<ChannelSize>,
 }
 
-/// Reads every chunk once.
+/// Bytes by part and channel. Reads every chunk once.
 ///
 /// # Errors
-/// When the file changes meanwhile.
+/// The file has changed since it was opened.
 pub(crate) fn sizes(recording: &Recording, duration_s: f64) -> Result<Sizes, ReadError> {
     let changed = |what: String| ReadError::Changed { what };
     let begin = recording.pieces.first().map_or(0, |first| first.start);
@@ -69,7 +69,7 @@ pub(crate) fn sizes(recording: &Recording, duration_s: f64) -> Result<Sizes, Rea
     });
     walk.at = begin;
     let mut table = Table::default();
-    // Past the last good piece only indices count.
+    // Behind the last valid piece only indexes count.
     while let Ok(record) = walk.peek() {
         match record.opcode {
             op::CHUNK if recording.is_good_chunk(walk.at) => {
@@ -111,7 +111,7 @@ struct Table {
 }
 
 impl Table {
-    /// Shares a chunk out among its channels.
+    /// Divides the bytes of a chunk among its channels.
     fn chunk(&mut self, chunk: &Framed<'_>) -> Result<(), String> {
         let mut shares: BTreeMap<u16, u64> = BTreeMap::new();
         walk::unpack(chunk, |opcode, body| {
@@ -129,7 +129,7 @@ impl Table {
         Ok(())
     }
 
-    /// Takes in a record outside of any chunk.
+    /// Adds a record outside of chunks.
     fn loose(&mut self, record: &Framed<'_>) {
         if let Some(id) = self.record(record.opcode, record.body)
             && let Some(channel) = self.channels.get_mut(&id)
@@ -138,7 +138,7 @@ impl Table {
         }
     }
 
-    /// Takes in a record; gives the channel of a message.
+    /// Adds a record; number of the channel for a message.
     fn record(&mut self, opcode: u8, body: &[u8]) -> Option<u16> {
         match opcode {
             op::SCHEMA => {
@@ -204,7 +204,7 @@ impl fmt::Display for Sizes {
                 kind.2 += channel.stored_bytes;
             }
             for (schema, (channels, messages, bytes)) in kinds {
-                // Of a file: it may hold anything, also what a terminal obeys.
+                // Text from a file may contain control characters of a terminal.
                 let schema = schema.escape_debug().to_string();
                 let plural = if channels == 1 { "" } else { "s" };
                 writeln!(
@@ -219,7 +219,7 @@ impl fmt::Display for Sizes {
                 f,
                 "  disk       {hour:.2} GB per station hour; {header:.1} MB more for each further session that begins in it"
             ),
-            None => write!(f, "  disk       too short a session to say"),
+            None => write!(f, "  disk       unknown, the session is too short"),
         }
     }
 }

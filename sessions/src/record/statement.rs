@@ -1,23 +1,22 @@
-//! What a station states about a recording, and signs: the head of the chain, every ten seconds and
-//! at the end.
+//! Signed statements of a station about a recording: the head of the chain, every ten seconds and at the end.
 
 use serde::Serialize;
 
 use crate::record::bytes::Cut;
 use crate::record::key::{PublicKey, StationKey};
 
-/// What the program that recorded says about the whole session, when it ends.
+/// Counters of the recording program over the whole session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SessionEnd {
-    /// Ticks run: equals the rows recorded when none was dropped.
+    /// Ticks run; equal to the recorded rows if no row was dropped.
     pub ticks: u64,
     /// Ticks of the clock's grid that were missed and skipped.
     pub skipped: u64,
-    /// Rows that the recorder's queue could not take. Any makes the session ungradable.
+    /// Rows that the recorder's queue could not take. With one such row the session is not graded.
     pub dropped_rows: u64,
     /// Ticks that took longer than a millisecond.
     pub deadline_misses: u64,
-    /// Ticks in which substeps ran out.
+    /// Ticks that needed more than the available substeps.
     pub exhausted: u64,
     /// Poses lost on the network.
     pub lost: u64,
@@ -61,7 +60,7 @@ impl SessionEnd {
     }
 }
 
-/// What a station states and signs about a recording so far.
+/// Statement of a station about a recording so far.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statement {
     /// Tick of the last row or snapshot covered.
@@ -80,16 +79,16 @@ pub struct Statement {
     pub end: Option<SessionEnd>,
 }
 
-/// A statement with its signature: the message of `/exact/chain`.
+/// Statement with its signature: the message of `/exact/chain`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SignedStatement {
-    /// What is signed.
+    /// Signed statement.
     pub statement: Statement,
     /// ed25519 over the domain prefix and the statement's bytes.
     pub signature: [u8; 64],
 }
 
-/// Says what the signed bytes are, so that a signature cannot be lifted from another protocol.
+/// Prefix of the signed bytes, so that a signature cannot be used in another protocol.
 const DOMAIN: &[u8; 16] = b"sulcus chain v1\0";
 const BODY: usize = 1 + 8 + 8 + 4 * 32 + 7 * 8;
 
@@ -128,7 +127,7 @@ impl SignedStatement {
     /// Length of [`SignedStatement::to_bytes`].
     pub const BYTES: usize = BODY + 64;
 
-    /// The layout that `proto/sulcus/v1/exact_statement.proto` describes.
+    /// Bytes in the layout of `proto/sulcus/v1/exact_statement.proto`.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         bytes[..BODY].copy_from_slice(&self.statement.body());
@@ -136,7 +135,7 @@ impl SignedStatement {
         bytes
     }
 
-    /// Inverse of [`SignedStatement::to_bytes`]; `None` for bytes that it never gives.
+    /// Inverse of [`SignedStatement::to_bytes`]; `None` for other bytes.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut cut = Cut(bytes);
         let kind = cut.u8()?;
@@ -168,7 +167,7 @@ impl SignedStatement {
         cut.0.is_empty().then_some(signed)
     }
 
-    /// Whether `key` signed exactly this statement.
+    /// Whether the holder of `key` signed exactly this statement.
     pub fn is_signed_by(&self, key: &PublicKey) -> bool {
         key.verify(&self.statement.signed_bytes(), &self.signature)
     }

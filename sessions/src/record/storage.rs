@@ -1,7 +1,7 @@
-//! Bytes on their way to the file: all of a flush arrives, or none of it.
+//! Storage of a recording's bytes. A flush arrives as a whole or not at all.
 //!
-//! A disk that fills up in the middle of a chunk would leave a torn tail; here the file is cut back
-//! to where the last flush ended, and stays as it is.
+//! A disk that fills up in the middle of a chunk would leave an incomplete chunk. The file is then cut back to the end
+//! of the last flush, and nothing more is written.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -11,21 +11,20 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Where a recording's bytes go; a trait so that tests can let the disk fill up.
+/// Destination of a recording's bytes. A trait, so that tests can simulate a full disk.
 pub(crate) trait Storage: Send {
-    /// Writes all bytes at the end.
+    /// Writes all bytes at the end of the file.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
-    /// Cuts back to `length` bytes.
+    /// Cuts the file back to `length` bytes.
     fn truncate(&mut self, length: u64) -> io::Result<()>;
-    /// Asks that what was written reach the disk, without waiting for it; reports an earlier
-    /// request's failure.
+    /// Requests that the disk gets the written bytes, without waiting. Reports the failure of an earlier request.
     fn request_sync(&mut self) -> io::Result<()>;
-    /// Waits until everything reached the disk, at the end; reports an earlier request's failure, too.
+    /// Waits until the disk has all bytes. Reports the failure of an earlier request, too.
     fn sync(&mut self) -> io::Result<()>;
 }
 
-/// A file, synced by its own thread: a sync may take longer than the tenth of a second between
-/// two flushes, and must not delay them.
+/// File with a thread of its own that syncs it. A sync may take longer than the tenth of a second between two flushes,
+/// and must not delay them.
 pub(crate) struct FileStorage {
     file: File,
     requests: Option<SyncSender<()>>,
@@ -38,7 +37,7 @@ impl FileStorage {
         Self::synced_by(file, File::sync_data)
     }
 
-    /// With what brings the bytes to the disk in the background.
+    /// File storage with the given function for a sync in the background.
     fn synced_by(
         file: File,
         sync: impl Fn(&File) -> io::Result<()> + Send + 'static,
@@ -64,7 +63,7 @@ impl FileStorage {
         })
     }
 
-    /// Waits until all requests were served and the thread has ended.
+    /// Waits until all requests are done and the thread has ended.
     fn end_thread(&mut self) {
         self.requests = None;
         if let Some(Err(_)) = self.thread.take().map(JoinHandle::join) {
@@ -92,14 +91,14 @@ impl Storage for FileStorage {
     fn request_sync(&mut self) -> io::Result<()> {
         self.earlier()?;
         if let Some(requests) = &self.requests {
-            // Full: one is waiting already, and will cover these bytes too.
+            // A full queue has a waiting request, which will also cover these bytes.
             let _ = requests.try_send(());
         }
         Ok(())
     }
 
     fn sync(&mut self) -> io::Result<()> {
-        // The system tells of a failure once: should the thread be the one that hears of it, the sync here succeeds.
+        // The system reports a failure once. If the thread gets the report, the sync here succeeds.
         self.end_thread();
         self.file.sync_all()?;
         self.earlier()
@@ -114,14 +113,14 @@ impl Drop for FileStorage {
 
 /// Wall time between two requests to sync.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
-/// Bytes held back at most, should the caller never flush.
+/// Largest number of held bytes, for a caller that never flushes.
 const HOLD: usize = 4 << 20;
 
-/// What the MCAP writer writes to.
+/// Destination of the MCAP writer: holds the bytes of a flush until it is complete.
 pub(crate) struct Sink {
     storage: Box<dyn Storage>,
     held: Vec<u8>,
-    /// Bytes in the file: always the end of a whole flush.
+    /// Bytes in the file, always the end of a whole flush.
     whole: u64,
     failed: bool,
     synced: Instant,
@@ -150,7 +149,7 @@ impl Sink {
                 written = self.storage.request_sync();
             }
         } else {
-            // Should even this fail, readers still find the clean prefix.
+            // If the cut fails, too, readers still find the clean prefix.
             let _ = self.storage.truncate(self.whole);
         }
         self.failed = written.is_err();
@@ -158,7 +157,7 @@ impl Sink {
         written
     }
 
-    /// Writes what is held and waits for the disk; gives the length of the file.
+    /// Writes the held bytes and waits for the disk; length of the file.
     pub fn close(mut self) -> io::Result<u64> {
         self.commit()?;
         self.storage.sync()?;

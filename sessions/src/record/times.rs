@@ -1,20 +1,20 @@
-//! Durations of ticks while the session ran, from the channels for viewers: a replay does not know them.
+//! Durations of ticks during the session, from the channels for viewers. A replay does not have them.
 
 use std::collections::BTreeMap;
 
 use mcap::records::op;
 use prost::Message as _;
 
-use crate::record::channels::SESSION_METRICS;
+use crate::record::channels::topics::SESSION_METRICS;
 use crate::record::channels::v1::SessionMetrics;
 use crate::record::read::{ReadError, Recording};
 use crate::record::walk;
 
-/// Longest tick since the message before, CPU time of the thread, microseconds, by the number of the message's tick. Empty
-/// where the recording has no such channel. Nothing rests on it: a message that cannot be read is left out.
+/// Longest tick since the previous message, CPU time of the thread, microseconds, by the tick of the message. Empty
+/// without that channel. Only displays use these numbers, so a message that cannot be decoded is left out.
 ///
 /// # Errors
-/// When the file is no MCAP, or a chunk changed since the file was opened.
+/// The file is no MCAP, or a chunk has changed since the file was opened.
 pub fn longest_tick_us(recording: &Recording) -> Result<BTreeMap<u64, f64>, ReadError> {
     let (mut times, mut ours) = (BTreeMap::new(), None);
     for piece in &recording.pieces {

@@ -1,98 +1,31 @@
-//! Whether a recording is what a station signed.
+//! Check of a recording's chain and signatures.
 
 use std::ops::Range;
-
-use serde::Serialize;
 
 use crate::record::chain::Chain;
 use crate::record::key::PublicKey;
 use crate::record::message::Message;
 use crate::record::read::{Ending, ReadError, Recording};
+use crate::record::signature::{Signature, Signed, Verdict};
 use crate::record::statement::{SignedStatement, Statement};
 
-/// What the signatures in a recording say.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Signature {
-    /// All of it is what the holder of this key signed, the end included.
-    Valid {
-        /// Public key of the signer, hexadecimal.
-        fingerprint: String,
-    },
-    /// Nothing is wrong, but it has no end, so the last stretch is not signed.
-    Unsigned {
-        /// Public key of the signer, hexadecimal.
-        fingerprint: String,
-        /// Up to and with this tick it is signed; `None`: nowhere.
-        last_valid_tick: Option<u64>,
-    },
-    /// It is not what was signed, or not signed by the key that is trusted.
-    Invalid {
-        /// In words.
-        reason: String,
-        /// Tick of the first statement that does not hold; `None` when it is about the key.
-        at: Option<u64>,
-    },
-}
-
-impl std::fmt::Display for Signature {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Valid { fingerprint } => write!(f, "valid, by {fingerprint}"),
-            Self::Unsigned {
-                last_valid_tick: Some(tick),
-                fingerprint,
-            } => {
-                write!(
-                    f,
-                    "none at the end; valid up to tick {tick}, by {fingerprint}"
-                )
-            }
-            Self::Unsigned { .. } => f.write_str("none: it was cut off before the first signature"),
-            Self::Invalid {
-                reason,
-                at: Some(tick),
-            } => write!(f, "INVALID at tick {tick}: {reason}"),
-            Self::Invalid { reason, at: None } => write!(f, "INVALID: {reason}"),
-        }
-    }
-}
-
-/// What was found about chain and signatures.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Verdict {
-    /// The signatures.
-    pub signature: Signature,
-    /// Whether every recorded head of the chain is the one that the messages before it give.
-    pub chain_ok: bool,
-}
-
-/// Follows the messages of a recording and checks every statement among them.
+/// Check of every statement in a recording, message by message.
 pub(crate) struct Verifier<'a> {
     recording: &'a Recording,
     chain: Chain,
     chain_ok: bool,
     last_valid_tick: Option<u64>,
     first_problem: Option<(String, u64)>,
-    /// Exact messages so far.
+    /// Number of exact messages so far.
     messages: u64,
-    /// Gaps that were come to.
+    /// Number of gaps before the present message.
     passed: usize,
-    /// Numbers of the gaps that no valid statement follows yet.
+    /// Numbers of the gaps without a valid statement behind them so far.
     pending: Range<usize>,
-    /// Numbers of the gaps over which the chain goes on: nothing exact is missing there.
+    /// Numbers of the gaps across which the chain continues. Nothing exact is missing there.
     bridged: Vec<usize>,
-    /// Ticks between two valid statements with no gap between them, or from the beginning to a valid statement.
+    /// Ranges of ticks between valid statements without a gap, and from the beginning to a valid statement.
     signed: Vec<Signed>,
-}
-
-/// Ticks that the station's signatures cover without a gap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Signed {
-    /// The rows behind this tick are covered; 0 from the beginning on.
-    pub after_tick: u64,
-    /// Up to and with the rows of this tick.
-    pub to_tick: u64,
 }
 
 impl<'a> Verifier<'a> {
@@ -137,7 +70,7 @@ impl<'a> Verifier<'a> {
         }
     }
 
-    /// Takes in a statement that holds: the chain came to it, or goes on from it behind a gap.
+    /// Accepts a valid statement: the chain reaches it, or continues from it behind a gap.
     fn holds(&mut self, says: &Statement) {
         if self.follows(says) {
             self.bridged.extend(self.pending.clone());
@@ -148,7 +81,7 @@ impl<'a> Verifier<'a> {
                     to_tick: says.tick,
                 }),
             }
-            // Of the stretch that begins the recording.
+            // Only the stretch at the beginning of the recording counts.
             if self.signed.len() == 1 && self.signed[0].after_tick == 0 {
                 self.last_valid_tick = Some(self.chain.tick());
             }
@@ -170,7 +103,7 @@ impl<'a> Verifier<'a> {
 
     fn check(&mut self, signed: &SignedStatement) -> Result<(), String> {
         let (says, header) = (&signed.statement, &self.recording.header);
-        // Behind a gap a chain that does not follow is no sign of a forgery.
+        // Behind a gap a chain that does not continue is no sign of a forgery.
         let follows = self.follows(says) || !self.pending.is_empty();
         self.chain_ok &= follows;
         if !signed.is_signed_by(&self.recording.signer) {
@@ -179,7 +112,7 @@ impl<'a> Verifier<'a> {
                     .to_owned(),
             );
         }
-        let not_signed = |what| Err(format!("the {what} is not the one that was signed"));
+        let not_signed = |what| Err(format!("the {what} differs from the signed one"));
         if says.scene != header.scene_hash() {
             return not_signed("scene");
         }
@@ -195,7 +128,7 @@ impl<'a> Verifier<'a> {
                 None => format!("up to tick {}", says.tick),
             };
             return Err(format!(
-                "{stretch}: a row, snapshot or event is not what was signed"
+                "{stretch}: a row, snapshot or event differs from the signed record"
             ));
         }
         Ok(())
@@ -206,7 +139,7 @@ impl<'a> Verifier<'a> {
         &self.bridged
     }
 
-    /// Ticks that signatures cover, stretch by stretch.
+    /// Ranges of ticks that signatures cover.
     pub fn signed(&self) -> &[Signed] {
         &self.signed
     }
@@ -240,7 +173,7 @@ impl<'a> Verifier<'a> {
 /// Checks chain and signatures without running a tick.
 ///
 /// # Errors
-/// When the file changes meanwhile.
+/// The file has changed since it was opened.
 pub fn verify(recording: &Recording, trust: Option<&PublicKey>) -> Result<Verdict, ReadError> {
     let mut verifier = Verifier::new(recording);
     for message in recording.messages() {

@@ -1,21 +1,22 @@
-//! Whether what viewers read is what was recorded.
+//! Integrity of the channels for viewers.
 //!
-//! The chain and its signatures are over the exact record alone. What viewers read beside it (poses, forces and clouds as
-//! protobuf) can be made again from that, and a fault in it costs nobody a grade; yet it is what people look at. So the recorder
-//! writes a hash over all of it into the signed log at the end, and whoever reads the file compares: topics, times and bytes,
-//! and the schemas by which others make sense of the bytes (under another one a force may be read where a torque was written).
+//! Chain and signatures cover the exact record alone. The channels for viewers (poses, forces, clouds)
+//! can be computed again from that record, so a fault in them does not prevent a grade. Yet people look at these
+//! channels. So the recorder writes a hash over all of them into the signed log at the end, and a reader compares the
+//! hash. The hash covers topics, times, bytes and schemas. Under another schema a force could be shown as a torque.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// How the line in the log begins that holds the hash. (No client can write such a line: theirs begin with one word.)
+/// First words of the line in the log with the hash. No client can write such a line, because the line of a client
+/// begins with one word.
 const SAYS: &str = "what viewers read: ";
 
-/// What stands in that line before the hash.
+/// Text between the number of messages and the hash in that line.
 const OVER: &str = " messages with their schemas, blake3 ";
 
-/// A hash over messages in their order, and how many there are.
+/// Hash over messages in their order, and the number of messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Sum {
     blake3: String,
@@ -23,12 +24,12 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    /// The line of the log that says so.
+    /// Line of the log with this sum.
     pub fn line(&self) -> String {
         format!("{SAYS}{}{OVER}{}", self.messages, self.blake3)
     }
 
-    /// What such a line says; none for any other.
+    /// Sum in a line of the log; `None` for any other line.
     pub fn parse(line: &str) -> Option<Self> {
         let (messages, blake3) = line.strip_prefix(SAYS)?.split_once(OVER)?;
         Some(Self {
@@ -38,31 +39,32 @@ impl Sum {
     }
 }
 
-/// Whether a line of the log is the sum over the messages for viewers, which no person needs to read.
+/// Whether a line of the log is the sum over the channels for viewers. Such a line is for programs only.
 pub fn is_sum(line: &str) -> bool {
     Sum::parse(line).is_some()
 }
 
-/// Sums up messages for viewers as they are written or read.
+/// Sum over messages for viewers during writing or reading.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Summing {
     hasher: blake3::Hasher,
     messages: u64,
-    /// A hash over each schema, by its number.
+    /// Hash over each schema, by its number.
     schemas: BTreeMap<u16, [u8; 32]>,
-    /// A hash over each channel and its schema, by its number.
+    /// Hash over each channel and its schema, by its number.
     channels: BTreeMap<u16, [u8; 32]>,
 }
 
 impl Summing {
-    /// Learns what a schema is.
+    /// Adds the declaration of a schema.
     pub fn schema(&mut self, id: u16, name: &str, encoding: &str, data: &[u8]) {
         let of = digest(&[name.as_bytes(), encoding.as_bytes(), data]);
         let before = self.schemas.insert(id, of);
         self.declared_twice(before.is_some_and(|before| before != of));
     }
 
-    /// Learns what a channel is; its schema comes before it (none of that number: it has none).
+    /// Adds the declaration of a channel. Its schema must have been added before; otherwise the channel counts as one
+    /// without schema.
     pub fn channel(&mut self, id: u16, schema: u16, topic: &str, encoding: &str) {
         let schema = self.schemas.get(&schema).map_or(&[][..], |of| &of[..]);
         let of = digest(&[topic.as_bytes(), encoding.as_bytes(), schema]);
@@ -70,7 +72,7 @@ impl Summing {
         self.declared_twice(before.is_some_and(|before| before != of));
     }
 
-    /// Takes in a message, with the two times that a reader may sort it by.
+    /// Adds a message, with both times by which a reader may sort.
     pub fn message(&mut self, channel: u16, times_unix_ns: [u64; 2], bytes: &[u8]) {
         let channel = self.channels.get(&channel).map_or(&[][..], |of| &of[..]);
         let [logged, published] = times_unix_ns.map(u64::to_le_bytes);
@@ -80,14 +82,14 @@ impl Summing {
         self.messages += 1;
     }
 
-    /// A number that stands for two things is read in one way here and in another there: no recorder writes that.
+    /// Marks a number with two meanings. Readers could differ about such a number, and no recorder writes it.
     pub fn declared_twice(&mut self, otherwise: bool) {
         if otherwise {
             update(&mut self.hasher, b"declared twice");
         }
     }
 
-    /// What came so far.
+    /// Sum so far.
     pub fn sum(&self) -> Sum {
         Sum {
             blake3: self.hasher.finalize().to_hex().to_string(),
@@ -109,20 +111,20 @@ fn digest(parts: &[&[u8]]) -> [u8; 32] {
     *hasher.finalize().as_bytes()
 }
 
-/// What of a recording viewers read.
+/// State of a recording's channels for viewers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Viewers {
-    /// It is what the station wrote.
+    /// The channels are as the station signed them.
     AsSigned,
-    /// It is not: damaged, or edited. The exact record is judged by itself.
+    /// The channels differ from the signed sum: damaged or edited. The exact record is judged by itself.
     Changed,
-    /// Nobody vouches for it: the recording has no end, or was written before this was signed.
+    /// No sum is signed: the recording has no end, or dates from before the sum was introduced.
     NotSigned,
 }
 
 impl Viewers {
-    /// From what the log says and what is there.
+    /// State by the sum in the log and the sum over the file.
     pub(crate) fn of(said: Option<&Sum>, found: &Sum) -> Self {
         match said {
             None => Self::NotSigned,
@@ -137,10 +139,10 @@ impl std::fmt::Display for Viewers {
         f.write_str(match self {
             Self::AsSigned => "as the station signed it",
             Self::Changed => {
-                "CHANGED: what Rerun, Foxglove and other readers show of this file is not what was recorded"
+                "CHANGED: Rerun, Foxglove and other readers show other data of this file than were recorded"
             }
             Self::NotSigned => {
-                "not signed (the recording has no valid signature or end, or was written before this was signed)"
+                "not signed (the recording has no valid signature or end, or dates from before this hash)"
             }
         })
     }
@@ -150,7 +152,8 @@ impl std::fmt::Display for Viewers {
 mod tests {
     use super::*;
 
-    /// What a file declares: schemas (number, name, data), then channels (number, schema, topic), then messages (channel, times, bytes).
+    /// Declarations and messages of a file: schemas (number, name, data), channels (number, schema, topic), messages
+    /// (channel, times, bytes).
     type File<'a> = (
         &'a [(u16, &'a str, &'a [u8])],
         &'a [(u16, u16, &'a str)],
@@ -178,7 +181,7 @@ mod tests {
         let messages = &[(1, [5, 5], &b"xy"[..]), (2, [5, 5], b"z")][..];
         let whole = sum((schemas, channels, messages));
         assert_eq!(whole, sum((schemas, channels, messages)));
-        // Other numbers for the same, and the same said again, as in a file's summary, change nothing.
+        // Other numbers for the same channels, and repeated declarations as in a file's summary, change nothing.
         let again = &[(7, 1, "/a"), (2, 2, "/b"), (7, 1, "/a")][..];
         let renamed = &[(7, [5, 5], &b"xy"[..]), (2, [5, 5], b"z")][..];
         assert_eq!(whole, sum((schemas, again, renamed)));
@@ -196,7 +199,7 @@ mod tests {
             &[(1, 1, "/a"), (2, 2, "/c")][..],
             &[(1, 1, "/a"), (2, 1, "/b")],
             &[(1, 1, "/a"), (2, 0, "/b")],
-            // The last says what the first does, and one between them does not.
+            // The last declaration equals the first, and a declaration between them differs.
             &[(1, 1, "/a"), (2, 2, "/b"), (1, 2, "/b"), (1, 1, "/a")],
         ] {
             assert_ne!(whole, sum((schemas, other, messages)));

@@ -1,8 +1,7 @@
-//! Walking over the records of an MCAP file whose bytes may be anything.
+//! Walk over the records of an MCAP file with arbitrary bytes.
 //!
-//! The mcap crate reads well-formed files; a recording may be torn by a crash or altered on
-//! purpose. So framing is checked here, record by record, with every length bounded, and the mcap
-//! crate only unpacks chunks whose header was found sane.
+//! The crate `mcap` reads well-formed files. A recording may be cut off by a crash or edited. So this module checks the
+//! framing record by record, with a bound on every length. The crate only unpacks chunks with a valid header.
 
 use std::ops::Range;
 
@@ -11,20 +10,21 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::record::bytes::Cut;
 
-/// Largest chunk that is unpacked, bytes. Ours are 256 KiB and one message.
+/// Largest chunk that is unpacked, bytes. The recorder's chunks have 256 KiB and one message.
 const MAX_CHUNK: u64 = 64 << 20;
-/// Compressions of chunks, and what each cannot pack better than: lz4 by its lengths of a byte, zstd by a block of
-/// 128 KiB that is one byte repeated. The recorder packs with zstd, at first it did with lz4; a tool may leave chunks unpacked.
+/// Compressions of chunks, with an upper bound on each ratio. The bound of lz4 follows from its lengths of one byte,
+/// that of zstd from a block of 128 KiB of one repeated byte. The recorder uses zstd, and used lz4 at first. Another
+/// tool may leave chunks uncompressed.
 const MAX_RATIOS: [(&str, u64); 3] = [("zstd", 1 << 15), ("lz4", 256), ("", 1)];
-/// Opcode and length of a record.
+/// Length of opcode and length field of a record, bytes.
 const FRAME: usize = 9;
 
-/// Why reading ended, other than at the proper end.
+/// Reason for the end of reading before the proper end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Stop {
-    /// The bytes end in the middle of something.
+    /// The bytes end inside a record or before the end of the file.
     Torn(&'static str),
-    /// The bytes are there, and are wrong.
+    /// The bytes are invalid.
     Damaged(String),
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// After the magic; `None` when the file does not begin with it.
+    /// Position behind the magic bytes; `None` if the file begins otherwise.
     pub fn new(bytes: &'a [u8]) -> Option<Self> {
         bytes.starts_with(mcap::MAGIC).then_some(Self {
             bytes,
@@ -53,7 +53,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// The record at the present position, which stays.
+    /// Record at the present position. The position stays.
     pub fn peek(&self) -> Result<Framed<'a>, Stop> {
         let rest = &self.bytes[self.at..];
         if rest.is_empty() {
@@ -61,18 +61,18 @@ impl<'a> Walk<'a> {
         }
         let mut cut = Cut(rest);
         let (Some(opcode), Some(length)) = (cut.u8(), cut.u64()) else {
-            return Err(Stop::Torn("the last record is not whole"));
+            return Err(Stop::Torn("the last record is incomplete"));
         };
         if opcode == 0 {
-            // A disk may leave zeros where the last write was lost.
+            // A disk may leave zeros in place of the last write.
             return Err(if rest.iter().all(|byte| *byte == 0) {
                 Stop::Torn("zeros follow")
             } else {
-                Stop::Damaged("a record has no kind".to_owned())
+                Stop::Damaged("a record has opcode 0".to_owned())
             });
         }
         let Some(body) = usize::try_from(length).ok().and_then(|n| cut.take(n)) else {
-            return Err(Stop::Torn("the last record is not whole"));
+            return Err(Stop::Torn("the last record is incomplete"));
         };
         Ok(Framed {
             opcode,
@@ -81,7 +81,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// As [`Walk::peek`], at another position.
+    /// Record at another position, as by [`Walk::peek`].
     pub fn peek_at(&self, at: usize) -> Result<Framed<'a>, Stop> {
         Self {
             bytes: self.bytes,
@@ -90,22 +90,22 @@ impl<'a> Walk<'a> {
         .peek()
     }
 
-    /// The byte at a position, which is the kind of a record where one begins there.
+    /// Byte at a position: the opcode of a record that begins there.
     pub fn opcode_at(&self, at: usize) -> Option<u8> {
         self.bytes.get(at).copied()
     }
 
-    /// The bytes between two positions that were walked over.
+    /// Bytes between two positions.
     pub fn between(&self, begin: usize, end: usize) -> &'a [u8] {
         self.bytes.get(begin..end).unwrap_or_default()
     }
 
-    /// Length of the file.
+    /// Length of the file, bytes.
     pub fn length(&self) -> usize {
         self.bytes.len()
     }
 
-    /// Schemas and channels that the summary repeats, with their place; empty where the file has no whole summary.
+    /// Schemas and channels in the summary, with their places; empty without a whole summary.
     pub fn summary_declarations(&self) -> Vec<(Range<usize>, Framed<'a>)> {
         const FOOTER: usize = FRAME + 8 + 8 + 4;
         let mut found = Vec::new();
@@ -133,25 +133,25 @@ impl<'a> Walk<'a> {
         found
     }
 
-    /// Goes past a record that [`Walk::peek`] gave.
+    /// Moves behind a record of [`Walk::peek`].
     pub fn pass(&mut self, record: &Framed<'_>) {
         self.at += record.whole.len();
     }
 
-    /// Checks what follows the footer, which must be the magic and nothing else.
+    /// Checks that only the magic bytes follow the footer.
     pub fn end(&self) -> Result<(), Stop> {
         let rest = &self.bytes[self.at..];
         if rest == mcap::MAGIC {
             Ok(())
         } else if mcap::MAGIC.starts_with(rest) {
-            Err(Stop::Torn("the end is not whole"))
+            Err(Stop::Torn("the magic bytes at the end are incomplete"))
         } else {
-            Err(Stop::Damaged("something follows the footer".to_owned()))
+            Err(Stop::Damaged("bytes follow the footer".to_owned()))
         }
     }
 }
 
-/// Gives each record of a piece of a file to `visit`: those in a chunk, or those that stand one after another outside of any.
+/// Calls `visit` for each record of a piece, inside and outside of chunks.
 pub(crate) fn visit(
     piece: &[u8],
     mut visit: impl FnMut(u8, &[u8]) -> Result<(), String>,
@@ -175,7 +175,7 @@ pub(crate) fn visit(
     Ok(())
 }
 
-/// Unpacks a chunk, checks its CRC, then gives each record in it to `visit`.
+/// Unpacks a chunk, checks its CRC, then calls `visit` for each record in the chunk.
 pub(crate) fn unpack(
     chunk: &Framed<'_>,
     mut visit: impl FnMut(u8, &[u8]) -> Result<(), String>,
@@ -204,23 +204,23 @@ pub(crate) fn unpack(
     Ok(())
 }
 
-/// Whether what there is of a chunk begins as ours do, though the rest may be torn or wrong.
+/// Whether the bytes begin like a chunk with a known compression. The rest may be cut off or damaged.
 pub(crate) fn is_chunk_header(body: &[u8]) -> bool {
     let mut cut = Cut(body);
-    // Times, unpacked length, CRC.
+    // The skipped bytes are times, unpacked length and CRC.
     let packed_with = cut.take(16 + 8 + 4).and_then(|_| cut.string());
     MAX_RATIOS
         .iter()
         .any(|(name, _)| packed_with == Some(*name))
 }
 
-/// Bytes that unpacking a chunk with this body reads and writes; `None` where it is no chunk that would be unpacked.
+/// Bytes that unpacking a chunk with this body reads and writes; `None` for an invalid chunk.
 pub(crate) fn chunk_cost(body: &[u8]) -> Option<usize> {
     let unpacked = check_chunk(body).ok()?;
     usize::try_from(unpacked).ok()?.checked_add(body.len())
 }
 
-/// Bounds what the chunk's header claims, before anything is allocated for it; gives its unpacked length.
+/// Checks the numbers in a chunk's header before memory is allocated; unpacked length.
 fn check_chunk(body: &[u8]) -> Result<u64, String> {
     let parse = || {
         let mut cut = Cut(body);
@@ -231,7 +231,7 @@ fn check_chunk(body: &[u8]) -> Result<u64, String> {
         Some((unpacked, compression, cut.u64()?, cut.0.len() as u64))
     };
     let Some((unpacked, compression, packed, there)) = parse() else {
-        return Err("a chunk's header is not whole".to_owned());
+        return Err("a chunk's header is incomplete".to_owned());
     };
     let known = MAX_RATIOS
         .into_iter()
@@ -243,20 +243,24 @@ fn check_chunk(body: &[u8]) -> Result<u64, String> {
         ));
     };
     if packed != there {
-        return Err(format!("a chunk claims {packed} bytes and has {there}"));
+        return Err(format!(
+            "a chunk has {there} bytes of data, expected {packed} by its header"
+        ));
     }
     if unpacked > MAX_CHUNK {
         return Err(format!(
-            "a chunk claims to unpack to {unpacked} bytes, expected at most {MAX_CHUNK}: write the file anew with smaller chunks"
+            "a chunk has {unpacked} unpacked bytes by its header, expected at most {MAX_CHUNK}: write the file anew with smaller chunks"
         ));
     }
     if unpacked > packed.saturating_add(64).saturating_mul(max_ratio) {
-        return Err(format!("a chunk claims to unpack to {unpacked} bytes"));
+        return Err(format!(
+            "a chunk has {unpacked} unpacked bytes by its header, which {packed} bytes of data cannot contain"
+        ));
     }
     Ok(unpacked)
 }
 
-/// The message of a message record: channel, times (of the log, of publication), and bytes.
+/// Message in a message record: channel, times (log, publication), bytes.
 pub(crate) fn message(body: &[u8]) -> Option<(u16, [u64; 2], &[u8])> {
     let mut cut = Cut(body);
     let channel = cut.u16()?;
@@ -264,13 +268,13 @@ pub(crate) fn message(body: &[u8]) -> Option<(u16, [u64; 2], &[u8])> {
     Some((channel, [cut.u64()?, cut.u64()?], cut.0))
 }
 
-/// Id, schema's id, topic and encoding of a channel record.
+/// Number, number of the schema, topic and encoding in a channel record.
 pub(crate) fn channel(body: &[u8]) -> Option<(u16, u16, &str, &str)> {
     let mut cut = Cut(body);
     Some((cut.u16()?, cut.u16()?, cut.string()?, cut.string()?))
 }
 
-/// Id, name, encoding and data of a schema record.
+/// Number, name, encoding and data in a schema record.
 pub(crate) fn schema(body: &[u8]) -> Option<(u16, &str, &str, &[u8])> {
     let mut cut = Cut(body);
     let (id, name, encoding) = (cut.u16()?, cut.string()?, cut.string()?);
@@ -278,7 +282,7 @@ pub(crate) fn schema(body: &[u8]) -> Option<(u16, &str, &str, &[u8])> {
     Some((id, name, encoding, cut.take(length)?))
 }
 
-/// Name and data of an attachment record.
+/// Name and data in an attachment record.
 pub(crate) fn attachment(body: &[u8]) -> Option<(&str, &[u8])> {
     let mut cut = Cut(body);
     let _times = cut.take(16)?;
@@ -288,7 +292,7 @@ pub(crate) fn attachment(body: &[u8]) -> Option<(&str, &[u8])> {
     Some((name, cut.take(length)?))
 }
 
-/// Name and pairs of a metadata record; `None` also when a key comes twice.
+/// Name and pairs in a metadata record; `None` also for a repeated key.
 pub(crate) fn metadata(body: &[u8]) -> Option<(&str, std::collections::BTreeMap<String, String>)> {
     let mut cut = Cut(body);
     let name = cut.string()?;
@@ -304,7 +308,7 @@ pub(crate) fn metadata(body: &[u8]) -> Option<(&str, std::collections::BTreeMap<
     Some((name, pairs))
 }
 
-/// Whether a record kind belongs after the data.
+/// Whether a record of this opcode belongs to the summary.
 pub(crate) fn is_summary(opcode: u8) -> bool {
     matches!(
         opcode,

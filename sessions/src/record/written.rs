@@ -1,64 +1,64 @@
-//! Texts that people write and recordings carry, exercises and rubrics: how they are read, and what is wrong with one.
+//! Texts that people write and recordings contain, exercises and rubrics: reading and errors.
 
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use sulcus_program::PathText;
 
-/// Why a text is not what it should be.
+/// Fault of a text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WrittenError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{what} file `{path}`: {why}")]
     Read {
-        /// What it should be: `exercise` or `rubric`.
+        /// Kind of the text: `exercise` or `rubric`.
         what: &'static str,
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Why not.
+        /// Reason.
         why: String,
     },
-    /// It is not TOML, a key is missing, or one is unknown.
+    /// The text is not TOML, a key is missing, or a key is unknown.
     #[error("{what}: {why}")]
     Syntax {
-        /// What it should be.
+        /// Kind of the text.
         what: &'static str,
-        /// What the reader said.
+        /// Error of the TOML reader.
         why: String,
     },
     /// A value is out of range.
     #[error("{what}: {field} is {found}, expected {expected}")]
     Field {
-        /// What it should be.
+        /// Kind of the text.
         what: &'static str,
         /// Key.
         field: String,
         /// Value found.
         found: String,
-        /// What it must be.
+        /// Valid values.
         expected: String,
     },
 }
 
-/// Most bytes of a text.
+/// Largest length of a text, bytes.
 const MOST_BYTES: usize = 64 * 1024;
 
-/// What can be written: a kind of text with values in ranges.
+/// Kind of a text with values in ranges.
 pub(crate) trait Written: DeserializeOwned {
-    /// What it is called.
+    /// Name of the kind.
     const WHAT: &'static str;
 
     /// Checks every value.
     fn check(&self) -> Result<(), WrittenError>;
 
-    /// From its text.
+    /// Value from a text, checked.
     fn parsed(text: &str) -> Result<Self, WrittenError> {
         let written = Self::read(text)?;
         written.check()?;
         Ok(written)
     }
 
-    /// From its text, values as they are.
+    /// Value from a text, not checked.
     fn read(text: &str) -> Result<Self, WrittenError> {
         if text.len() > MOST_BYTES {
             let found = format!("{} bytes long", text.len());
@@ -68,7 +68,7 @@ pub(crate) trait Written: DeserializeOwned {
         read.map_err(|error| Self::syntax(&error))
     }
 
-    /// From its file.
+    /// Value from a file, checked.
     fn opened(path: &Path) -> Result<Self, WrittenError> {
         let unread = |why: String| WrittenError::Read {
             what: Self::WHAT,
@@ -87,7 +87,7 @@ pub(crate) trait Written: DeserializeOwned {
         Self::parsed(&text).map_err(|error| unread(error.to_string()))
     }
 
-    /// What TOML says.
+    /// Error of the TOML reader as an error of this kind.
     fn syntax(error: &dyn std::error::Error) -> WrittenError {
         WrittenError::Syntax {
             what: Self::WHAT,
@@ -95,7 +95,7 @@ pub(crate) trait Written: DeserializeOwned {
         }
     }
 
-    /// A value that is out of range.
+    /// Error of a value out of range.
     fn wrong<T>(
         field: &str,
         found: impl Into<String>,
@@ -109,7 +109,7 @@ pub(crate) trait Written: DeserializeOwned {
         })
     }
 
-    /// Checks a name, which becomes part of files' names.
+    /// Checks a name, which becomes part of file names.
     fn check_name(name: &str) -> Result<(), WrittenError> {
         let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
         if name.is_empty() || name.len() > 64 || !name.chars().all(known) {

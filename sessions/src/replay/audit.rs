@@ -1,30 +1,30 @@
-//! An independent judge beside the replay.
+//! Audit of a replay by an independent solver, the judge.
 
 use serde::Serialize;
 use sulcus_core::optimise::audit::audit;
 use sulcus_core::{Scene, Workspace};
 
-/// What the judge says of one tick.
+/// Result of the judge for one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AuditRow {
-    /// Distance between the working point of the graphic tool by the tick's answer and by the
-    /// judge's, millimetres; `None` when the judge found no answer.
+    /// Distance between the working points of the graphic tool by the tick's answer and by the judge's, millimetres;
+    /// `None` if the judge has no answer.
     pub pose_error_mm: Option<f64>,
-    /// How far the tick's answer is from satisfying the conditions of optimality, relative to the
-    /// problem's largest bias. Needs no judge.
+    /// Residual of the tick's answer in the conditions of optimality, relative to the problem's largest bias.
+    /// Independent of the judge.
     pub kkt_residual: f64,
 }
 
-/// What the judge says of a session.
+/// Result of the judge for a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct AuditReport {
-    /// Ticks that had a problem to judge.
+    /// Ticks with a problem.
     pub ticks: u64,
-    /// Of them, ticks for which the judge itself found no answer.
+    /// Ticks with a problem for which the judge has no answer.
     pub unjudged: u64,
     /// Largest [`AuditRow::pose_error_mm`].
     pub max_pose_error_mm: f64,
-    /// The tick of it.
+    /// Tick with that error.
     pub worst_tick: Option<u64>,
     /// Largest [`AuditRow::kkt_residual`].
     pub max_kkt_residual: f64,
@@ -41,7 +41,7 @@ impl AuditReport {
             }
             Some(_) => {}
         }
-        // A residual that is not a number is the worst there can be.
+        // A NaN counts as the largest residual.
         let residual = if row.kkt_residual.is_nan() {
             f64::MAX
         } else {
@@ -51,8 +51,8 @@ impl AuditReport {
     }
 }
 
-/// Solves the last problem of `workspace` (the one its last tick ended with) again with the solver
-/// that the scene does not use; `None` when that tick touched nothing.
+/// Solves the problem of the workspace's last tick again with the solver that the scene does not use; `None` for a tick
+/// without contact.
 pub fn audit_tick(scene: &Scene, workspace: &Workspace) -> Option<AuditRow> {
     let verdict = audit(scene, workspace)?;
     Some(AuditRow {

@@ -1,82 +1,84 @@
-//! A recorded session beside itself in a changed scene: the same inputs, both run tick by tick.
+//! Comparison of a recorded session with the same session in a changed scene. Both run the same inputs, tick by tick.
 //!
-//! The hand does what it did: it does not answer to forces that it never felt. So this shows what another solver, tissue or
-//! level says about the same motion, and not what a student would have done with it.
+//! The motion of the hand is the recorded one and does not answer to changed forces. So a comparison shows the effect
+//! of another solver, tissue or level on the same motion. It does not show how a student would behave in that scene.
 
 mod side;
-
-use std::time::Instant;
 
 use serde::Serialize;
 use sulcus_core::{MAX_TOOLS, TickOutput};
 
+use super::error::ReplayError;
+use super::report::ReplayOptions;
+use super::run::{REPORT_EVERY, recorded as recorded_state};
+use super::span::Part;
+use super::whatif::{WhatIf, WhatIfError};
 use crate::record::format::Migration;
 use crate::record::gap::Gap;
 use crate::record::message::Message;
-use crate::record::read::{Ending, Recording};
-use crate::record::verify::{Signature, Verifier};
-use crate::replay::whatif::{WhatIf, WhatIfError};
-use crate::replay::{Part, REPORT_EVERY, ReplayError, ReplayOptions};
+use crate::record::read::{Ending, ReadError, Recording};
+use crate::record::signature::Signature;
+use crate::record::verify::Verifier;
 
 pub use side::Side;
 
 use side::Running;
 
-/// How far the two are apart.
+/// Differences between the two sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Apart {
     /// Largest difference of a tool's force, newtons.
     pub max_force_n: f64,
-    /// Root mean square of it over a tool's ticks in which it touches on either side.
+    /// Root mean square of the force difference over the ticks in which a tool touches on either side, newtons.
     pub rms_force_n: f64,
-    /// The tick of the largest.
+    /// Tick of the largest force difference.
     pub max_force_tick: Option<u64>,
     /// Largest difference of a tool's torque, newton metres.
     pub max_torque_nm: f64,
     /// Largest distance between the tips of a graphic tool, millimetres.
     pub max_tip_mm: f64,
-    /// Root mean square of it over a tool's ticks in which it touches on either side.
+    /// Root mean square of the distance over the ticks in which a tool touches on either side, millimetres.
     pub rms_tip_mm: f64,
 }
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparisonReport {
-    /// Always true: this is no replay.
+    /// Always true: a comparison is no replay.
     pub comparison: bool,
-    /// Always false: two scenes are compared, whether they differ or not.
+    /// Always false, also for two equal scenes.
     pub identical: bool,
-    /// What was changed, in words.
+    /// Changes of the scene, as text.
     pub changed: Vec<String>,
     /// Ticks run.
     pub ticks: u64,
-    /// First tick whose state was another than the recorded one.
+    /// First tick whose state differs from the recorded state.
     pub first_divergent_tick: Option<u64>,
-    /// Whether the unchanged side gave the recorded hashes throughout: else the difference is not the change's alone.
+    /// Whether the recorded side gave all recorded hashes. Otherwise the change is not the only difference.
     pub recorded_side_identical: bool,
-    /// Where the recording is of a former version of the format, so that the unchanged side need not give the recorded hashes.
+    /// Migration of a recording of a former version, whose recorded side may give other hashes.
     pub migration: Option<Migration>,
-    /// Simulated time over the time that the changed side's ticks took.
+    /// Simulated time divided by the time of the changed side's ticks.
     pub realtime_factor: f64,
-    /// How far the two are apart, within the part that was asked for.
+    /// Differences within the requested part.
     pub apart: Apart,
-    /// As recorded.
+    /// Side of the recorded scene.
     pub recorded: Side,
-    /// As changed.
+    /// Side of the changed scene.
     pub what_if: Side,
-    /// The part that was run, where not all was asked for.
+    /// Part that was run; `None` for the whole session.
     pub part: Option<Part>,
-    /// Tick of the snapshot that the changed side began with: the recording's first where the change is one of geometry or tissue
-    /// ([`WhatIf::keeps_states`]), otherwise the part's own.
+    /// Tick of the snapshot from which the changed side starts. Changes of geometry or tissue start from the
+    /// recording's first snapshot ([`WhatIf::keeps_states`]), other changes from that of the part.
     pub what_if_snapshot_tick: u64,
-    /// What the signatures say of the recording.
+    /// Result of the recording's signatures.
     pub signature: Signature,
-    /// How the recording ends.
+    /// Ending of the recording's file.
     pub ending: Ending,
 }
 
 impl ComparisonReport {
-    /// Whether something is wrong with what it rests on: that the sides differ is no finding.
+    /// Whether the recording has a fault. A difference between the sides is no fault.
     pub fn is_finding(&self) -> bool {
         !(self.recorded_side_identical || self.migration.is_some())
             || matches!(self.signature, Signature::Invalid { .. })
@@ -84,29 +86,29 @@ impl ComparisonReport {
     }
 }
 
-/// Why nothing could be compared.
+/// Reason why nothing was compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// The recording cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
-    /// The scene cannot be changed so.
+    /// The scene cannot be changed.
     #[error(transparent)]
     WhatIf(#[from] WhatIfError),
 }
 
-impl From<crate::record::read::ReadError> for CompareError {
-    fn from(error: crate::record::read::ReadError) -> Self {
+impl From<ReadError> for CompareError {
+    fn from(error: ReadError) -> Self {
         Self::Replay(error.into())
     }
 }
 
-/// Runs the recorded inputs in the recorded scene and in the changed one; neither is led back to a snapshot later. The recorded side begins
-/// with the last snapshot before the part, and so does the changed one where that is a state of its own; otherwise it comes to the part
-/// from the session's beginning. They are compared from the part's snapshot on.
+/// Runs the recorded inputs in the recorded scene and in the changed scene. No later snapshot resets a side. The
+/// recorded side starts from the last snapshot before the part. The changed side starts from the same snapshot if that
+/// state is valid for it, otherwise from the session's first snapshot. Both are compared from the part's snapshot on.
 ///
 /// # Errors
-/// As [`crate::replay()`], or when the scene cannot be changed so.
+/// The errors of [`crate::replay()`], or the scene cannot be changed.
 pub fn compare(
     recording: &Recording,
     what_if: &WhatIf,
@@ -155,8 +157,7 @@ pub fn compare(
                 if !(begins || other_begins) {
                     continue;
                 }
-                let state = crate::replay::recorded_state(&scene, *tick, state)
-                    .map_err(ReplayError::Snapshot)?;
+                let state = recorded_state(&scene, *tick, state).map_err(ReplayError::Snapshot)?;
                 if other_begins {
                     other.begin_like(&state);
                     other_started = true;
@@ -170,7 +171,7 @@ pub fn compare(
             Message::Row(row)
                 if part.runs(row.tick) || (!from_part && row.tick <= part.to_tick) =>
             {
-                // On the way from the snapshot to the part only what must be the same is looked at.
+                // Between the snapshot and the part only the recorded hashes are compared.
                 let counts = part.contains(row.tick);
                 let theirs = other.tick(&what_if.input(&row.input), counts);
                 ran += 1;
@@ -203,7 +204,7 @@ pub fn compare(
     Ok(report)
 }
 
-/// The first gap between what the comparison begins with and the end of the part.
+/// First gap between the start of the comparison and the end of the part.
 fn gap_within<'a>(recording: &'a Recording, part: &Part, from_part: bool) -> Option<&'a Gap> {
     recording.gaps().iter().find(|gap| {
         let ends_before = gap.to_tick.is_some_and(|to| to <= part.snapshot_tick);
@@ -212,7 +213,7 @@ fn gap_within<'a>(recording: &'a Recording, part: &Part, from_part: bool) -> Opt
     })
 }
 
-/// Sums of squares over the contacts: of a tool, in a tick, on either side.
+/// Sums of squares over the contacts of a tool in a tick, on either side.
 #[derive(Default)]
 struct Sums {
     contacts: u64,
@@ -254,11 +255,4 @@ impl Sums {
         apart.rms_force_n = (self.force / n).sqrt();
         apart.rms_tip_mm = (self.tip / n).sqrt();
     }
-}
-
-/// Wall time of one call, seconds.
-fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
-    let began = Instant::now();
-    let value = f();
-    (value, began.elapsed().as_secs_f64())
 }

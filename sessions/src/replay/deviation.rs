@@ -1,38 +1,38 @@
-//! How far a replay is from the record, where it is not the same: a number instead of a bare no.
+//! Deviation of a replay from the record, in numbers.
 
 use serde::Serialize;
 use sulcus_core::State;
 
 use crate::record::row::Row;
 
-/// Largest and mean differences between what was recorded and what a replay gave. A replay that differs is led back to the
-/// recorded state at every snapshot, so that this is what differs within some ten seconds; that of a recording of a former
-/// version is not ([`crate::record::format`]).
+/// Largest and mean differences between the record and a replay. A replay that differs continues from the recorded
+/// state at every snapshot, so the differences are those within about ten seconds. The replay of a former version does
+/// not ([`crate::record::format`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Deviation {
     /// Largest difference of a tool's force, newtons.
     pub max_force_n: f64,
-    /// The tick of it.
+    /// Tick of the largest force difference.
     pub max_force_tick: Option<u64>,
-    /// Root mean square over the ticks in which a tool bears load in the record or in the replay, newtons: of the stretch between two
-    /// snapshots in which it is largest.
+    /// Root mean square of the force difference, newtons: over the ticks with a tool under load in the record or in the
+    /// replay, in the worst stretch between two snapshots.
     pub rms_force_n: f64,
     /// Largest difference of a tool's torque, newton metres.
     pub max_torque_nm: f64,
-    /// Largest distance between recorded and replayed place of a graphic tool, millimetres: at snapshots, the only places on
-    /// record; `None` where none differed.
+    /// Largest distance between recorded and replayed place of a graphic tool, millimetres. Only snapshots have places;
+    /// `None` without a differing snapshot.
     pub max_pose_mm: Option<f64>,
-    /// Ticks whose status bits differ.
+    /// Ticks with other status bits.
     pub status_ticks: u64,
-    /// Rows that are numbered otherwise than the replay's ticks, and snapshots that are no state of theirs.
+    /// Rows with another tick than the replay, and snapshots without a valid state.
     pub out_of_step: u64,
 }
 
-/// Sums a [`Deviation`] up.
+/// Sum of differences.
 #[derive(Debug, Default)]
 pub(super) struct Deviating {
     so_far: Deviation,
-    /// Of the present stretch: sum of squares, and tool-ticks under load.
+    /// Sum of squares of the present stretch; below, its number of ticks and tools under load.
     squares: f64,
     loaded: u64,
 }
@@ -70,7 +70,7 @@ impl Deviating {
         self.stretch();
     }
 
-    /// Takes in the stretch that ends here.
+    /// Ends the present stretch.
     fn stretch(&mut self) {
         let mean = finite((self.squares / self.loaded.max(1) as f64).sqrt());
         self.so_far.rms_force_n = self.so_far.rms_force_n.max(mean);
@@ -83,7 +83,7 @@ impl Deviating {
     }
 }
 
-/// Distance between two vectors.
+/// Length of the difference of two vectors.
 fn apart(a: &[f32], b: &[f32]) -> f64 {
     let squares = a.iter().zip(b).map(|(a, b)| {
         let off = f64::from(*a) - f64::from(*b);
@@ -92,7 +92,7 @@ fn apart(a: &[f32], b: &[f32]) -> f64 {
     finite(squares.sum::<f64>().sqrt())
 }
 
-/// A row may claim anything; what is no number is as far off as can be said.
+/// Number for the largest difference if `x` is not finite. A row may contain any number.
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { f64::MAX }
 }
@@ -119,7 +119,7 @@ mod tests {
         for (tick, off) in [(1, 0.0), (2, 3.0), (3, 1.0)] {
             deviating.row(&row(tick, 0.0), &row(tick, off));
         }
-        // (Tool 1 bears none, nor tool 0 in the first tick.)
+        // Tool 1 bears no load, and neither does tool 0 in the first tick.
         let found = deviating.done();
         assert_eq!((found.max_force_n, found.max_force_tick), (3.0, Some(2)));
         assert_eq!(found.max_torque_nm, 3.0);

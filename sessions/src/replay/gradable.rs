@@ -1,11 +1,11 @@
-//! Whether a grade may rest on a session, and if not, why.
+//! Conditions of a grade on a replayed session.
 
-use super::ReplayReport;
-use crate::record::format::CLOSE;
+use super::close::CLOSE;
+use super::report::ReplayReport;
 use crate::record::read::{Ending, Recording};
-use crate::record::verify::Signature;
+use crate::record::signature::Signature;
 
-/// Why not, in a sentence; `None` when it may.
+/// Reason against a grade, as text; `None` if the session may be graded.
 pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<String> {
     if let Some(tick) = report.first_divergent_tick
         && !report.is_close()
@@ -38,29 +38,30 @@ pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<St
     })
 }
 
-/// That the session's end, or a part of the session, is not there.
+/// Text for a missing end or a missing part of the session.
 fn no_end(recording: &Recording, ending: &Ending) -> String {
     match ending {
         Ending::Recovered { .. } if !recording.gaps().is_empty() => {
             let gaps: Vec<String> = recording.gaps().iter().map(ToString::to_string).collect();
             format!(
-                "the recording is recovered from a damaged one: missing are {}",
+                "the recording was recovered from a damaged file and lacks {}",
                 gaps.join("; ")
             )
         }
         Ending::Recovered { .. } => {
-            "the recording is recovered from a torn one: the session's end is missing".to_owned()
+            "the recording was recovered from a file that was cut off: the session's end is missing"
+                .to_owned()
         }
         ending => format!("the recording is {ending}"),
     }
 }
 
-/// That the replay differs, and by how much; where another program recorded, that it was another.
+/// Text for a replay that differs, with the amount, and with both programs if they differ.
 fn differs(report: &ReplayReport, tick: u64) -> String {
     let mut said = format!("the replay differs from tick {tick}");
     if let Some(migration) = &report.migration {
         said.push_str(&format!(
-            ", by more than the migration {migration} may: force by {:.2e} N rms ({:.2e} N may be), a tool's place by {:.2e} mm ({:.2e} mm), {} rows and snapshots out of step",
+            ", beyond the tolerance of the migration {migration}: force by {:.2e} N rms (tolerance {:.2e} N), a tool's place by {:.2e} mm (tolerance {:.2e} mm), {} rows and snapshots out of step",
             report.deviation.rms_force_n,
             CLOSE.rms_force_n,
             report.deviation.max_pose_mm.unwrap_or_default(),

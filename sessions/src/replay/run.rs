@@ -1,26 +1,30 @@
-//! A replay under way.
+//! State of a replay.
 
 use sulcus_core::{NoProbe, Scene, State, TickOutput, Workspace, tick};
 
-use super::deviation::Deviating;
+use super::audit::{AuditReport, audit_tick};
+use super::deviation::{Deviating, Deviation};
+use super::error::ReplayError;
+use super::report::{Difference, Divergence};
 use super::stretch::{Stretch, Stretches};
-use super::{Deviation, Difference, Divergence, ReplayError};
 use crate::record::row::Row;
-use crate::record::verify::Signed;
-use crate::replay::audit::{AuditReport, audit_tick};
+use crate::record::signature::Signed;
+
+/// Ticks between two reports of progress.
+pub(super) const REPORT_EVERY: u64 = 500;
 
 pub(super) struct Run<'a> {
     scene: &'a Scene,
     workspace: Workspace,
     state: State,
     started: bool,
-    /// Whether a gap was come to, and no row or snapshot behind it yet.
+    /// Whether the last message was before a gap.
     at_gap: bool,
     stretches: Stretches,
-    /// Whether a recorded snapshot that is another state is gone on from.
+    /// Whether the replay continues from a recorded snapshot that differs.
     led_back: bool,
     pub ticks: u64,
-    /// With those that were skipped.
+    /// Ticks run and ticks skipped.
     pub simulated_ticks: u64,
     pub first: Option<(u64, Divergence)>,
     deviating: Deviating,
@@ -53,23 +57,23 @@ impl<'a> Run<'a> {
         std::mem::take(&mut self.deviating).done()
     }
 
-    /// A gap in the record: what follows may be another stretch.
+    /// Notes a gap. The next message may begin another stretch.
     pub fn gap(&mut self) {
         self.at_gap = true;
     }
 
-    /// The stretches that the gaps made.
+    /// Stretches between the gaps.
     pub fn stretches(&mut self, signed: &[Signed]) -> Vec<Stretch> {
         std::mem::take(&mut self.stretches).done(signed)
     }
 
-    /// Begins another stretch, which no state is known of yet.
+    /// Begins another stretch. Its state is unknown until the next snapshot.
     fn next_stretch(&mut self) {
         self.stretches.next();
         self.started = false;
     }
 
-    /// Runs a row; `None` where no state is known that it acts on: behind a gap, before the next snapshot.
+    /// Runs a row; `None` if the state is unknown, behind a gap and before the next snapshot.
     pub fn row(&mut self, row: &Row) -> Option<TickOutput> {
         let ticks = 1 + u64::from(row.input.skipped);
         if std::mem::take(&mut self.at_gap)
@@ -113,8 +117,9 @@ impl<'a> Run<'a> {
         output
     }
 
-    /// Begins with the first; compares every other. Where it is another, goes on from the recorded state, so that what differs does so
-    /// within a stretch; but not in a recording of a former version, whose grade must rest on nothing but its inputs.
+    /// Starts from the first snapshot and compares every other one. After a difference the replay continues from the
+    /// recorded state, so each stretch differs by itself. A recording of a former version is an exception, because its
+    /// grade must rest on the inputs alone.
     pub fn snapshot(&mut self, of: u64, bytes: &[u8]) -> Result<(), ReplayError> {
         if std::mem::take(&mut self.at_gap) && !(self.started && self.state.tick == of) {
             self.next_stretch();
@@ -129,7 +134,7 @@ impl<'a> Run<'a> {
             self.stretches.begins_with(of);
             return Ok(());
         }
-        // Where the rows differed before, the snapshot adds nothing.
+        // After a difference of rows the snapshot adds nothing.
         if self.first.is_none() {
             let hash = recorded.as_ref().map_or(0, |state| state.hash);
             self.differs(of, Difference::Snapshot, hash, self.state.hash);
@@ -161,11 +166,13 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The state in a snapshot's bytes, which must be that of its tick.
-pub(crate) fn recorded(scene: &Scene, of: u64, bytes: &[u8]) -> Result<State, String> {
+/// State in a snapshot's bytes, which must be of the snapshot's tick.
+pub(super) fn recorded(scene: &Scene, of: u64, bytes: &[u8]) -> Result<State, String> {
     let state = State::from_bytes(scene, bytes).map_err(|error| error.to_string())?;
     match state.tick {
         tick if tick == of => Ok(state),
-        tick => Err(format!("it says tick {of}, and holds tick {tick}")),
+        tick => Err(format!(
+            "the snapshot is of tick {of}, its state of tick {tick}"
+        )),
     }
 }

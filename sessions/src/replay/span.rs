@@ -1,27 +1,27 @@
-//! A part of a session.
+//! Part of a session.
 
 use serde::Serialize;
 
-use super::ReplayError;
+use super::error::ReplayError;
 use crate::record::message::Message;
 use crate::record::read::Recording;
 
-/// From when to when, in seconds of session time: a tick's number times the scene's seconds per tick, so that skipped
-/// ticks count.
+/// Requested part of a session, in seconds of session time. Session time is the number of the tick times the scene's
+/// seconds per tick, so skipped ticks count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Span {
-    /// Begins here; `None`: at the first row.
+    /// Start; `None` for the first row.
     pub from_s: Option<f64>,
-    /// Ends here, this moment included; `None`: at the last row.
+    /// End, inclusive; `None` for the last row.
     pub to_s: Option<f64>,
 }
 
-/// What a [`Span`] is in a recording.
+/// Ticks of a [`Span`] in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Part {
-    /// The replay begins with the state after this tick: the last snapshot before the part.
+    /// Tick of the starting snapshot, the last one before the part.
     pub snapshot_tick: u64,
-    /// First tick of the part. What lies between the snapshot and it is run, and compared, too.
+    /// First tick of the part. The ticks between the snapshot and the part are run and compared, too.
     pub from_tick: u64,
     /// Last tick of the part.
     pub to_tick: u64,
@@ -33,30 +33,30 @@ impl Part {
         tick > self.snapshot_tick && tick <= self.to_tick
     }
 
-    /// Whether the snapshot of `tick` is begun with or compared.
+    /// Whether the snapshot of `tick` is compared or starts the replay.
     pub(crate) fn looks_at(&self, tick: u64) -> bool {
         (self.snapshot_tick..=self.to_tick).contains(&tick)
     }
 
-    /// Whether `tick` belongs to what was asked for.
+    /// Whether `tick` belongs to the requested part.
     pub fn contains(&self, tick: u64) -> bool {
         (self.from_tick..=self.to_tick).contains(&tick)
     }
 }
 
-/// A moment that is a hair off a tick's own is meant to be that tick's.
+/// Tolerance of a time around a tick, in ticks.
 const HAIR: f64 = 1e-6;
 
 impl Span {
-    /// Whether it is the whole session.
+    /// Whether the span is the whole session.
     pub fn is_all(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The part of `recording` that it is, at `tick_s` seconds per tick.
+    /// Ticks of the span in `recording`, at `tick_s` seconds per tick.
     ///
     /// # Errors
-    /// When a number is none, the part is empty, or lies outside of the session; or the file changed meanwhile.
+    /// A number is NaN, the part is empty or outside of the session, or the file has changed.
     pub fn part(&self, recording: &Recording, tick_s: f64) -> Result<Part, ReplayError> {
         let (first, last) = recording.facts().ticks.unwrap_or_default();
         let wrong = |field, found, expected: String| {
@@ -81,16 +81,16 @@ impl Span {
                 return wrong(
                     "to",
                     to,
-                    format!("at least {least} s, where the part begins"),
+                    format!("at least {least} s, the start of the part"),
                 );
             }
             to_tick = ((to / tick_s + HAIR).floor() as u64).min(last);
         }
         if from_tick > to_tick {
-            let expected = "a part that holds a tick".to_owned();
+            let expected = "a part with a tick".to_owned();
             return wrong("to", self.to_s.unwrap_or(ends), expected);
         }
-        // All of it begins with the very first snapshot, and compares every other.
+        // The whole session starts from the first snapshot, and compares every other one.
         let before = self.from_s.map_or(0, |_| from_tick);
         Ok(Part {
             snapshot_tick: snapshot_before(recording, before)?,
@@ -100,7 +100,7 @@ impl Span {
     }
 }
 
-/// Tick of the last snapshot before `tick`; the first snapshot where there is none.
+/// Tick of the last snapshot before `tick`, else of the first snapshot.
 fn snapshot_before(recording: &Recording, tick: u64) -> Result<u64, ReplayError> {
     let mut found = None;
     for message in recording.messages() {
@@ -110,6 +110,6 @@ fn snapshot_before(recording: &Recording, tick: u64) -> Result<u64, ReplayError>
             _ => {}
         }
     }
-    // A recording's first row never comes before its first snapshot.
+    // In a valid recording the first snapshot precedes the first row.
     Ok(found.unwrap_or_default())
 }

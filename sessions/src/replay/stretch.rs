@@ -1,29 +1,30 @@
-//! The stretches between the gaps of a recovered recording: each is replayed from a snapshot of its own.
+//! Stretches between the gaps of a recovered recording. Each stretch is replayed from its own snapshot.
 
 use serde::Serialize;
 
+use crate::record::gap::Gap;
 use crate::record::message::Message;
 use crate::record::row::Row;
-use crate::record::verify::Signed;
+use crate::record::signature::Signed;
 
-/// Rows without a gap between them.
+/// Stretch of rows without a gap.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stretch {
-    /// First tick that has a row.
+    /// First tick with a row.
     pub from_tick: u64,
-    /// Last tick that has a row.
+    /// Last tick with a row.
     pub to_tick: u64,
-    /// The replay of this stretch begins with the state after this tick; `None` where the stretch has no snapshot, and is not run.
+    /// Tick of the starting snapshot; `None` without a snapshot, and then the stretch is not run.
     pub snapshot_tick: Option<u64>,
     /// Ticks run.
     pub ticks: u64,
-    /// Rows before the snapshot, which cannot be run.
+    /// Rows before the snapshot, which are not run.
     pub not_run: u64,
-    /// Whether every tick that was run gave what was recorded; false where none was.
+    /// Whether every tick that was run is identical; false if no tick was run.
     pub identical: bool,
-    /// The first tick that did not.
+    /// First tick that differs.
     pub first_divergent_tick: Option<u64>,
-    /// Ticks of this stretch that the station's signatures cover, the first and the last of each part.
+    /// First and last tick of each signed part of the stretch.
     pub signed: Vec<(u64, u64)>,
 }
 
@@ -31,9 +32,9 @@ impl std::fmt::Display for Stretch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "ticks {} to {}: ", self.from_tick, self.to_tick)?;
         match (self.snapshot_tick, self.first_divergent_tick) {
-            (None, _) => f.write_str("not run, there is no snapshot in it")?,
+            (None, _) => f.write_str("not run, no snapshot")?,
             (Some(_), None) if self.ticks == 0 => {
-                f.write_str("not run, its snapshot is its end")?
+                f.write_str("not run, the snapshot is at the end")?
             }
             (Some(of), None) => write!(
                 f,
@@ -50,7 +51,7 @@ impl std::fmt::Display for Stretch {
             write!(f, ", {} before it not run", self.not_run)?;
         }
         match self.signed.as_slice() {
-            [] => f.write_str("; no part of it is signed"),
+            [] => f.write_str("; no signed part"),
             parts => {
                 let parts: Vec<String> = parts
                     .iter()
@@ -62,7 +63,7 @@ impl std::fmt::Display for Stretch {
     }
 }
 
-/// Collects stretches.
+/// Stretches so far.
 #[derive(Default)]
 pub(super) struct Stretches {
     done: Vec<Stretch>,
@@ -70,7 +71,7 @@ pub(super) struct Stretches {
 }
 
 impl Stretches {
-    /// Begins a new one.
+    /// Begins the next stretch.
     pub fn next(&mut self) {
         let before = std::mem::take(&mut self.now);
         if before.to_tick > 0 {
@@ -115,21 +116,21 @@ impl Stretches {
     }
 }
 
-/// Says before which messages a gap is.
+/// Positions of the gaps among the messages.
 pub(super) struct Gaps<'a> {
-    gaps: std::iter::Peekable<std::slice::Iter<'a, crate::record::gap::Gap>>,
+    gaps: std::iter::Peekable<std::slice::Iter<'a, Gap>>,
     messages: u64,
 }
 
 impl<'a> Gaps<'a> {
-    pub fn new(gaps: &'a [crate::record::gap::Gap]) -> Self {
+    pub fn new(gaps: &'a [Gap]) -> Self {
         Self {
             gaps: gaps.iter().peekable(),
             messages: 0,
         }
     }
 
-    /// Whether there is a gap right before this message.
+    /// Whether a gap is right before this message.
     pub fn before(&mut self, _message: &Message) -> bool {
         let mut found = false;
         while self

@@ -1,4 +1,4 @@
-//! "What if": another solver, tissue or level in a recorded session's scene.
+//! Changes of a recorded scene for a comparison: another solver, tissue or level.
 
 use std::fmt;
 
@@ -7,60 +7,60 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::printed::as_printed;
 use sulcus_core::{Scene, SceneError, TickInput};
 
-/// What to put in place of a scene's tissues.
+/// Replacement of a scene's tissues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TissueChoice {
-    /// Nothing yields.
+    /// All tissues rigid.
     Rigid,
-    /// Springs and gingivae by the paper's own equations, before the optimisation instead of in it. What the paper has not
-    /// (a tongue by finite elements) stays.
+    /// Springs and gingivae by the paper's own equations, before the optimisation instead of in it. Tissues that the
+    /// paper does not have, such as a tongue by finite elements, stay.
     Printed,
 }
 
-/// What is to be different. Made from the compiled scene alone: what takes its meshes (finer trees, another organ) is for whoever
-/// compiles scenes.
+/// Changes of a scene, made from the compiled scene alone. Finer trees or other organs need the scene's meshes and
+/// another compilation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WhatIf {
-    /// Solver in the tick.
+    /// Solver of the tick.
     pub solver: Option<SolverKind>,
-    /// Tissues.
+    /// Model of all tissues.
     pub tissue: Option<TissueChoice>,
-    /// Level at which what is rigid is touched, of those that its trees hold.
+    /// Level of the rigid objects' sphere trees.
     pub level: Option<u8>,
-    /// Level of detail of tissues that have more than one ([`TickInput::detail`]), throughout.
+    /// Level of detail of tissues with two levels ([`TickInput::detail`]).
     pub detail: Option<u8>,
-    /// Whether calibrated trees are touched as one smooth surface or sphere by sphere.
+    /// Whether calibrated trees are blended surfaces; otherwise they are bare spheres.
     pub blend: Option<bool>,
 }
 
-/// Why a scene cannot be changed so.
+/// Reason why a scene cannot be changed.
 #[derive(Debug, thiserror::Error)]
 pub enum WhatIfError {
-    /// It has nothing of the kind.
+    /// The scene has nothing to which the change applies.
     #[error("{field} is {found}, expected {expected}")]
     Field {
-        /// What was asked for.
+        /// Name of the change.
         field: &'static str,
         /// Value found.
         found: String,
-        /// What it could be.
+        /// Values expected.
         expected: String,
     },
-    /// It would not be a scene any more.
-    #[error("the scene cannot be used when changed so: {0}")]
+    /// The changed scene is invalid.
+    #[error("the changed scene is invalid: {0}")]
     Scene(#[from] SceneError),
 }
 
 impl WhatIf {
-    /// Whether anything was asked.
+    /// Whether there is a change.
     pub fn is_asked(&self) -> bool {
         *self != Self::default()
     }
 
-    /// The scene as it would be, validated, and what was changed in words.
+    /// Changed scene, validated, and the changes as text.
     ///
     /// # Errors
-    /// When the scene has nothing that the change could be made to.
+    /// The scene has nothing to which a change applies, or becomes invalid.
     pub fn applied_to(&self, scene: &Scene) -> Result<(Scene, Vec<String>), WhatIfError> {
         let mut scene = scene.clone();
         let mut said = Vec::new();
@@ -91,13 +91,13 @@ impl WhatIf {
         Ok((scene, said))
     }
 
-    /// Whether a state of the recorded scene is one of the changed scene, too: in another geometry, or tissue that yields otherwise, a tool
-    /// may be inside of what it lay against, and comes from nowhere out of it.
+    /// Whether states of the recorded scene are valid in the changed scene. With another geometry or other tissue, a
+    /// tool at a surface could be inside of it and could not come out.
     pub fn keeps_states(&self) -> bool {
         self.tissue.is_none() && self.level.is_none() && self.blend.is_none()
     }
 
-    /// The input as it would be.
+    /// Changed input.
     pub fn input(&self, input: &TickInput) -> TickInput {
         TickInput {
             detail: self.detail.unwrap_or(input.detail),
@@ -128,7 +128,7 @@ fn put_tissue(scene: &mut Scene, choice: TissueChoice) -> Result<String, WhatIfE
         .filter(|(object, before)| object.tissue != **before)
         .count();
     let (name, expected) = match choice {
-        TissueChoice::Rigid => ("rigid", "a scene in which something yields"),
+        TissueChoice::Rigid => ("rigid", "a scene with soft tissue"),
         TissueChoice::Printed => ("as printed", "a scene with springs or gingivae"),
     };
     if changed == 0 {
@@ -147,20 +147,20 @@ fn put_level(scene: &mut Scene, level: u8) -> Result<String, WhatIfError> {
     let deepest = rigid().map(|object| object.tree.depth()).max();
     if deepest.is_none_or(|deepest| level > deepest) {
         let expected = deepest.map_or_else(
-            || "a scene in which something is rigid".to_owned(),
-            |deepest| format!("0 to {deepest}, the levels that the recorded trees hold"),
+            || "a scene with a rigid object".to_owned(),
+            |deepest| format!("0 to {deepest}, the levels of the recorded trees"),
         );
         return field("level", level, expected);
     }
     let mut changed = 0;
-    // (A gingiva's data is that of its own level; a tongue's level is its springs'.)
+    // The data of a gingiva belong to its level, and the level of a tongue to its springs.
     for object in scene.objects.iter_mut().filter(|o| o.tissue.is_rigid()) {
         let to = level.min(object.tree.depth());
         changed += u32::from(object.level != to);
         object.level = to;
     }
     if changed == 0 {
-        let expected = "another level than what is rigid was recorded at";
+        let expected = "another level than that of the recorded rigid objects";
         return field("level", level, expected.to_owned());
     }
     Ok(format!("{changed} rigid objects at level {level}"))
@@ -178,14 +178,10 @@ fn put_blend(scene: &mut Scene, blend: bool) -> Result<String, WhatIfError> {
         (
             "on",
             "blended surfaces",
-            "a scene in which calibrated trees are touched sphere by sphere",
+            "a scene with calibrated trees as bare spheres",
         )
     } else {
-        (
-            "off",
-            "bare spheres",
-            "a scene in which something is blended",
-        )
+        ("off", "bare spheres", "a scene with blended surfaces")
     };
     if lengths(scene) == before {
         return field("blend", name, expected.to_owned());

@@ -68,7 +68,7 @@ fn what_if_is_a_comparison_and_never_identical() {
     let text = out(&output);
     assert!(
         text.contains(
-            "COMPARISON, not a replay: what if 1 rigid objects at level 0, solver active-set"
+            "COMPARISON, not a replay: with 1 rigid objects at level 0, solver active-set"
         ),
         "{text}"
     );
@@ -76,7 +76,7 @@ fn what_if_is_a_comparison_and_never_identical() {
     let output = run(&["replay", text_of(&path), "--tissue", "rigid"]);
     assert_eq!(code(&output), 2);
     assert!(
-        err(&output).contains("expected a scene in which something yields"),
+        err(&output).contains("expected a scene with soft tissue"),
         "{}",
         err(&output)
     );
@@ -178,7 +178,7 @@ fn a_torn_file_is_recovered_and_a_whole_one_is_not_touched() {
     );
     let reason = replay["reason"].as_str().unwrap();
     assert!(
-        reason.starts_with("the recording is recovered from a torn one"),
+        reason.starts_with("the recording was recovered from a file that was cut off"),
         "{reason}"
     );
     let info = out(&run(&["info", text_of(&made)]));

@@ -266,8 +266,15 @@ fn what_an_earlier_program_recorded_replays_bit_for_bit_too() {
     }
 }
 
-/// Members of a grade's JSON that hold words alone.
-const WORDS: [&str; 5] = ["definition", "redefined", "source", "text", "title"];
+/// Members of a grade's JSON that hold words only.
+const WORDS: [&str; 6] = [
+    "definition",
+    "recorded_definition",
+    "redefined",
+    "source",
+    "text",
+    "title",
+];
 
 /// A grade without its words: members of words are left out, and a sentence becomes the list of its numbers.
 fn numbers_of(value: &Value) -> Value {
@@ -326,6 +333,57 @@ fn every_grade_is_what_it_was() {
         let text = found.grade.to_json().to_string();
         let grade: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(numbers_of(&grade), numbers_of(&golden), "{name}");
+    }
+}
+
+/// A grade shows each metric's definition as it was recorded, beside this program's, and names the metrics whose words differ.
+/// The recording of format 4 has the first version of the words for good.
+#[test]
+fn a_recording_shows_the_definitions_that_it_carries() {
+    let old = "format-4/crown";
+    for name in GRADED.into_iter().chain([old]) {
+        let recording = open(name);
+        let recorded = Rubric::parse(&recording.header().rubric).unwrap();
+        let grade = grade::grade(&recording, &grade::Options::default(), &mut |_| {});
+        let grade = grade.unwrap().grade;
+        let used = grade.rubric.as_ref().unwrap();
+        assert_eq!(
+            (&used.name, used.version),
+            (&recorded.name, recorded.version)
+        );
+        let present = Rubric::built_in()
+            .into_iter()
+            .find(|rubric| rubric.name == used.name);
+        let former = name == old;
+        assert!(!former || present.unwrap().version > used.version, "{name}");
+        let golden = std::fs::read_to_string(folder().join(format!("{name}.grade.json")));
+        let golden: Value = serde_json::from_str(&golden.unwrap()).unwrap();
+        assert!(!grade.metrics.is_empty(), "{name}");
+        for (metric, golden) in grade
+            .metrics
+            .iter()
+            .zip(golden["metrics"].as_array().unwrap())
+        {
+            let text = recorded
+                .metrics
+                .iter()
+                .find(|weighed| weighed.name == metric.name);
+            let text = text.and_then(|weighed| weighed.definition.as_deref());
+            let shown = metric
+                .recorded_definition
+                .as_deref()
+                .unwrap_or(metric.definition);
+            assert_eq!(Some(shown), text, "{name}: {}", metric.name);
+            let differs = text != Some(metric.definition);
+            assert_eq!(metric.recorded_definition.is_some(), differs);
+            let named = used.redefined.iter().any(|one| one == metric.name);
+            assert_eq!(named, differs, "{name}: {}", metric.name);
+            // The golden grade has the words of its time.
+            let then = &golden["recorded_definition"];
+            let then = then.as_str().or(golden["definition"].as_str());
+            assert_eq!(then, text, "{name}: {}", metric.name);
+        }
+        assert!(!former || !used.redefined.is_empty(), "{name}");
     }
 }
 

@@ -22,6 +22,14 @@ fn session() -> &'static [u8] {
     &BYTES
 }
 
+/// Salvaged recording from a file with these bytes.
+fn salvaged(bytes: &[u8]) -> Result<Recording, ReadError> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("bad.mcap");
+    std::fs::write(&path, bytes).unwrap();
+    Recording::salvage(&path)
+}
+
 fn recovered(bytes: &[u8]) -> (Recovered, Recording) {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("whole.mcap");
@@ -143,7 +151,7 @@ fn what_is_whole_behind_damage_is_recovered_and_replays_from_the_next_snapshot()
         ));
         let reason = report.reason.unwrap();
         assert!(
-            reason.contains("recovered from a damaged one")
+            reason.contains("recovered from a damaged file")
                 && reason.contains(&format!("ticks {first} to {last}")),
             "{reason}"
         );
@@ -197,7 +205,7 @@ fn damage_to_the_first_chunks_leaves_what_follows() {
         bad[chunks[0].start..chunks[until - 1].end].fill(0);
         let strict = Recording::from_bytes(bad.clone()).unwrap_err();
         assert!(matches!(strict, ReadError::NoRows { .. }), "{strict}");
-        let salvaged = Recording::salvage_bytes(bad.clone()).unwrap();
+        let salvaged = salvaged(&bad).unwrap();
         let (copy, lost) = recover_to(&salvaged, Vec::new(), &mut |_| {}).unwrap();
         let again = Recording::from_bytes(copy).unwrap();
         assert!(again.facts().rows > TICKS - 500, "{lost}");
@@ -420,7 +428,7 @@ fn ticks_missing_between_the_last_row_kept_and_the_last_statement_are_a_gap() {
     let (middle, end) = (third.start + third.len() / 2, second.end);
     assert!(end < last.start);
     bytes[middle..end].fill(0);
-    let bad = Recording::salvage_bytes(bytes).unwrap();
+    let bad = salvaged(&bytes).unwrap();
     let kept = bad.facts().rows;
     assert!(bad.facts().end.is_some() && kept < 4_000);
     let (whole, lost) = recover_to(&bad, Vec::new(), &mut |_| {}).unwrap();
@@ -475,7 +483,7 @@ proptest! {
             let end = (at + n).min(bytes.len());
             bytes.drain(at..end);
         }
-        let Ok(bad) = Recording::salvage_bytes(bytes.clone()) else { return Ok(()) };
+        let Ok(bad) = salvaged(&bytes) else { return Ok(()) };
         let strict = Recording::from_bytes(bytes).map(|strict| strict.facts().rows).unwrap_or(0);
         prop_assert!(bad.facts().rows >= strict);
         match recover_to(&bad, Vec::new(), &mut |_| {}) {

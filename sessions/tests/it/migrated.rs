@@ -89,7 +89,7 @@ fn refused(report: &ReplayReport) {
     );
     let reason = report.reason.as_ref().unwrap();
     assert!(
-        reason.contains("by more than the migration from format 3"),
+        reason.contains("beyond the tolerance of the migration from format 3"),
         "{reason}"
     );
 }

@@ -93,7 +93,12 @@ fn a_torn_file_becomes_whole_keeps_its_signatures_and_says_what_is_missing() {
     );
     let topics: Vec<&str> = lost.channels.iter().map(|c| c.topic.as_str()).collect();
     assert!(topics.contains(&"/exact/ticks"), "{topics:?}");
-    assert!(after.reason.unwrap().contains("recovered from a torn one"));
+    assert!(
+        after
+            .reason
+            .unwrap()
+            .contains("recovered from a file that was cut off")
+    );
 
     // Once recovered it is whole.
     let again = Recording::from_bytes(bytes.clone()).unwrap();
@@ -208,7 +213,7 @@ fn of_a_finished_session_with_its_last_bytes_cut_nothing_but_the_index_is_missin
         assert!(lost.channels.is_empty() && lost.ticks.is_none(), "{lost:?}");
         assert!(!lost.end_is_missing && lost.damaged_views == 0, "{lost:?}");
         let said = if at == index {
-            "nothing that is exact"
+            "no exact message"
         } else {
             "only the file's index"
         };
@@ -234,7 +239,7 @@ fn a_damaged_chunk_of_viewers_is_left_behind_and_said_so_in_a_finished_file_too(
     assert_eq!(found.lost.damaged_views, 1);
     assert_eq!(
         found.lost.to_string(),
-        "nothing that is exact, and a damaged chunk of what viewers read"
+        "no exact message, and a damaged chunk of the channels for viewers"
     );
     let (kept, all) = (by_index(&bytes).unwrap(), by_index(&whole).unwrap());
     assert!(kept < all && kept > all / 2, "{kept} of {all}");
@@ -247,7 +252,7 @@ fn a_damaged_chunk_of_viewers_is_left_behind_and_said_so_in_a_finished_file_too(
     assert_eq!(found.lost.damaged_views, 1);
     let said = found.lost.to_string();
     assert!(
-        said.ends_with(", and a damaged chunk of what viewers read"),
+        said.ends_with(", and a damaged chunk of the channels for viewers"),
         "{said}"
     );
     assert!(by_index(&bytes).is_some());

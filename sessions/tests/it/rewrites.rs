@@ -325,7 +325,7 @@ fn torn_and_damaged_rewrites_are_read_as_far_as_they_are_whole() {
     assert!(
         error
             .to_string()
-            .contains("there is no attachment `scene.bin` in what can be read"),
+            .contains("there is no attachment `scene.bin` in the readable part"),
         "{error}"
     );
     let options = options().library("sulcus x").chunk_size(Some(2000));
@@ -372,7 +372,9 @@ fn what_is_refused_is_refused_with_the_true_reason() {
     large[chunk + 16..chunk + 24].copy_from_slice(&(65_u64 << 20).to_le_bytes());
     let error = Recording::from_bytes(large).unwrap_err().to_string();
     assert!(
-        error.contains("claims to unpack to 68157440 bytes, expected at most 67108864"),
+        error.contains(
+            "a chunk has 68157440 unpacked bytes by its header, expected at most 67108864"
+        ),
         "{error}"
     );
     let mut other = bytes.clone();

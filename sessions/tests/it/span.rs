@@ -126,9 +126,9 @@ fn a_part_that_is_not_there_is_refused_with_the_session_s_length() {
     assert!(refused(Some(f64::NAN), None).contains("from is NaN"));
     assert_eq!(
         refused(Some(1.5), Some(1.0)),
-        "to is 1, expected at least 1.5 s, where the part begins"
+        "to is 1, expected at least 1.5 s, the start of the part"
     );
     assert!(refused(None, Some(f64::INFINITY)).contains("to is inf"));
     assert!(refused(None, Some(f64::NAN)).contains("to is NaN"));
-    assert!(refused(Some(1.0002), Some(1.0008)).contains("expected a part that holds a tick"));
+    assert!(refused(Some(1.0002), Some(1.0008)).contains("expected a part with a tick"));
 }

@@ -246,15 +246,15 @@ fn invalid(report: &ReplayReport) -> (&str, Option<u64>) {
 fn an_attachment_cannot_be_exchanged() {
     let original = recorded(200);
     for (name, said) in [
-        ("scene.bin", "the scene is not the one that was signed"),
-        ("exercise", "the exercise is not the one that was signed"),
+        ("scene.bin", "the scene differs from the signed one"),
+        ("exercise", "the exercise differs from the signed one"),
         (
             "patient",
-            "the header (learner, station, patient, rubric, ...) is not the one that was signed",
+            "the header (learner, station, patient, rubric, ...) differs from the signed one",
         ),
         (
             "rubric",
-            "the header (learner, station, patient, rubric, ...) is not the one that was signed",
+            "the header (learner, station, patient, rubric, ...) differs from the signed one",
         ),
     ] {
         let change = |data: &mut Vec<u8>| {
@@ -306,7 +306,8 @@ fn a_changed_pose_wrench_snapshot_or_event_is_found_with_its_place() {
             true
         })
     };
-    let between = "between ticks 10001 and 11000: a row, snapshot or event is not what was signed";
+    let between =
+        "between ticks 10001 and 11000: a row, snapshot or event differs from the signed record";
     let pose = replayed(row(10_400, 30), None);
     assert_eq!(pose.first_divergent_tick, Some(10_400));
     assert_eq!(pose.divergence.as_ref().unwrap().what, Difference::Hash);
@@ -376,7 +377,7 @@ fn a_chunk_cut_out_of_the_file_is_missed() {
     let (reason, at) = invalid(&report);
     assert_eq!(
         reason,
-        "up to tick 3000: a row, snapshot or event is not what was signed"
+        "up to tick 3000: a row, snapshot or event differs from the signed record"
     );
     assert_eq!(at, Some(3000));
     assert!(

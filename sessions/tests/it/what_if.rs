@@ -109,7 +109,7 @@ fn what_the_scene_has_not_is_refused_with_what_it_has() {
     };
     assert_eq!(
         refused(tissue(TissueChoice::Rigid)),
-        "tissue is rigid, expected a scene in which something yields"
+        "tissue is rigid, expected a scene with soft tissue"
     );
     assert_eq!(
         refused(tissue(TissueChoice::Printed)),
@@ -120,7 +120,7 @@ fn what_the_scene_has_not_is_refused_with_what_it_has() {
             level: Some(4),
             ..WhatIf::default()
         }),
-        "level is 4, expected 0 to 1, the levels that the recorded trees hold"
+        "level is 4, expected 0 to 1, the levels of the recorded trees"
     );
     assert_eq!(
         refused(WhatIf {
@@ -148,12 +148,12 @@ fn what_changes_nothing_is_refused() {
     scene.objects[0].level = 1;
     assert_eq!(
         refused(&scene, level(1)),
-        "level is 1, expected another level than what is rigid was recorded at"
+        "level is 1, expected another level than that of the recorded rigid objects"
     );
     assert!(level(0).applied_to(&scene).is_ok());
     // No tree of these is calibrated; those of a crown are, and blended.
-    let off = "blend is off, expected a scene in which something is blended";
-    let on = "blend is on, expected a scene in which calibrated trees are touched sphere by sphere";
+    let off = "blend is off, expected a scene with blended surfaces";
+    let on = "blend is on, expected a scene with calibrated trees as bare spheres";
     assert_eq!(refused(&scene, blend(false)), off);
     assert_eq!(refused(&scene, blend(true)), on);
     let crown = of_the_corpus("crown", true).scene().unwrap();

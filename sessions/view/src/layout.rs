@@ -1,8 +1,7 @@
-//! A layout for the viewer: containers, views and their properties, written as the archetypes of a blueprint store.
+//! Layout for the viewer: containers, views and their properties, written as archetypes of a blueprint store.
 //!
-//! The builder that the SDK brings has no way to say where a 3D view's eye stands or what the axis of a plot spans; the
-//! archetypes that say so are public, and where each goes in the store is what that builder itself does with the properties
-//! that it knows: `view/ID/PROPERTY`.
+//! The builder of the SDK cannot set the eye of a 3D view or the axis of a plot. The archetypes for both are public.
+//! Their paths in the store, `view/ID/PROPERTY`, are those of the builder's own properties.
 
 use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes as blueprint;
@@ -14,9 +13,9 @@ use rerun::external::re_sdk_types::datatypes::{Bool, Uuid};
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder};
 
-use crate::Refusal;
+use crate::error::Refusal;
 
-/// A view or a container of them, with its share of the room.
+/// View, or container of views with their shares of the space.
 pub(crate) enum Part {
     /// Side by side.
     Row(Vec<(f32, Part)>),
@@ -24,13 +23,13 @@ pub(crate) enum Part {
     Column(Vec<(f32, Part)>),
     /// One at a time.
     Tabs(Vec<Part>),
-    /// A view.
+    /// Single view.
     View(Box<View>),
 }
 
 #[cfg(test)]
 impl Part {
-    /// Names of the views in it.
+    /// Names of all views.
     pub(crate) fn names(&self) -> Vec<&str> {
         match self {
             Self::Row(parts) | Self::Column(parts) => {
@@ -42,7 +41,7 @@ impl Part {
     }
 }
 
-/// One view.
+/// View of the viewer.
 pub(crate) struct View {
     class: &'static str,
     name: String,
@@ -52,7 +51,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// A view of `class` (`3D`, `TimeSeries`, `StateTimeline`, `TextLog`, `TextDocument`) on what the expressions say.
+    /// View of `class` (`3D`, `TimeSeries`, `StateTimeline`, `TextLog`, `TextDocument`) on the given paths.
     pub fn new(class: &'static str, name: impl Into<String>, contents: &[&str]) -> Self {
         Self {
             class,
@@ -63,14 +62,14 @@ impl View {
         }
     }
 
-    /// The entity in whose frame everything is shown.
+    /// Sets the entity whose frame is the frame of the view.
     pub fn origin(mut self, path: &str) -> Self {
         self.origin = path.to_owned();
         self
     }
 
-    /// A property, by the name of its archetype; or `defaults`: what holds for all entities of the view that do not say it
-    /// themselves.
+    /// Sets a property by the name of its archetype. The name `defaults` sets components of all entities without own
+    /// ones.
     pub fn with(mut self, name: &'static str, property: impl AsComponents + 'static) -> Self {
         self.properties.push((name, Box::new(property)));
         self
@@ -81,8 +80,8 @@ impl View {
     }
 }
 
-/// Sends the layout with the recording that `stream` writes: `timeline` is the one that the slider moves on. Views
-/// and containers are numbered in the order of the tree, so that the same layout has the same names every time.
+/// Sends the layout with the recording of `stream`. The slider moves on `timeline`. Views and containers are numbered
+/// in the order of the tree, so the same layout always has the same names.
 pub(crate) fn send(
     stream: &RecordingStream,
     application: &'static str,
@@ -131,7 +130,7 @@ struct Writer {
 }
 
 impl Writer {
-    /// Writes a part and gives its id, and its path in the store.
+    /// Writes a part; its id and its path in the store.
     fn part(&mut self, part: &Part) -> Result<([u8; 16], String), Refusal> {
         let id = self.next_id();
         let (kind, children, shares) = match part {
@@ -176,7 +175,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Numbers in the shape of a random UUID.
+    /// Next number in the form of a random UUID.
     fn next_id(&mut self) -> [u8; 16] {
         self.numbers += 1;
         let mut id = [0; 16];
@@ -193,7 +192,7 @@ fn split(
     (kind, parts, Some(shares))
 }
 
-/// The usual way to write a UUID.
+/// Text form of a UUID.
 fn text_of(id: &[u8; 16]) -> String {
     let mut text = String::with_capacity(36);
     for (k, byte) in id.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A sphere tree for the viewer: a slider steps through the levels.
+//! Picture of a sphere tree for the viewer. A slider steps through the levels.
 
 use std::path::Path;
 
@@ -8,16 +8,17 @@ use rerun::blueprint::{
 };
 use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
 
-use crate::{LevelPicture, Refusal, TreePicture, ViewError};
+use crate::error::{Refusal, ViewError};
+use crate::tree_picture::{LevelPicture, TreePicture};
 
 /// Name of the timeline that the slider moves on.
 const TIMELINE: &str = "level";
 
-/// Writes a file (`.rrd`) that the Rerun viewer of the same version opens: the mesh coloured by error
-/// beside the spheres, one pair of entities for each level, on a timeline `level`.
+/// Writes a file (`.rrd`) for the Rerun viewer of the same version: the mesh coloured by error beside the spheres, with
+/// one pair of entities for each level, on a timeline `level`.
 ///
 /// # Errors
-/// If the lists of a level do not fit together or the file cannot be written.
+/// The lists of a level differ in length, or the file cannot be written.
 pub fn write_tree(path: &Path, picture: &TreePicture) -> Result<(), ViewError> {
     picture.fits()?;
     log(path, picture).map_err(|source| ViewError::Write {
@@ -28,11 +29,11 @@ pub fn write_tree(path: &Path, picture: &TreePicture) -> Result<(), ViewError> {
 
 fn log(path: &Path, picture: &TreePicture) -> Result<(), Refusal> {
     let stream = RecordingStreamBuilder::new("sulcus_tree")
-        // Whatever the environment says of Rerun: a file was asked for.
+        // The file is written whatever the environment variables of Rerun are.
         .enabled(true)
         .save(path)?;
     stream.send_recording_name(picture.name.as_str())?;
-    // When it was written is nobody's business; the level is the only time here.
+    // The time of writing is left out. The level is the only time.
     stream.disable_timeline("log_time");
     stream.disable_timeline("log_tick");
     blueprint().send(&stream, BlueprintActivation::default())?;
@@ -43,7 +44,7 @@ fn log(path: &Path, picture: &TreePicture) -> Result<(), Refusal> {
     for level in &picture.levels {
         stream.set_time_sequence(TIMELINE, i64::from(level.level));
         if let Some(before) = before {
-            // Else the level before would stay in sight.
+            // Without this the level before would stay visible.
             for root in ["error", "spheres"] {
                 stream.log(entity(root, before), &rerun::Clear::flat())?;
             }
@@ -85,7 +86,7 @@ fn log_level(
     )
 }
 
-/// Mesh and spheres side by side, what is said about the level below, the slider at the bottom.
+/// Mesh and spheres side by side, the text about the level below, the slider at the bottom.
 fn blueprint() -> Blueprint {
     let views: [ContainerLike; 2] = [
         Spatial3DView::new("mesh, coloured by error")

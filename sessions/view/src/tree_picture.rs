@@ -1,49 +1,48 @@
-//! The picture of a sphere tree as plain data: the JSON that `sulcus-review tree` reads from standard input.
+//! Picture of a sphere tree as plain data: the JSON that `sulcus-review tree` reads from standard input.
 
 use serde::{Deserialize, Serialize};
 
-use crate::ViewError;
+use crate::error::ViewError;
 
-/// A sphere tree and the mesh it stands for. Lengths in millimetres, x anterior, y to the patient's
-/// left, z up.
+/// Sphere tree with its mesh. Lengths in millimetres, x anterior, y to the patient's left, z up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TreePicture {
     /// Name of the mesh.
     pub name: String,
-    /// Vertices of the mesh, fine enough to be coloured one by one.
+    /// Vertices of the mesh, fine enough for a colour each.
     pub vertices: Vec<[f32; 3]>,
-    /// A unit normal for each vertex.
+    /// Unit normal of each vertex.
     pub normals: Vec<[f32; 3]>,
     /// Triangles as vertex indices.
     pub triangles: Vec<[u32; 3]>,
-    /// The levels, coarse to fine.
+    /// Levels, coarse to fine.
     pub levels: Vec<LevelPicture>,
 }
 
-/// One level of the tree.
+/// Level of the tree.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LevelPicture {
-    /// The level.
+    /// Number of the level.
     pub level: u8,
-    /// A colour (sRGB) for each vertex of the mesh, by its error.
+    /// Colour (sRGB) of each vertex of the mesh, by its error.
     pub vertex_colours: Vec<[u8; 3]>,
     /// Centres of the spheres.
     pub centres: Vec<[f32; 3]>,
     /// Radii of the spheres.
     pub radii: Vec<f32>,
-    /// A colour (sRGB) for each sphere.
+    /// Colour (sRGB) of each sphere.
     pub sphere_colours: Vec<[u8; 3]>,
     /// Caption of the level, Markdown.
     pub caption: String,
 }
 
 impl TreePicture {
-    /// Checks that the lists of every level fit the mesh and each other.
+    /// Checks that the lists of every level match the mesh and each other.
     ///
     /// # Errors
-    /// Names the level, the list, its length and the expected length.
+    /// A list has another length: the level, the list, the length found and the length expected.
     pub fn fits(&self) -> Result<(), ViewError> {
         for level in &self.levels {
             for (field, found, expected) in [

@@ -1,4 +1,4 @@
-//! Finding the viewer and starting it.
+//! Search and start of the viewer.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use sulcus_program::PathText;
 
-/// A viewer that ends within this did not start.
+/// A viewer that ends within this time has not started.
 const AT_ONCE: Duration = Duration::from_millis(700);
 
 /// Version of Rerun that files are written with. A viewer of another version may refuse them.
@@ -15,43 +15,43 @@ pub fn version() -> String {
     format!("{}.{}.{}", version.major, version.minor, version.patch)
 }
 
-/// Why no viewer was started.
+/// Reason why no viewer was started.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoViewer {
-    /// There is none.
+    /// There is no viewer on PATH.
     #[error(
-        "no Rerun viewer on PATH; to get it: pip install rerun-sdk=={expected}, then: rerun {file}"
+        "no Rerun viewer on PATH; to install the viewer: pip install rerun-sdk=={expected}, then: rerun {file}"
     )]
     Missing {
-        /// Version that is needed.
+        /// Expected version.
         expected: String,
-        /// What to open.
+        /// Path of the file.
         file: String,
     },
-    /// It is another version.
+    /// The viewer has another version.
     #[error(
-        "the Rerun viewer on PATH says `{found}`, the file is for {expected}: pip install rerun-sdk=={expected}, then: rerun {file}"
+        "the Rerun viewer on PATH has version `{found}`, expected {expected}: pip install rerun-sdk=={expected}, then: rerun {file}"
     )]
     Version {
-        /// What it says of itself.
+        /// Version text of the viewer.
         found: String,
-        /// Version that is needed.
+        /// Expected version.
         expected: String,
-        /// What to open.
+        /// Path of the file.
         file: String,
     },
-    /// It does not start.
+    /// The viewer does not start.
     #[error("the Rerun viewer does not start: {why}")]
     Start {
-        /// What the system said.
+        /// Error of the system.
         why: String,
     },
 }
 
-/// Opens `file` in the viewer that is installed here as `rerun`; it runs on by itself.
+/// Opens `file` in the viewer `rerun` on PATH. The viewer runs on after this program.
 ///
 /// # Errors
-/// Says how to get the viewer when there is none, or one of another version.
+/// There is no viewer, or a viewer of another version: a text with the command that installs the right one.
 pub fn open_viewer(file: &Path) -> Result<(), NoViewer> {
     open_with("rerun", file)
 }
@@ -83,7 +83,7 @@ fn open_with(program: &str, file: &Path) -> Result<(), NoViewer> {
     start(Command::new(program).arg(file))
 }
 
-/// Starts what runs on by itself.
+/// Starts a viewer that runs on after this program.
 fn start(command: &mut Command) -> Result<(), NoViewer> {
     let failed = |why: String| NoViewer::Start { why };
     let mut viewer = command
@@ -92,10 +92,11 @@ fn start(command: &mut Command) -> Result<(), NoViewer> {
         .stderr(Stdio::null())
         .spawn()
         .map_err(|error| failed(error.to_string()))?;
-    // Without a display, say, it ends at once; what hands the file to a viewer that runs already ends well.
+    // Without a display, for example, the viewer ends at once with an error. A viewer that hands the file to a running
+    // viewer ends at once with success.
     std::thread::sleep(AT_ONCE);
     match viewer.try_wait() {
-        Ok(Some(end)) if !end.success() => Err(failed(format!("it ended at once, {end}"))),
+        Ok(Some(end)) if !end.success() => Err(failed(format!("the viewer ended at once, {end}"))),
         _ => Ok(()),
     }
 }
@@ -134,7 +135,7 @@ mod tests {
             told.contains("ended at once") && told.contains('3'),
             "{told}"
         );
-        // Handed over to a viewer that runs already, and one that goes on.
+        // The first hands over to a running viewer, the second runs on.
         assert_eq!(run("exit 0"), Ok(()));
         assert_eq!(run("sleep 2"), Ok(()));
     }

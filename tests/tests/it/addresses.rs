@@ -71,7 +71,9 @@ fn a_server_on_any_address_names_one_that_a_client_can_use() {
     let place = Place::new();
     let server = Server::on(&place, "0.0.0.0:0", &[]);
     assert!(
-        server.1.contains("on any address of this machine"),
+        server
+            .1
+            .contains("listening on every address of this machine"),
         "{}",
         server.1
     );

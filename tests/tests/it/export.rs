@@ -175,5 +175,5 @@ fn tables_have_every_tick_and_meshes_are_where_the_tissue_was() {
                 "export", plain, "--out", "bad", "--meshes", "ply", "--every", "0",
             ],
         )
-        .refused(&["every", "0", "more than 0 seconds"]);
+        .refused(&["every", "0", "more than 0 s"]);
 }

@@ -45,7 +45,7 @@ fn an_exam_is_one_because_the_station_says_so() {
     );
     place
         .run(Program::Sessions, &["grade", file, "--truth"])
-        .refused(&["--truth is given", "expected not in an exam"]);
+        .refused(&["--truth is given", "expected outside of exams"]);
     let info = place
         .run(Program::Sessions, &["info", file, "--json"])
         .ok()

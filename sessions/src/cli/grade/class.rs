@@ -1,4 +1,4 @@
-//! All recordings of a command as a class: each session once, a page for each and one for all.
+//! Class of all recordings of a command: each session once, a page for each session and a page for the class.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -6,13 +6,13 @@ use std::path::Path;
 use anyhow::Context as _;
 use sulcus_program::{PathText, tell};
 
+use super::args::{GradeArgs, Numbers};
 use super::session::One;
-use super::{GradeArgs, Numbers};
 use crate::grade::class::{Session, number_attempts};
 use crate::grade::names::Names;
 use crate::pages::{Look, Numbering, class_page, student_page};
 
-/// Each session once: of copies the one that says most.
+/// Sessions, each once. Of several copies the most complete one is kept.
 pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
     let session = |(file, one): &(String, One)| Session {
         file: file.clone(),
@@ -35,12 +35,12 @@ pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
         };
         let differ = match (&left.sidecar, &other.sidecar) {
             (Some(left), kept) if Some(left) != kept.as_ref() => {
-                "; what people said of it beside this one does not count"
+                "; the scores of people beside this copy do not count"
             }
             _ => "",
         };
         tell!(
-            "{}: is the session of {}, counted once{differ}",
+            "{}: same session as {}, counted once{differ}",
             left.file,
             other.file
         );
@@ -49,7 +49,7 @@ pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
     once
 }
 
-/// Says whose name the key table has not.
+/// Warns of learners without a name in the key table.
 pub(super) fn warn_of_unnamed(sessions: &[Session], names: &Names) {
     let ids: BTreeSet<&str> = sessions
         .iter()
@@ -64,8 +64,8 @@ pub(super) fn warn_of_unnamed(sessions: &[Session], names: &Names) {
     }
 }
 
-/// Name of a page, without its ending. A file whose name needs quoting ([`PathText::shown`]) has one of its letters and
-/// digits, and dashes.
+/// Name of a page without its ending. If the file's name needs quoting ([`PathText::shown`]), the page's name has its
+/// letters and digits, and dashes.
 fn page_name(file: &str) -> String {
     let Some(quoted) = file.strip_prefix("$'") else {
         return file.to_owned();
@@ -84,7 +84,7 @@ fn page_name(file: &str) -> String {
 /// Writes the pages.
 ///
 /// # Errors
-/// When one cannot be written.
+/// A page cannot be written.
 pub(super) fn pages(
     folder: &Path,
     all: &[(String, One)],

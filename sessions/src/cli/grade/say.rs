@@ -1,18 +1,18 @@
-//! A grade for a terminal and as JSON: as much of it as the mode shows.
+//! Grade as text for a terminal and as JSON, limited by the mode.
 
 use std::path::Path;
 
 use serde_json::{Value, json};
 use sulcus_program::PathText;
 
+use super::args::{GradeArgs, file_name};
 use super::session::One;
-use super::{GradeArgs, file_name};
 use crate::cli::print::object;
 use crate::grade::revision::Proposal;
 use crate::grade::run::MEASURES_SOURCE;
 use crate::record::mode::Mode;
 
-/// For a terminal.
+/// Text for a terminal.
 pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
     let exam = one.shown.mode == Mode::Exam;
     let grade = &one.graded.grade;
@@ -20,7 +20,7 @@ pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
     lines.push(format!("  mode       {}", one.shown.words()));
     if let (Some(own), Some(score)) = (one.self_score, grade.score) {
         lines.push(format!(
-            "  own score  {own:.1}, {:+.1} against the program's",
+            "  own score  {own:.1}, {:+.1} against the program's score",
             own - score
         ));
     }
@@ -28,7 +28,7 @@ pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
     if let Some(sidecar) = &one.sidecar {
         let before = sidecar.proposal.differs(&Proposal::of(grade));
         let before = before.filter(|_| !sidecar.revisions.is_empty());
-        lines.extend(before.map(|said| format!("  THEN       revised where {said} was proposed")));
+        lines.extend(before.map(|said| format!("  THEN       revised when {said} was proposed")));
         for (k, said) in sidecar.revisions.iter().enumerate() {
             let last = k + 1 == sidecar.revisions.len();
             lines.push(format!(
@@ -46,7 +46,7 @@ pub(super) fn text(path: &Path, one: &One, args: &GradeArgs) -> String {
     lines.join("\n")
 }
 
-/// What is said of a zone in an exam: what was called, and how the hand was; nothing that tells how deep it is, or was to be.
+/// Fields of a zone that an exam shows: the calls, and the hand's technique. No field tells a real or prescribed depth.
 const IN_EXAM: [&str; 12] = [
     "tooth",
     "site",
@@ -62,7 +62,7 @@ const IN_EXAM: [&str; 12] = [
     "tilt_right",
 ];
 
-/// For other programs.
+/// JSON for other programs.
 pub(super) fn json(path: &Path, one: &One) -> Value {
     let mut json = object(one.graded.grade.to_json());
     if one.shown.mode == Mode::Exam {
@@ -97,7 +97,7 @@ mod tests {
     use crate::grade::test_help::zone;
     use sulcus_core::tissue::gingiva::Site;
 
-    /// What is known of a zone and kept back in an exam.
+    /// Fields of a zone that an exam keeps back.
     const KEPT_BACK: [&str; 10] = [
         "bled",
         "deepest_mm",
@@ -111,7 +111,7 @@ mod tests {
         "truth_mm",
     ];
 
-    /// The prescribed furcation stood in an exam's JSON, as nobody had thought of it when it was new.
+    /// Before, an exam's JSON had the prescribed furcation, a field that was new at that time.
     #[test]
     fn whatever_a_zone_says_is_shown_in_an_exam_or_kept_back() {
         let zone = json!(zone(Site::Buccal, 3.0, Some(3.0), Some(3)));

@@ -1,4 +1,4 @@
-//! One recording: how it is shown, the learner's own score first, its grade, and what people said of it.
+//! Grade of one recording: mode, the learner's own score, grade, revisions.
 
 use std::io::IsTerminal as _;
 use std::path::Path;
@@ -7,7 +7,7 @@ use anyhow::bail;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sulcus_program::{PathText, tell};
 
-use super::{GradeArgs, file_name, points};
+use super::args::{GradeArgs, file_name, points};
 use crate::cli::inputs::open;
 use crate::cli::print::at;
 use crate::grade::class::Shown;
@@ -18,20 +18,20 @@ use crate::record::key::PublicKey;
 use crate::record::mode::Mode;
 use crate::record::read::Recording;
 
-/// One recording, graded.
+/// Grade of one recording, with the scores of people.
 pub(super) struct One {
     pub graded: Graded,
     pub sidecar: Option<Sidecar>,
     pub self_score: Option<f64>,
     pub shown: Shown,
-    /// Why what was said could not be kept.
+    /// Reason why a score of a person could not be kept.
     pub unkept: Option<anyhow::Error>,
 }
 
-/// What is graded by, for all recordings.
+/// Options of the grades of all recordings.
 pub(super) struct Asked {
     rubric: Option<Rubric>,
-    /// The key that was named.
+    /// Key given by `--signer`.
     signer: Option<PublicKey>,
 }
 
@@ -47,14 +47,14 @@ impl Asked {
         })
     }
 
-    /// How a recording is graded in this mode.
+    /// Options of a grade in this mode.
     fn options(&self, mode: Mode) -> anyhow::Result<Options> {
         let exam = mode == Mode::Exam;
         let station = || exam.then(PublicKey::of_this_station).flatten();
         let trust = self.signer.or_else(station);
         if exam && trust.is_none() {
             bail!(
-                "--signer is missing, expected the station's public key in an exam (`station.pub` beside its key, on the station in $SULCUS_STATE_DIR, else ~/.local/state/sulcus): without it whoever makes a recording can sign it"
+                "--signer is missing, expected the station's public key in an exam (`station.pub` beside its key, on the station in $SULCUS_STATE_DIR, else ~/.local/state/sulcus): without a trusted key any person could sign a recording"
             );
         }
         Ok(Options {
@@ -64,33 +64,33 @@ impl Asked {
     }
 }
 
-/// What an exam is not graded with.
+/// Refuses options that an exam does not allow.
 fn no_exam(args: &GradeArgs) -> anyhow::Result<()> {
     if args.rubric.is_some() {
-        bail!(
-            "--rubric is given, expected none in an exam: it is graded by the rubric that was recorded"
-        );
+        bail!("--rubric is given, expected no rubric in an exam: the recorded rubric counts");
     }
     if args.truth {
         bail!(
-            "--truth is given, expected not in an exam (to look at one with its learner afterwards: --mode practice)"
+            "--truth is given, expected outside of exams; for a talk with the learner afterwards: --mode practice"
         );
     }
     Ok(())
 }
 
-/// How a recording is shown.
+/// Mode in which a recording is shown.
 fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
     let recorded = recording.header().mode;
     let mode = args.mode.or(recorded).unwrap_or_default();
     if mode == Mode::Exam {
         if let Some(other) = recorded.filter(|recorded| *recorded != Mode::Exam) {
-            bail!("mode is {other} in the recording, expected exam: what was practised is no exam");
+            bail!(
+                "mode is {other} in the recording, expected exam: a session of another mode cannot be an exam"
+            );
         }
         no_exam(args)?;
     }
     if args.self_score.is_some() && mode != Mode::SelfAssessment {
-        bail!("--self-score is given, expected in self-assessment only; this is {mode}");
+        bail!("--self-score is given in mode {mode}, expected mode self-assessment");
     }
     Ok(Shown { mode, recorded })
 }
@@ -98,13 +98,13 @@ fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
 /// Grades one recording.
 ///
 /// # Errors
-/// When it cannot be graded as asked, or what is beside it is not what was said of it.
+/// The recording cannot be graded with these options, or the file beside it belongs to another grade.
 pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
     let recording = open(path)?;
     let named = |error: anyhow::Error| at(path, &*error);
     let shown = shown(&recording, args).map_err(named)?;
     let options = asked.options(shown.mode).map_err(named)?;
-    // The learner's own score comes before the program's.
+    // The learner's own score precedes the program's score.
     let kept = Sidecar::read(path).map_err(|error| at(path, &error))?;
     let kept = kept.and_then(|sidecar| sidecar.self_score);
     if let (Some(kept), Some(given)) = (kept, args.self_score)
@@ -126,7 +126,7 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
     });
     let checked = revision.as_ref().map_or(Ok(()), Revision::check);
     checked.map_err(|error| at(path, &error))?;
-    // Draws nothing when standard error is no terminal.
+    // The bar draws nothing if standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
@@ -157,7 +157,7 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
     }
     if args.revise.is_some() && args.passed.is_none() && graded.grade.pass_mark.is_none() {
         bail!(
-            "{}: --passed is missing, expected where the recording has no rubric with a pass mark",
+            "{}: --passed is missing, expected true or false for a recording without a pass mark",
             path.shown()
         );
     }
@@ -168,12 +168,12 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
         shown,
         unkept: None,
     };
-    // What cannot be kept does not hide the grade.
+    // The grade is shown even if a score cannot be kept.
     let kept = one.keep(path, revision.map(|said| one.judged(said, args.passed)));
     one.unkept = kept.err().map(|error| {
         let advice = match error {
             RevisionError::File { .. } => {
-                ": to keep it, grade a copy of the recording in a folder that can be written"
+                ": to keep the score, grade a copy of the recording in a folder with write permission"
             }
             RevisionError::Field { .. } => "",
         };
@@ -189,7 +189,7 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
 }
 
 impl One {
-    /// A revision, passed by the rubric's pass mark where nobody says so.
+    /// Revision with `passed` by the option, else by the rubric's pass mark.
     fn judged(&self, said: Revision, passed: Option<bool>) -> Revision {
         let pass_mark = self.graded.grade.pass_mark.unwrap_or_default();
         Revision {
@@ -198,10 +198,10 @@ impl One {
         }
     }
 
-    /// Keeps what was said beside the recording.
+    /// Keeps the scores of people beside the recording.
     fn keep(&self, path: &Path, revision: Option<Revision>) -> Result<(), RevisionError> {
         let grade = &self.graded.grade;
-        // Of a session without a grade there is nothing to have an opinion of.
+        // A session without a grade gets no own score.
         if let Some(own) = self.self_score.filter(|_| grade.score.is_some()) {
             Sidecar::assess(path, grade, own)?;
         }
@@ -212,12 +212,12 @@ impl One {
     }
 }
 
-/// The learner's own score, from a terminal.
+/// Learner's own score, from a terminal.
 fn ask(path: &Path) -> anyhow::Result<f64> {
     let stdin = std::io::stdin();
     if !stdin.is_terminal() {
         bail!(
-            "--self-score is missing, expected 0 to 100 in self-assessment: the own score comes before the grade"
+            "--self-score is missing, expected 0 to 100 in self-assessment: the own score precedes the grade"
         );
     }
     loop {

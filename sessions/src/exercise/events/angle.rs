@@ -1,8 +1,8 @@
-//! How a probe's working end stands against a tooth: in parts, and whether that is right at a site.
+//! Tilt of a probe's working end against a tooth, in parts, and its rating at a site.
 //!
-//! In the middle of a side the working end is to be parallel to the tooth's axis. At a proximal site the tip has to pass
-//! under the contact into the col: the shaft leans away from the neighbour, or out of the row of teeth, or both, so that the
-//! tip points towards the neighbour and the midline.
+//! In the middle of a side the working end should be parallel to the tooth's axis. At a proximal site the tip has to
+//! pass under the contact into the col. There the shaft leans away from the neighbour or out of the row of teeth, and
+//! the tip points towards the neighbour and the midline.
 
 use serde_json::json;
 use sulcus_core::Vec3;
@@ -11,22 +11,22 @@ use sulcus_core::tissue::gingiva::{Site, ToothFrame};
 
 use crate::exercise::ProbingTask;
 
-/// Ticks for which the tilt must be wrong before it is said, and right again.
+/// Time for which the tilt must be wrong, or right again, before an event, seconds.
 pub const STEADY_S: f64 = 0.25;
 
-/// Tilt of a working end against a tooth's axis, radians. All zero: parallel, the tip towards the root.
+/// Tilt of a working end against a tooth's axis, radians. Zero is parallel, with the tip towards the root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tilt {
-    /// Angle between both.
+    /// Angle between working end and axis.
     pub total: f64,
-    /// In the plane of axis and mesial direction, along the arch: positive where the tip points mesially.
+    /// Angle in the plane of axis and mesial direction, along the arch; positive if the tip points mesially.
     pub mesiodistal: f64,
-    /// In the plane of axis and buccal direction: positive where the tip points buccally.
+    /// Angle in the plane of axis and buccal direction; positive if the tip points buccally.
     pub buccolingual: f64,
 }
 
 impl Tilt {
-    /// Of a unit vector out of the tip, world axes.
+    /// Tilt of a unit vector out of the tip, world axes.
     pub fn of(frame: &ToothFrame, out_of_tip: &Vec3) -> Self {
         let down = -out_of_tip.dot(&frame.axis);
         let (mesial, buccal) = (out_of_tip.dot(&frame.mesial), out_of_tip.dot(&frame.buccal));
@@ -37,13 +37,13 @@ impl Tilt {
         }
     }
 
-    /// At a site: how far the tip points into the col (towards the neighbour and the midline of the contact), and how far
-    /// out of it, radians. In the middle of a side all of the tilt is out of place.
+    /// Angles by which the tip points into the col and out of it at a site, radians. Into the col is towards the
+    /// neighbour and the midline of the contact. In the middle of a side the whole tilt is out of the col.
     pub fn into_col(&self, site: Site) -> (f64, f64) {
         let Some(mesially) = site.is_mesial() else {
             return (0.0, self.total);
         };
-        // Tangents, so that parts add up as vectors do.
+        // Tangents add up like vectors.
         let towards = |angle: f64, positive: bool| {
             let tangent = libm::tan(fmax(-1.5, if angle > 1.5 { 1.5 } else { angle }));
             if positive { tangent } else { -tangent }
@@ -55,7 +55,7 @@ impl Tilt {
         let length = |part: [f64; 2]| libm::atan((part[0] * part[0] + part[1] * part[1]).sqrt());
         let into = length(parts.map(|x| fmax(x, 0.0)));
         let out = length(parts.map(|x| fmax(-x, 0.0)));
-        // The wrong way up altogether.
+        // The tip points away from the root.
         if self.total > std::f64::consts::FRAC_PI_2 {
             (0.0, self.total)
         } else {
@@ -63,16 +63,16 @@ impl Tilt {
         }
     }
 
-    /// Whether this is how a probe is to stand at a site.
+    /// Whether the tilt is right at a site.
     pub fn is_right(&self, site: Site, task: &ProbingTask) -> bool {
         let (into, out) = self.into_col(site);
         let most_out = task.mid_tilt_deg.to_radians();
         let [least, most] = task.proximal_tilt_deg.map(f64::to_radians);
-        // Written so that a NaN is wrong.
+        // In this form a NaN is wrong.
         out <= most_out && (!site.is_proximal() || (least..=most).contains(&into))
     }
 
-    /// For the event.
+    /// Data of the event.
     pub fn data(&self, tool: usize, tooth: u8, site: Site, right: bool) -> serde_json::Value {
         json!({
             "tool": tool,
@@ -87,17 +87,17 @@ impl Tilt {
     }
 }
 
-/// Watches the tilt while a probe bears on the floor.
+/// State of the tilt while a probe bears on the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Watch {
-    /// What was said last; right at first.
+    /// State of the last event; right at first.
     wrong: bool,
-    /// Since when it has been otherwise.
+    /// First tick of the opposite state.
     since: Option<u64>,
 }
 
 impl Watch {
-    /// Whether the tilt is right at `tick`, if something is to be said of it: it has been so for `steady` ticks.
+    /// New rating at `tick`, once it has lasted for `steady` ticks; `None` without an event.
     pub fn turns(&mut self, tick: u64, right: bool, steady: u64) -> Option<bool> {
         if right != self.wrong {
             self.since = None;
@@ -112,7 +112,7 @@ impl Watch {
         Some(right)
     }
 
-    /// The probe does not bear.
+    /// Takes a tick in which the probe does not bear on the floor.
     pub fn rests(&mut self) {
         self.since = None;
     }
@@ -122,7 +122,7 @@ impl Watch {
 mod tests {
     use super::*;
 
-    /// Turned against the world: mesial along -y, buccal along x for a lower left tooth.
+    /// Frame of a lower left tooth, turned against the world: mesial along -y, buccal along x.
     fn frame() -> ToothFrame {
         ToothFrame {
             origin: Vec3::new(0.03, -0.02, 0.01),
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// Out of a tip that points `mesial` and `buccal` degrees off.
+    /// Tilt of a tip that points `mesial` and `buccal` degrees off the axis.
     fn pointing(mesial: f64, buccal: f64) -> Tilt {
         let f = frame();
         let along = |degrees: f64| libm::tan(degrees.to_radians());
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn into_the_col_is_towards_the_neighbour_and_the_midline() {
         use Site::*;
-        // Mesially and lingually: into the col at the mesio-buccal site, and nowhere else all of it.
+        // The tip points mesially and lingually. Only at the mesio-buccal site is all of the tilt into the col.
         let tilt = pointing(12.0, -9.0);
         let whole = tilt.total;
         let parts = Site::ALL.map(|site| tilt.into_col(site));
@@ -185,7 +185,7 @@ mod tests {
         assert!(is(0.0, -20.0, Site::DistoBuccal) && is(0.0, 20.0, Site::MesioLingual));
         assert!(!is(9.9, 0.0, Site::MesioBuccal) && is(10.1, 0.0, Site::MesioBuccal));
         assert!(!is(25.1, 0.0, Site::MesioBuccal));
-        // Into it, and too far out of it the other way.
+        // Into the col, and too far out of it in the other direction.
         assert!(is(15.0, 10.0, Site::MesioBuccal) && !is(15.0, 16.0, Site::MesioBuccal));
         let f = frame();
         let upside_down = Tilt::of(&f, &f.axis);
@@ -203,12 +203,12 @@ mod tests {
         let mut watch = Watch::default();
         let mut told = Vec::new();
         for tick in 0..3000u64 {
-            // 200 ticks wrong, which does not last; then wrong from 1000 to 2000.
+            // Wrong for 200 ticks, which is too short, then wrong from 1000 to 2000.
             let right = !((300..500).contains(&tick) || (1000..2000).contains(&tick));
             told.extend(watch.turns(tick, right, 250).map(|right| (tick, right)));
         }
         assert_eq!(told, [(1250, false), (2250, true)]);
-        // Twice 200 ticks with a rest between are not 400.
+        // Twice 200 ticks with a rest between do not add up to 400.
         let mut watch = Watch::default();
         assert!((0..200).all(|tick| watch.turns(tick, false, 250).is_none()));
         watch.rests();

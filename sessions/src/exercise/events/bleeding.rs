@@ -1,29 +1,29 @@
-//! Which sites bleed after the probe has left them: those that the patient's chart says, once the floor was touched, and
-//! those where a hand was so heavy that healthy tissue bleeds. Each is said once.
+//! Bleeding of sites after the probe has left them. Sites that bleed by the patient's chart bleed after a touch of the
+//! floor. Sites after a trauma bleed, too. Each cause is one event for a site.
 
 use serde_json::json;
 use sulcus_core::Scene;
 use sulcus_core::output::ForceZone;
 
-use super::KINDS;
+use super::kinds::{BLEEDING, LEFT_SITE};
 use super::pocket::Pocket;
 use super::visit::Probe;
 use crate::record::occurrence::Occurrence;
 
-/// Force on the floor under which it was not probed, newtons.
+/// Least force on the floor that counts as a touch, newtons.
 const TOUCHED: f64 = 0.05;
 
-/// Which sites bleed by now, by pocket and site: by inflammation, by trauma.
+/// Bleeding sites so far, by pocket and site: by inflammation, by trauma.
 #[derive(Clone, Debug)]
 pub struct Bleeding(Vec<[[bool; 2]; 6]>);
 
 impl Bleeding {
-    /// Nothing bleeds.
+    /// State without bleeding.
     pub fn new(pockets: usize) -> Self {
         Self(vec![[[false; 2]; 6]; pockets])
     }
 
-    /// After a tick of a probe, whose occurrences `said` has from `first` on.
+    /// Adds events of bleeding after a tick of a probe. `said` has the tick's occurrences from `first` on.
     pub fn after(
         &mut self,
         first: usize,
@@ -38,10 +38,10 @@ impl Bleeding {
         let Some(gingiva) = pockets[visit.pocket].gingiva(scene) else {
             return;
         };
-        // The end of the visit stands among them: tool and tick are its own.
+        // The end of the visit is among the occurrences and has tool and tick.
         let Some(left) = said[first..]
             .iter()
-            .find(|one| one.kind == KINDS[3])
+            .find(|one| one.kind == LEFT_SITE)
             .cloned()
         else {
             return;
@@ -54,7 +54,7 @@ impl Bleeding {
             if bleeds && !*known {
                 *known = true;
                 said.push(Occurrence {
-                    kind: KINDS[5].into(),
+                    kind: BLEEDING.into(),
                     tick: left.tick,
                     data: json!({
                         "tool": left.data["tool"],

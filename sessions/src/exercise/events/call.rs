@@ -1,5 +1,5 @@
-//! What a student calls of a site: a depth, and recession, bleeding and furcation where they are called too. It is what a
-//! client says: logged as it is, and read with suspicion afterwards.
+//! Calls of a student about a site: a depth, and optionally recession, bleeding and furcation. A call comes from a
+//! client, so it is logged unchanged and checked when it is read.
 
 use serde_json::{Value, json};
 use sulcus_core::Scene;
@@ -8,32 +8,32 @@ use sulcus_core::tissue::gingiva::Site;
 
 use crate::record::occurrence::Occurrence;
 
-/// Name of the event.
+/// Kind of the event.
 pub const READING_CALLED: &str = "reading_called";
-/// Deepest that can be called, mm.
+/// Largest depth of a call, mm.
 const MOST_MM: u64 = 20;
-/// Least and most recession that can be called, mm.
+/// Least and largest recession of a call, mm.
 const RECESSION_MM: [i64; 2] = [-10, 20];
 
-/// A depth that was called.
+/// Call of a depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Call {
-    /// FDI number.
+    /// FDI number of the tooth.
     pub tooth: u8,
-    /// Where.
+    /// Site of the tooth.
     pub site: Site,
-    /// Whole millimetres.
+    /// Depth, whole millimetres.
     pub depth_mm: u8,
-    /// How far the margin lies below the cemento-enamel junction, whole millimetres, negative above it; none where it
-    /// was not called.
+    /// Distance of the margin below the cemento-enamel junction, whole millimetres, negative above it; `None` if not
+    /// called.
     pub recession_mm: Option<i8>,
-    /// Whether it bleeds; none where it was not called.
+    /// Whether the site bleeds; `None` if not called.
     pub bleeding: Option<bool>,
-    /// Grade of the furcation there (Hamp 1975: 0 to 3), in the middle of a side; none where it was not called.
+    /// Grade of the furcation, 0 to 3 by Hamp 1975, in the middle of a side; `None` if not called.
     pub furcation: Option<u8>,
 }
 
-/// Why data is not a call.
+/// Reason why data are no call.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field} is {found}, expected {expected}")]
 pub struct CallError {
@@ -41,16 +41,16 @@ pub struct CallError {
     pub field: &'static str,
     /// Value found.
     pub found: String,
-    /// What it must be.
+    /// Values expected.
     pub expected: String,
 }
 
 impl Call {
-    /// The event's data.
+    /// Data of the event.
     pub fn data(&self) -> Value {
         let mut data =
             json!({ "tooth": self.tooth, "site": self.site.name(), "depth_mm": self.depth_mm });
-        // What was not called has no key.
+        // A value that was not called has no key.
         let more = [
             ("recession_mm", self.recession_mm.map(Value::from)),
             ("bleeding", self.bleeding.map(Value::from)),
@@ -64,7 +64,7 @@ impl Call {
         data
     }
 
-    /// The call as it stands in a session's log.
+    /// Event of the call for a session's log.
     pub fn at(&self, tick: u64) -> Occurrence {
         Occurrence {
             kind: READING_CALLED.into(),
@@ -73,13 +73,13 @@ impl Call {
         }
     }
 
-    /// The call in an event's data, about a tooth of the scene.
+    /// Call in the data of an event, about a tooth of the scene.
     ///
     /// # Errors
-    /// Names the key, the value found and what is expected.
+    /// A value is missing or invalid: its key, the value found and the values expected.
     pub fn read(data: &Value, scene: &Scene) -> Result<Self, CallError> {
         let wrong = |field, expected: String| {
-            // What a client says may be long.
+            // A client may send a long value.
             let found: String = data[field].to_string().chars().take(80).collect();
             Err(CallError {
                 field,
@@ -93,7 +93,7 @@ impl Call {
                     |o: &&sulcus_core::Object| matches!(o.tissue, TissueModel::Gingiva(_));
                 scene.objects.iter().filter(gingiva)
             };
-            // A gingiva without a number of its own is its tooth's.
+            // A gingiva without a number has the number of its tooth.
             pockets().any(|object| object.fdi == fdi)
                 || pockets().any(|object| object.fdi == 0)
                     && scene.objects.iter().any(|object| object.fdi == fdi)
@@ -160,7 +160,7 @@ impl Call {
         })
     }
 
-    /// Depth that is prescribed there, metres.
+    /// Prescribed depth at the site, metres.
     pub fn truth(&self, scene: &Scene) -> Option<f64> {
         let pockets = super::pocket::all(scene);
         let pocket = pockets.iter().find(|pocket| pocket.fdi == self.tooth)?;

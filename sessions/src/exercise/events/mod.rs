@@ -1,26 +1,26 @@
-//! What happens in an exercise, found out tick by tick: pure functions of the scene, the exercise, and what a tick puts
-//! out, the tick's shapes included. The live server, the demo in virtual time and whoever replays a recording run the
-//! same code and come to the same events, bit for bit.
+//! Events of an exercise, found tick by tick by pure functions of the scene, the exercise, and the output and shapes of
+//! a tick. Live server, demo in virtual time and replay run the same code and find the same events, bit for bit.
 //!
-//! | kind | when | data |
+//! | kind | cause | data |
 //! |---|---|---|
 //! | `site_reached` | a probe's tip comes into a zone | tool, tooth, site, depth_mm |
 //! | `floor_felt` | force on the floor rises into the reading band | tool, tooth, site, depth_mm, force_n |
 //! | `angle` | the tilt becomes wrong, or right again | tool, tooth, site, right, and the tilt in parts |
 //! | `left_site` | the tip leaves a zone | tool, tooth, site, deepest_mm, max_force_n, seconds |
-//! | `withdrawn` | it stays 0.2 s in a zone, and came out of the pocket since it last did in another of that side | tool, tooth, from, to, seconds since it came out |
-//! | `bleeding` | after a site that bleeds, or trauma | tool, tooth, site, cause |
-//! | `force_zone` | a hand becomes too heavy ([`Occurrence::force_zone`]) | |
-//! | `target_visible`, `target_hidden` | by rays from the eye | tooth, free, free_past_mirror, of |
-//! | `paused`, `resumed`, `force_limit` | the station's side or the student changes its level ([`LEVELS`]) | by, force_limit_n |
-//! | `reading_called` | a client says it ([`call`]) | tooth, site, depth_mm, and where called recession_mm, bleeding, furcation |
+//! | `withdrawn` | the tip stays 0.2 s in a zone, and came out of the pocket since its last stay in another zone of that side | tool, tooth, from, to, seconds since it came out |
+//! | `bleeding` | the tip has left a site that bleeds, or a trauma | tool, tooth, site, cause |
+//! | `force_zone` | a hand enters another zone of force ([`Occurrence::force_zone`]) | |
+//! | `target_visible`, `target_hidden` | rays from the target to the eye | tooth, free, free_past_mirror, of |
+//! | `paused`, `resumed`, `force_limit` | station or student changes its level ([`LEVELS`]) | by, force_limit_n |
+//! | `reading_called` | a client sends a call ([`call`]) | tooth, site, depth_mm, and if called recession_mm, bleeding, furcation |
 //!
-//! Forces are in newtons, depths along the tooth's axis below the gingival margin, angles in degrees. Nothing here
-//! reads a clock; time is the tick's number, so that skipped ticks count.
+//! Forces are in newtons, depths along the tooth's axis below the gingival margin in millimetres, angles in degrees.
+//! No function reads a clock. Time is the number of the tick, so skipped ticks count.
 
 pub mod angle;
 mod bleeding;
 pub mod call;
+mod kinds;
 pub(crate) mod pocket;
 pub mod rays;
 pub mod sight;
@@ -35,53 +35,18 @@ use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Vec3, Workspace};
 use crate::exercise::Exercise;
 use crate::record::occurrence::Occurrence;
 
+pub use kinds::{FORCE_LIMIT, KINDS, LEVELS, LOST, PAUSED, RESUMED, may_a_client_say};
 pub use sight::Look;
 pub use standing::Standing;
 pub use tally::Tally;
 
 use bleeding::Bleeding;
+use kinds::{TARGET_HIDDEN, TARGET_VISIBLE};
 use pocket::Pocket;
 use sight::Sight;
 use visit::{Probe, Seen};
 
-/// Kinds of events that are found here, in the order of [`Tally::counts`].
-pub const KINDS: [&str; 9] = [
-    "site_reached",
-    "floor_felt",
-    "angle",
-    "left_site",
-    "withdrawn",
-    "bleeding",
-    crate::record::occurrence::FORCE_ZONE,
-    "target_visible",
-    "target_hidden",
-];
-
-/// Whether a client may send an event of this kind: one word of lower-case letters, digits and underscores, and none of those that
-/// only a station says. (A line of the log holds the kind as it is: any other could be taken for another line.)
-pub fn may_a_client_say(kind: &str) -> bool {
-    let word = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
-    !kind.is_empty()
-        && kind.bytes().all(word)
-        && !KINDS.contains(&kind)
-        && !LEVELS.contains(&kind)
-        && kind != LOST
-}
-
-/// Kinds of the events that a pause or a force limit has changed: `by` (`station` or `student`) says whose level, and
-/// `force_limit_n` the limit in newtons, 0 for none of that side's own.
-pub const LEVELS: [&str; 3] = [PAUSED, RESUMED, FORCE_LIMIT];
-/// Kind of the event that one side has paused.
-pub const PAUSED: &str = "paused";
-/// Kind of the event that one side has lifted its pause.
-pub const RESUMED: &str = "resumed";
-/// Kind of the event that one side has set its force limit.
-pub const FORCE_LIMIT: &str = "force_limit";
-
-/// Kind of the event that more came from a client than was recorded.
-pub const LOST: &str = "client_events_lost";
-
-/// Events of one session, as far as it has gone.
+/// Events of one session.
 #[derive(Clone, Debug)]
 pub struct Events {
     exercise: Exercise,
@@ -90,7 +55,7 @@ pub struct Events {
     bleeding: Bleeding,
     sight: Option<Sight>,
     look: Look,
-    /// Where the spheres of the look go, when they are read here.
+    /// Centres of the spheres for sight, if they are read here.
     centres: Vec<Vec3>,
     missing: Vec<String>,
     tally: Tally,
@@ -98,7 +63,7 @@ pub struct Events {
 }
 
 impl Events {
-    /// Nothing has happened yet. What of the exercise the scene lacks is in [`Events::missing`].
+    /// Start of a session. Parts of the exercise that the scene lacks are in [`Events::missing`].
     pub fn new(scene: &Scene, exercise: &Exercise) -> Self {
         let pockets = pocket::all(scene);
         let mut missing = Vec::new();
@@ -129,12 +94,12 @@ impl Events {
         }
     }
 
-    /// What the exercise asks for and the scene has not, in words.
+    /// Parts of the exercise that the scene lacks, as text.
     pub fn missing(&self) -> &[String] {
         &self.missing
     }
 
-    /// What has to be read of the tick's shapes, for whoever reads them elsewhere (see [`Events::take`]).
+    /// Shapes to be read for sight, for a caller of [`Events::take`].
     pub fn look(&self) -> &Look {
         &self.look
     }
@@ -144,12 +109,12 @@ impl Events {
         &self.tally
     }
 
-    /// Where a tool's tip was in the tick taken in last; none where it is in no pocket, or is no probe.
+    /// Place of a tool's tip in the last tick; `None` outside of all pockets, and for a tool that is no probe.
     pub fn standing(&self, tool: usize) -> Option<&Standing> {
         self.probes.get(tool)?.standing()
     }
 
-    /// Whether the target was visible when it was looked at last; none without a target, or before the first look.
+    /// Whether the target was visible at the last evaluation; `None` without a target, or before the first evaluation.
     pub fn is_target_visible(&self) -> Option<bool> {
         let looked = self.tally.looks > 0;
         self.sight
@@ -158,7 +123,7 @@ impl Events {
             .map(Sight::is_visible)
     }
 
-    /// Takes in a tick; `shapes` is the workspace as that tick left it. Returns what happened, in a fixed order.
+    /// Processes a tick. `shapes` is the workspace after that tick. Returns the events in a fixed order.
     pub fn observe(
         &mut self,
         scene: &Scene,
@@ -175,8 +140,8 @@ impl Events {
         self.said.drain(..)
     }
 
-    /// As [`Events::observe`], away from the thread that ticks: `look` is what [`Look::read`] gave after that tick, where
-    /// it was due.
+    /// Processes a tick outside of the thread that ticks, as by [`Events::observe`]. `look` is the result of
+    /// [`Look::read`] after that tick, if it was due.
     pub fn take(
         &mut self,
         scene: &Scene,
@@ -190,7 +155,7 @@ impl Events {
     fn advance(&mut self, scene: &Scene, output: &TickOutput, look: Option<&[Vec3]>) {
         let first = self.said.len();
         for (t, (tool, out)) in scene.tools.iter().zip(&output.tools).enumerate() {
-            // A mirror touches the gingiva, and reads nothing.
+            // A mirror touches the gingiva, but measures nothing.
             let there = out.status & status::ABSENT == 0 && !tool.bands.is_empty();
             let seen = there.then(|| Seen {
                 tip: out.graphic.transform(&tool.tip),
@@ -223,7 +188,12 @@ impl Events {
             self.tally.seen(&view, sight.is_visible());
             if let Some(visible) = view.changed {
                 self.said.push(Occurrence {
-                    kind: KINDS[if visible { 7 } else { 8 }].into(),
+                    kind: if visible {
+                        TARGET_VISIBLE
+                    } else {
+                        TARGET_HIDDEN
+                    }
+                    .into(),
                     tick: output.tick,
                     data: json!({
                         "tooth": sight.tooth(),

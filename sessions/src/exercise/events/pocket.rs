@@ -1,4 +1,4 @@
-//! Which objects of a scene are a tooth and its gingiva, and how near a point is to that tooth.
+//! Pockets of a scene: gingivae with their teeth, and the distance of a point from the tooth.
 
 use sulcus_core::math::norm;
 use sulcus_core::tissue::TissueModel;
@@ -10,9 +10,9 @@ use sulcus_core::{Object, Scene, Sphere, Vec3};
 pub struct Pocket {
     /// Index of the gingiva among the scene's objects.
     pub object: u16,
-    /// FDI number of the tooth, 0 where the scene has none.
+    /// FDI number of the tooth, 0 without a tooth.
     pub fdi: u8,
-    /// Spheres of the tooth that are touched; empty where the scene has no tooth.
+    /// Spheres of the tooth at the touched level; empty without a tooth.
     spheres: Vec<Sphere>,
 }
 
@@ -40,7 +40,7 @@ fn gingiva_of(object: &Object) -> Option<&Gingiva> {
     }
 }
 
-/// The tooth of the gingiva's own number, else the nearest.
+/// Tooth with the gingiva's number, else the nearest tooth.
 fn tooth_of<'a>(scene: &'a Scene, object: &Object, gingiva: &Gingiva) -> Option<&'a Object> {
     let teeth = || {
         let tooth = |other: &&Object| other.fdi != 0 && other.tissue.is_rigid();
@@ -56,12 +56,12 @@ fn tooth_of<'a>(scene: &'a Scene, object: &Object, gingiva: &Gingiva) -> Option<
 }
 
 impl Pocket {
-    /// Its model; none when `scene` is not the one that it was made for.
+    /// Model of the gingiva; `None` if `scene` is another scene.
     pub fn gingiva<'a>(&self, scene: &'a Scene) -> Option<&'a Gingiva> {
         gingiva_of(scene.objects.get(usize::from(self.object))?)
     }
 
-    /// Distance from a point to the tooth's surface, metres, negative inside; 0 where there is no tooth.
+    /// Distance from a point to the tooth's surface, metres, negative inside; 0 without a tooth.
     pub fn tooth_distance(&self, point: &Vec3) -> f64 {
         let distances = self
             .spheres
@@ -72,7 +72,7 @@ impl Pocket {
             .unwrap_or(0.0)
     }
 
-    /// The tooth's spheres.
+    /// Spheres of the tooth.
     pub fn spheres(&self) -> &[Sphere] {
         &self.spheres
     }

@@ -1,18 +1,18 @@
-//! Whether spheres stand between two points.
+//! Rays between two points, and spheres that block them.
 
 use sulcus_core::{Sphere, Vec3};
 
-/// From a point to another.
+/// Ray from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     from: Vec3,
-    /// Unit vector, and how far.
+    /// Unit vector along the ray.
     way: Vec3,
     length: f64,
 }
 
 impl Ray {
-    /// From one point to another, metres.
+    /// Ray from one point to another, metres.
     pub fn new(from: Vec3, to: Vec3) -> Self {
         let way = to - from;
         let length = way.dot(&way).sqrt();
@@ -23,12 +23,12 @@ impl Ray {
         }
     }
 
-    /// Unit vector along it; zero where both points are one.
+    /// Unit vector along the ray; zero for two equal points.
     pub fn way(&self) -> &Vec3 {
         &self.way
     }
 
-    /// Whether the sphere reaches into it: some point of the segment is nearer to the centre than its radius.
+    /// Whether the sphere blocks the ray: some point of the segment is nearer to the centre than the radius.
     #[inline]
     pub fn meets(&self, sphere: &Sphere) -> bool {
         let to = sphere.centre - self.from;
@@ -38,7 +38,7 @@ impl Ray {
         apart.dot(&apart) < sphere.radius * sphere.radius
     }
 
-    /// Whether none of the spheres does.
+    /// Whether no sphere blocks the ray.
     pub fn is_free<'a>(&self, spheres: impl IntoIterator<Item = &'a Sphere>) -> bool {
         !spheres.into_iter().any(|sphere| self.meets(sphere))
     }
@@ -55,7 +55,7 @@ mod tests {
         }
     }
 
-    /// Share of a square of edge 2 at z = 0, seen from `eye`, that these spheres leave free; n x n rays.
+    /// Free share of a square of edge 2 at z = 0, seen from `eye` past the spheres, by n x n rays.
     fn share(eye: Vec3, spheres: &[Sphere], n: usize) -> f64 {
         let at = |k: usize| -1.0 + (k as f64 + 0.5) * 2.0 / n as f64;
         let all = (0..n * n).map(|k| Vec3::new(at(k % n), at(k / n), 0.0));
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn a_sphere_leaves_free_what_its_shadow_does_not_cover() {
-        // From straight above, the shadow's edge is the cone that touches the sphere.
+        // For an eye straight above, the edge of the shadow is the cone that touches the sphere.
         let (height, z, radius) = (10.0, 3.0, 0.4);
         let away: f64 = height - z;
         let reach = height * radius / (away * away - radius * radius).sqrt();
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_row_of_spheres_is_a_capsule() {
-        // From far away the shadow of a capsule along x is its outline.
+        // For a distant eye, the shadow of a capsule along x is its outline.
         let (half, radius) = (0.5, 0.3);
         let row: Vec<Sphere> = (0..=400)
             .map(|k| sphere(-half + f64::from(k) / 400.0 * 2.0 * half, 0.1, 2.0, radius))

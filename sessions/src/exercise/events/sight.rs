@@ -1,8 +1,8 @@
-//! Whether the operator sees the target past the tongue: rays from points of the tooth's surface to the eye, past the
-//! spheres of the tongue where they are now, and past the mirror.
+//! Sight of the target past the tongue. Rays go from points of the tooth's surface to the eye, past the present spheres
+//! of the tongue and past the mirror.
 //!
-//! The points lie on the tongue's side of the crown, 0.7 to 2.7 mm above the gingival margin. Those that face away from the
-//! eye, or that other teeth hide, are left out once and for all: no retraction shows them.
+//! The points are on the tongue's side of the crown, 0.7 to 2.7 mm above the gingival margin. Points that face away
+//! from the eye, or that other teeth hide, are left out, because no retraction shows them.
 
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
@@ -13,32 +13,32 @@ use super::pocket::Pocket;
 use super::rays::Ray;
 use crate::exercise::Target;
 
-/// Seconds between two evaluations.
+/// Time between two evaluations, seconds.
 pub const EVERY_S: f64 = 0.05;
-/// How much less than asked must be free before the target counts as hidden.
+/// Amount by which the free share must fall below the required share before the target counts as hidden.
 const HYSTERESIS: f64 = 0.15;
-/// Where the points are: degrees from mesial over buccal, and heights over the margin, metres.
+/// Angles of the points from mesial over buccal, degrees; below, their heights over the margin, metres.
 const AROUND_DEG: [f64; 4] = [-60.0, -80.0, -100.0, -120.0];
 const ABOVE: [f64; 3] = [0.7e-3, 1.7e-3, 2.7e-3];
-/// A point lies this far off the surface, metres.
+/// Distance of a point from the surface, metres.
 const OFF: f64 = 0.2e-3;
-/// A point is seen from at least this far off its surface's plane, as a sine.
+/// Least sine of the angle between a ray and the surface's plane.
 const FACING: f64 = 0.1;
 
-/// What is read of the tick's shapes for an evaluation: the centres of the tongue's leaves.
+/// Centres of the tongue's leaves, which an evaluation reads from a tick's shapes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
-    /// Object, its nodes, and where they are among all.
+    /// Objects with their nodes, in the order of all nodes.
     tongues: Vec<(usize, Vec<u32>)>,
     radii: Vec<f64>,
     rest: Vec<Vec3>,
     any: bool,
-    /// Ticks between two evaluations.
+    /// Number of ticks between two evaluations.
     every: u64,
 }
 
 impl Look {
-    /// For the tongues of a scene.
+    /// Leaves of a scene's tongues.
     pub fn new(scene: &Scene) -> Self {
         let mut look = Self {
             any: true,
@@ -65,23 +65,23 @@ impl Look {
         self.radii.len()
     }
 
-    /// Whether there is no tongue to look at.
+    /// Whether the scene has no tongue.
     pub fn is_empty(&self) -> bool {
         self.radii.is_empty()
     }
 
-    /// Ticks between two evaluations.
+    /// Number of ticks between two evaluations.
     pub fn every(&self) -> u64 {
         self.every
     }
 
-    /// Whether shapes are looked at after this tick.
+    /// Whether an evaluation is due after this tick.
     pub fn is_due(&self, tick: u64) -> bool {
         self.any && tick.is_multiple_of(self.every)
     }
 
-    /// Reads the centres, world axes, metres, into `out` (as many as [`Look::len`]; otherwise nothing is read). No
-    /// allocation.
+    /// Reads the centres into `out`, world axes, metres. No allocation. If the length of `out` is not [`Look::len`],
+    /// nothing is read.
     pub fn read(&self, shapes: &Workspace, out: &mut [Vec3]) {
         if out.len() != self.len() {
             return;
@@ -97,7 +97,7 @@ impl Look {
     }
 }
 
-/// Whether it yields as a whole: a tongue.
+/// Whether a tissue is a tongue, which yields as a whole.
 pub fn is_tongue(tissue: &TissueModel) -> bool {
     matches!(
         tissue,
@@ -105,43 +105,43 @@ pub fn is_tongue(tissue: &TissueModel) -> bool {
     )
 }
 
-/// What one evaluation found.
+/// Result of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Share of the points that the tongue leaves free.
     pub free: f64,
-    /// Share that tongue and mirror leave free.
+    /// Share of the points that tongue and mirror leave free.
     pub free_past_mirror: f64,
     /// Number of points.
     pub of: usize,
-    /// Whether the target became visible, or hidden, with this.
+    /// New visibility, if the evaluation has changed it.
     pub changed: Option<bool>,
 }
 
-/// What is looked at, and whether it was visible.
+/// Target and its visibility.
 #[derive(Clone, Debug)]
 pub struct Sight {
     tooth: u8,
     rays: Vec<Ray>,
     wanted: f64,
     visible: Option<bool>,
-    /// Spheres of the tools that are no probes, in their frames.
+    /// Spheres of the tools that are no probes, in the tools' frames.
     mirrors: Vec<(usize, Vec<Sphere>)>,
-    // Room for the spheres where they are now.
+    // Memory for the present spheres.
     tongue: Vec<Sphere>,
     mirror: Vec<Sphere>,
 }
 
 impl Sight {
-    /// The target in a scene.
+    /// Target in a scene.
     ///
     /// # Errors
-    /// What is missing, in words.
+    /// The scene lacks a part of the target: the missing part as text.
     pub fn new(scene: &Scene, pockets: &[Pocket], target: &Target) -> Result<Self, String> {
         let pocket = pockets
             .iter()
             .find(|pocket| pocket.fdi == target.tooth && !pocket.spheres().is_empty())
-            .ok_or_else(|| format!("a tooth {} with its gingiva, to be seen", target.tooth))?;
+            .ok_or_else(|| format!("a tooth {} with its gingiva as the target", target.tooth))?;
         let eye = Vec3::from(target.eye_mm) * 1e-3;
         let rays: Vec<Ray> = points(scene, pocket)
             .into_iter()
@@ -184,7 +184,7 @@ impl Sight {
         })
     }
 
-    /// FDI number of the tooth looked at.
+    /// FDI number of the tooth.
     pub fn tooth(&self) -> u8 {
         self.tooth
     }
@@ -194,7 +194,7 @@ impl Sight {
         self.visible == Some(true)
     }
 
-    /// Looks, with the tongue's spheres at `centres`.
+    /// Evaluates sight with the tongue's spheres at `centres`.
     pub fn evaluate(
         &mut self,
         scene: &Scene,
@@ -237,7 +237,7 @@ impl Sight {
         }
     }
 
-    /// Whether a share makes the target visible, or hidden, that was not so before.
+    /// New visibility by a free share; `None` without a change.
     fn judge(&mut self, free: f64) -> Option<bool> {
         let now = match self.visible {
             Some(true) => free >= self.wanted - HYSTERESIS,
@@ -249,7 +249,7 @@ impl Sight {
     }
 }
 
-/// Points of the tooth's surface on the tongue's side, and where outwards is.
+/// Points of the tooth's surface on the tongue's side, with their outward directions.
 fn points(scene: &Scene, pocket: &Pocket) -> Vec<(Vec3, Vec3)> {
     let Some(gingiva) = pocket.gingiva(scene) else {
         return Vec::new();
@@ -260,7 +260,7 @@ fn points(scene: &Scene, pocket: &Pocket) -> Vec<(Vec3, Vec3)> {
         let outward = frame.mesial * libm::cos(around) + frame.buccal * libm::sin(around);
         for above in ABOVE {
             let on_axis = frame.origin + frame.axis * (gingiva.margin_at(around) + above);
-            // Where the line outwards leaves the last sphere that it goes through.
+            // Distances at which the outward line leaves the spheres.
             let leaves = pocket.spheres().iter().filter_map(|sphere| {
                 let to = sphere.centre - on_axis;
                 let along = to.dot(&outward);
@@ -291,7 +291,7 @@ mod tests {
             tongue: Vec::new(),
             mirror: Vec::new(),
         };
-        // (Said at first, whatever it is.)
+        // The first evaluation always reports a change.
         let told = [0.6, 0.69, 0.7, 0.6, 0.56, 0.54, 0.6, 0.71, 0.0].map(|free| sight.judge(free));
         let said = |visible| Some(visible);
         assert_eq!(

@@ -1,8 +1,9 @@
-//! Where a probe's tip is: in which zone of which pocket, since when, and how that visit goes.
+//! Visits of a probe's tip to the zones of pockets.
 //!
-//! The tip is in a pocket from where it is below the margin, near the tooth, until it is high above the margin, above it for
-//! longer than a bob of the walking stroke takes, or no longer near; a zone changes where the tip is two degrees past its
-//! border. A tremor at an edge is then no event, and neither is a bob in a shallow sulcus.
+//! The tip enters a pocket below the margin and near the tooth. It leaves the pocket high above the margin,
+//! or after a time above the margin longer than a bob of the walking stroke, or far from the tooth. The zone
+//! changes when the tip is two degrees past the border. So a tremor at an edge is no event, and neither is a bob in a
+//! shallow sulcus.
 
 use serde_json::json;
 use sulcus_core::math::fmax;
@@ -10,92 +11,93 @@ use sulcus_core::output::{ForceZone, PocketReading};
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{Scene, Vec3};
 
-use super::KINDS;
 use super::angle::{STEADY_S, Tilt, Watch};
+use super::kinds::{ANGLE, FLOOR_FELT, LEFT_SITE, SITE_REACHED, WITHDRAWN};
 use super::pocket::Pocket;
 use super::standing::Standing;
 use crate::exercise::ProbingTask;
 use crate::record::occurrence::Occurrence;
 
-/// A tip farther from the tooth's surface than this is not in its pocket, metres.
+/// Largest distance of a tip in a pocket from the tooth's surface, metres.
 const NEAR: f64 = 2e-3;
-/// Height over the margin at which a pocket is left when the tip stays so high, and for how long, metres and seconds; and at
-/// which it is left at once. Chosen: a bob is 1 to 2 mm high, and a sulcus as shallow as that.
+/// Bounds of leaving a pocket: height over the margin (metres) for a time (seconds), and height without a time
+/// (metres). Chosen, because a bob is 1 to 2 mm high, and a shallow sulcus is as deep.
 const ABOVE: f64 = 0.5e-3;
 const STAYS: f64 = 0.1;
 const HIGH: f64 = 1.5e-3;
-/// Past a border by so much a zone changes, radians.
+/// Angle past a border at which the zone changes, radians.
 const PAST: f64 = 2.0 * std::f64::consts::PI / 180.0;
-/// Another tooth must be nearer by this for the tip to be in its pocket instead, metres.
+/// Distance by which another tooth must be nearer before the tip is in its pocket, metres.
 const NEARER: f64 = 2e-4;
-/// Share of the reading force under which the floor is let go.
+/// Share of the reading force below which the tip leaves the floor.
 const LET_GO: f64 = 0.5;
-/// Time below the margin in one visit from which a tip stayed in a zone, and did not pass, seconds.
+/// Least time below the margin for a stay in a zone, seconds. A shorter visit is a passage.
 pub const STAYED_S: f64 = 0.2;
 
-/// A probe in a tick.
+/// Probe in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
-    /// Very tip, world axes, metres.
+    /// Tip, world axes, metres.
     pub tip: Vec3,
     /// Unit vector out of the tip.
     pub out_of_tip: Vec3,
-    /// What it reads.
+    /// Reading of the pocket.
     pub reading: Option<&'a PocketReading>,
 }
 
-/// One stay in a zone.
+/// Visit to a zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visit {
-    /// Index among the pockets.
+    /// Index of the pocket.
     pub pocket: usize,
-    /// The zone.
+    /// Zone of the visit.
     pub site: Site,
     since: u64,
-    /// Deepest at a force in the reading band, metres.
+    /// Largest depth at a force in the reading band, metres.
     deepest: Option<f64>,
     /// Largest force on the floor, newtons.
     pub max_force: f64,
     /// Heaviest zone of force.
     pub heaviest: ForceZone,
-    /// Whether the floor bears the reading force, and has not been let go since.
+    /// Whether the tip has felt the floor and has not left it since.
     felt: bool,
     watch: Watch,
-    /// When the tip came above the margin, while it is.
+    /// Tick at which the tip came above the margin, while it is above.
     above: Option<u64>,
-    /// Ticks below the margin, and the number of the tick before this one.
+    /// Number of ticks below the margin; below, the number of the last tick.
     below: u64,
     last: u64,
-    /// Whether that was long enough to have stayed.
+    /// Whether the visit is a stay.
     stayed: bool,
 }
 
-/// One side of a tooth: the zone in which the tip stayed last, and when it came out of the pocket since.
+/// Side of a tooth: zone of the last stay, and tick at which the tip came out of the pocket since then.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Side {
     stayed: Option<Site>,
     out: Option<u64>,
 }
 
-/// Both sides of a tooth, and on which the tip stayed last: it may slip over another zone on its way out, or round to the other side.
+/// Both sides of a tooth, and the side of the last stay. On its way out the tip may slip over another zone or round to
+/// the other side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Walk {
     sides: [Side; 2],
     last: usize,
 }
 
-/// What is known of one probe.
+/// State of one probe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Probe {
     visit: Option<Visit>,
-    /// By pocket.
+    /// Sides by pocket.
     walks: Vec<Walk>,
-    /// The visit that ended in this tick.
+    /// Visit that ended in this tick.
     ended: Option<Visit>,
     standing: Option<Standing>,
 }
 
-/// Where a tip is now.
+/// Place of a tip in a pocket.
 struct Spot<'a> {
     pocket: usize,
     around: f64,
@@ -104,7 +106,7 @@ struct Spot<'a> {
 }
 
 impl Probe {
-    /// One that was in none of so many pockets yet.
+    /// Probe that has been in none of the pockets.
     pub fn new(pockets: usize) -> Self {
         Self {
             walks: vec![Walk::default(); pockets],
@@ -112,17 +114,17 @@ impl Probe {
         }
     }
 
-    /// The visit that ended in the tick observed last.
+    /// Visit that ended in the last tick.
     pub fn ended(&self) -> Option<&Visit> {
         self.ended.as_ref()
     }
 
-    /// Where the tip is, in the tick observed last.
+    /// Place of the tip in the last tick.
     pub fn standing(&self) -> Option<&Standing> {
         self.standing.as_ref()
     }
 
-    /// Takes in a tick of tool `t`; `seen` is none where no hand holds it.
+    /// Processes a tick of tool `t`. `seen` is `None` if no hand holds the tool.
     pub fn observe(
         &mut self,
         (tick, tool): (u64, usize),
@@ -146,7 +148,7 @@ impl Probe {
         let site = {
             let [before, here, after] =
                 [-PAST, 0.0, PAST].map(|d| gingiva.site_at(spot.around + d));
-            // Nor does the zone change above the margin.
+            // Above the margin the zone does not change either.
             let undecided = before != after || spot.depth <= 0.0;
             match &self.visit {
                 Some(visit) if visit.pocket == spot.pocket && undecided => visit.site,
@@ -161,7 +163,7 @@ impl Probe {
         if self.visit.is_none() {
             say(
                 said,
-                KINDS[0],
+                SITE_REACHED,
                 tick,
                 json!({
                     "tool": tool, "tooth": fdi, "site": site.name(), "depth_mm": spot.depth * 1e3,
@@ -207,7 +209,7 @@ impl Probe {
             visit.felt = true;
             say(
                 said,
-                KINDS[1],
+                FLOOR_FELT,
                 tick,
                 json!({
                     "tool": tool, "tooth": fdi, "site": site.name(),
@@ -234,15 +236,15 @@ impl Probe {
         if visit.felt {
             let steady = scene.params.ticks_in(STEADY_S);
             if let Some(right) = visit.watch.turns(tick, tilt.is_right(site, task), steady) {
-                say(said, KINDS[2], tick, tilt.data(tool, fdi, site, right));
+                say(said, ANGLE, tick, tilt.data(tool, fdi, site, right));
             }
         } else {
             visit.watch.rests();
         }
     }
 
-    /// Counts time below the margin; once the tip has stayed, says so where it came out of the pocket since it stayed in another zone
-    /// of that side.
+    /// Counts time below the margin. When the visit becomes a stay, a withdrawal since the last stay in another zone of
+    /// that side is an event.
     fn stays(
         &mut self,
         (tick, tool): (u64, usize),
@@ -272,7 +274,7 @@ impl Probe {
         {
             say(
                 said,
-                KINDS[4],
+                WITHDRAWN,
                 tick,
                 json!({
                     "tool": tool, "tooth": fdi, "from": from.name(), "to": visit.site.name(),
@@ -282,7 +284,7 @@ impl Probe {
         }
     }
 
-    /// In which pocket the tip is, if in any.
+    /// Pocket with the tip; `None` outside of all pockets.
     fn locate<'a>(
         &self,
         tick: u64,
@@ -314,7 +316,7 @@ impl Probe {
             let long = scene.params.ticks_in(STAYS);
             let stays = |since: u64| tick.saturating_sub(since) >= long;
             let out = found.depth <= -ABOVE && visit.above.is_some_and(stays);
-            // (A NaN is nowhere.)
+            // A NaN is outside.
             (found.depth > -HIGH && !out).then_some((found, distance))
         });
         match (stay, read) {
@@ -329,7 +331,7 @@ impl Probe {
         }
     }
 
-    /// Ends the visit, if there is one; `out`: out of the pocket.
+    /// Ends the visit, if there is one. `out` says that the tip leaves the pocket.
     fn leave(
         &mut self,
         (tick, tool): (u64, usize),
@@ -343,7 +345,7 @@ impl Probe {
         };
         say(
             said,
-            KINDS[3],
+            LEFT_SITE,
             tick,
             json!({
                 "tool": tool,
@@ -362,10 +364,10 @@ impl Probe {
     }
 }
 
-/// Length of a working end below the margin, metres: from the tip along it to where it is as high as the margin there.
+/// Length of a working end below the margin, metres: from the tip along the end up to the height of the margin there.
 fn shown(gingiva: &Gingiva, seen: &Seen<'_>, depth: f64) -> f64 {
     let upright = -seen.out_of_tip.dot(&gingiva.tooth.axis);
-    // Below that it lies across the tooth rather than along it.
+    // Below this value the end lies across the tooth rather than along it.
     if !(depth > 0.0 && upright > 0.5) {
         return fmax(depth, 0.0);
     }

@@ -1,11 +1,12 @@
-//! How often.
+//! Rates of the channels for viewers.
 
-/// Poses, clouds, contacts and metrics, hertz: the nearest to a screen's 60 that is a whole number of ticks at 1 kHz.
+/// Rate of poses, clouds, contacts and metrics, hertz. Of all whole numbers of ticks at 1 kHz the nearest to a screen's
+/// 60 Hz.
 pub const FRAMES_HZ: f64 = 62.5;
-/// Wrenches, hertz.
+/// Rate of wrenches, hertz.
 pub const WRENCHES_HZ: f64 = 125.0;
 
-/// Finds the ticks that are due: the first of every so many on the clock's grid, whatever was skipped.
+/// Grid of due ticks: the first tick at or behind each multiple of a number of ticks, also after skipped ticks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cadence {
     every: u64,
@@ -13,7 +14,7 @@ pub(crate) struct Cadence {
 }
 
 impl Cadence {
-    /// `hz` times a second with ticks of `tick_s` seconds; every tick where they are longer than that.
+    /// Grid of `hz` per second, with ticks of `tick_s` seconds. With longer ticks every tick is due.
     pub fn new(hz: f64, tick_s: f64) -> Self {
         let every = (1.0 / (hz * tick_s)).round();
         Self {
@@ -22,7 +23,7 @@ impl Cadence {
         }
     }
 
-    /// Whether this tick is due; ticks come in order.
+    /// Whether this tick is due. Ticks come in order.
     pub fn is_due(&mut self, tick: u64) -> bool {
         if tick < self.next {
             return false;
@@ -41,7 +42,7 @@ mod tests {
         let mut cadence = Cadence::new(FRAMES_HZ, 1e-3);
         let due: Vec<u64> = (1..=100).filter(|tick| cadence.is_due(*tick)).collect();
         assert_eq!(due, [1, 16, 32, 48, 64, 80, 96]);
-        // A hole over three of them: the first tick after it, then the grid again.
+        // A hole over three due ticks: the first tick behind the hole is due, then the grid again.
         let due: Vec<u64> = (150..=180).filter(|tick| cadence.is_due(*tick)).collect();
         assert_eq!(due, [150, 160, 176]);
     }

@@ -1,24 +1,26 @@
-//! Spheres as points: at rest once, then where they go while their tissue is awake.
+//! Spheres as point clouds: at rest once, then at their places while their tissue is awake.
 
 use foxglove::messages::PointCloud;
 use sulcus_core::tissue::Tissue;
 use sulcus_core::{Object, SphereTree, Vec3};
 
 use super::foxglove_types::cloud;
+use super::topics::WORLD;
 
-/// Points of one object at most: of a finer tree a coarser level is shown.
+/// Largest number of points of one object. A finer tree is shown at a coarser level.
 const MAX_POINTS: usize = 1024;
-/// Places are rounded to this part of a metre: 8 um, less than a pixel where a tooth fills a screen; a power of two, so that
-/// the digits left out are zeros. (Clouds of two hands in a mouth: 4.6 MB a minute; 10.9 at a micrometre.)
+/// Steps per metre to which places are rounded: 8 um, less than a pixel when a tooth fills a screen. A power of two
+/// leaves zeros in place of the dropped digits. Measured on two hands in a mouth: 4.6 MB a minute; at a micrometre 10.9
+/// MB.
 const STEPS_PER_M: f64 = 131_072.0;
 
-/// The finest level of a tree that is touched, and is not too many points.
+/// Finest level up to the touched level that has few enough points.
 pub(super) fn shown_level(tree: &SphereTree, touched: u8) -> u8 {
     let fits = |level: &u8| tree.shape_at(*level).count() <= MAX_POINTS;
     (0..=touched).rev().find(fits).unwrap_or(0)
 }
 
-/// Spheres of a level, with their radii.
+/// Point cloud of a level's spheres at rest, with radii.
 pub(super) fn at_rest(unix_ns: u64, frame: &str, tree: &SphereTree, level: u8) -> PointCloud {
     let mut data = Vec::new();
     for (_, node) in tree.shape_at(level) {
@@ -35,20 +37,20 @@ fn put(data: &mut Vec<u8>, centre: &Vec3) {
     }
 }
 
-/// The spheres of one tissue.
+/// Point cloud of one tissue.
 pub(super) struct Cloud {
     model: Box<dyn Tissue>,
-    /// Zeros: the configuration at rest.
+    /// Configuration at rest: zeros.
     rest: Vec<f64>,
     ids: Vec<u32>,
     centres: Vec<Vec3>,
-    /// Of the last message.
+    /// Points of the last message.
     last: Vec<u8>,
     awake: bool,
 }
 
 impl Cloud {
-    /// Of an object in a scene with ticks of `tick_s` seconds; none of what is rigid.
+    /// Cloud of an object with ticks of `tick_s` seconds; `None` for a rigid object.
     pub fn new(object: &Object, tick_s: f64) -> Option<Self> {
         let model = object.tissue.ready(&object.tree, object.level, tick_s)?;
         let level = shown_level(&object.tree, object.level);
@@ -63,8 +65,8 @@ impl Cloud {
         })
     }
 
-    /// The message for a tick after which the tissue had this configuration, or slept (`None`): nothing where it would
-    /// say the same again.
+    /// Message for the configuration after a tick, or for sleeping tissue (`None`). No message if the points are those
+    /// of the last one.
     pub fn after(&mut self, unix_ns: u64, shape: Option<&[f64]>) -> Option<PointCloud> {
         let awake = shape.is_some();
         if !awake && !self.awake {
@@ -76,7 +78,7 @@ impl Cloud {
             return None;
         }
         self.last.clone_from(&data);
-        Some(cloud(unix_ns, super::WORLD, &["x", "y", "z"], data))
+        Some(cloud(unix_ns, WORLD, &["x", "y", "z"], data))
     }
 
     fn points(&mut self, shape: Option<&[f64]>) -> Vec<u8> {

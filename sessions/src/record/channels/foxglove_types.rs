@@ -1,4 +1,4 @@
-//! Foxglove's messages, of what the simulation has.
+//! Messages of Foxglove's types from the simulation's data.
 
 use std::borrow::Cow;
 
@@ -10,28 +10,21 @@ use foxglove::messages::{
 use foxglove::{Encode, bytes::Bytes};
 use sulcus_core::Pose;
 
+use super::topics::WORLD;
 use crate::record::message::Level;
+use crate::record::schema::Schema;
 
-/// A protobuf schema, as it stands in a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Schema {
-    /// Full name of the message.
-    pub name: &'static str,
-    /// A `FileDescriptorSet` with all that it imports.
-    pub data: &'static [u8],
-}
-
-/// Schema of one of Foxglove's messages.
+/// Schema of a type of Foxglove.
 pub(crate) fn schema_of<T: Encode>(name: &'static str) -> Schema {
     let data = match T::get_schema().map(|schema| schema.data) {
         Some(Cow::Borrowed(data)) => data,
-        // Every one of theirs is a constant; the tests read all of them back.
+        // All of Foxglove's schemas are constants. The tests read every schema back.
         _ => &[],
     };
     Schema { name, data }
 }
 
-/// Nanoseconds since the Unix epoch; saturates in the year 2106.
+/// Timestamp from nanoseconds since the Unix epoch; saturates in the year 2106.
 pub(super) fn timestamp(unix_ns: u64) -> Option<Timestamp> {
     let seconds = u32::try_from(unix_ns / 1_000_000_000).ok();
     let nanoseconds = (unix_ns % 1_000_000_000) as u32;
@@ -39,7 +32,7 @@ pub(super) fn timestamp(unix_ns: u64) -> Option<Timestamp> {
     Some(at.unwrap_or(Timestamp::MAX))
 }
 
-/// Digits beyond f32 are noise to whoever looks, and noise does not pack.
+/// Number rounded to f32. Further digits are not visible and do not compress.
 fn short(x: f64) -> f64 {
     f64::from(x as f32)
 }
@@ -63,11 +56,11 @@ fn turn(pose: &Pose) -> Quaternion {
     }
 }
 
-/// A pose in the world.
+/// Pose in the frame of the world.
 pub(super) fn pose_in_world(unix_ns: u64, pose: &Pose) -> PoseInFrame {
     PoseInFrame {
         timestamp: timestamp(unix_ns),
-        frame_id: super::WORLD.to_owned(),
+        frame_id: WORLD.to_owned(),
         pose: Some(FoxglovePose {
             position: Some(place(pose)),
             orientation: Some(turn(pose)),
@@ -75,18 +68,18 @@ pub(super) fn pose_in_world(unix_ns: u64, pose: &Pose) -> PoseInFrame {
     }
 }
 
-/// The frame `child`, at `world_from_child`.
+/// Transform of the frame `child`, at `world_from_child`.
 pub(super) fn transform(unix_ns: u64, child: &str, pose: &Pose) -> FrameTransform {
     FrameTransform {
         timestamp: timestamp(unix_ns),
-        parent_frame_id: super::WORLD.to_owned(),
+        parent_frame_id: WORLD.to_owned(),
         child_frame_id: child.to_owned(),
         translation: Some(place(pose)),
         rotation: Some(turn(pose)),
     }
 }
 
-/// Points of so many f32 each, the first three of which are x, y and z in metres; `fields` names all.
+/// Point cloud of f32 numbers. `fields` names the numbers of a point; the first three are x, y and z in metres.
 pub(super) fn cloud(unix_ns: u64, frame: &str, fields: &[&str], data: Vec<u8>) -> PointCloud {
     let field = |(k, name): (usize, &&str)| PackedElementField {
         name: (*name).to_owned(),
@@ -109,7 +102,7 @@ pub(super) fn cloud(unix_ns: u64, frame: &str, fields: &[&str], data: Vec<u8>) -
     }
 }
 
-/// A line of the session's log.
+/// Line of the log for viewers.
 pub(crate) fn log(unix_ns: u64, level: Level, text: &str) -> Log {
     use foxglove::messages::log::Level as Theirs;
     let level = match level {

@@ -1,6 +1,6 @@
-//! Parts of topics, made of names that people gave.
+//! Parts of topics from names of tools and objects.
 
-/// A name as a part of an entity path: small letters, digits and `_`; never empty, never twice.
+/// Names as parts of entity paths: small letters, digits and `_`; never empty, all different.
 pub(crate) fn paths<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut paths: Vec<String> = Vec::new();
     for name in names {

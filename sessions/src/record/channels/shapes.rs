@@ -1,31 +1,31 @@
-//! What the thread that ticks copies for the view channels, and when.
+//! Copies of tissue shapes and contacts, made in the thread that ticks.
 
 use sulcus_core::contact::Contact;
 use sulcus_core::{Scene, Workspace};
 
 use super::cadence::{Cadence, FRAMES_HZ};
 
-/// Contacts that are copied of a tick at most; how many there were is counted.
+/// Largest number of copied contacts of a tick. All contacts are counted.
 const MAX_CONTACTS: usize = 128;
 
-/// What a tick left: of awake tissue the configuration, and the contacts that bear load. Made beforehand with room for all
-/// that one scene can put into it.
+/// Copy of a tick's shapes: the configuration of awake tissues, and the contacts under load. The memory for one scene
+/// is allocated beforehand.
 #[derive(Debug, PartialEq)]
 pub struct Shapes {
-    /// The tick.
+    /// Tick of the copy.
     pub(super) tick: u64,
-    /// Objects, and where their configuration ends in `numbers`.
+    /// Awake objects, each with the end of its configuration in `numbers`.
     pub(super) awake: Vec<(usize, usize)>,
-    /// Their configurations, one after the other.
+    /// Configurations, one after the other.
     pub(super) numbers: Vec<f64>,
-    /// The contacts, with their loads, newtons.
+    /// Contacts with their loads, newtons.
     pub(super) contacts: Vec<(Contact, f64)>,
-    /// How many bore load, listed or not.
+    /// Number of contacts under load of each tool, also those that are not copied.
     pub(super) bearing: [u32; sulcus_core::MAX_TOOLS],
 }
 
 impl Shapes {
-    /// Room for what `scene` can put into it.
+    /// Empty copy with memory for `scene`.
     pub fn new(scene: &Scene) -> Self {
         let workspace = Workspace::new(scene);
         let numbers = (0..scene.objects.len()).map(|k| workspace.shape_of(k).len());
@@ -38,7 +38,7 @@ impl Shapes {
         }
     }
 
-    /// Another of the same size. (A clone has room for what is in it only.)
+    /// Empty copy with the same memory. A clone would have memory only for its content.
     pub fn like(&self) -> Self {
         Self {
             tick: 0,
@@ -49,12 +49,12 @@ impl Shapes {
         }
     }
 
-    /// The tick that it is of.
+    /// Tick of the copy.
     pub fn tick(&self) -> u64 {
         self.tick
     }
 
-    /// Each awake object and its configuration.
+    /// Awake objects with their configurations.
     pub(super) fn configurations(&self) -> impl Iterator<Item = (usize, &[f64])> {
         let begins = std::iter::once(0).chain(self.awake.iter().map(|(_, end)| *end));
         let ends = self.awake.iter();
@@ -64,8 +64,8 @@ impl Shapes {
     }
 }
 
-/// Fills [`Shapes`] where they are due. For the thread that ticks: no allocation, no lock, a copy of a few kilobytes
-/// every sixteenth tick.
+/// Copier of shapes on due ticks, for the thread that ticks. No allocation, no lock; a few kilobytes every sixteenth
+/// tick.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     cadence: Cadence,
@@ -73,7 +73,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// For a scene.
+    /// Copier for a scene.
     pub fn new(scene: &Scene) -> Self {
         let objects = scene.objects.iter().enumerate();
         Self {
@@ -85,12 +85,12 @@ impl Sampler {
         }
     }
 
-    /// Whether something is to be copied after this tick. Asked once for every tick.
+    /// Whether a copy is due after this tick. Must be called once for every tick.
     pub fn is_due(&mut self, tick: u64) -> bool {
         self.cadence.is_due(tick)
     }
 
-    /// Copies what `tick` left in the workspace into `out`, which was made for the same scene.
+    /// Copies the shapes that `tick` left in the workspace into `out`, which was made for the same scene.
     pub fn read(&self, tick: u64, workspace: &Workspace, out: &mut Shapes) {
         out.tick = tick;
         out.awake.clear();
@@ -99,7 +99,7 @@ impl Sampler {
         out.bearing = [0; sulcus_core::MAX_TOOLS];
         for &k in &self.yielding {
             let shape = workspace.shape_of(k);
-            // Never more than there is room for, unless made for another scene; then it is left out.
+            // Shapes of another scene may exceed the memory. Such a shape is left out.
             let room = out.numbers.capacity() - out.numbers.len();
             if workspace.is_awake(k)
                 && shape.len() <= room

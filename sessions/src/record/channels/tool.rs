@@ -1,4 +1,4 @@
-//! What the channels of one tool say.
+//! Messages of one tool's channels.
 
 use std::cmp::Ordering;
 
@@ -12,10 +12,10 @@ use super::own_types::vector;
 use super::shapes::Shapes;
 use crate::record::occurrence::zone_name;
 
-/// Contacts of one tool that are listed at most: the most loaded.
+/// Largest number of listed contacts of one tool. The contacts with the largest loads are listed.
 const LISTED: usize = 32;
 
-/// Whether anybody holds it.
+/// Whether a hand holds the tool.
 pub(crate) fn is_held(output: &ToolOutput) -> bool {
     output.status & status::ABSENT == 0
 }
@@ -56,7 +56,7 @@ pub(super) fn metrics(scene: &Scene, tick: u64, output: &ToolOutput) -> ToolMetr
     }
 }
 
-/// The contacts of the tool in slot `t`.
+/// Contacts of the tool in slot `t`.
 pub(super) fn contacts(scene: &Scene, t: usize, output: &ToolOutput, shapes: &Shapes) -> Contacts {
     let tool = &scene.tools[t];
     let working_point = output.graphic.transform(&tool.working_point);
@@ -64,7 +64,7 @@ pub(super) fn contacts(scene: &Scene, t: usize, output: &ToolOutput, shapes: &Sh
     let mut ours: Vec<&(Contact, f64)> = of_tool
         .filter(|(contact, _)| usize::from(contact.tool) == t)
         .collect();
-    // Stable: equal loads stay in the order of the rows.
+    // The sort is stable, so equal loads stay in the order of the rows.
     ours.sort_by(|a, b| b.1.partial_cmp(&a.1).unwrap_or(Ordering::Equal));
     ours.truncate(LISTED);
     let contact = |(contact, load): &&(Contact, f64)| v1::Contact {
@@ -81,7 +81,7 @@ pub(super) fn contacts(scene: &Scene, t: usize, output: &ToolOutput, shapes: &Sh
     }
 }
 
-/// The point of the tool's sphere that is nearest to the object's.
+/// Point of the tool's sphere that is nearest to the object's sphere, world axes, metres.
 fn place(tool: &Tool, working_point: &Vec3, contact: &Contact) -> Vec3 {
     let node = tool.tree.nodes().get(contact.tool_sphere as usize);
     let radius = node.map_or(0.0, |node| node.contact_radius);

@@ -1,4 +1,4 @@
-//! Writes the channels for viewers, tick by tick, in the recorder's thread.
+//! Writer of the channels for viewers, tick by tick, in the recorder's thread.
 
 use foxglove::messages::{FrameTransforms, PointCloud, PoseInFrame};
 use sulcus_core::math::norm;
@@ -10,11 +10,13 @@ use super::foxglove_types::{pose_in_world, schema_of, transform};
 use super::names::paths;
 use super::own_types::v1::{Contacts, SessionMetrics};
 use super::shapes::{Sampler, Shapes};
-use super::{SESSION_METRICS, TRANSFORMS, WORLD, own_types, tool};
+use super::tool;
+use super::topics::{SESSION_METRICS, TRANSFORMS, WORLD};
 use crate::record::recorder::{RecordError, Recorder};
 use crate::record::row::Row;
+use crate::record::schema::view;
 
-/// The channels of one session, as far as it has gone.
+/// Channels for viewers of one session.
 pub struct Views {
     sampler: Sampler,
     frames: Cadence,
@@ -23,33 +25,33 @@ pub struct Views {
     objects: Vec<ObjectView>,
     transforms: u16,
     session: u16,
-    /// Since the last message.
+    /// Skipped ticks since the last message.
     skipped: u32,
     longest_tick_ns: u32,
 }
 
 struct ToolView {
-    /// Frames that move with it: as the hand holds it, and as it is shown.
+    /// Names of the haptic and of the graphic frame.
     frames: [String; 2],
-    /// Haptic, graphic, wrench, contacts, metrics.
+    /// Numbers of the channels: haptic, graphic, wrench, contacts, metrics.
     channels: [u16; 5],
     /// Largest force since the last wrench, newtons.
     peak_force: f64,
-    /// Whether the last list of contacts had any.
+    /// Whether the last list of contacts was not empty.
     touched: bool,
 }
 
 struct ObjectView {
-    /// None of what is rigid.
+    /// Cloud of the tissue; `None` for a rigid object.
     cloud: Option<Cloud>,
     channel: u16,
 }
 
 impl Views {
-    /// Opens the channels in `recorder`, and shows everything at rest. To be called before the first row.
+    /// Declares the channels in `recorder` and writes the shapes at rest. Must precede the first row.
     ///
     /// # Errors
-    /// The first failure to write.
+    /// Writing fails for the first time.
     pub fn open(
         scene: &Scene,
         recorder: &mut Recorder,
@@ -65,9 +67,9 @@ impl Views {
             let channels = [
                 recorder.add_view(&topic("haptic"), &pose)?,
                 recorder.add_view(&topic("graphic"), &pose)?,
-                recorder.add_view(&topic("wrench"), &own_types::WRENCH)?,
-                recorder.add_view(&topic("contacts"), &own_types::CONTACTS)?,
-                recorder.add_view(&topic("metrics"), &own_types::TOOL_METRICS)?,
+                recorder.add_view(&topic("wrench"), &view::WRENCH)?,
+                recorder.add_view(&topic("contacts"), &view::CONTACTS)?,
+                recorder.add_view(&topic("metrics"), &view::TOOL_METRICS)?,
             ];
             let spheres = recorder.add_view(&topic("spheres"), &points)?;
             let level = shown_level(&held.tree, held.level);
@@ -100,22 +102,22 @@ impl Views {
             tools,
             objects,
             transforms: recorder.add_view(TRANSFORMS, &frames)?,
-            session: recorder.add_view(SESSION_METRICS, &own_types::SESSION_METRICS)?,
+            session: recorder.add_view(SESSION_METRICS, &view::SESSION_METRICS)?,
             skipped: 0,
             longest_tick_ns: 0,
         })
     }
 
-    /// What copies the shapes in the thread that ticks.
+    /// Copier of shapes for the thread that ticks.
     pub fn sampler(&self) -> Sampler {
         self.sampler.clone()
     }
 
-    /// Writes what is due after a tick whose row was just pushed. `tick_ns` is the tick's thread CPU time, `shapes` what
-    /// [`Sampler::read`] copied after it, where it did.
+    /// Writes the due messages of a tick whose row has just been added. `tick_ns` is the thread CPU time of the tick.
+    /// `shapes` is the copy by [`Sampler::read`] after the tick, if it was due.
     ///
     /// # Errors
-    /// The first failure to write.
+    /// Writing fails for the first time.
     pub fn tick(
         &mut self,
         recorder: &mut Recorder,

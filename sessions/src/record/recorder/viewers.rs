@@ -1,103 +1,92 @@
-//! What viewers read: chunks of its own between those of the exact record, so that either can be skipped, and each packs
-//! like with like.
+//! Channels for viewers in a recording. Their chunks are apart from those of the exact record, so that a reader can
+//! skip either kind, and each kind compresses well.
 
-use mcap::records::MessageHeader;
 use prost::Message;
 
-use super::begin::view_channel;
-use super::{RecordError, Recorder};
-use crate::record::channels::Schema;
+use super::error::RecordError;
+use super::output::{Mcap, Output, declare, header};
+use crate::record::schema::Schema;
+use crate::record::viewers::{Sum, Summing};
 
-/// Flushes of the exact record between two of what viewers read: a longer chunk packs better, and what kill -9 takes of it
-/// is in the exact record.
+/// Flushes of the exact record between two flushes of the channels for viewers. A longer chunk compresses better, and
+/// the data that kill -9 can cost is also in the exact record.
 const FLUSHES: u32 = 5;
-/// Bytes that wait at most, should rows stop coming.
+/// Largest number of waiting bytes, if no more rows come.
 const MOST: usize = 4 << 20;
 
-/// Messages that wait for their chunk.
+/// Messages for viewers that wait for their chunk, and the sum over the written ones.
 #[derive(Default)]
-pub(super) struct Waiting {
+pub(super) struct Views {
     bytes: Vec<u8>,
-    /// Channel, time, and where the message ends in `bytes`.
+    /// Channel, time, and end of the message in `bytes`.
     messages: Vec<(u16, u64, usize)>,
     flushes: u32,
+    sum: Summing,
 }
 
-impl Recorder {
-    /// Adds a channel of protobuf messages for viewers. Its number is of no use after a failure to write.
-    pub(crate) fn add_view(&mut self, topic: &str, schema: &Schema) -> Result<u16, RecordError> {
-        let mut id = 0;
-        let mut viewed = std::mem::take(&mut self.viewed);
-        let declared = self.write(|writer| {
-            id = view_channel(writer, &mut viewed, topic, schema)?;
-            Ok(())
-        });
-        self.viewed = viewed;
-        declared.map(|()| id)
-    }
-
-    /// Adds a message to a channel for viewers.
-    pub(crate) fn view(
+impl Views {
+    /// Declares a channel of protobuf messages, in the file and in the sum.
+    pub fn declare(
         &mut self,
-        channel: u16,
-        time_unix_ns: u64,
-        message: &impl Message,
-    ) -> Result<(), RecordError> {
-        if self.writer.is_none() {
-            return Ok(());
-        }
-        let waiting = &mut self.waiting;
-        // A Vec grows: there is always room.
-        let _ = message.encode(&mut waiting.bytes);
-        waiting
-            .messages
-            .push((channel, time_unix_ns, waiting.bytes.len()));
-        if waiting.bytes.len() > MOST {
-            self.flush()?;
-        }
-        Ok(())
+        writer: &mut Mcap,
+        topic: &str,
+        schema: &Schema,
+    ) -> mcap::McapResult<u16> {
+        let encoding = "protobuf";
+        let (schema_id, id) = declare(writer, topic, encoding, schema)?;
+        self.sum
+            .schema(schema_id, schema.name, encoding, schema.data);
+        self.sum.channel(id, schema_id, topic, encoding);
+        Ok(id)
     }
 
-    /// Writes what waits after so many flushes of the exact record, whose chunk is closed.
-    pub(super) fn flush_views_if_due(&mut self) -> Result<(), RecordError> {
-        self.waiting.flushes += 1;
-        if self.waiting.flushes < FLUSHES {
-            return Ok(());
-        }
-        self.flush_views()
+    /// Adds a message; whether so many bytes wait that a flush is due.
+    pub fn push(&mut self, channel: u16, time_unix_ns: u64, message: &impl Message) -> bool {
+        // Encoding into a Vec never fails: a Vec grows.
+        let _ = message.encode(&mut self.bytes);
+        self.messages
+            .push((channel, time_unix_ns, self.bytes.len()));
+        self.bytes.len() > MOST
     }
 
-    /// Writes what waits into a chunk of its own and hands it to the system; the exact record's chunk is closed.
-    pub(super) fn flush_views(&mut self) -> Result<(), RecordError> {
-        self.waiting.flushes = 0;
-        if self.waiting.messages.is_empty() {
+    /// Counts a flush of the exact record; whether a flush of these channels is due.
+    pub fn is_due(&mut self) -> bool {
+        self.flushes += 1;
+        self.flushes >= FLUSHES
+    }
+
+    /// Writes the waiting messages into a chunk of their own and flushes it. The chunk of the exact record must be
+    /// closed.
+    ///
+    /// # Errors
+    /// The first failure to write.
+    pub fn flush(&mut self, output: &mut Output, rows: u64) -> Result<(), RecordError> {
+        self.flushes = 0;
+        if self.messages.is_empty() {
             return Ok(());
         }
-        let mut waiting = std::mem::take(&mut self.waiting);
+        let (bytes, messages) = (&self.bytes, &self.messages);
         let mut begin = 0;
-        for (channel, time, end) in &waiting.messages {
-            self.viewed
-                .message(*channel, [*time; 2], &waiting.bytes[begin..*end]);
+        for (channel, time, end) in messages {
+            self.sum.message(*channel, [*time; 2], &bytes[begin..*end]);
             begin = *end;
         }
-        let sequence = self.chain.rows() as u32;
-        let written = self.write(|writer| {
+        let written = output.write(rows, |writer| {
             let mut begin = 0;
-            for (channel_id, time, end) in &waiting.messages {
-                let header = MessageHeader {
-                    channel_id: *channel_id,
-                    sequence,
-                    log_time: *time,
-                    publish_time: *time,
-                };
-                writer.write_to_known_channel(&header, &waiting.bytes[begin..*end])?;
+            for (channel, time, end) in messages {
+                let header = header(*channel, rows, *time);
+                writer.write_to_known_channel(&header, &bytes[begin..*end])?;
                 begin = *end;
             }
             writer.flush()
         });
-        waiting.bytes.clear();
-        waiting.messages.clear();
-        self.waiting = waiting;
+        self.bytes.clear();
+        self.messages.clear();
         written
+    }
+
+    /// Sum over the written messages.
+    pub fn sum(&self) -> Sum {
+        self.sum.sum()
     }
 }

@@ -1,4 +1,4 @@
-//! What a torn recording has lost, as far as its tail still says.
+//! Missing part of a cut off or damaged recording, as far as the rest of the file tells.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,21 +6,23 @@ use std::fmt;
 use mcap::records::op;
 use serde::Serialize;
 
-use super::Seen;
 use crate::record::bytes::Cut;
 use crate::record::gap::Gap;
 use crate::record::message::Topic;
 use crate::record::read::Recording;
 use crate::record::walk;
 
-/// A channel of which messages may be missing.
+/// Copied channels by number: topic and time of the last copied message, nanoseconds since the Unix epoch.
+pub(super) type Seen = BTreeMap<u16, (String, Option<u64>)>;
+
+/// Channel of which messages may be missing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LostChannel {
-    /// Its topic.
+    /// Topic of the channel.
     pub topic: String,
-    /// How many, where an index behind the damage says so.
+    /// Number of missing messages, if an index behind the damage tells it.
     pub messages: Option<u64>,
-    /// Time of its last message that was kept, nanoseconds since the Unix epoch; `None` where there is none.
+    /// Time of the last copied message, nanoseconds since the Unix epoch; `None` without a copied message.
     pub last_unix_ns: Option<u64>,
 }
 
@@ -29,29 +31,29 @@ impl fmt::Display for LostChannel {
         write!(f, "{}: ", self.topic.escape_debug())?;
         match self.messages {
             Some(n) => write!(f, "{n} messages"),
-            None => f.write_str("unknown how many messages"),
+            None => f.write_str("an unknown number of messages"),
         }
     }
 }
 
-/// What is missing.
+/// Missing part of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Lost {
-    /// Bytes of the damaged file that were left out: of the gaps, and behind the last whole chunk.
+    /// Left out bytes of the damaged file: in the gaps, and behind the last whole chunk.
     pub bytes: u64,
-    /// Milliseconds of session time in the gaps, and from the last row that was kept to the last time that the tail still names;
-    /// `None` where neither says so.
+    /// Missing session time, milliseconds: in the gaps, and from the last copied row to the last time that the rest
+    /// names; `None` if unknown.
     pub ms: Option<f64>,
-    /// Ticks in the gaps and at the end; of the end counted where an index behind the damage has them, otherwise by time. `None` where
-    /// nothing says so.
+    /// Missing ticks, in the gaps and at the end; `None` if unknown. Those at the end are counted by an index behind
+    /// the damage, otherwise by time.
     pub ticks: Option<u64>,
-    /// Gaps between what was kept.
+    /// Gaps between the copied parts.
     pub gaps: Vec<Gap>,
-    /// Channels of which messages are missing, or may be.
+    /// Channels of which messages are missing or may be missing.
     pub channels: Vec<LostChannel>,
-    /// Whether the session went on: its last statement is not in the file.
+    /// Whether the station's last statement is missing, so that the session may have continued.
     pub end_is_missing: bool,
-    /// Chunks of what viewers read that were damaged and are left behind; all that is exact is in others.
+    /// Damaged chunks of the channels for viewers, which were left out. The exact record is in other chunks.
     pub damaged_views: u64,
 }
 
@@ -66,17 +68,19 @@ impl fmt::Display for Lost {
         );
         let then = if gaps.is_empty() { "" } else { "; at the end " };
         match tail {
-            // Behind the session's end there is nothing of it.
+            // Behind the session's end nothing of the session is missing.
             _ if !self.end_is_missing && !gaps.is_empty() => {}
-            _ if !self.end_is_missing && self.bytes == 0 => f.write_str("nothing that is exact")?,
+            _ if !self.end_is_missing && self.bytes == 0 => f.write_str("no exact message")?,
             _ if !self.end_is_missing => f.write_str("only the file's index")?,
             (Some(0) | None, _) if !gaps.is_empty() => {}
             (Some(ticks), _) if !gaps.is_empty() => write!(f, "{then}{ticks} ticks")?,
             (Some(ticks), Some(ms)) => write!(f, "{ticks} ticks ({ms:.0} ms)")?,
             (Some(ticks), None) => write!(f, "{ticks} ticks")?,
             (None, Some(ms)) => write!(f, "{ms:.0} ms")?,
-            (None, None) if self.bytes == 0 => f.write_str("nothing that had reached the file")?,
-            (None, None) => write!(f, "what was in the last {} bytes", self.bytes)?,
+            (None, None) if self.bytes == 0 => {
+                f.write_str("no message that had reached the file")?
+            }
+            (None, None) => write!(f, "the content of the last {} bytes", self.bytes)?,
         }
         if !self.channels.is_empty() {
             let names: Vec<&str> = self.channels.iter().map(|c| c.topic.as_str()).collect();
@@ -89,24 +93,24 @@ impl fmt::Display for Lost {
         }
         match self.damaged_views {
             0 => {}
-            1 => f.write_str(", and a damaged chunk of what viewers read")?,
-            n => write!(f, ", and {n} damaged chunks of what viewers read")?,
+            1 => f.write_str(", and a damaged chunk of the channels for viewers")?,
+            n => write!(f, ", and {n} damaged chunks of the channels for viewers")?,
         }
         Ok(())
     }
 }
 
 impl Lost {
-    /// Ticks that are missing in gaps, as far as both ends of them are known.
+    /// Missing ticks in gaps with two known ends.
     fn of_gaps(&self) -> u64 {
         self.gaps.iter().filter_map(Gap::ticks).sum()
     }
 }
 
-/// Channels silent for so long before the tear were not being written.
+/// A channel without a message for this time before the damage counts as not written, nanoseconds.
 const RECENT_NS: u64 = 1_000_000_000;
 
-/// Looks at what was left out of the damaged file for what it still says.
+/// Missing part by the copied channels and by the left out bytes.
 pub(super) fn find(recording: &Recording, seen: &Seen) -> Lost {
     let tail = recording.bytes.get(recording.tail..).unwrap_or_default();
     let gaps = recording.gaps().to_vec();
@@ -125,7 +129,7 @@ pub(super) fn find(recording: &Recording, seen: &Seen) -> Lost {
     for gap in &lost.gaps {
         said.read(gap_bytes(recording, gap));
     }
-    // Only the tail has a time that no row behind it names.
+    // Only the rest behind the last chunk has times that no later row names.
     let counted_in_gaps = std::mem::take(&mut said.counts);
     said.until = None;
     if lost.end_is_missing {
@@ -156,7 +160,7 @@ pub(super) fn find(recording: &Recording, seen: &Seen) -> Lost {
     let channels = seen.iter().filter_map(|(id, (topic, last))| {
         let counted = said.counts.get(id).copied();
         let recent = last.is_some_and(|last| last_row.abs_diff(last) <= RECENT_NS);
-        // With an index, those that it names; without one, those that were being written.
+        // With an index the named channels count; without an index the recently written ones.
         let missing =
             counted.is_some() || (no_index && recent && !tail.is_empty() && lost.end_is_missing);
         missing.then(|| LostChannel {
@@ -173,7 +177,7 @@ pub(super) fn find(recording: &Recording, seen: &Seen) -> Lost {
     }
 }
 
-/// The bytes of the damaged file that a gap left out.
+/// Bytes of the damaged file in a gap.
 fn gap_bytes<'a>(recording: &'a Recording, gap: &Gap) -> &'a [u8] {
     let range = || {
         let begin = usize::try_from(gap.at_byte).ok()?;
@@ -183,7 +187,7 @@ fn gap_bytes<'a>(recording: &'a Recording, gap: &Gap) -> &'a [u8] {
     range().unwrap_or_default()
 }
 
-/// The sum of what is known.
+/// Sum of the known values.
 fn sum<T: std::ops::Add<Output = T>>(a: Option<T>, b: Option<T>) -> Option<T> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a + b),
@@ -191,12 +195,12 @@ fn sum<T: std::ops::Add<Output = T>>(a: Option<T>, b: Option<T>) -> Option<T> {
     }
 }
 
-/// What can be read of a tail whose bytes may be anything: nothing in it is believed but numbers to tell a person.
+/// Numbers from a rest with arbitrary bytes. They are for display only.
 #[derive(Default)]
 struct Tail {
-    /// Latest time that a chunk names.
+    /// Latest time in the header of a chunk.
     until: Option<u64>,
-    /// Messages by channel, from the indexes that follow chunks.
+    /// Number of messages by channel, from the indexes behind chunks.
     counts: BTreeMap<u16, u64>,
 }
 
@@ -205,7 +209,7 @@ impl Tail {
         let mut cut = Cut(tail);
         while let (Some(opcode), Some(length)) = (cut.u8(), cut.u64()) {
             let length = usize::try_from(length).unwrap_or(usize::MAX);
-            // The last may be torn: what there is of it.
+            // The last record may be cut off; its present bytes count.
             let body = cut.take(length.min(cut.0.len())).unwrap_or_default();
             match opcode {
                 op::CHUNK => self.chunk(body),
@@ -220,7 +224,7 @@ impl Tail {
         let (Some(_), Some(until)) = (cut.u64(), cut.u64()) else {
             return;
         };
-        // A chunk whose header makes no sense names no time.
+        // A chunk with an invalid header has no time.
         if walk::is_chunk_header(body) {
             self.until = self.until.max(Some(until));
         }
@@ -229,7 +233,7 @@ impl Tail {
     fn index(&mut self, body: &[u8]) {
         let mut cut = Cut(body);
         if let (Some(channel), Some(bytes)) = (cut.u16(), cut.u32()) {
-            // Time and offset of each message.
+            // Each entry has a time and an offset.
             let there = cut.0.len().min(bytes as usize) as u64 / 16;
             let count = self.counts.entry(channel).or_default();
             *count = count.saturating_add(there);

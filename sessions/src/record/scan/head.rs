@@ -1,4 +1,4 @@
-//! The header of a recording: its attachments and its metadata, wherever they stand in the file.
+//! Header of a recording, its attachments and its metadata, at any place of the file.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,27 +11,28 @@ use crate::record::gap::Gap;
 use crate::record::header;
 use crate::record::header::{METADATA, SCENE, SessionHeader, TEXTS};
 use crate::record::key::PublicKey;
+use crate::record::note;
+use crate::record::note::Note;
 use crate::record::read::ReadError;
-use crate::record::recover;
 use crate::record::walk;
 use crate::record::walk::{Stop, Walk};
 
-pub(super) type Pairs = BTreeMap<String, String>;
+type Pairs = BTreeMap<String, String>;
 
-/// Parts of the header, as found on a walk over the file's records that opens no chunk.
+/// Parts of the header, from a walk over the records that opens no chunk.
 #[derive(Default)]
 pub(super) struct Head {
     pairs: Pairs,
     files: BTreeMap<String, Vec<u8>>,
-    /// Where the records that make up the header begin.
+    /// First bytes of the header's records.
     pub placed: BTreeSet<usize>,
-    /// A recovery's note.
-    note: Option<Pairs>,
-    /// Why the walk ended before the end of the data, in words.
+    /// Note of a recovery.
+    note: Option<Note>,
+    /// Reason for the end of the walk before the end of the data, as text.
     stopped: Option<String>,
 }
 
-/// A header that was found good.
+/// Valid header.
 pub(super) struct Checked {
     pub header: SessionHeader,
     pub signer: PublicKey,
@@ -40,10 +41,10 @@ pub(super) struct Checked {
 }
 
 impl Head {
-    /// Walks from the file's first record to the end of its data, or to where it is torn or damaged.
+    /// Walks from the first record to the end of the data, or to the first damage.
     pub fn read(mut walk: Walk<'_>) -> Result<Self, ReadError> {
         let mut head = Self::default();
-        // Whether this program wrote the file, there is metadata `sulcus`, and data have begun.
+        // The flags: this program wrote the file; metadata `sulcus` was found; data have begun.
         let (mut ours, mut said, mut data) = (false, false, false);
         loop {
             let record = match walk.peek() {
@@ -68,7 +69,7 @@ impl Head {
                 }
                 op::ATTACHMENT => match walk::attachment(record.body) {
                     None if said || data => {}
-                    None => return bad("an attachment is not whole".to_owned()),
+                    None => return bad("an attachment is incomplete".to_owned()),
                     Some((name, bytes)) => {
                         let known = name == SCENE || TEXTS.contains(&name);
                         let there = head.files.contains_key(name);
@@ -76,7 +77,7 @@ impl Head {
                             head.files.insert(name.to_owned(), bytes.to_vec());
                             head.placed.insert(walk.at);
                         } else if !(said || data) {
-                            // An attachment that is not asked for is signed by nobody either, and others show it.
+                            // Another attachment would not be signed, but other tools would show it.
                             return bad(if there {
                                 format!("there are two attachments `{name}`")
                             } else {
@@ -91,14 +92,14 @@ impl Head {
                 },
                 op::METADATA => match walk::metadata(record.body) {
                     None if said || data => {}
-                    None => return bad("metadata is not whole".to_owned()),
+                    None => return bad("metadata are incomplete".to_owned()),
                     Some((METADATA, pairs)) if !said => {
                         head.pairs = pairs;
                         head.placed.insert(walk.at);
                         said = true;
                     }
-                    Some((recover::METADATA, pairs)) => {
-                        head.note.get_or_insert(pairs);
+                    Some((note::METADATA, pairs)) => {
+                        head.note.get_or_insert(Note(pairs));
                     }
                     Some((name, _)) if !(said || data) => {
                         return bad(format!(
@@ -121,7 +122,7 @@ impl Head {
         }
     }
 
-    /// Why there is no header, where the file stops before its metadata.
+    /// Error for a file that ends before its metadata.
     fn without(&self, stop: &Stop, ours: bool, data: bool, at: usize) -> ReadError {
         match stop {
             Stop::Torn(_) if !data && (ours || at == mcap::MAGIC.len()) => {
@@ -143,10 +144,9 @@ impl Head {
         }
     }
 
-    /// The gaps that a recovery noted; those of a note that makes no sense are none, and the pass says so.
+    /// Gaps in the recovery's note; none for an invalid list, which the pass reports.
     pub fn gaps(&self) -> Vec<Gap> {
-        let list = self.note.as_ref().and_then(|note| note.get(recover::GAPS));
-        list.and_then(|list| Gap::parse(list)).unwrap_or_default()
+        self.note.as_ref().and_then(Note::gaps).unwrap_or_default()
     }
 
     /// Checks version, hashes and fields.
@@ -167,7 +167,7 @@ impl Head {
             let what = match (data, &self.stopped) {
                 (None, None) => format!("there is no attachment `{name}`"),
                 (None, Some(why)) => {
-                    format!("there is no attachment `{name}` in what can be read: {why}")
+                    format!("there is no attachment `{name}` in the readable part: {why}")
                 }
                 _ => {
                     format!("attachment `{name}` does not match the hash that the header gives")
@@ -177,7 +177,7 @@ impl Head {
         }
         let (header, signer) =
             SessionHeader::from_metadata(pairs, &self.files).map_err(|key| ReadError::Header {
-                what: format!("field `{key}` is missing or not of its kind"),
+                what: format!("field `{key}` is missing or invalid"),
             })?;
         Ok(Checked {
             digest: header::digest(pairs),

@@ -1,59 +1,45 @@
-//! The pass over all records of the file.
+//! Pass over all records of a file.
 
 use std::ops::Range;
 
 use mcap::records::op;
 
-use super::head::{Head, Pairs};
-use super::unpack::{Topics, declare, unpack};
-use super::{Depth, salvage};
+use super::head::Head;
+use super::salvage;
+use super::state::{Depth, State};
 use crate::record::bytes::Cut;
 use crate::record::gap::Gap;
 use crate::record::header::METADATA;
-use crate::record::message::{Message, Topic};
-use crate::record::read::{Ending, Facts};
-use crate::record::recover;
-use crate::record::viewers::{Sum, Summing};
+use crate::record::message::Topic;
+use crate::record::note;
+use crate::record::note::Note;
+use crate::record::read::Ending;
+use crate::record::unpack::{declare, unpack};
 use crate::record::walk;
 use crate::record::walk::{Framed, Stop, Walk};
 
-/// Records outside of chunks are read in pieces of about this many bytes.
+/// Approximate size of a piece of records outside of chunks, bytes.
 const LOOSE_BYTES: usize = 256 << 10;
 
-/// Facts known after a number of pieces; a piece is taken in wholly or not at all.
-#[derive(Clone, Default)]
-pub(super) struct State {
-    pub topics: Topics,
-    pub facts: Facts,
-    pub viewed: Summing,
-    /// Tick of the last row or snapshot.
-    pub tick: u64,
-    /// Messages of the exact channels.
-    pub messages: u64,
-    /// Gaps so far.
-    pub gaps: Vec<Gap>,
-    /// The gap that no row or snapshot follows yet.
-    pub open: Option<Gap>,
-}
-
-/// The pass under way.
+/// State of a pass over a file.
 pub(super) struct Pass<'a> {
     head: &'a Head,
-    pub depth: Depth,
-    /// Exact messages before the first gap that a recovery noted: behind it rows may come before any snapshot.
+    depth: Depth,
+    /// Number of exact messages before the first gap of a former recovery. Behind the gap rows may precede any
+    /// snapshot.
     first_gap: Option<u64>,
     pub state: State,
     pub pieces: Vec<Range<usize>>,
-    /// Schemas and channels that only the summary still names.
+    /// Schemas and channels that only the summary contains.
     pub declared: Vec<Range<usize>>,
-    /// Whether the summary was asked for them.
+    /// Whether the summary was searched for channels.
     learned: bool,
-    /// Where the part of the file begins that is not read to its end.
+    /// First byte of the part that is not read.
     pub tail: Option<usize>,
     /// Whether there are messages outside of chunks.
-    pub loose: bool,
-    /// A recovery's note.
-    noted: Option<Pairs>,
+    loose: bool,
+    /// Note of a recovery.
+    noted: Option<Note>,
 }
 
 impl<'a> Pass<'a> {
@@ -73,7 +59,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Goes over everything; gives how the file ends, by its first fault where it has one.
+    /// Walks over the whole file; its ending, by the first fault if there is one.
     pub fn run(&mut self, walk: &mut Walk<'_>) -> Ending {
         let mut first: Option<(usize, Stop)> = None;
         let mut budget = salvage::Budget::new(walk);
@@ -100,7 +86,7 @@ impl<'a> Pass<'a> {
             self.tail = Some(walk.at);
             first.get_or_insert((walk.at, stop));
         }
-        self.close_at_end();
+        self.state.close_at_end();
         match first {
             Some((at, Stop::Torn(why))) => Ending::CutOff {
                 at_byte: at as u64,
@@ -114,14 +100,25 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Takes in the next record of the data; `false` at their end.
+    /// Moves to the next whole chunk behind damage and notes the gap; `false` if there is none.
+    fn resume(&mut self, walk: &mut Walk<'_>, budget: &mut salvage::Budget) -> bool {
+        self.learn_from_summary(walk);
+        let Some(at) = salvage::next_whole(walk, &self.state, self.loose, budget) else {
+            return false;
+        };
+        self.state.open_gap(walk.at, at);
+        walk.at = at;
+        true
+    }
+
+    /// Reads the next record of the data; `false` at the end of the data.
     fn record(&mut self, walk: &mut Walk<'_>) -> Result<bool, Stop> {
         let record = walk.peek()?;
         let first = walk.at == mcap::MAGIC.len();
         match record.opcode {
             op::CHUNK => match self.piece(walk.at..walk.at + record.whole.len(), record.whole) {
                 Ok(()) => {}
-                // The exact record behind it is as good as it was.
+                // The damage does not concern the exact record.
                 Err(_) if self.is_for_viewers(walk, &record) => {
                     self.state.facts.damaged_views += 1;
                 }
@@ -149,7 +146,7 @@ impl<'a> Pass<'a> {
             opcode if opcode >= 0x80 => {}
             opcode => {
                 return Err(Stop::Damaged(format!(
-                    "a record of kind {opcode} is out of place"
+                    "a record of opcode {opcode} is out of place"
                 )));
             }
         }
@@ -157,7 +154,7 @@ impl<'a> Pass<'a> {
         Ok(true)
     }
 
-    /// Goes over what follows the data.
+    /// Reads the part behind the data.
     fn summary(&mut self, walk: &mut Walk<'_>) -> Result<(), Stop> {
         loop {
             let record = walk.peek()?;
@@ -172,18 +169,15 @@ impl<'a> Pass<'a> {
                 break;
             }
         }
-        let note = self.noted.as_ref();
-        if let Some(list) = note.and_then(|note| note.get(recover::GAPS)) {
-            let gaps = Gap::parse(list);
+        if let Some(note) = &self.noted {
             let fits = |gap: &Gap| gap.messages <= self.state.messages;
-            if !gaps.is_some_and(|gaps| gaps.iter().all(fits)) {
+            if !note.gaps().is_some_and(|gaps| gaps.iter().all(fits)) {
                 return Err(Stop::Damaged(format!(
                     "metadata `{}` lists gaps that the recording cannot have",
-                    recover::METADATA
+                    note::METADATA
                 )));
             }
-        }
-        if self.state.facts.end.is_none() && note.is_none() {
+        } else if self.state.facts.end.is_none() {
             return Err(Stop::Damaged(
                 "the file is complete, but the station's last statement is missing".to_owned(),
             ));
@@ -191,26 +185,18 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
-    /// How a file without a fault ends.
+    /// Ending of a file without a fault.
     fn proper_end(&self) -> Ending {
         match (self.state.facts.end, &self.noted) {
             (Some(_), _) if self.head.gaps().is_empty() => Ending::Finished,
-            (_, noted) => {
-                let said = |key| {
-                    let pairs = noted.as_ref();
-                    pairs
-                        .and_then(|pairs| pairs.get(key).cloned())
-                        .unwrap_or_default()
-                };
-                Ending::Recovered {
-                    was: said(recover::WAS),
-                    missing: said(recover::MISSING),
-                }
-            }
+            (_, noted) => Ending::Recovered {
+                was: noted.as_ref().map(Note::was).unwrap_or_default(),
+                missing: noted.as_ref().map(Note::missing).unwrap_or_default(),
+            },
         }
     }
 
-    /// Takes in what the summary says again of schemas and channels, which is where other readers look first.
+    /// Reads the schemas and channels in the summary, because other readers look there first.
     fn said_again(&mut self, record: &Framed<'_>) -> Result<(), Stop> {
         let damaged = || Stop::Damaged("the summary is damaged".to_owned());
         let state = &mut self.state;
@@ -236,30 +222,30 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
-    /// Keeps what a recovery says of itself: once, and nothing else is said behind the header.
+    /// Reads the note of a recovery. It occurs once, and no other metadata is allowed behind the header.
     fn note(&mut self, record: &Framed<'_>) -> Result<(), Stop> {
         let damaged = |what: String| Err(Stop::Damaged(what));
         let Some((name, pairs)) = walk::metadata(record.body) else {
-            return damaged("metadata behind the header is not whole".to_owned());
+            return damaged("metadata behind the header are incomplete".to_owned());
         };
         if name == METADATA {
             return damaged("there is a second header".to_owned());
         }
-        if name != recover::METADATA {
+        if name != note::METADATA {
             return damaged(format!(
                 "there is metadata `{}` behind the header, expected none but `{}`",
                 name.escape_debug(),
-                recover::METADATA
+                note::METADATA
             ));
         }
-        if self.noted.replace(pairs).is_some() {
+        if self.noted.replace(Note(pairs)).is_some() {
             return damaged(format!("there is metadata `{name}` twice"));
         }
         Ok(())
     }
 
-    /// Whether the chunk `record`, which cannot be unpacked, has messages of viewers' channels alone by the indexes behind it.
-    /// (Should they lie, exact messages are missing, and the chain shows it.)
+    /// Whether the damaged chunk `record` has only messages for viewers, by the indexes behind it. If an index is
+    /// wrong, exact messages are missing, and the chain shows that.
     fn is_for_viewers(&self, walk: &Walk<'_>, record: &Framed<'_>) -> bool {
         let mut ahead = walk.clone();
         ahead.pass(record);
@@ -278,7 +264,7 @@ impl<'a> Pass<'a> {
         channels > 0
     }
 
-    /// Takes in records outside of any chunk and goes past them: as many as make a piece, fewer where one of them cannot be taken.
+    /// Reads records outside of chunks: as many as fill a piece, or fewer before an invalid record.
     fn loose(&mut self, walk: &mut Walk<'_>) -> Result<(), Stop> {
         let begin = walk.at;
         let mut ends = Vec::new();
@@ -304,71 +290,21 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Takes in a piece wholly or not at all.
+    /// Reads a piece, as a whole or not at all.
     fn piece(&mut self, range: Range<usize>, whole: &[u8]) -> Result<(), String> {
         let mut next = self.state.clone();
         let messages = unpack(whole, &mut next.topics, Some(&mut next.viewed))?;
         for message in &messages {
-            self.take(message, &mut next)?;
+            next.take(message, self.depth, self.first_gap)?;
         }
         self.state = next;
-        // Pieces without messages of ours too: they may declare channels.
+        // Pieces without exact messages count, too, because they may declare channels.
         self.pieces.push(range);
         Ok(())
     }
 
-    fn take(&self, message: &Message, state: &mut State) -> Result<(), String> {
-        if state.facts.end.is_some() {
-            return Err("something follows the station's last statement".to_owned());
-        }
-        let salvages = self.depth == Depth::Salvage;
-        if salvages {
-            salvage::close(message, state);
-        }
-        state.messages += 1;
-        let facts = &mut state.facts;
-        match message {
-            Message::Row(row) => {
-                let behind_gap = match self.first_gap {
-                    _ if salvages => !state.gaps.is_empty(),
-                    before => before.is_some_and(|before| before < state.messages),
-                };
-                if facts.snapshots == 0 && !behind_gap {
-                    return Err("the first row comes before the first snapshot".to_owned());
-                }
-                if row.tick <= state.tick {
-                    return Err(format!("tick {} comes after tick {}", row.tick, state.tick));
-                }
-                state.tick = row.tick;
-                facts.rows += 1;
-                facts.ticks = Some((facts.ticks.map_or(row.tick, |t| t.0), row.tick));
-                let time = row.time_unix_ns;
-                facts.times_unix_ns = Some((facts.times_unix_ns.map_or(time, |t| t.0), time));
-            }
-            Message::Snapshot { tick: of, .. } => {
-                if *of < state.tick {
-                    return Err(format!(
-                        "a snapshot of tick {of} comes after tick {}",
-                        state.tick
-                    ));
-                }
-                state.tick = *of;
-                facts.snapshots += 1;
-            }
-            Message::Signed(signed) => {
-                facts.signatures += 1;
-                facts.end = signed.statement.end;
-            }
-            Message::Event(event) => match Sum::parse(&event.text) {
-                Some(sum) => facts.viewers = Some(sum),
-                None => facts.events += 1,
-            },
-        }
-        Ok(())
-    }
-
-    /// Learns of channels that no chunk before the damage has declared from the summary, where the file has one.
-    pub(super) fn learn_from_summary(&mut self, walk: &Walk<'_>) {
+    /// Adds channels from the summary that no chunk before the damage has declared.
+    fn learn_from_summary(&mut self, walk: &Walk<'_>) {
         if std::mem::replace(&mut self.learned, true) {
             return;
         }

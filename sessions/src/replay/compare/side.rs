@@ -1,31 +1,31 @@
-//! One of the two sides of a comparison.
+//! Side of a comparison: one scene with the recorded inputs.
+
+use std::time::Instant;
 
 use serde::Serialize;
 use sulcus_core::output::status;
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 
-use super::timed;
-
-/// What one side came to.
+/// Result of a side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Side {
-    /// Wall time of a tick, mean, microseconds.
+    /// Mean wall time of a tick, microseconds.
     pub tick_us: f64,
-    /// Ticks in which a tool bore load.
+    /// Ticks with a tool under load.
     pub contact_ticks: u64,
     /// Largest force sent to a hand, newtons.
     pub max_force_n: f64,
     /// Deepest overlap of a converged tick, over the pairs of spheres in its problem, micrometres.
     pub max_residual_um: f64,
-    /// Ticks in which substeps ran out.
+    /// Ticks that needed more than the available substeps.
     pub exhausted: u64,
-    /// Ticks in which the solver had no usable answer.
+    /// Ticks without a usable answer of the solver.
     pub failed: u64,
-    /// Deepest reading in a pocket, millimetres; `None` where no tip was in one.
+    /// Largest depth of a reading in a pocket, millimetres; `None` without a reading.
     pub deepest_mm: Option<f64>,
 }
 
-/// A side under way.
+/// State of a side.
 pub(super) struct Running<'a> {
     scene: &'a Scene,
     state: State,
@@ -51,8 +51,8 @@ impl<'a> Running<'a> {
         self.state = state;
     }
 
-    /// Begins with the tools of `state` where they are: best with the first of a recording, where they are mostly out of everything. What tissue remembers is taken over where both sides' tissue has the same
-    /// numbers to remember, otherwise it begins at rest, unloaded.
+    /// Starts with the tools of `state`. The first state of a recording suits best, because most tools are in the air.
+    /// The memory of tissues is kept if both tissues have as many numbers; otherwise tissues start at rest.
     pub fn begin_like(&mut self, state: &State) {
         let bytes = state.to_bytes();
         if let Ok(same) = State::from_bytes(self.scene, &bytes) {
@@ -64,7 +64,7 @@ impl<'a> Running<'a> {
         self.state.tools = state.tools;
     }
 
-    /// Runs a tick; `counts` it or only goes through it.
+    /// Runs a tick. `counts` says whether the tick is part of the result.
     pub fn tick(&mut self, input: &TickInput, counts: bool) -> TickOutput {
         let (output, seconds) = timed(|| {
             tick(
@@ -114,4 +114,11 @@ impl<'a> Running<'a> {
             ..self.side
         }
     }
+}
+
+/// Result and wall time of a call, seconds.
+fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
+    let began = Instant::now();
+    let value = f();
+    (value, began.elapsed().as_secs_f64())
 }

@@ -446,10 +446,9 @@ fn the_same_ticks_give_the_same_events_also_from_the_middle_on() {
         "bleeding",
     ] {
         assert!(kinds.contains(&kind), "{kind} must happen: {kinds:?}");
-        assert_eq!(
-            first.tally().of(kind),
-            kinds.iter().filter(|k| **k == kind).count() as u64
-        );
+        let found = kinds.iter().filter(|k| **k == kind).count() as u64;
+        let mut counts = first.tally().counts();
+        assert!(counts.any(|count| count == (kind, found)), "{kind}");
     }
     assert_eq!(
         run(&mut Events::new(&scene, &exercise()), &scene, 1, busy()),

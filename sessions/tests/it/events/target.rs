@@ -89,7 +89,7 @@ fn what_the_scene_lacks_is_named() {
     exercise.target.as_mut().unwrap().tooth = 37;
     assert_eq!(
         Events::new(&scene, &exercise).missing(),
-        ["a tooth 37 with its gingiva, to be seen"]
+        ["a tooth 37 with its gingiva as the target"]
     );
     // From the cheek's side none of the tongue's side is seen.
     exercise = looking();

@@ -181,7 +181,7 @@ fn what_cannot_be_kept_does_not_hide_the_grade() {
         table.contains("score      ") && !table.contains("REVISED"),
         "{table}"
     );
-    assert!(said.contains("to keep it, grade a copy"), "{said}");
+    assert!(said.contains("to keep the score, grade a copy"), "{said}");
     // What is wrong with the word itself is said before anything is done.
     let mut blank = REVISE;
     blank[7] = " ";

@@ -1,4 +1,4 @@
-//! The command line of `sulcus-review`.
+//! Command line of `sulcus-review`.
 
 mod review;
 mod tree;
@@ -17,9 +17,9 @@ use sulcus_sessions::sentence;
 #[command(
     name = "sulcus-review",
     version,
-    long_about = "Replays a recorded session and writes it as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer where `rerun` of the right version is on PATH. A recording whose replay differs is not shown, unless it is of a former version of the format and stays close.",
+    long_about = "Replays a recorded session and writes it as a file for the Rerun viewer, laid out for review: the mouth from outside, the pocket close up, the tongue as the operator sees it, force and depth over time, the log.\n\nOpens the viewer if `rerun` of the right version is on PATH. A recording whose replay differs is refused. A recording of a former version of the format is shown if its replay stays close.",
     after_long_help = "Examples:\n  sulcus-review session.mcap\n  sulcus-review session.mcap --from 20 --to 30 --out part.rrd --no-open\n  sulcus-review session.mcap --no-open --json | tail -n 1 | jq .rows",
-    after_help = "Exit code: 0 success, 1 a finding (the replay differs, or the recording is unsound), 2 usage or bad input.",
+    after_help = "Exit code: 0 success, 1 a finding (the replay differs, or the recording is unsound), 2 wrong usage, bad input, or an output that cannot be written.",
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true
 )]
@@ -36,7 +36,7 @@ enum Command {
     Tree(tree::TreeArgs),
 }
 
-/// Runs the program with these arguments, the first of which is its name.
+/// Runs the program with these arguments. The first argument is the program's name.
 pub fn run<I, T>(args: I) -> ExitCode
 where
     I: IntoIterator<Item = T>,
@@ -50,7 +50,10 @@ where
     let (json, outcome) = match (&cli.command, &cli.review) {
         (Some(Command::Tree(args)), _) => (false, tree::run(args)),
         (None, Some(args)) => (args.json, review::run(args)),
-        (None, None) => (false, Err(anyhow::anyhow!("no recording given"))),
+        (None, None) => (
+            false,
+            Err(anyhow::anyhow!("FILE is missing, expected a recording")),
+        ),
     };
     let code = outcome.unwrap_or_else(|error| {
         if json {

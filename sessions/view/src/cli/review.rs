@@ -1,4 +1,4 @@
-//! `sulcus-review FILE`: a recorded session for the Rerun viewer.
+//! `sulcus-review FILE`: writes a recorded session for the Rerun viewer.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,13 +12,14 @@ use sulcus_sessions::cli::print::{Outcome, at, complain, for_each, object};
 use sulcus_sessions::cli::written::{is_same, may_write};
 
 use crate::session::{ReviewError, Slider, Window, review};
+use crate::viewer::{open_viewer as open_in_viewer, version};
 
 #[derive(Args)]
 pub(super) struct ReviewArgs {
     /// Recording, or a folder of recordings
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// File to write; without it, the recording's name with the ending `.rrd`
+    /// File to write. Default: the recording's name with the ending `.rrd`
     #[arg(long, value_name = "FILE.rrd")]
     out: Option<PathBuf>,
     /// Show from this second of the session on
@@ -32,7 +33,7 @@ pub(super) struct ReviewArgs {
     /// Show up to this second of the session
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     to: Option<f64>,
-    /// Where the slider stands when the file is opened: `end` for a picture of that moment
+    /// Position of the slider when the file is opened. `end` suits a picture of that moment
     #[arg(long, value_enum, default_value_t = SliderAt::Start)]
     slider: SliderAt,
     /// Only write the file
@@ -45,9 +46,9 @@ pub(super) struct ReviewArgs {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum SliderAt {
-    /// Where the file begins
+    /// Beginning of the file
     Start,
-    /// Where it ends
+    /// End of the file
     End,
 }
 
@@ -56,7 +57,7 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
         from_s: args.from,
         to_s: args.to.unwrap_or(f64::INFINITY),
     };
-    // A NaN is in no order.
+    // A NaN fails this test, too.
     if !(window.from_s >= 0.0 && window.from_s < window.to_s) {
         anyhow::bail!(
             "--from is {} s and --to {} s, expected 0 or more, and --from before --to",
@@ -67,11 +68,11 @@ pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
     let files = recordings(std::slice::from_ref(&args.file));
     anyhow::ensure!(
         files.len() == 1 || args.out.is_none(),
-        "--out is one file, and {} has {} recordings: name one of them",
+        "--out is one file, expected one recording, found {1} in {0}",
         args.file.shown(),
         files.len()
     );
-    // A viewer for each of a folder's recordings would be too many.
+    // A folder's recordings would open too many viewers.
     let open_viewer = !args.no_open && files.len() == 1;
     Ok(for_each(&files, args.json, "ticks", |path| {
         review_of(path, args, window, open_viewer)
@@ -90,17 +91,17 @@ fn review_of(
         None => path.with_extension("rrd"),
     };
     if is_same(&out, path) {
-        anyhow::bail!("{file}: --out is the recording itself, expected another file");
+        anyhow::bail!("{file}: --out is the recording, expected another file");
     }
     may_write("--out", &out, [])?;
-    // It is renamed to what it will be when all is there: a device would be lost by that.
+    // The finished file is renamed to this name, which would destroy a device.
     anyhow::ensure!(
         !out.exists() || out.is_file(),
-        "--out is `{}`, which is no plain file, expected one or a new one",
+        "--out is `{}`, which is no plain file, expected a plain file or a new one",
         out.shown()
     );
     let recording = open(path)?;
-    // Draws nothing when standard error is no terminal.
+    // The bar draws nothing if standard error is no terminal.
     let bar =
         ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
@@ -118,7 +119,7 @@ fn review_of(
     let report = match found {
         Ok(report) => report,
         Err(error @ ReviewError::Differs { tick, .. }) => {
-            // As with `replay`, no mistake of the user's: a finding.
+            // A replay that differs is a finding and no error of the user, as with `replay`.
             let why = at(path, &error);
             complain(&why);
             return Ok(Outcome {
@@ -138,13 +139,13 @@ fn review_of(
     if let Some(unsound) = &report.unsound {
         complain(&anyhow::anyhow!("{file}: {unsound}"));
     }
-    let opened = open_viewer.then(|| crate::open_viewer(&report.out));
+    let opened = open_viewer.then(|| open_in_viewer(&report.out));
     let note = match &opened {
         None => format!(
-            "to look at it: rerun {} (viewer {}: pip install rerun-sdk=={})",
+            "to open the file: rerun {} (viewer {}: pip install rerun-sdk=={})",
             report.out.shown(),
-            crate::viewer_version(),
-            crate::viewer_version()
+            version(),
+            version()
         ),
         Some(Ok(())) => "opened in the Rerun viewer".to_owned(),
         Some(Err(why)) => why.to_string(),
@@ -165,7 +166,7 @@ fn review_of(
         if report.identical {
             ""
         } else {
-            "\n  of a former version: what is shown is its replay, which differs a little"
+            "\n  recording of a former version: the file shows its replay, which differs slightly"
         }
     );
     Ok(Outcome {

@@ -1,4 +1,4 @@
-//! `sulcus-review tree`: the picture of a sphere tree from standard input.
+//! `sulcus-review tree`: writes the picture of a sphere tree from standard input.
 
 use std::io::{BufReader, stdin};
 use std::path::PathBuf;
@@ -7,7 +7,8 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::Args;
 
-use crate::{TreePicture, write_tree};
+use crate::tree::write_tree;
+use crate::tree_picture::TreePicture;
 
 #[derive(Args)]
 pub(super) struct TreeArgs {
@@ -18,7 +19,7 @@ pub(super) struct TreeArgs {
 
 pub(super) fn run(args: &TreeArgs) -> anyhow::Result<ExitCode> {
     let picture: TreePicture = serde_json::from_reader(BufReader::new(stdin()))
-        .context("standard input: no picture of a sphere tree")?;
+        .context("standard input: not the JSON picture of a sphere tree")?;
     write_tree(&args.out, &picture)?;
     Ok(ExitCode::SUCCESS)
 }

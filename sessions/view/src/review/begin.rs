@@ -1,26 +1,27 @@
-//! What a review says once: meshes, looks, words, layout.
+//! Constant part of a review: meshes, colours, texts, layout.
 
 use std::path::Path;
 
 use rerun::blueprint::components::PlayState;
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
+use super::entity::entity;
 use super::layout;
 use super::normals::normals;
 use super::picture::{MeshPicture, PartKind, ReviewPicture, Slider};
-use crate::Refusal;
+use crate::error::Refusal;
 
-/// Name of the application that the viewer keeps this layout for.
+/// Name of the application, by which the viewer keeps a layout.
 const APPLICATION: &str = "sulcus_review";
-/// Where the hand is: colour of its ghost and of the line to it.
+/// Colour of the hand's ghost and of the line to it, sRGB.
 const HAND: [u8; 3] = [90, 200, 255];
-/// How much of the ghost is seen.
+/// Opacity of the ghost, 0 to 255.
 const GHOST_ALPHA: u8 = 90;
 
-/// The file, with all that does not change.
+/// File with the constant part.
 pub(super) fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStream, Refusal> {
     let stream = RecordingStreamBuilder::new(APPLICATION)
-        // Whatever the environment says of Rerun: a file was asked for.
+        // The file is written whatever the environment variables of Rerun are.
         .enabled(true)
         .save(path)?;
     stream.send_recording_name(picture.name.as_str())?;
@@ -74,7 +75,7 @@ pub(super) fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStr
     Ok(stream)
 }
 
-/// Colour of a contact's arrow, by what pushes.
+/// Colour of a contact's arrow by the kind of the touched part.
 pub(super) fn colour_of(kind: PartKind) -> [u8; 3] {
     match kind {
         PartKind::Tooth => [120, 170, 255],
@@ -84,7 +85,7 @@ pub(super) fn colour_of(kind: PartKind) -> [u8; 3] {
     }
 }
 
-/// A mesh that does not move, with a tint, or with that of the view.
+/// Mesh that does not move, with a tint, or with the tint of the view.
 pub(super) fn mesh(mesh: &MeshPicture, tint: Option<[u8; 4]>) -> rerun::Mesh3D {
     let one = [mesh.colour];
     let each = if mesh.vertex_colours.is_empty() {
@@ -104,24 +105,10 @@ pub(super) fn mesh(mesh: &MeshPicture, tint: Option<[u8; 4]>) -> rerun::Mesh3D {
         .with_face_rendering(rerun::components::MeshFaceRendering::DoubleSided)
 }
 
-/// As Rerun has them.
+/// Colours as Rerun's type.
 pub(super) fn colours<'a>(
     of: impl IntoIterator<Item = &'a [u8; 3]>,
 ) -> impl Iterator<Item = rerun::Color> {
     of.into_iter()
         .map(|[r, g, b]| rerun::Color::from_rgb(*r, *g, *b))
-}
-
-/// An entity's path; names may hold anything.
-pub(super) fn entity(root: &str, name: &str) -> String {
-    let plain: String = name
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-        .collect();
-    let plain = if plain.is_empty() {
-        "_".to_owned()
-    } else {
-        plain
-    };
-    format!("{root}/{plain}")
 }

@@ -1,4 +1,4 @@
-//! How a review is laid out: the mouth on the left, numbers over time and the log on the right.
+//! Layout of a review: the mouth on the left, numbers over time and the log on the right.
 
 use rerun::RecordingStream;
 use rerun::blueprint::components::{BackgroundKind, Eye3DKind};
@@ -11,9 +11,9 @@ use rerun::external::re_sdk_types::blueprint::components::{TextLogColumn, Timeli
 use rerun::external::re_sdk_types::blueprint::datatypes;
 use rerun::external::re_sdk_types::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
 
-use super::begin::entity;
+use super::entity::entity;
 use super::picture::{Eye, Lane, ReviewPicture};
-use crate::Refusal;
+use crate::error::Refusal;
 use crate::layout::{Part, View};
 
 /// Entity whose frame follows the probe's tip.
@@ -22,10 +22,10 @@ pub(super) const EVENTS: &str = "/events";
 pub(super) const TEETH: &str = "/labels/teeth";
 pub(super) const SITES: &str = "/labels/sites";
 pub(super) const ABOUT: &str = "/about";
-/// How much of the gingiva is seen in the close-up, so that the tip in the pocket is seen through it.
+/// Opacity of the gingiva in the close-up, 0 to 255, so that the tip in the pocket is visible.
 const SEE_THROUGH: u8 = 105;
 
-/// The layout of a review.
+/// Layout of a review.
 pub(super) fn of(picture: &ReviewPicture) -> Part {
     let scale = picture.arrow_mm_per_n;
     let close_up = picture.close_up.map(|eye| close_up(picture, eye));
@@ -136,8 +136,8 @@ fn space(name: &str, contents: &[&str], eye: Eye) -> View {
         )
 }
 
-/// The pocket from outside the tooth, in a frame that follows the tip; the gingiva is seen through, what would stand
-/// between is left out.
+/// Close-up of the pocket from outside the tooth, in a frame that follows the tip. The gingiva is transparent, and
+/// parts in front of the pocket are left out.
 fn close_up(picture: &ReviewPicture, eye: Eye) -> Part {
     let tool = picture
         .tools
@@ -160,7 +160,8 @@ fn close_up(picture: &ReviewPicture, eye: Eye) -> Part {
         &contacts,
         SITES,
     ];
-    // What leaves its tint to the view: the gingivae. Of these the near side alone; the far one would only cloud what is in it.
+    // Gingivae have no tint of their own, so the view's tint holds. Only the near side is shown, because the far side
+    // would blur the pocket.
     let through = rerun::Mesh3D::update_fields()
         .with_albedo_factor(rerun::Rgba32::from_unmultiplied_rgba(
             255,
@@ -189,7 +190,7 @@ fn lanes(picture: &ReviewPicture) -> Part {
         .into_part()
 }
 
-/// All of what is shown.
+/// Time axis over the whole review.
 fn all_of(picture: &ReviewPicture) -> TimeAxis {
     let [start, end] = picture
         .span_ns
@@ -201,7 +202,7 @@ fn all_of(picture: &ReviewPicture) -> TimeAxis {
 
 fn plot(name: &str, contents: &str) -> Part {
     View::new("TimeSeries", name, &[contents])
-        // Plots are moved together.
+        // All plots have the same time axis.
         .with(
             "TimeAxis",
             TimeAxis::new().with_link(LinkAxis::LinkToGlobal),
@@ -234,7 +235,7 @@ fn columns() -> TextLogColumns {
         }))
 }
 
-/// Names and colours of lines, points and lanes: constant.
+/// Names and colours of lines, points and lanes, which are constant.
 pub(super) fn styles(stream: &RecordingStream, picture: &ReviewPicture) -> Result<(), Refusal> {
     let tools: Vec<&str> = picture
         .tools
@@ -264,7 +265,7 @@ pub(super) fn styles(stream: &RecordingStream, picture: &ReviewPicture) -> Resul
             .with_names(names.iter().copied())
             .with_colors(colours.iter().map(|&c| rerun::Color::from_u32(c)))
             .with_widths(names.iter().map(|_| 1.5f32))
-            // Of what falls on one pixel both ends, never the mean: a peak is what matters.
+            // For each pixel both extremes are shown instead of the mean, so that peaks stay visible.
             .with_aggregation_policy(AggregationPolicy::MinMax);
         stream.log_static(path, &lines)?;
     }
@@ -309,7 +310,7 @@ mod tests {
     use super::*;
     use crate::review::picture::{MeshPicture, Slider, ToolPicture};
 
-    /// A review of the tongue alone had half of its frames empty.
+    /// Before, half of a review of the tongue alone was empty.
     #[test]
     fn nothing_is_laid_out_that_would_be_empty() {
         let eye = Eye {

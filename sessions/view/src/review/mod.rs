@@ -1,7 +1,8 @@
-//! A recorded session for the viewer: the mouth and the tools in space, forces as arrows, what was measured as plots,
-//! what happened as a log, all on the session's time.
+//! Review of a recorded session for the viewer: mouth and tools in space, forces as arrows, measurements as plots,
+//! events as a log, all on the session's time.
 
 mod begin;
+mod entity;
 mod layout;
 mod normals;
 mod patches;

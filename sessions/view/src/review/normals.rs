@@ -1,12 +1,13 @@
-//! Normals of a mesh whose vertices move.
+//! Normals of a moving mesh.
 
-/// A unit normal for each vertex: the mean of its triangles', by area. Without a triangle that has one: up.
+/// Unit normal of each vertex, the mean of its triangles' normals by area. A vertex without a triangle has a normal
+/// upwards.
 pub(crate) fn normals(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
     let mut sums = vec![[0.0f32; 3]; vertices.len()];
     for triangle in triangles {
         let [a, b, c] = triangle.map(|v| vertices[v as usize]);
         let (u, v) = (minus(b, a), minus(c, a));
-        // Twice the area long.
+        // The length of this vector is twice the area.
         let across = [
             u[1] * v[2] - u[2] * v[1],
             u[2] * v[0] - u[0] * v[2],
@@ -21,7 +22,7 @@ pub(crate) fn normals(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32
     for sum in &mut sums {
         let length = sum.iter().map(|x| x * x).sum::<f32>().sqrt();
         *sum = if length > 0.0 {
-            // In steps of 1/128: nobody sees the rest, and unmoved places stay the same bytes.
+            // Steps of 1/128 are not visible, and vertices that do not move keep the same bytes.
             sum.map(|x| (x / length * 128.0).round() / 128.0)
         } else {
             [0.0, 0.0, 1.0]

@@ -1,4 +1,4 @@
-//! A mesh that moves, cut into patches: a probe dents a corner of a gingiva, and only what has moved is written anew.
+//! Moving mesh in patches. A probe dents a corner of a gingiva, and only the moved patches are written again.
 
 use std::collections::BTreeMap;
 
@@ -7,17 +7,17 @@ use rerun::RecordingStream;
 use super::normals::normals;
 use super::picture::{MeshPicture, Moment};
 use super::waiting::Times;
-use crate::Refusal;
+use crate::error::Refusal;
 
-/// Patches along the longest side of the mesh.
+/// Number of patches along the longest side of the mesh.
 const ALONG: f32 = 4.0;
-/// A patch is written anew when a vertex has gone farther than this share of the mesh's longest side: a fraction of a pixel
-/// where the whole mesh is in view. (At 1e-3 seams between patches show as hairlines.)
+/// Motion of a vertex from which its patch is written again, as a share of the mesh's longest side. The share is a
+/// fraction of a pixel when the whole mesh is in view. At 1e-3 seams between patches are visible as hairlines.
 const SEEN: f32 = 4e-4;
-/// Steps of a millimetre that vertices are rounded to: bytes of what has not moved stay the same, and pack well.
+/// Steps per millimetre to which vertices are rounded. Unmoved vertices keep the same bytes, which compress well.
 const STEPS: f32 = 256.0;
 
-/// A moving mesh in patches.
+/// Moving mesh in patches.
 #[derive(Debug)]
 pub(super) struct Patches {
     triangles: Vec<[u32; 3]>,
@@ -28,11 +28,11 @@ pub(super) struct Patches {
 #[derive(Debug)]
 struct Patch {
     path: String,
-    /// Vertices of the mesh that are in it.
+    /// Vertices of the mesh in the patch.
     vertices: Vec<u32>,
-    /// By its own vertices.
+    /// Triangles by the patch's own vertices.
     triangles: Vec<[u32; 3]>,
-    /// As written last.
+    /// Vertices as last written.
     last: Vec<[f32; 3]>,
     times: Times,
     positions: Vec<[f32; 3]>,
@@ -40,7 +40,7 @@ struct Patch {
 }
 
 impl Patches {
-    /// Cuts a mesh at rest; the patches are entities under `path`.
+    /// Cuts a mesh at rest. The patches are entities below `path`.
     pub fn new(path: &str, mesh: &MeshPicture) -> Self {
         let mut low = [f32::INFINITY; 3];
         let mut high = [f32::NEG_INFINITY; 3];
@@ -72,7 +72,7 @@ impl Patches {
         }
     }
 
-    /// Writes what does not change of each patch.
+    /// Writes the constant part of each patch.
     pub fn begin(&self, stream: &RecordingStream, mesh: &MeshPicture) -> Result<(), Refusal> {
         for patch in &self.patches {
             let of = MeshPicture {
@@ -86,12 +86,12 @@ impl Patches {
                 .with_vertex_colors(super::begin::colours(&of.vertex_colours));
             stream.log_static(patch.path.as_str(), &shown)?;
         }
-        // Columns do not wait for what was logged before them: a viewer would have vertices and no triangles.
+        // Columns do not wait for earlier logged data. Without the flush a viewer would have vertices and no triangles.
         stream.flush_blocking()?;
         Ok(())
     }
 
-    /// Takes in where the vertices are: rows for the patches that have moved.
+    /// Takes the places of the vertices, and adds rows for the moved patches.
     pub fn push(&mut self, at: Moment, vertices: &[[f32; 3]]) {
         let moved = |patch: &Patch| {
             let last = patch.last.iter();
@@ -105,7 +105,7 @@ impl Patches {
         if !moved.contains(&true) {
             return;
         }
-        // Of the whole mesh, so that no seam is seen.
+        // The normals are those of the whole mesh, so that no seam is visible.
         let normals = normals(vertices, &self.triangles);
         let moved = self.patches.iter_mut().zip(moved);
         for patch in moved.filter_map(|(patch, moved)| moved.then_some(patch)) {
@@ -123,7 +123,7 @@ impl Patches {
         }
     }
 
-    /// Sends the rows that wait.
+    /// Sends the waiting rows.
     pub fn send(&mut self, stream: &RecordingStream) -> Result<(), Refusal> {
         for patch in &mut self.patches {
             let rows = patch.times.len();
@@ -228,11 +228,11 @@ mod tests {
         let mut now = mesh.vertices.clone();
         patches.push(at(0), &now);
         assert!(rows(&patches).iter().all(|rows| *rows == 1), "all at first");
-        // Less than 4 parts in 10,000 of 40 mm.
+        // The motion is less than 4e-4 of 40 mm.
         now[0][2] = 0.01;
         patches.push(at(1), &now);
         assert!(rows(&patches).iter().all(|rows| *rows == 1));
-        // Against what was written, not against what came before.
+        // The motion counts from the last written place, not from the last place.
         now[0][2] = 0.02;
         patches.push(at(2), &now);
         let many: Vec<usize> = rows(&patches);

@@ -1,33 +1,33 @@
-//! What a review shows, as plain data: millimetres, newtons, x anterior, y to the patient's left, z up.
+//! Content of a review as plain data: millimetres, newtons, x anterior, y to the patient's left, z up.
 
-/// A triangle mesh.
+/// Triangle mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshPicture {
     /// Vertices, mm.
     pub vertices: Vec<[f32; 3]>,
     /// Triangles as vertex indices, outward by the right hand.
     pub triangles: Vec<[u32; 3]>,
-    /// Colour of all of it, sRGB.
+    /// Colour of the mesh, sRGB.
     pub colour: [u8; 3],
-    /// Colours of the vertices, where they differ: one each, or none.
+    /// Colours of the vertices, sRGB: one for each vertex, or none.
     pub vertex_colours: Vec<[u8; 3]>,
 }
 
-/// What a part of the mouth is: decides in which views it stands in the way.
+/// Kind of a part of the mouth. The kind decides in which views the part is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PartKind {
     /// A tooth.
     Tooth,
-    /// The gingiva round a tooth: see-through in the close-up.
+    /// Gingiva round a tooth, transparent in the close-up.
     Gingiva,
-    /// The tongue: left out of the close-up.
+    /// Tongue, left out of the close-up.
     Tongue,
-    /// The jaw and whatever else there is.
+    /// Jaw, and any other part.
     Other,
 }
 
 impl PartKind {
-    /// Its folder in the file.
+    /// Folder of the kind in the file.
     pub(crate) fn folder(self) -> &'static str {
         match self {
             PartKind::Tooth => "/mouth/teeth",
@@ -38,94 +38,94 @@ impl PartKind {
     }
 }
 
-/// A part of the mouth.
+/// Part of the mouth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartPicture {
-    /// What it is.
+    /// Kind of the part.
     pub kind: PartKind,
-    /// Name, for people.
+    /// Name of the part.
     pub name: String,
-    /// At rest, world axes.
+    /// Mesh at rest, world axes.
     pub mesh: MeshPicture,
-    /// Whether it can move: then its vertices come with [`crate::ReviewFile::part`].
+    /// Whether the part can move. Its vertices then come by [`crate::ReviewFile::part`].
     pub yields: bool,
 }
 
-/// A tool.
+/// Tool of a review.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolPicture {
-    /// Name, for people.
+    /// Name of the tool.
     pub name: String,
-    /// In the tool's own frame.
+    /// Mesh in the tool's own frame.
     pub mesh: MeshPicture,
-    /// Where its tip is, in the same frame.
+    /// Tip in the tool's own frame, mm.
     pub tip: [f32; 3],
 }
 
-/// A word at a place.
+/// Text at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// Where, world axes.
+    /// Place, world axes, mm.
     pub at: [f32; 3],
-    /// The word.
+    /// The text.
     pub text: String,
 }
 
-/// An eye and what it looks at, world axes.
+/// Eye and its target, world axes, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
-    /// Where it is.
+    /// Place of the eye.
     pub at: [f32; 3],
-    /// What it looks at.
+    /// Place at which the eye looks.
     pub on: [f32; 3],
 }
 
-/// Where the slider stands when the file is opened.
+/// Position of the slider when the file is opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slider {
-    /// Where the file begins: to be played.
+    /// Beginning of the file, to be played.
     Start,
-    /// Where it ends: for a picture of that moment.
+    /// End of the file, for a picture of that moment.
     End,
 }
 
-/// All of a review that does not change.
+/// Constant part of a review.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReviewPicture {
     /// Name of the session.
     pub name: String,
-    /// What is said about the session, Markdown.
+    /// Text about the session, Markdown.
     pub about: String,
     /// One or two tools.
     pub tools: Vec<ToolPicture>,
-    /// Which of them probes: its tip is what the close-up follows.
+    /// Index of the probing tool, whose tip the close-up follows.
     pub probe: usize,
-    /// The mouth.
+    /// Parts of the mouth.
     pub parts: Vec<PartPicture>,
-    /// Numbers of the teeth.
+    /// Numbers at the teeth.
     pub teeth: Vec<Label>,
-    /// First and last moment of what is shown, nanoseconds since the session began.
+    /// First and last time of the review, nanoseconds since the session began.
     pub span_ns: [i64; 2],
-    /// Force on the floor at which a depth is to be read, N; none where no pocket is probed: neither force on a floor nor depth is
-    /// plotted then.
+    /// Force on the floor at which a depth should be read, N; `None` without pockets to probe, and then neither force
+    /// on a floor nor depth is plotted.
     pub reading_band_n: Option<[f64; 2]>,
     /// Force on the floor from which healthy tissue bleeds, N.
     pub trauma_n: Option<f64>,
-    /// Where the whole mouth is seen from.
+    /// Eye on the whole mouth.
     pub overview: Eye,
-    /// Where the tongue's retraction is seen from, where there is a tongue.
+    /// Eye on the tongue; `None` without a tongue.
     pub retraction: Option<Eye>,
-    /// Where the close-up's eye stands and what it looks at, in the frame that follows the tip; none where no tip is at work.
+    /// Eye of the close-up in the frame that follows the tip; `None` without a probing tip.
     pub close_up: Option<Eye>,
-    /// How long an arrow is for a newton, mm.
+    /// Length of an arrow for one newton, mm.
     pub arrow_mm_per_n: f32,
-    /// Numbers of work of a tick, for the legend.
+    /// Names of the numbers of work, for the legend.
     pub work: Vec<String>,
-    /// Where the slider stands when the file is opened.
+    /// Position of the slider when the file is opened.
     pub slider: Slider,
 }
 
-/// A moment of the session.
+/// Time of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment {
     /// Number of the tick.
@@ -134,91 +134,91 @@ pub struct Moment {
     pub session_ns: i64,
 }
 
-/// What a tick says in numbers; what is no number is a gap in the plot.
+/// Numbers of a tick. A NaN is a gap in the plot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbers {
     /// Force on each hand, N.
     pub force_n: Vec<f64>,
     /// Torque on each hand, N mm.
     pub torque_nmm: Vec<f64>,
-    /// Depth at which the probe's tip is, mm.
+    /// Depth of the probe's tip, mm.
     pub depth_mm: f64,
-    /// Depth that the patient's chart prescribes where the tip is, mm.
+    /// Prescribed depth at the place of the tip, mm.
     pub prescribed_mm: f64,
     /// Force on the floor of the pocket, N.
     pub floor_n: f64,
-    /// Work of the tick, as many as the picture has names for.
+    /// Numbers of work, as many as the picture has names.
     pub work: Vec<f64>,
 }
 
-/// Where something is: `world_from_it`.
+/// Place and orientation in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Standing {
-    /// Of its origin, mm.
+    /// Place of the origin, mm.
     pub at: [f32; 3],
     /// Quaternion x, y, z, w.
     pub turned: [f32; 4],
 }
 
-/// A tool in a frame.
+/// Tool in a frame of the review.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolStanding {
-    /// Where the tool is (graphic tool).
+    /// Graphic tool.
     pub graphic: Standing,
-    /// Where the hand is (haptic tool), if it is not just there.
+    /// Haptic tool, the place of the hand; `None` at the place of the graphic tool.
     pub haptic: Option<Standing>,
-    /// Tip of the tool and of the hand's, world axes, mm.
+    /// Tips of the graphic and of the haptic tool, world axes, mm.
     pub tips: [[f32; 3]; 2],
-    /// What pushes on the tool in all, newtons, and where.
+    /// Total force on the tool and its place.
     pub push: Option<Arrow>,
 }
 
-/// A force.
+/// Force as an arrow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrow {
-    /// Where it acts, world axes, mm.
+    /// Place, world axes, mm.
     pub at: [f32; 3],
     /// Force on the tool, N, world axes.
     pub force_n: [f32; 3],
-    /// What pushes.
+    /// Kind of the part that pushes.
     pub by: PartKind,
 }
 
-/// A picture of everything that moves but tissue.
+/// Picture of all moving things except tissue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FramePicture {
-    /// In the order of the picture's tools; none where no hand holds it.
+    /// Tools in the order of the constant part; `None` for a tool that no hand holds.
     pub tools: Vec<Option<ToolStanding>>,
-    /// Single contacts that bear load, of each tool.
+    /// Contacts under load of each tool.
     pub contacts: Vec<Vec<Arrow>>,
-    /// The frame in which the close-up is seen.
+    /// Frame of the close-up.
     pub close_up: Standing,
 }
 
-/// How much an event matters.
+/// Importance of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// Good to know.
+    /// Information.
     Info,
-    /// What a teacher would speak of.
+    /// Fault of the learner.
     Warning,
-    /// Something failed.
+    /// Failure.
     Error,
 }
 
-/// What is in a state for a while, shown as a coloured lane over time.
+/// Coloured lane over time, which shows a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lane {
-    /// The site that the probe is in.
+    /// Site of the probe.
     Site,
-    /// How heavy the hand is on the floor.
+    /// Zone of force on the floor.
     Zone,
-    /// Whether the target can be seen past the tongue.
+    /// Visibility of the target past the tongue.
     Target,
 }
 
 impl Lane {
-    /// Its entity.
+    /// Entity of the lane.
     pub(crate) fn path(self) -> &'static str {
         match self {
             Lane::Site => "/lanes/site",

@@ -1,16 +1,16 @@
-//! Rows that wait to be sent as columns.
+//! Rows that wait until they are sent as columns.
 
 use rerun::{RecordingStream, SerializedComponentColumn, TimeColumn};
 
 use super::picture::Moment;
-use crate::Refusal;
+use crate::error::Refusal;
 
 /// Timeline of the session's time.
 pub(crate) const SESSION: &str = "session";
 /// Timeline of ticks.
 pub(crate) const TICK: &str = "tick";
 
-/// Times of the rows that wait at one entity, and how many were sent.
+/// Times of an entity's waiting rows, and the number of sent rows.
 #[derive(Debug, Default)]
 pub(crate) struct Times {
     ticks: Vec<i64>,
@@ -28,12 +28,12 @@ impl Times {
         self.ticks.len()
     }
 
-    /// Rows sent so far.
+    /// Number of sent rows.
     pub fn sent(&self) -> u64 {
         self.sent
     }
 
-    /// Sends the waiting rows of an entity with these columns, one entry a row each.
+    /// Sends the waiting rows of an entity with these columns, which have one entry per row.
     pub fn send(
         &mut self,
         stream: &RecordingStream,
@@ -50,7 +50,7 @@ impl Times {
     }
 }
 
-/// Rows of numbers, as many in each, for a plot.
+/// Rows of numbers for a plot, equally many in each row.
 #[derive(Debug)]
 pub(crate) struct Series {
     pub path: String,
@@ -86,10 +86,10 @@ impl Series {
     }
 }
 
-/// Size of what is not there. (None at all is no transform for the viewer.)
+/// Scale of an absent thing. With scale 0 the viewer would find no transform.
 const NOTHING: f32 = 1e-6;
 
-/// Poses of one entity. What is not there has hardly any size.
+/// Poses of one entity. An absent thing has a tiny scale.
 #[derive(Debug)]
 pub(crate) struct Poses {
     pub path: String,
@@ -132,7 +132,7 @@ impl Poses {
     }
 }
 
-/// Arrows of one entity, any number in a row, with or without words.
+/// Arrows of one entity, any number in a row, with or without texts.
 #[derive(Debug)]
 pub(crate) struct Arrows {
     pub path: String,
@@ -157,7 +157,7 @@ impl Arrows {
         }
     }
 
-    /// A row of arrows: origin, vector (mm), colour and word.
+    /// Adds a row of arrows: origin, vector (mm), colour and text.
     pub fn push(
         &mut self,
         at: Moment,
@@ -194,7 +194,7 @@ impl Arrows {
     }
 }
 
-/// A line between two points, or none, in each row.
+/// Line of one entity between two points, or no line, in each row.
 #[derive(Debug)]
 pub(crate) struct Lines {
     pub path: String,
@@ -230,7 +230,7 @@ impl Lines {
     }
 }
 
-/// Words at places, any number in a row.
+/// Texts at places, any number in a row.
 #[derive(Debug)]
 pub(crate) struct Words {
     pub path: String,

@@ -1,4 +1,4 @@
-//! Writing a review, a second at a time.
+//! File of a review, written by seconds.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -6,36 +6,37 @@ use std::path::{Path, PathBuf};
 
 use rerun::RecordingStream;
 
-use super::begin::{begin, colour_of, entity, mesh};
+use super::begin::{begin, colour_of, mesh};
+use super::entity::entity;
 use super::layout;
 use super::patches::Patches;
 use super::picture::{
     Arrow, FramePicture, Label, Lane, Moment, Numbers, PartKind, ReviewPicture, Weight,
 };
 use super::waiting::{Arrows, Lines, Poses, Series, Times, Words};
-use crate::{Refusal, ViewError};
+use crate::error::{Refusal, ViewError};
 
-/// How much of the session comes together before it is sent, nanoseconds.
+/// Time of the session whose rows are sent together, nanoseconds.
 const TOGETHER_NS: i64 = 1_000_000_000;
-/// Colour of what pushes on a tool in all.
+/// Colour of the total force on a tool, sRGB.
 const PUSH: [u8; 3] = [255, 220, 60];
 
-/// A file for the viewer, being written: takes one moment after the other and sends what has come together over a second as
-/// columns. Lengths are in millimetres.
+/// File for the viewer that is being written. It takes one time of the session after the other, and sends the rows of a
+/// second together as columns. Lengths are in millimetres.
 ///
-/// | entity | rows | what |
+/// | entity | rows | content |
 /// |---|---|---|
-/// | `/mouth/teeth/*`, `/mouth/jaw/*` | one, constant | meshes, mm |
-/// | `/mouth/gingiva/*`, `/mouth/tongue/*` | one, constant | meshes of what never moved |
-/// | `/mouth/gingiva/*/*`, `/mouth/tongue/*/*` | one for each new shape | patches of the meshes of what did: vertices and normals |
-/// | `/tools/*` | one a frame | graphic tool: where the instrument is |
-/// | `/hands/*`, `/offsets/*` | one a frame | haptic tool: where the hand is, when that is not where the instrument is, and a line between the tips |
-/// | `/contacts/*`, `/forces/on_*` | one a frame | what pushes on the tool: each contact, and all together, with newtons |
-/// | `/close_up` | one a frame | the frame in which the close-up is seen: follows the tip |
+/// | `/mouth/teeth/*`, `/mouth/jaw/*` | one, constant | meshes |
+/// | `/mouth/gingiva/*`, `/mouth/tongue/*` | one, constant | meshes of parts that never moved |
+/// | `/mouth/gingiva/*/*`, `/mouth/tongue/*/*` | one for each new shape | patches of the meshes of parts that moved: vertices and normals |
+/// | `/tools/*` | one a frame | graphic tool, the instrument |
+/// | `/hands/*`, `/offsets/*` | one a frame | haptic tool, if the hand is apart from the instrument, and a line between the tips |
+/// | `/contacts/*`, `/forces/on_*` | one a frame | forces on the tool: of each contact, and the total with newtons |
+/// | `/close_up` | one a frame | frame of the close-up, which follows the tip |
 /// | `/plots/*` | one a tick | numbers |
-/// | `/lanes/*` | one a change | site, zone of force, whether the target is seen |
-/// | `/labels/sites` | one a change | names beside the sites on the tip's side of its tooth |
-/// | `/events` | one each | what happened |
+/// | `/lanes/*` | one a change | site, zone of force, visibility of the target |
+/// | `/labels/sites` | one a change | texts at the sites on the tip's side of its tooth |
+/// | `/events` | one for each event | log |
 pub struct ReviewFile {
     path: PathBuf,
     stream: RecordingStream,
@@ -56,7 +57,7 @@ pub struct ReviewFile {
     contacts: Vec<Arrows>,
     sites: Words,
     close_up: Poses,
-    /// Of each part that has moved.
+    /// Patches of each part that has moved.
     patches: BTreeMap<usize, Patches>,
     events: (Times, Vec<String>, Vec<&'static str>),
     lanes: BTreeMap<Lane, (Times, Vec<String>)>,
@@ -72,10 +73,10 @@ impl std::fmt::Debug for ReviewFile {
 }
 
 impl ReviewFile {
-    /// Begins the file with all that does not change, and the layout.
+    /// Begins the file with the constant part and the layout.
     ///
     /// # Errors
-    /// If lists do not fit together or the file cannot be written.
+    /// Lists differ in length, or the file cannot be written.
     pub fn create(path: &Path, picture: ReviewPicture) -> Result<Self, ViewError> {
         picture.fits()?;
         let failed = |source| ViewError::Write {
@@ -121,10 +122,10 @@ impl ReviewFile {
         })
     }
 
-    /// Takes in the numbers of a tick. Moments come in order.
+    /// Takes the numbers of a tick. Times come in order.
     ///
     /// # Errors
-    /// If the lists do not fit the picture, or the file cannot be written.
+    /// The lists do not match the picture, or the file cannot be written.
     pub fn tick(&mut self, at: Moment, numbers: &Numbers) -> Result<(), ViewError> {
         let tools = self.picture.tools.len();
         for (field, found, expected) in [
@@ -149,10 +150,10 @@ impl ReviewFile {
         Ok(())
     }
 
-    /// Takes in a frame.
+    /// Takes a frame.
     ///
     /// # Errors
-    /// If it has another number of tools than the picture.
+    /// The number of tools differs from the picture.
     pub fn frame(&mut self, at: Moment, frame: &FramePicture) -> Result<(), ViewError> {
         let tools = self.tools.len();
         fit("frame", "tools", frame.tools.len(), tools)?;
@@ -187,11 +188,11 @@ impl ReviewFile {
         Ok(())
     }
 
-    /// Takes in the shape of a part that is not at rest, or has just come to it: where its vertices are, world axes, mm.
-    /// A part is at rest until its first shape. After the tick of the same moment.
+    /// Takes the shape of a part that is not at rest, or has just come to rest: its vertices, world axes, mm. A part is
+    /// at rest until its first shape. A shape follows the tick of the same time.
     ///
     /// # Errors
-    /// If there is no such part, it does not yield, or it has another number of vertices.
+    /// There is no such part, it does not yield, or the number of vertices differs.
     pub fn part(
         &mut self,
         at: Moment,
@@ -221,12 +222,12 @@ impl ReviewFile {
         Ok(())
     }
 
-    /// From now on these are the names beside the sites in the close-up.
+    /// Sets the texts at the sites in the close-up from this time on.
     pub fn sites(&mut self, at: Moment, labels: &[Label]) {
         self.sites.push(at, labels);
     }
 
-    /// Takes in a line of the log.
+    /// Adds a line of the log.
     pub fn event(&mut self, at: Moment, weight: Weight, text: &str) {
         let level = match weight {
             Weight::Info => rerun::TextLogLevel::INFO,
@@ -238,22 +239,22 @@ impl ReviewFile {
         self.events.2.push(level);
     }
 
-    /// Takes in a depth that the student called, mm.
+    /// Adds a called depth, mm.
     pub fn called(&mut self, at: Moment, depth_mm: f64) {
         self.called.push(at, &[depth_mm]);
     }
 
-    /// From now on this is the state in a lane; nothing: none.
+    /// Sets the state of a lane from this time on; an empty text for no state.
     pub fn state(&mut self, at: Moment, lane: Lane, state: &str) {
         let (times, states) = self.lanes.entry(lane).or_default();
         times.push(at);
         states.push(state.to_owned());
     }
 
-    /// Sends the rest and closes the file; rows that have a time, by entity.
+    /// Sends the rest and closes the file; number of rows with a time, by entity.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// The file cannot be written.
     pub fn finish(mut self) -> Result<BTreeMap<String, u64>, ViewError> {
         self.bounds()?;
         self.send()?;
@@ -356,21 +357,21 @@ impl ReviewFile {
         Ok(())
     }
 
-    /// What never moved, once.
+    /// Writes the parts that have never moved.
     fn unmoved(&self) -> Result<(), Refusal> {
         for (k, part) in self.picture.parts.iter().enumerate() {
             if self.patches.contains_key(&k) {
                 continue;
             }
             let path = entity(part.kind.folder(), &part.name);
-            // What may be seen through takes its tint from the view.
+            // A part that may be transparent takes its tint from the view.
             let tint = (part.kind != PartKind::Gingiva).then_some([255; 4]);
             self.stream.log_static(path, &mesh(&part.mesh, tint))?;
         }
         Ok(())
     }
 
-    /// Lines across the whole plot: where the reading band is, and where trauma begins.
+    /// Adds lines over the whole plot at the reading band and at the force of trauma.
     fn bounds(&mut self) -> Result<(), ViewError> {
         let (Some(first), Some(last)) = (self.began, self.last) else {
             return Ok(());

@@ -1,18 +1,19 @@
-//! The frame in which the pocket is seen close up: it follows the probe's tip, from the side of the tooth that the tip is
-//! on, smoothly, so that the strokes of the probe are seen and not those of the eye.
+//! Frame of the close-up. The frame follows the probe's tip smoothly, seen from the tip's side of the tooth. So strokes
+//! of the probe are visible rather than motions of the eye.
 
-use crate::Standing;
+use crate::review::Standing;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Scene, TickOutput, Vec3};
 
-/// How soon it is where the tip is, seconds.
+/// Time constant of the frame's place, seconds.
 const SOON_S: f64 = 0.35;
-/// How soon it looks from the side that the tip is on, seconds.
+/// Time constant of the frame's direction, seconds.
 const TURN_S: f64 = 0.6;
-/// How much of the way along the row of teeth is looked from, at a proximal site: straight along it a neighbour stands.
+/// Share of the direction along the row of teeth in the view of a proximal site. A view straight along the row would be
+/// blocked by a neighbour.
 const ALONG: f64 = 0.45;
 
-/// The frame: origin at the tip, x towards the eye (horizontal), z up.
+/// Frame with the origin at the tip, x towards the eye (horizontal), z up.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follow {
     at: Option<Vec3>,
@@ -22,7 +23,7 @@ pub(super) struct Follow {
 }
 
 impl Follow {
-    /// Looks outward from the middle of the scene at first.
+    /// Frame that looks outward from the middle of the scene at first.
     pub fn new(bearing: f64) -> Self {
         Self {
             at: None,
@@ -31,7 +32,7 @@ impl Follow {
         }
     }
 
-    /// Takes in where the tip is, `step_s` after the last time.
+    /// Follows the tip, `step_s` after the last step.
     pub fn step(&mut self, scene: &Scene, output: &TickOutput, probe: usize, step_s: f64) {
         let (tool, out) = (&scene.tools[probe], &output.tools[probe]);
         let tip = out.graphic.transform(&tool.tip);
@@ -61,7 +62,7 @@ impl Follow {
         self.bearing += left * share(TURN_S);
     }
 
-    /// Where it is.
+    /// Place and orientation of the frame.
     pub fn standing(&self) -> Standing {
         let at = self.at.unwrap_or_else(Vec3::zeros) * 1e3;
         let half = self.bearing / 2.0;

@@ -1,8 +1,8 @@
-//! A tick as numbers and as a picture.
+//! Tick as numbers and as a picture.
 
 use std::collections::BTreeMap;
 
-use crate::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
+use crate::review::{Arrow, FramePicture, Numbers, PartKind, Standing, ToolStanding};
 use sulcus_core::math::norm;
 use sulcus_core::output::{ForceZone, status};
 use sulcus_core::tissue::TissueModel;
@@ -10,21 +10,22 @@ use sulcus_core::{Pose, Scene, TickInput, TickOutput, ToolOutput, Vec3, Workspac
 
 use super::follow::Follow;
 use super::picture::{kind_of, outward, probe_of};
+use super::units::{millimetres, plain};
 use sulcus_sessions::record::channels::FRAMES_HZ;
 
-/// A contact that bears less is not drawn, N.
+/// Least load of a contact that is drawn, N.
 const LEAST_N: f64 = 0.005;
-/// The hand is drawn where its tip or grip is farther than this from the instrument's, metres.
+/// Least distance between the hand's tip or grip and the instrument's at which the hand is drawn, metres.
 const APART: f64 = 1e-4;
 
-/// How ticks are looked at.
+/// Data that turn ticks into numbers and pictures.
 pub(super) struct Eyes {
     probe: usize,
     kinds: Vec<PartKind>,
     follow: Follow,
-    /// Longest tick since the time before, microseconds, by tick.
+    /// Longest tick since the message before, microseconds, by tick.
     times: BTreeMap<u64, f64>,
-    /// Ticks after which the message that a tick is in has come, if none was dropped; with room for ticks that were skipped.
+    /// Ticks within which the message for a tick follows, if none was dropped, with a margin for skipped ticks.
     message_ticks: u64,
 }
 
@@ -42,17 +43,17 @@ impl Eyes {
         }
     }
 
-    /// Moves the close-up's frame on, `step_s` after the last time.
+    /// Moves the close-up's frame, `step_s` after the last time.
     pub fn follow(&mut self, scene: &Scene, output: &TickOutput, step_s: f64) {
         self.follow.step(scene, output, self.probe, step_s);
     }
 
-    /// How heavy the probe is, while it is in a pocket.
+    /// Zone of the probe's force, while the tip is in a pocket.
     pub fn zone(&self, output: &TickOutput) -> Option<ForceZone> {
         output.tools[self.probe].pocket.map(|reading| reading.zone)
     }
 
-    /// The pocket that the tip is in: the gingiva's object, and whether it is on the cheek's side.
+    /// Pocket of the tip: the gingiva's object, and whether the tip is on the buccal side.
     pub fn side(&self, scene: &Scene, output: &TickOutput) -> Option<(u16, bool)> {
         let reading = output.tools[self.probe].pocket.as_ref()?;
         match &scene.objects.get(usize::from(reading.object))?.tissue {
@@ -64,7 +65,7 @@ impl Eyes {
         }
     }
 
-    /// What a tick says in numbers.
+    /// Numbers of a tick.
     pub fn numbers(&self, scene: &Scene, input: &TickInput, output: &TickOutput) -> Numbers {
         let tools = || held(scene, input, output);
         let size = |of: fn(&ToolOutput) -> Vec3, scale: f64| {
@@ -92,7 +93,7 @@ impl Eyes {
             work: vec![
                 sum(|tool| f64::from(tool.substeps)),
                 sum(|tool| f64::from(tool.rows)),
-                // Of the message that this tick is in; none where viewers' messages were dropped.
+                // The message for this tick; none if messages for viewers were dropped.
                 self.times
                     .range(output.tick..=output.tick + self.message_ticks)
                     .next()
@@ -101,7 +102,7 @@ impl Eyes {
         }
     }
 
-    /// What a tick looks like.
+    /// Picture of a tick.
     pub fn frame(
         &self,
         scene: &Scene,
@@ -110,7 +111,7 @@ impl Eyes {
         ws: &Workspace,
     ) -> FramePicture {
         let mut contacts = vec![Vec::new(); scene.tools.len()];
-        // Of each tool: sum of the forces, and of the places by force.
+        // Sums for each tool: of the forces, and of the places weighted by load.
         let mut sums = vec![(Vec3::zeros(), Vec3::zeros(), 0.0); scene.tools.len()];
         for (contact, load) in ws.contacts() {
             let slot = usize::from(contact.tool);
@@ -161,7 +162,7 @@ impl Eyes {
     }
 }
 
-/// What a tick says of each of the scene's tools; none where no hand holds it.
+/// Output of each of the scene's tools; `None` for a tool that no hand holds.
 fn held<'a>(
     scene: &Scene,
     input: &TickInput,
@@ -182,13 +183,4 @@ fn standing(pose: &Pose) -> Standing {
         at: millimetres(&pose.position),
         turned: [q.x, q.y, q.z, q.w].map(|x| x as f32),
     }
-}
-
-/// For the eye: millimetres.
-pub(super) fn millimetres(at: &Vec3) -> [f32; 3] {
-    plain(&(at * 1e3))
-}
-
-fn plain(v: &Vec3) -> [f32; 3] {
-    [v.x, v.y, v.z].map(|x| x as f32)
 }

@@ -1,24 +1,28 @@
-//! A recorded session for the eye: replayed, and written as a file for the Rerun viewer.
+//! Review of a recorded session: replayed, and written as a file for the Rerun viewer.
 //!
-//! Everything shown comes from the replay, so that it is what happened: a recording whose replay differs is not shown,
-//! unless it is of a former version and stays close to it. What a client or the exercise said comes from the log.
+//! All shapes and numbers come from the replay. A recording whose replay differs is not shown, unless it is of a former
+//! version and stays close. Events of a client and of the exercise come from the log.
 
 mod follow;
 mod frame;
 mod picture;
 mod tissue;
+mod units;
+mod window;
 mod words;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::{Lane, Moment, ReviewFile, ReviewPicture, ViewError};
+use crate::error::ViewError;
+use crate::review::{Lane, ReviewFile, ReviewPicture};
 use serde::Serialize;
 use sulcus_core::output::ForceZone;
 use sulcus_core::{Scene, TickInput, TickOutput, Workspace};
 use sulcus_program::PathText;
 
-pub use crate::Slider;
+pub use crate::review::Slider;
+pub use window::Window;
 
 use sulcus_sessions::exercise::Exercise;
 use sulcus_sessions::record::occurrence::zone_name;
@@ -28,108 +32,89 @@ use sulcus_sessions::replay::{Difference, ReplayError, ReplayOptions, replay_obs
 
 use frame::Eyes;
 use tissue::Tissues;
+use window::moment;
 use words::Story;
 
-/// Pictures of the mouth a second.
+/// Rate of pictures of the mouth, hertz.
 const FRAMES_PER_S: f64 = 30.0;
 
-/// Which part of a session is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
-    /// From when, seconds of the session.
-    pub from_s: f64,
-    /// Up to when.
-    pub to_s: f64,
-}
-
-impl Window {
-    /// All of it.
-    pub const ALL: Self = Self {
-        from_s: 0.0,
-        to_s: f64::INFINITY,
-    };
-
-    fn holds(&self, time_s: f64) -> bool {
-        (self.from_s..=self.to_s).contains(&time_s)
-    }
-}
-
-/// What was written.
+/// Result of a review.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReviewReport {
-    /// The file.
+    /// Path of the file.
     #[serde(serialize_with = "sulcus_program::path::text")]
     pub out: PathBuf,
-    /// Its length, bytes.
+    /// Length of the file, bytes.
     pub bytes: u64,
-    /// Ticks shown.
+    /// Number of ticks.
     pub ticks: u64,
-    /// Pictures of the mouth.
+    /// Number of pictures of the mouth.
     pub frames: u64,
-    /// Shapes of tissue that is not at rest.
+    /// Number of shapes of tissue that is not at rest.
     pub shapes: u64,
-    /// Lines of the log shown.
+    /// Number of lines of the log.
     pub events: u64,
-    /// Whether the replay that it shows is the recorded session bit for bit; it need not be where the recording is of a former version.
+    /// Whether the replay is identical to the record. A recording of a former version may differ.
     pub identical: bool,
-    /// What is wrong with the recording itself ([`sulcus_sessions::ReplayReport::unsound`]).
+    /// Fault of the recording itself ([`sulcus_sessions::ReplayReport::unsound`]).
     pub unsound: Option<String>,
-    /// Longest tick of the session, CPU time, microseconds; none in a recording without channels for viewers.
+    /// Longest tick of the session, CPU time, microseconds; `None` without channels for viewers.
     pub longest_tick_us: Option<f64>,
-    /// Rows that have a time, by entity.
+    /// Number of rows with a time, by entity.
     pub rows: BTreeMap<String, u64>,
 }
 
-/// Why there is nothing to look at.
+/// Reason why no review was written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReviewError {
     /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It cannot be replayed.
+    /// The recording cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
-    /// Its replay is not what was recorded.
+    /// The replay differs from the record.
     #[error(
-        "the replay differs from tick {tick} on ({what:?}): a review would show what did not happen; `replay` says more"
+        "the replay differs from tick {tick} on ({what:?}), so a review would not show the recorded session; `replay` reports the differences"
     )]
     Differs {
         /// First tick that differs.
         tick: u64,
-        /// What differs first.
+        /// Kind of the first difference.
         what: Difference,
     },
-    /// Nothing of it lies in the window.
-    #[error("nothing from {from_s} s to {}: the session runs from {first_s} s to {last_s} s", if to_s.is_finite() { format!("{to_s} s") } else { "its end".into() })]
+    /// The window is outside of the session.
+    #[error("window is {from_s} s to {}, expected a part of the session, {first_s} s to {last_s} s", if to_s.is_finite() { format!("{to_s} s") } else { "the end".into() })]
     Empty {
-        /// From when was asked for, seconds.
+        /// Requested start, seconds.
         from_s: f64,
-        /// Up to when.
+        /// Requested end, seconds.
         to_s: f64,
-        /// When the recording begins.
+        /// Start of the recording, seconds.
         first_s: f64,
-        /// When it ends.
+        /// End of the recording, seconds.
         last_s: f64,
     },
     /// The file cannot be written.
     #[error(transparent)]
     View(#[from] ViewError),
-    /// The system refused.
+    /// The system cannot write the file.
     #[error("cannot write `{}`: {source}", path.shown())]
     Io {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
 }
 
-/// Replays a recording and writes what can be seen of it within `window` to `out`, to be opened with the
-/// slider there; `progress` is told the number of ticks
-/// done, now and then. The file is there when all of it is, and not before.
+/// Replays a recording and writes the review of `window` to `out`. `slider` is the position of the slider when the file
+/// is opened. `progress` gets the number of finished ticks from time to time. The file appears at `out` only when it is
+/// complete.
 ///
 /// # Errors
-/// When the recording cannot be replayed or its replay differs, nothing lies in the window, or the file cannot be written.
+/// The recording cannot be replayed, its replay differs, the window is outside of the session, or the file cannot be
+/// written.
 pub fn review(
     recording: &Recording,
     out: &Path,
@@ -222,19 +207,12 @@ pub fn review(
     })
 }
 
-/// Ticks from one picture of the mouth to the next.
+/// Number of ticks from one picture of the mouth to the next.
 fn frames_every(scene: &Scene) -> u64 {
     (1.0 / (FRAMES_PER_S * scene.tick_s())).round().max(1.0) as u64
 }
 
-fn moment(scene: &Scene, tick: u64) -> Moment {
-    Moment {
-        tick: tick as i64,
-        session_ns: (tick as f64 * scene.tick_s() * 1e9).round() as i64,
-    }
-}
-
-/// First and last tick of a recording, in the session's seconds.
+/// First and last tick of a recording, in seconds of the session.
 fn span(recording: &Recording, scene: &Scene) -> Window {
     let (first, last) = recording.facts().ticks.unwrap_or_default();
     Window {
@@ -243,14 +221,14 @@ fn span(recording: &Recording, scene: &Scene) -> Window {
     }
 }
 
-/// A file of its own in the same folder, until all is there.
+/// Path of the incomplete file, in the same folder.
 fn beside(out: &Path) -> PathBuf {
     let mut name = out.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     out.with_file_name(name)
 }
 
-/// What was begun is no use unless it is finished, and then it has another name.
+/// Incomplete file, which is removed when dropped. A complete file has been renamed before.
 struct Begun(PathBuf);
 
 impl Drop for Begun {
@@ -259,7 +237,7 @@ impl Drop for Begun {
     }
 }
 
-/// A replay as it is looked at.
+/// State of a review during the replay.
 struct Take {
     file: ReviewFile,
     window: Window,
@@ -267,11 +245,11 @@ struct Take {
     next_frame: u64,
     eyes: Eyes,
     tissues: Tissues,
-    /// Ticks and frames shown.
+    /// Number of ticks and of frames.
     counts: (u64, u64),
-    /// Zone of force shown.
+    /// Last zone of force.
     zone: Option<ForceZone>,
-    /// Gingiva and side whose sites are named.
+    /// Gingiva and side with named sites.
     side: Option<(u16, bool)>,
     failed: Option<ViewError>,
 }
@@ -288,7 +266,7 @@ impl Take {
         let frame = output.tick >= self.next_frame;
         if frame {
             self.next_frame = (output.tick / self.every + 1) * self.every;
-            // Also before the window: it follows the hand smoothly.
+            // The frame also follows the hand before the window, so that its motion is smooth.
             self.eyes
                 .follow(scene, output, self.every as f64 * scene.tick_s());
         }
@@ -305,7 +283,7 @@ impl Take {
             self.file.state(at, Lane::Zone, &name);
             self.zone = zone;
         }
-        // The names stay until the tip is elsewhere.
+        // The texts stay until the tip is at another side.
         let side = self.eyes.side(scene, output);
         if let Some((object, buccal)) = side.filter(|_| side != self.side) {
             self.file.sites(at, &picture::sites(scene, object, buccal));

@@ -1,34 +1,36 @@
-//! What of a session does not change: the mouth, the tools, words at their places, and where to look from.
+//! Constant part of a session's review: mouth, tools, texts at places, eyes.
 
-use crate::{Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, Slider, ToolPicture};
+use crate::review::{
+    Eye, Label, MeshPicture, PartKind, PartPicture, ReviewPicture, Slider, ToolPicture,
+};
 use sulcus_core::math::norm;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{DisplayMesh, Object, Scene, Vec3};
 
-use super::frame::millimetres;
+use super::units::millimetres;
 use sulcus_sessions::exercise::{Exercise, Kind};
 use sulcus_sessions::record::read::Recording;
 
-/// Length of an arrow for a newton, mm.
+/// Length of an arrow for one newton, mm.
 const ARROW_MM_PER_N: f32 = 20.0;
-/// Distance of the eye that sees the tongue held aside from what it looks at, mm.
+/// Distance of the eye on the tongue from its target, mm.
 const RETRACTION_MM: f64 = 75.0;
-/// Where the close-up's eye is, and what it looks at, mm: x outward from the tooth, z up.
+/// Eye of the close-up and its target, mm: x outward from the tooth, z up.
 const CLOSE_UP: Eye = Eye {
     at: [15.0, 0.0, 6.0],
     on: [0.0, 0.0, 1.5],
 };
 
-/// Height of a site's name above the margin, metres: clear of the pocket.
+/// Height of a site's text above the margin, metres: outside of the pocket.
 const LABEL_UP: f64 = 4.5e-3;
-/// Least height of the eye that sees the tongue over the horizontal, as a tangent: the other side's teeth stand lower.
+/// Least elevation of the eye on the tongue, as a tangent, so that it looks over the teeth of the other side.
 const RETRACTION_UP: f64 = 1.0;
 
 pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> ReviewPicture {
     let probe = probe_of(scene);
     let gingiva = scene.objects.iter().find_map(gingiva_of);
-    // Where the tongue alone is held aside, a pocket and what is felt in it would be an empty frame.
+    // An exercise of the tongue alone has no pocket to show.
     let probes = exercise.kind != Kind::Retraction;
     let gingiva = gingiva.filter(|_| probes);
     ReviewPicture {
@@ -62,13 +64,13 @@ pub(super) fn of(recording: &Recording, scene: &Scene, exercise: &Exercise) -> R
     }
 }
 
-/// The tool that probes: the first with bands, else the first.
+/// Index of the probing tool: the first with bands, else the first.
 pub(super) fn probe_of(scene: &Scene) -> usize {
     let banded = scene.tools.iter().position(|tool| !tool.bands.is_empty());
     banded.unwrap_or(0)
 }
 
-/// What an object is, for the eye.
+/// Kind of an object.
 pub(super) fn kind_of(object: &Object) -> PartKind {
     match object.tissue {
         TissueModel::Gingiva(_) | TissueModel::PrintedGingiva(_) => PartKind::Gingiva,
@@ -80,7 +82,7 @@ pub(super) fn kind_of(object: &Object) -> PartKind {
     }
 }
 
-/// Horizontal direction from the middle of the scene to `point`; forward where it is the middle.
+/// Horizontal direction from the middle of the scene to `point`; forward for the middle itself.
 pub(super) fn outward(scene: &Scene, point: &Vec3) -> Vec3 {
     let (low, high) = bounds(scene);
     let mut away = point - (low + high) / 2.0;
@@ -107,7 +109,7 @@ fn mesh(mesh: &DisplayMesh) -> MeshPicture {
     }
 }
 
-/// The gingiva that an object is.
+/// Gingiva of an object; `None` for another tissue.
 fn gingiva_of(object: &Object) -> Option<&Gingiva> {
     match &object.tissue {
         TissueModel::Gingiva(gingiva) => Some(gingiva),
@@ -115,7 +117,7 @@ fn gingiva_of(object: &Object) -> Option<&Gingiva> {
     }
 }
 
-/// Numbers above the teeth.
+/// Texts with the numbers above the teeth.
 fn teeth(scene: &Scene) -> Vec<Label> {
     let teeth = scene.objects.iter();
     let teeth = teeth.filter(|object| kind_of(object) == PartKind::Tooth);
@@ -131,7 +133,7 @@ fn teeth(scene: &Scene) -> Vec<Label> {
         .collect()
 }
 
-/// Names on the crown above the sites of one side of the tooth in the gingiva `object`.
+/// Texts on the crown above the sites of one side, for the tooth in the gingiva `object`.
 pub(super) fn sites(scene: &Scene, object: u16, buccal: bool) -> Vec<Label> {
     let object = scene.objects.get(usize::from(object));
     let Some((object, gingiva)) = object.and_then(|object| Some((object, gingiva_of(object)?)))
@@ -143,7 +145,7 @@ pub(super) fn sites(scene: &Scene, object: u16, buccal: bool) -> Vec<Label> {
         let out =
             gingiva.tooth.mesial * libm::cos(around) + gingiva.tooth.buccal * libm::sin(around);
         let height = gingiva.margin_at(around);
-        // Just outside of what stands about the margin there.
+        // Outermost vertex near the margin at the site.
         let vertices = object.mesh.vertices.iter();
         let reach = vertices.filter_map(|v| {
             let point = Vec3::from(v.map(f64::from));
@@ -178,7 +180,7 @@ fn middle_of(site: Site, proximal: f64) -> f64 {
     }
 }
 
-/// A site as it is written on a chart.
+/// Abbreviation of a site on a chart.
 fn short(site: Site) -> &'static str {
     match site {
         Site::MesioBuccal => "MB",
@@ -190,7 +192,7 @@ fn short(site: Site) -> &'static str {
     }
 }
 
-/// From the front and above, a little from the right, so far away that all of the mouth is seen.
+/// Eye from the front and above, a little from the right, so far away that the whole mouth is visible.
 fn overview(scene: &Scene) -> Eye {
     let (low, high) = bounds(scene);
     let middle = (low + high) / 2.0;
@@ -201,7 +203,7 @@ fn overview(scene: &Scene) -> Eye {
     }
 }
 
-/// From the side on which the operator's eye is, nearer and higher: over the teeth of the other side.
+/// Eye from the operator's side, nearer and higher, over the teeth of the other side.
 fn retraction(scene: &Scene, exercise: &Exercise) -> Option<Eye> {
     let objects = scene.objects.iter();
     let tongue = objects
@@ -241,13 +243,13 @@ fn bounds_of(object: &Object) -> (Vec3, Vec3) {
     if low.x <= high.x {
         return (low, high);
     }
-    // Without a mesh: its spheres.
+    // Without a mesh the box is that of the spheres.
     let root = &object.tree.nodes()[0];
     let reach = Vec3::from([root.bound_radius; 3]);
     (root.centre - reach, root.centre + reach)
 }
 
-/// Of all objects; of nothing, a mouth's room.
+/// Box of all objects; without objects, a box of a mouth's size.
 fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     let boxes = scene.objects.iter().map(bounds_of);
     let all = boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
@@ -255,7 +257,7 @@ fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     all.unwrap_or((-room, room))
 }
 
-/// The session, and how to read the picture.
+/// Text about the session, and explanation of the picture.
 fn about(recording: &Recording, scene: &Scene, exercise: &Exercise) -> String {
     let header = recording.header();
     let or = |text: &str| {

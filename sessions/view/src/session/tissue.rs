@@ -1,11 +1,12 @@
-//! Shapes of what yields, while it is not at rest.
+//! Shapes of soft tissues that are not at rest.
 
-use crate::{Moment, ReviewFile, ViewError};
+use crate::error::ViewError;
+use crate::review::{Moment, ReviewFile};
 use sulcus_core::{DisplaySkin, Scene, Vec3, Workspace};
 
-use super::frame::millimetres;
+use super::units::millimetres;
 
-/// All that yields.
+/// All soft tissues.
 pub(super) struct Tissues {
     parts: Vec<Tissue>,
     shapes: u64,
@@ -13,13 +14,13 @@ pub(super) struct Tissues {
 
 struct Tissue {
     object: usize,
-    /// What carries its vertices; made when it first moves.
+    /// Carriers of the vertices; made at the first motion.
     skin: Option<DisplaySkin>,
     rest: Vec<Vec3>,
     moved: Vec<Vec3>,
-    /// In millimetres.
+    /// Vertices, millimetres.
     shape: Vec<[f32; 3]>,
-    /// Whether it was at rest last.
+    /// Whether the tissue was at rest in the last frame.
     at_rest: bool,
 }
 
@@ -45,12 +46,12 @@ impl Tissues {
         }
     }
 
-    /// Shapes shown.
+    /// Number of shapes.
     pub fn shapes(&self) -> u64 {
         self.shapes
     }
 
-    /// Shows what has moved since the last frame.
+    /// Writes the shapes that have changed since the last frame.
     pub fn frame(
         &mut self,
         scene: &Scene,
@@ -70,7 +71,7 @@ impl Tissues {
 }
 
 impl Tissue {
-    /// Its vertices, unless it rests and has rested.
+    /// Vertices of the tissue; `None` if it is at rest and was at rest before.
     fn changed(&mut self, scene: &Scene, ws: &Workspace) -> Option<&[[f32; 3]]> {
         let rests = ws.shape_of(self.object).iter().all(|x| *x == 0.0);
         if rests && self.at_rest {

@@ -1,26 +1,26 @@
-//! What the log of a session says, in sentences, and what was so for a while.
+//! Log of a session as sentences, and states over time.
 
 use std::collections::BTreeMap;
 
-use crate::{Lane, ReviewFile, Weight};
+use crate::review::{Lane, ReviewFile, Weight};
 use sulcus_core::Scene;
 use sulcus_core::output::ForceZone;
 
-use super::{Window, moment};
+use super::window::{Window, moment};
 use sulcus_sessions::exercise::events::call::READING_CALLED;
 use sulcus_sessions::record::message::{Level, Message};
 use sulcus_sessions::record::occurrence::{FORCE_ZONE, Occurrence, zone_name};
 use sulcus_sessions::record::read::{ReadError, Recording};
 use sulcus_sessions::record::viewers::is_sum;
 
-/// A session's log.
+/// Log of a session.
 pub(super) struct Story(Vec<Line>);
 
 struct Line {
     tick: u64,
     weight: Weight,
     text: String,
-    /// If it is one of those that have a name and data.
+    /// Occurrence, for a line with name and data.
     what: Option<Occurrence>,
 }
 
@@ -28,7 +28,7 @@ impl Story {
     /// All lines of the log.
     ///
     /// # Errors
-    /// When the recording changes meanwhile.
+    /// The recording has changed since it was opened.
     pub fn read(recording: &Recording) -> Result<Self, ReadError> {
         let mut lines = Vec::new();
         let mut tick = 0;
@@ -36,12 +36,12 @@ impl Story {
             match message? {
                 Message::Row(row) => tick = row.tick,
                 Message::Snapshot { tick: of, .. } => tick = of,
-                // A hash is for programs.
+                // The hash is for programs only.
                 Message::Event(event) if is_sum(&event.text) => {}
                 Message::Event(event) => {
                     let what = Occurrence::parse(&event.text);
                     lines.push(Line {
-                        // It may have been written a little later.
+                        // A line may have been written a little later than its tick.
                         tick: what.as_ref().map_or(tick, |what| what.tick),
                         weight: match event.level {
                             Level::Info => Weight::Info,
@@ -59,10 +59,10 @@ impl Story {
         Ok(Self(lines))
     }
 
-    /// Tells what lies in the window; how many lines that were.
+    /// Writes the lines in the window; their number.
     pub fn tell(&self, file: &mut ReviewFile, scene: &Scene, window: Window) -> u64 {
         let mut told = 0;
-        // What was so when the window began.
+        // States at the start of the window.
         let mut before: BTreeMap<Lane, String> = BTreeMap::new();
         for line in &self.0 {
             let time_s = line.tick as f64 * scene.tick_s();
@@ -91,7 +91,7 @@ impl Story {
     }
 }
 
-/// The state that an occurrence begins.
+/// State that an occurrence begins.
 fn lane(what: &Occurrence) -> Option<(Lane, String)> {
     match what.kind.as_str() {
         "site_reached" => Some((Lane::Site, place(what))),
@@ -102,7 +102,7 @@ fn lane(what: &Occurrence) -> Option<(Lane, String)> {
     }
 }
 
-/// Begins the window with what was so before, once.
+/// Begins the window with the states from before, once.
 fn begin(
     file: &mut ReviewFile,
     scene: &Scene,
@@ -115,7 +115,7 @@ fn begin(
     }
 }
 
-/// Tooth and site, as a dentist says them.
+/// Tooth and site in the words of a dentist.
 fn place(what: &Occurrence) -> String {
     let tooth = what.data["tooth"].as_u64().map(|fdi| fdi.to_string());
     let site = what.data["site"].as_str().map(str::to_owned);
@@ -191,7 +191,7 @@ fn sentence(what: &Occurrence) -> String {
     }
 }
 
-/// What has no sentence here: its name and its data.
+/// Text of an occurrence without a sentence: its kind and its data.
 fn plainly(what: &Occurrence) -> String {
     let name = what.kind.replace('_', " ");
     let Some(data) = what.data.as_object().filter(|data| !data.is_empty()) else {
@@ -255,7 +255,7 @@ mod tests {
                 at(json!({"depth_mm": 4})),
                 "36 mesiobuccal: called 4 mm",
             ),
-            // Of another version, or a client's own.
+            // Kinds of another version, or of a client.
             (
                 "some_thing",
                 json!({"a_b": "x", "c": 1}),

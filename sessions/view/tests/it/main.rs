@@ -3,5 +3,6 @@
 #[path = "../../../tests/it/common/mod.rs"]
 mod common;
 mod review;
+mod rows;
 mod session;
 mod tree;

@@ -1,10 +1,11 @@
-//! Reviews as files: every row that was given is read back, what does not fit is refused.
+//! Reviews as files: every given row is read back, and invalid data are refused.
 
 use sulcus_view::{
     Arrow, Eye, FramePicture, Label, Lane, MeshPicture, Moment, Numbers, PartKind, PartPicture,
     ReviewFile, ReviewPicture, Slider, Standing, ToolPicture, ToolStanding, ViewError, Weight,
-    count_rows,
 };
+
+use crate::rows::count_rows;
 
 fn tetrahedron() -> MeshPicture {
     MeshPicture {
@@ -100,7 +101,7 @@ fn frame(tick: i64) -> FramePicture {
     };
     FramePicture {
         tools: vec![Some(probe), None],
-        // Any number of them, none too.
+        // Any number of contacts, also none.
         contacts: vec![vec![arrow; (tick % 4) as usize], Vec::new()],
         close_up: standing,
     }
@@ -151,13 +152,13 @@ fn every_row_is_read_back() {
         assert_eq!(rows[entity].timed, expected, "{entity}");
         assert_eq!(said[entity], expected, "{entity}");
     }
-    // 3.5 s, in columns of a second; what is constant is a chunk more.
+    // The session has 3.5 s in columns of a second, and the constant part is another chunk.
     assert!(rows.values().all(|of| of.chunks <= 5), "{rows:?}");
     assert_eq!(rows["/mouth/teeth/tooth_36"].constant, 1);
     assert_eq!(rows["/labels/teeth"].constant, 1);
     assert_eq!(rows["/labels/sites"].timed, 1);
     assert_eq!(rows["/mouth/gingiva/gingiva_36"].constant, 1, "never moved");
-    // One vertex moves; its patches are there at the beginning, and each time it has moved.
+    // One vertex moves. Its patches are written at the beginning, and each time it has moved.
     let patches = rows.iter();
     let patches = patches.filter(|(path, _)| path.starts_with("/mouth/tongue/tongue/"));
     let of: Vec<u64> = patches.map(|(_, of)| of.timed).collect();
@@ -202,14 +203,4 @@ fn what_does_not_fit_is_refused_by_name() {
         let told = file.part(at(1), part, &vec![[0.0; 3]; vertices]);
         assert!(matches!(told, Err(ViewError::Fit { .. })), "{told:?}");
     }
-}
-
-#[test]
-fn what_is_no_such_file_or_is_cut_is_said() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("a.rrd");
-    let missing = count_rows(&path).expect_err("there is none").to_string();
-    assert!(missing.contains("a.rrd: cannot read"), "{missing}");
-    std::fs::write(&path, "no such thing").expect("writes");
-    assert!(count_rows(&path).is_err());
 }

@@ -1,4 +1,4 @@
-//! A session as a file for the viewer: counted after reading back, against what the replay has.
+//! Session as a file for the viewer: rows read back, counted against the replay.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::common::program::*;
 use crate::common::*;
+use crate::rows::count_rows;
 use serde_json::Value;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
@@ -13,15 +14,19 @@ use sulcus_core::{DisplayMesh, NoProbe, Scene, State, Vec3, Workspace, tick};
 use sulcus_sessions::{
     Level, Occurrence, Recorder, Recording, ReplayOptions, Row, SessionEnd, replay_observed,
 };
-use sulcus_view::count_rows;
 use sulcus_view::session::{ReviewError, Slider, Window, review};
 
-/// Ticks of the sessions here.
+/// Window of the whole session.
+const ALL: Window = Window {
+    from_s: 0.0,
+    to_s: f64::INFINITY,
+};
+/// Number of ticks of the sessions.
 const TICKS: u64 = 2500;
-/// Ticks from one picture to the next: 30 a second.
+/// Number of ticks from one picture to the next, 30 a second.
 const EVERY: u64 = 33;
 
-/// The balls as a gingiva that gives way, with a mesh; the rod's tip is in its pocket while it is low.
+/// Scene of the balls as a yielding gingiva with a mesh. The rod's tip is in its pocket while it is low.
 fn soft() -> Scene {
     let mut scene = scene();
     let object = &mut scene.objects[0];
@@ -113,7 +118,7 @@ fn record_soft(path: &Path) {
 }
 
 fn frames(from: u64, to: u64) -> u64 {
-    // The first tick, and from then on the multiples.
+    // The first tick, then the multiples.
     (from..=to)
         .filter(|tick| *tick == 1 || tick % EVERY == 0)
         .count() as u64
@@ -126,7 +131,7 @@ fn what_is_read_back_has_a_row_for_every_tick_picture_and_event() {
     record_soft(&path);
     let recording = Recording::open(&path).unwrap();
     let mut told = Vec::new();
-    let report = review(&recording, &out, Window::ALL, Slider::Start, &mut |ticks| {
+    let report = review(&recording, &out, ALL, Slider::Start, &mut |ticks| {
         told.push(ticks)
     })
     .unwrap();
@@ -161,7 +166,7 @@ fn what_is_read_back_has_a_row_for_every_tick_picture_and_event() {
     assert_eq!(rows["/plots/depth/called"].timed, 1);
     assert_eq!(rows["/plots/floor_force/band"].timed, 2);
 
-    // Shapes: as many as pictures in which the tissue does not rest, or rests anew.
+    // Expected shapes: the pictures in which the tissue does not rest, or has just come to rest.
     let (mut awake, mut rested) = (0, true);
     replay_observed(
         &recording,
@@ -178,7 +183,7 @@ fn what_is_read_back_has_a_row_for_every_tick_picture_and_event() {
     .unwrap();
     assert_eq!(report.shapes, awake);
     assert!(awake > pictures / 4, "{awake} of {pictures}");
-    // Patches of its mesh: at the beginning, and no more often than it moves.
+    // The patches of its mesh are written at the beginning, and at most as often as it moves.
     let patches = rows.iter();
     let patches = patches.filter(|(path, _)| path.starts_with("/mouth/gingiva/gingiva_36/"));
     let of: Vec<u64> = patches.map(|(_, of)| of.timed).collect();
@@ -186,7 +191,7 @@ fn what_is_read_back_has_a_row_for_every_tick_picture_and_event() {
     assert!(of.len() > 1 && of.iter().all(|rows| *rows >= 1), "{of:?}");
     assert!((5..=awake + 1).contains(&most), "{of:?}, {awake} awake");
 
-    // In columns: two and a half seconds are at most four chunks of an entity.
+    // Two and a half seconds in columns are at most four chunks of an entity.
     let many = rows.iter().find(|(_, of)| of.chunks > 5);
     assert_eq!(many, None);
     assert_eq!(report.bytes, std::fs::metadata(&out).unwrap().len());
@@ -204,7 +209,7 @@ fn a_window_shows_its_part_and_what_was_so_when_it_began() {
     };
     let report = review(&recording, &out, window, Slider::End, &mut |_| {}).unwrap();
     assert_eq!((report.ticks, report.frames), (1001, frames(1000, 2000)));
-    // Called at 1.5 s, left at 2 s.
+    // A call at 1.5 s, and the end of a visit at 2 s.
     assert_eq!(report.events, 2);
     let (rows, _) = count_rows(&out).unwrap();
     assert_eq!(
@@ -224,7 +229,7 @@ fn a_window_shows_its_part_and_what_was_so_when_it_began() {
     assert!(matches!(error, ReviewError::Empty { .. }));
     assert_eq!(
         error.to_string(),
-        "nothing from 3 s to 9 s: the session runs from 0.001 s to 2.5 s"
+        "window is 3 s to 9 s, expected a part of the session, 0.001 s to 2.5 s"
     );
 }
 
@@ -248,7 +253,7 @@ fn what_did_not_happen_is_not_shown() {
         "{told}"
     );
     assert_eq!(json_of(&output)["first_divergent_tick"], 123);
-    // Nor what was begun.
+    // The incomplete file is gone, too.
     let left: Vec<_> = std::fs::read_dir(dir.path())
         .unwrap()
         .map(|entry| entry.unwrap().file_name())
@@ -276,7 +281,7 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
     assert_eq!(rows["/plots/force"].timed, 300);
 
     for (args, words) in [
-        (&["--from", "3"][..], "nothing from 3 s"),
+        (&["--from", "3"][..], "window is 3 s"),
         (&["--from", "0.2", "--to", "0.1"], "--from is 0.2 s"),
         (&["--from", "nan"], "--from is NaN s"),
         (&["--out", path.to_str().unwrap()], "the recording itself"),
@@ -290,18 +295,18 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
     }
 }
 
-/// A replay does not know what a tick took when it was recorded: the channels for viewers do.
+/// A replay does not know the duration of a tick during the recording. The channels for viewers do.
 #[test]
 fn tick_times_come_from_the_session_and_not_from_its_replay() {
     let dir = tempfile::tempdir().unwrap();
     let longest = |bytes: Vec<u8>| {
         let recording = Recording::from_bytes(bytes).unwrap();
         let out = dir.path().join("times.rrd");
-        review(&recording, &out, Window::ALL, Slider::Start, &mut |_| {})
+        review(&recording, &out, ALL, Slider::Start, &mut |_| {})
             .unwrap()
             .longest_tick_us
     };
-    // Every tick was said to have taken a microsecond.
+    // Every recorded tick has a duration of a microsecond.
     assert_eq!(longest(recorded_with_views(300, 0..0)), Some(1.0));
     assert_eq!(longest(recorded(300)), None);
 }

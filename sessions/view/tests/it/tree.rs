@@ -1,4 +1,4 @@
-//! Files for the viewer: written whole, refused whole.
+//! Files for the viewer, written or refused as a whole.
 
 use std::path::Path;
 

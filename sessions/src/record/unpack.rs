@@ -1,4 +1,4 @@
-//! The messages in a piece of a recording: of one chunk, or of records that stand one after another outside of any chunk.
+//! Messages in a piece of a recording. A piece is a chunk, or a stretch of records outside of chunks.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use crate::record::message::{Message, Topic};
 use crate::record::viewers::Summing;
 use crate::record::walk;
 
-/// Topic and encoding of each exact channel by its number; `None` for channels of viewers.
+/// Topic and layout of each exact channel by its number; `None` for a channel for viewers.
 pub(crate) type Topics = BTreeMap<u16, Option<(Topic, Layout)>>;
 
-/// The exact messages of a piece; learns of the channels that are declared in it, and sums up what is for viewers.
+/// Exact messages of a piece. Adds the declared channels to `topics`, and the messages for viewers to `viewed`.
 pub(crate) fn unpack(
     piece: &[u8],
     topics: &mut Topics,
@@ -23,7 +23,7 @@ pub(crate) fn unpack(
         match opcode {
             op::SCHEMA => {
                 let (id, name, encoding, data) =
-                    walk::schema(body).ok_or("a schema's record is not whole")?;
+                    walk::schema(body).ok_or("a schema's record is incomplete")?;
                 if let Some(viewed) = &mut viewed {
                     viewed.schema(id, name, encoding, data);
                 }
@@ -38,7 +38,7 @@ pub(crate) fn unpack(
             }
             op::MESSAGE => {
                 let (id, times, bytes) =
-                    walk::message(body).ok_or("a message's record is not whole")?;
+                    walk::message(body).ok_or("a message's record is incomplete")?;
                 let topic = topics
                     .get(&id)
                     .ok_or_else(|| format!("a message names channel {id}, which does not exist"))?;
@@ -55,37 +55,40 @@ pub(crate) fn unpack(
     Ok(messages)
 }
 
-/// Takes in the declaration of a channel; gives its topic where that is one of the exact record.
-pub(super) fn declare(body: &[u8], topics: &mut Topics) -> Result<Option<Topic>, String> {
-    let (id, _, name, encoding) = walk::channel(body).ok_or("a channel's record is not whole")?;
+/// Adds the declaration of a channel; topic of an exact channel.
+pub(crate) fn declare(body: &[u8], topics: &mut Topics) -> Result<Option<Topic>, String> {
+    let (id, _, name, encoding) = walk::channel(body).ok_or("a channel's record is incomplete")?;
     let topic = Topic::from_name(name);
     let of = match topic {
         None => None,
-        Some(topic) => Some((topic, topic.layout(encoding).ok_or_else(|| {
-            format!(
-                "channel {name} has another encoding than this version's: found `{}`, expected `{}`",
-                encoding.escape_debug(),
-                topic.encoding(Layout::Protobuf)
-            )
-        })?)),
+        Some(topic) => Some((
+            topic,
+            topic.layout(encoding).ok_or_else(|| {
+                format!(
+                    "channel {name} has encoding `{}`, expected `{}`",
+                    encoding.escape_debug(),
+                    topic.encoding(Layout::Protobuf)
+                )
+            })?,
+        )),
     };
     if topics.insert(id, of).is_some_and(|before| before != of) {
-        return Err(format!("channel {id} is declared twice"));
+        return Err(format!("channel {id} has two different declarations"));
     }
     Ok(topic)
 }
 
-/// Decodes a message of the exact record.
-pub(super) fn exact(
+/// Decodes an exact message.
+pub(crate) fn exact(
     topic: Topic,
     layout: Layout,
     log_time: u64,
     bytes: &[u8],
 ) -> Result<Message, String> {
     let message = Message::decode(topic, layout, bytes)
-        .ok_or_else(|| format!("a message of {} makes no sense", topic.name()))?;
+        .ok_or_else(|| format!("a message of {} cannot be decoded", topic.name()))?;
     if matches!(&message, Message::Row(row) if row.time_unix_ns != log_time) {
-        return Err("a row's time is not its message's".to_owned());
+        return Err("the time of a row differs from the time of its message".to_owned());
     }
     Ok(message)
 }

@@ -1,0 +1,15 @@
+//! Paths of entities.
+
+/// Path of an entity. A name may contain any characters.
+pub(super) fn entity(root: &str, name: &str) -> String {
+    let plain: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
+        .collect();
+    let plain = if plain.is_empty() {
+        "_".to_owned()
+    } else {
+        plain
+    };
+    format!("{root}/{plain}")
+}
