@@ -1,4 +1,7 @@
-//! Hashes the sources that build trees and tissues: the hash is part of the names of files in the cache.
+//! Hash of the sources that build trees and tissues. The hash is part of the file names of the cache.
+//!
+//! The hash is of the text: comments, layout and paths change it. Cached trees, tissues and scenes are then built
+//! again. The trees in `family.bin` do not depend on it.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -11,10 +14,11 @@ const BUILDERS: [&str; 5] = [
     "../core/src/tissue",
     "../core/src/tree",
 ];
-/// Files beside those folders.
+/// Further files.
 const FILES: [&str; 2] = ["../core/src/scene/skin.rs", "../core/src/tree.rs"];
 
-/// Sources of compiled scenes: those, and all else of the core, whose defaults and checks a scene is made by.
+/// Sources of compiled scenes: the same, and all other sources of the core, which has the defaults and checks of a
+/// scene.
 const SCENES: [&str; 3] = ["src", "../fem/src", "../core/src"];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Hash of all Rust files under these folders and of these files, hexadecimal.
+/// Returns the hash of all Rust files in these folders and of these files, hexadecimal.
 fn hash_of(folders: &[&str], files: &[&str]) -> Result<String, Box<dyn Error>> {
     let mut files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
     for folder in folders {
@@ -44,7 +48,7 @@ fn hash_of(folders: &[&str], files: &[&str]) -> Result<String, Box<dyn Error>> {
     Ok(hasher.finalize().to_hex()[..32].to_owned())
 }
 
-/// All Rust files under a folder.
+/// Adds all Rust files in a folder.
 fn list(folder: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
     println!("cargo::rerun-if-changed={}", folder.display());
     for entry in std::fs::read_dir(folder)? {

@@ -14,7 +14,8 @@ use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{ClockId as Clock, Timespec, clock_gettime};
 use sulcus_cases::mouth::{hands, mouth};
 use sulcus_cases::record;
-use sulcus_cases::timing::{Percentiles, cpu_ns, keep_fastest};
+use sulcus_cases::statistics::percentiles_us;
+use sulcus_cases::timing::{cpu_ns, keep_fastest};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 use sulcus_operator::HandParams;
 use sulcus_sessions::{
@@ -174,7 +175,7 @@ fn main() {
         eprintln!("run {k}: {:.1} MB", bytes as f64 * 1e-6);
     }
     let measured = |times: &[u64]| {
-        Percentiles::of(
+        percentiles_us(
             times
                 .iter()
                 .skip(scene.params.ticks_in(BEGINS) as usize)

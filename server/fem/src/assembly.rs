@@ -1,6 +1,6 @@
-//! From tetrahedra to one sparse matrix: which number each unknown has, where each entry goes, and the order of elimination.
-//! These stay as they are for as long as the mesh does, whatever the stiffness: a Newton solver fills and factors anew only
-//! the numbers.
+//! Assembly of tetrahedra into one sparse matrix: number of each unknown, place of each entry, order of elimination.
+//!
+//! All three depend on the mesh alone. A Newton solver therefore fills in and factors new numbers only.
 
 use faer::sparse::linalg::LltError;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -9,15 +9,17 @@ use faer::{Mat, MatRef, Side};
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
-use crate::{FemError, TetMesh, support};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
+use crate::support;
 
-/// Stiffness of one tetrahedron between each two of its nodes, N/m: symmetric.
+/// Stiffness between each two nodes of a tetrahedron, N/m. The matrix is symmetric.
 pub(crate) type Blocks = [[Mat3; 10]; 10];
 
-/// Where the entries of a mesh's stiffness matrix go.
+/// Places of the entries of a mesh's stiffness matrix.
 #[derive(Debug)]
 pub(crate) struct Assembly {
-    /// Number of each node's unknown along x, y, z; none where it is held.
+    /// Number of each node's unknown along x, y, z; `None` where the node is held.
     unknowns: Vec<[Option<usize>; 3]>,
     count: usize,
     pattern: SymbolicSparseColMat<usize>,
@@ -30,10 +32,10 @@ fn failed(why: impl std::fmt::Debug) -> FemError {
 }
 
 impl Assembly {
-    /// For a mesh.
+    /// Returns the places of the entries for a mesh.
     ///
     /// # Errors
-    /// When the mesh is wrong or not held.
+    /// [`FemError::Field`] if the mesh is invalid or is not held.
     pub fn new(mesh: &TetMesh) -> Result<Self, FemError> {
         mesh.validate()?;
         support::check(mesh)?;
@@ -60,10 +62,11 @@ impl Assembly {
         })
     }
 
-    /// Factors the matrix of what `blocks` gives for each tetrahedron; none where it is not positive definite.
+    /// Factors the matrix of the stiffness that `blocks` returns for each tetrahedron; `None` if it is not positive
+    /// definite.
     ///
     /// # Errors
-    /// When there is no room.
+    /// [`FemError::Factor`] if there is too little memory.
     pub fn factor(
         &self,
         mesh: &TetMesh,
@@ -86,12 +89,12 @@ impl Assembly {
         }
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         self.unknowns.len()
     }
 
-    /// What acts on the unknowns, a column for each of `loads`; what acts where a node is held is left out.
+    /// Returns the loads on the unknowns, a column for each of `loads`. Loads on held nodes are left out.
     pub fn gather(&self, loads: &[Vec<Vec3>]) -> Mat<f64> {
         let mut right = Mat::zeros(self.count, loads.len());
         for (c, load) in loads.iter().enumerate() {
@@ -106,7 +109,7 @@ impl Assembly {
         right
     }
 
-    /// Column `c` node by node, zero where held.
+    /// Returns column `c` node by node, zero where a node is held.
     pub fn scatter(&self, answer: MatRef<'_, f64>, c: usize) -> Vec<Vec3> {
         let of = |unknowns: &[Option<usize>; 3]| {
             Vec3::from(unknowns.map(|unknown| unknown.map_or(0.0, |row| answer[(row, c)])))
@@ -115,8 +118,10 @@ impl Assembly {
     }
 }
 
-/// Calls `entry` with row, column and, as `[a, b, i, j]`, nodes and axes of each entry of a tetrahedron that lies in the lower
-/// triangle, which is all that the factorisation reads.
+/// Calls `entry` for each entry of a tetrahedron in the lower triangle, with row, column and `[a, b, i, j]`: nodes
+/// and axes.
+///
+/// The factorisation reads the lower triangle only.
 fn each_entry(
     unknowns: &[[Option<usize>; 3]],
     tet: &[u32; 10],

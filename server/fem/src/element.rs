@@ -1,21 +1,24 @@
-//! The quadratic tetrahedron: four corners, then the middles of the edges 01, 12, 02, 03, 13, 23 (the order of Abaqus's and
-//! CalculiX's C3D10).
+//! The quadratic tetrahedron: four corners, then the middles of the edges 01, 12, 02, 03, 13, 23.
+//!
+//! The order is that of C3D10 of Abaqus and CalculiX.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
-/// Corners at the ends of each edge whose middle is a node.
+/// Corners at the ends of each edge that has a midside node.
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 
-/// Points of integration, in volume coordinates; each counts a quarter. Exact to second degree, which straight-edged elements
-/// need (Keast 1986, doi:10.1016/0045-7825(86)90059-9).
+/// Returns the points of integration, in volume coordinates. Each has the weight of a quarter.
+///
+/// The rule is exact to second degree, as straight-edged elements need (Keast 1986,
+/// doi:10.1016/0045-7825(86)90059-9).
 pub fn points() -> [[f64; 4]; 4] {
     let near = (5.0 + 3.0 * 5.0_f64.sqrt()) / 20.0;
     let far = (5.0 - 5.0_f64.sqrt()) / 20.0;
     std::array::from_fn(|k| std::array::from_fn(|i| if i == k { near } else { far }))
 }
 
-/// Values of the ten shape functions at volume coordinates `l`.
+/// Returns the ten shape functions at volume coordinates `l`.
 #[cfg(test)]
 pub fn shape(l: &[f64; 4]) -> [f64; 10] {
     std::array::from_fn(|a| match a.checked_sub(4) {
@@ -24,9 +27,10 @@ pub fn shape(l: &[f64; 4]) -> [f64; 10] {
     })
 }
 
-/// Their derivatives by the last three volume coordinates, the first being 1 minus their sum.
+/// Returns the derivatives of the shape functions by the last three volume coordinates. The first coordinate is 1
+/// minus their sum.
 pub fn slopes(l: &[f64; 4]) -> [Vec3; 10] {
-    // Derivative by each of the four, as if they were independent.
+    // Derivatives by each of the four coordinates, as if they were independent.
     let own = |a: usize| -> [f64; 4] {
         let mut by = [0.0; 4];
         match a.checked_sub(4) {
@@ -45,24 +49,26 @@ pub fn slopes(l: &[f64; 4]) -> [Vec3; 10] {
     })
 }
 
-/// Derivatives of the place by the coordinates, column by column.
+/// Returns the derivatives of the place by the coordinates, column by column.
 fn jacobian(nodes: &[Vec3; 10], slopes: &[Vec3; 10]) -> Mat3 {
     let terms = nodes.iter().zip(slopes);
     terms.fold(Mat3::zeros(), |sum, (x, slope)| sum + x * slope.transpose())
 }
 
-/// Whether the element is the right way round in its corners and at its points of integration.
+/// Returns whether the element has positive volume at its corners and at its points of integration.
 pub fn is_upright(nodes: &[Vec3; 10]) -> bool {
     let corners: [[f64; 4]; 4] =
         std::array::from_fn(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))));
     let all = corners.into_iter().chain(points());
-    // Written so that a NaN is not.
+    // The comparison fails for a NaN.
     all.map(|l| jacobian(nodes, &slopes(&l)).determinant())
         .all(|volume| volume > 0.0)
 }
 
-/// Gradients of the shape functions in space (1/m) at each point of integration, with the volume that it stands for (m3);
-/// none where the element is turned inside out there.
+/// Returns the gradients of the shape functions in space (1/m) at each point of integration, with its share of the
+/// volume (m3).
+///
+/// `None` if the element is turned inside out at a point.
 pub fn gradients(corners: &[Vec3; 10]) -> Option<[([Vec3; 10], f64); 4]> {
     let mut all = [([Vec3::zeros(); 10], 0.0); 4];
     for (at, l) in all.iter_mut().zip(points()) {
@@ -70,7 +76,7 @@ pub fn gradients(corners: &[Vec3; 10]) -> Option<[([Vec3; 10], f64); 4]> {
         let jacobian = jacobian(corners, &slopes);
         let volume = jacobian.determinant() / 24.0;
         let back = jacobian.try_inverse()?.transpose();
-        // A NaN is none, either.
+        // A NaN counts as turned inside out.
         if volume.is_nan() || volume <= 0.0 {
             return None;
         }

@@ -1,70 +1,70 @@
-//! What can be wrong with a mesh, a material or a file.
+//! Errors of meshes, materials and files.
 
 use std::path::PathBuf;
 
-/// Why something cannot be computed or read.
+/// Reason why a result cannot be computed or a file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum FemError {
     /// A number is out of range.
     #[error("{field} is {found}, expected {expected}")]
     Field {
-        /// What it is.
+        /// Name of the field.
         field: &'static str,
-        /// What it was.
+        /// Value found.
         found: String,
-        /// What it may be.
+        /// Values allowed.
         expected: String,
     },
     /// A file cannot be opened.
     #[error("{path}: {source}")]
     Open {
-        /// Which.
+        /// File.
         path: PathBuf,
-        /// Why.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A row of a file is not what it should be.
+    /// A row of a file is invalid.
     #[error("{path}, line {line}: {found}, expected {expected}")]
     Row {
-        /// Which file.
+        /// File.
         path: PathBuf,
         /// Line, counted from 1.
         line: u64,
-        /// What stands there.
+        /// Text found.
         found: String,
-        /// What should.
+        /// Text expected.
         expected: String,
     },
     /// Bytes are not those of a condensed organ.
     #[error("a condensed organ's bytes: {0}")]
     Bytes(String),
-    /// A file as a whole is not what it should be.
+    /// A file as a whole is invalid.
     #[error("{path}: {found}, expected {expected}")]
     File {
-        /// Which file.
+        /// File.
         path: PathBuf,
-        /// What it has.
+        /// Content found.
         found: String,
-        /// What it should have.
+        /// Content expected.
         expected: String,
     },
     /// The stiffness matrix cannot be factored.
     #[error("the stiffness matrix cannot be factored: {0}")]
     Factor(String),
     /// Newton's method finds no equilibrium.
-    #[error("no equilibrium is found at {aim} of the load: {why}; the last found is at {reached}")]
+    #[error("no equilibrium at {aim} of the load: {why}; the last one is at {reached}")]
     Newton {
-        /// Share of the load up to which there is one, 0 to 1.
+        /// Largest share of the load with an equilibrium, 0 to 1.
         reached: f64,
-        /// Share at which none is found, with the shortest step.
+        /// Share of the load without one, at the shortest step.
         aim: f64,
-        /// What stopped it there.
+        /// Reason of the failure at that share.
         why: &'static str,
     },
 }
 
 impl FemError {
-    /// A field that is wrong.
+    /// Returns an error of a field.
     pub(crate) fn field(
         field: &'static str,
         found: impl Into<String>,

@@ -1,7 +1,11 @@
-//! A folder of a mesh and its load cases, as comma-separated tables in millimetres and newtons: `nodes.csv` (id, x, y, z, kind),
-//! `tets10.csv` (id and ten nodes), `fixed_all_nodes.csv` (id), `fixed_surface_vertices.csv` (id, region), forces (id, x, y, z,
-//! then three numbers for each of two ways to put the same load on nodes: [`ForceColumns`]) and displacements (id, x, y, z, ux,
-//! uy, uz). Ids count from 0 in the order of the rows of `nodes.csv`.
+//! Folder of a mesh and its load cases: comma-separated tables, in millimetres and newtons.
+//!
+//! - `nodes.csv`: id, x, y, z, kind. Ids count from 0 in the order of the rows.
+//! - `tets10.csv`: id and ten nodes.
+//! - `fixed_all_nodes.csv`: id.
+//! - `fixed_surface_vertices.csv`: id, region.
+//! - forces: id, x, y, z, then two sets of three numbers for the same load ([`ForceColumns`]).
+//! - displacements: id, x, y, z, ux, uy, uz.
 
 use std::path::Path;
 
@@ -9,7 +13,8 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use sulcus_core::Vec3;
 
-use crate::{FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 
 const MM: f64 = 1e-3;
 
@@ -57,13 +62,13 @@ struct VertexRow {
     fz_vert: f64,
 }
 
-/// Which forces of a table.
+/// Set of columns of a table of forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForceColumns {
-    /// `fx_quad`, `fy_quad`, `fz_quad`: consistent with the quadratic elements, on corners and midside nodes. What the finite
-    /// elements take.
+    /// `fx_quad`, `fy_quad`, `fz_quad`: consistent with the quadratic elements, on corners and midside nodes. The
+    /// finite elements use them.
     Quadratic,
-    /// `fx_vert`, `fy_vert`, `fz_vert`: the same load on the corners alone. What a model of vertices or spheres takes.
+    /// `fx_vert`, `fy_vert`, `fz_vert`: the same load on the corners alone. Models of vertices or spheres use them.
     Vertices,
 }
 
@@ -75,7 +80,7 @@ struct MovedRow {
     uz: f64,
 }
 
-/// All rows of a table, with the line that each stands on.
+/// Returns all rows of a table, each with its line.
 fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<(u64, T)>, FemError> {
     let wrong = |line: u64, found: String| FemError::Row {
         path: path.to_owned(),
@@ -100,7 +105,7 @@ fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<(u64, T)>, FemError> {
     Ok(all)
 }
 
-/// An id that must be under `bound`, as an index.
+/// Returns an id as an index; the id must be less than `bound`.
 fn known(path: &Path, line: u64, id: u32, bound: usize) -> Result<usize, FemError> {
     if (id as usize) < bound {
         return Ok(id as usize);
@@ -113,7 +118,7 @@ fn known(path: &Path, line: u64, id: u32, bound: usize) -> Result<usize, FemErro
     })
 }
 
-/// An id that must be the number of its row.
+/// Checks that an id is the number of its row.
 fn in_order(path: &Path, line: u64, id: u32) -> Result<(), FemError> {
     let expected = line - 2;
     if u64::from(id) == expected {
@@ -127,10 +132,10 @@ fn in_order(path: &Path, line: u64, id: u32) -> Result<(), FemError> {
     })
 }
 
-/// Reads the mesh of a folder; what its list names is held every way.
+/// Reads the mesh of a folder. Its listed nodes are held along all axes.
 ///
 /// # Errors
-/// Names the file and line, or what is wrong with the mesh.
+/// [`FemError`] with file and line, or with the fault of the mesh.
 pub fn read_mesh(folder: &Path) -> Result<TetMesh, FemError> {
     let path = folder.join("nodes.csv");
     let mut mesh = TetMesh::default();
@@ -159,10 +164,10 @@ pub fn read_mesh(folder: &Path) -> Result<TetMesh, FemError> {
     Ok(mesh)
 }
 
-/// Reads nodal forces (N) for a mesh of so many `nodes`; nodes that are not named bear nothing.
+/// Reads nodal forces (N) for a mesh with this number of `nodes`. Nodes that the table omits have no load.
 ///
 /// # Errors
-/// Names the file and line.
+/// [`FemError`] with file and line.
 pub fn read_forces(
     path: &Path,
     nodes: usize,
@@ -185,10 +190,10 @@ pub fn read_forces(
     Ok(forces)
 }
 
-/// Reads the nodes that a list of held vertices names, below `nodes`, in its order.
+/// Reads the held vertices of a list, all less than `nodes`, in the order of the list.
 ///
 /// # Errors
-/// Names the file and line.
+/// [`FemError`] with file and line.
 pub fn read_fixed_vertices(path: &Path, nodes: usize) -> Result<Vec<usize>, FemError> {
     let rows = rows::<IdRow>(path)?.into_iter();
     rows.map(|(line, row)| known(path, line, row.id, nodes))
@@ -198,7 +203,7 @@ pub fn read_fixed_vertices(path: &Path, nodes: usize) -> Result<Vec<usize>, FemE
 /// Reads displacements: node and metres, row by row.
 ///
 /// # Errors
-/// Names the file and line.
+/// [`FemError`] with file and line.
 pub fn read_displacements(path: &Path, nodes: usize) -> Result<Vec<(usize, Vec3)>, FemError> {
     let rows = rows::<MovedRow>(path)?.into_iter();
     let read = rows.map(|(line, row)| {

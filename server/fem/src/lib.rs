@@ -1,15 +1,19 @@
-//! Finite elements of an organ, offline: quadratic tetrahedra, isotropic, factored by a sparse Cholesky decomposition. What
-//! the tissue models of the tick are fitted to and judged by; no part of a tick.
+//! Finite elements of an organ, offline: quadratic tetrahedra, isotropic, factored by a sparse Cholesky
+//! decomposition.
 //!
-//! Small displacements are linear in the load ([`Factored`]); large ones are those of a neo-Hookean solid with the same
-//! constants ([`solve_neo_hookean`]). A mesh is made ([`TetMesh::from_corners`]) or read: Gmsh's format ([`msh`]), or a folder
-//! of tables with load cases ([`files`]).
+//! The tissue models of the tick are fitted to these solutions and judged by them. No tick uses this crate.
 //!
-//! SI units: metres, newtons, pascals. Files are in millimetres, as their own README says ([`files`]), or in what the caller
-//! says ([`msh`]).
+//! Small displacements are linear in the load ([`Factored`]). Large displacements are those of a neo-Hookean solid
+//! with the same constants ([`solve_neo_hookean`]).
 //!
-//! A quadratic tetrahedron with four points of integration does not lock in bending, nor at a Poisson's ratio of 0.49
-//! as a linear one does (Hughes, The Finite Element Method, 2000, section 4.4).
+//! [`TetMesh::from_corners`] makes a mesh. [`msh`] reads a file of Gmsh; [`files`] reads a folder of tables with load
+//! cases.
+//!
+//! Units are SI: metres, newtons, pascals. Tables are in millimetres ([`files`]). The caller names the unit of a Gmsh
+//! file ([`msh`]).
+//!
+//! A quadratic tetrahedron with four points of integration does not lock in bending. At a Poisson's ratio of 0.49 it
+//! does not lock either, unlike a linear one (Hughes, The Finite Element Method, 2000, section 4.4).
 
 mod assembly;
 mod condense;

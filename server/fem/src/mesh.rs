@@ -1,11 +1,11 @@
-//! A mesh of quadratic tetrahedra and how it is held.
+//! A mesh of quadratic tetrahedra with its held nodes.
 
 use std::collections::BTreeMap;
 
 use sulcus_core::Vec3;
 
-use crate::FemError;
 use crate::element::{EDGES, gradients, is_upright};
+use crate::error::FemError;
 
 /// A mesh of quadratic tetrahedra.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,12 +14,12 @@ pub struct TetMesh {
     pub nodes: Vec<Vec3>,
     /// Four corners, then the middles of the edges 01, 12, 02, 03, 13, 23.
     pub tets: Vec<[u32; 10]>,
-    /// For each node whether it is held along x, y, z.
+    /// Whether each node is held along x, y, z.
     pub held: Vec<[bool; 3]>,
 }
 
 impl TetMesh {
-    /// The mesh with a node in the middle of each edge of linear tetrahedra; nothing is held.
+    /// Returns the mesh of linear tetrahedra, with a node added in the middle of each edge. Nothing is held.
     pub fn from_corners(corners: Vec<Vec3>, tets: &[[u32; 4]]) -> Self {
         let mut nodes = corners;
         let mut middles = BTreeMap::new();
@@ -40,10 +40,10 @@ impl TetMesh {
         Self { nodes, tets, held }
     }
 
-    /// Checks it.
+    /// Checks all fields of the mesh.
     ///
     /// # Errors
-    /// Names what is wrong, what it is and what it may be.
+    /// [`FemError::Field`] with the field, the value found and the values allowed.
     pub fn validate(&self) -> Result<(), FemError> {
         let n = self.nodes.len();
         if self.tets.is_empty() {
@@ -51,11 +51,7 @@ impl TetMesh {
         }
         if self.held.len() != n {
             let found = self.held.len().to_string();
-            return Err(FemError::field(
-                "nodes said to be held or not",
-                found,
-                n.to_string(),
-            ));
+            return Err(FemError::field("length of `held`", found, n.to_string()));
         }
         let place = self
             .nodes
@@ -79,12 +75,12 @@ impl TetMesh {
         Ok(())
     }
 
-    /// Places of the nodes of a tetrahedron, metres.
+    /// Returns the places of the nodes of a tetrahedron, metres.
     pub(crate) fn corners(&self, tet: &[u32; 10]) -> [Vec3; 10] {
         tet.map(|node| self.nodes[node as usize])
     }
 
-    /// Volume, m3.
+    /// Returns the volume, m3.
     pub fn volume(&self) -> f64 {
         let of = |tet: &[u32; 10]| {
             let all = gradients(&self.corners(tet));

@@ -1,7 +1,9 @@
-//! Meshes of Gmsh: text files `.msh` in format 4.1 or 2.2 (Gmsh reference manual, "MSH file format" and "Legacy formats").
+//! Meshes of Gmsh: text files `.msh` in format 4.1 or 2.2. Source: Gmsh reference manual, "MSH file format" and
+//! "Legacy formats".
 //!
-//! Tetrahedra of 4 nodes get a node in the middle of each edge; those of 10 nodes keep theirs. Gmsh numbers the middle of
-//! edge 23 before that of 13, this crate after it.
+//! Tetrahedra of 4 nodes get a node in the middle of each edge. Tetrahedra of 10 nodes keep theirs.
+//!
+//! Gmsh numbers the middle of edge 23 before the middle of edge 13; this crate numbers it after.
 
 mod format_22;
 mod format_41;
@@ -15,13 +17,14 @@ use std::path::Path;
 use sections::{Element, Sections};
 
 use crate::element::is_upright;
-use crate::{FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 
-/// Kinds of element by the file's number.
+/// Kinds of element, by the number in the file.
 const TET4: u32 = 4;
 const TET10: u32 = 11;
 
-/// What a coordinate of a file counts; the format does not say.
+/// Unit of the coordinates of a file. The format does not name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Millimetres.
@@ -42,15 +45,18 @@ impl Unit {
     }
 }
 
-/// Reads the tetrahedra of the physical volumes named `volume`, or all without a name. Nodes are in the order of the file,
-/// then middles of edges that the file has not; nodes of no tetrahedron are left out, and a tetrahedron that is listed once
-/// for each of its groups counts once.
+/// Reads the tetrahedra of the physical volumes named `volume`, or all tetrahedra if `volume` is `None`.
 ///
-/// Physical groups named `fixed`, of points, curves, surfaces or volumes, say which nodes are held, every way: those of their
-/// elements and those in the middle of these elements' edges. Without such a group nothing is held.
+/// Nodes are in the order of the file, followed by middles of edges that the file lacks. Nodes of no tetrahedron are
+/// left out. A tetrahedron that is listed once for each of its groups counts once.
+///
+/// Physical groups named `fixed`, of points, curves, surfaces or volumes, name the held nodes. Nodes of their
+/// elements are held along all axes, and so are the nodes in the middle of these elements' edges.
+///
+/// Without such a group nothing is held.
 ///
 /// # Errors
-/// Names the file, the line, what is found and what is expected.
+/// [`FemError`] with file, line, value found and value expected.
 pub fn read_msh(path: &Path, unit: Unit, volume: Option<&str>) -> Result<TetMesh, FemError> {
     let bytes = std::fs::read(path).map_err(|source| FemError::Open {
         path: path.to_owned(),
@@ -62,7 +68,7 @@ pub fn read_msh(path: &Path, unit: Unit, volume: Option<&str>) -> Result<TetMesh
         lines::wrong(
             path,
             line,
-            "bytes that are no text",
+            "bytes that are not text",
             "a text file, not a binary one",
         )
     })?;
@@ -87,7 +93,7 @@ impl Reader<'_> {
         for tet in &tets {
             ids.push(self.ids(tet, &index)?);
         }
-        // Only what they use, in the order of the file.
+        // Only nodes of tetrahedra are kept, in the order of the file.
         let mut new = vec![u32::MAX; self.file.nodes.len()];
         ids.iter().flatten().for_each(|&id| new[id] = 0);
         let mut nodes = Vec::new();
@@ -104,7 +110,7 @@ impl Reader<'_> {
             nodes.push(at);
         }
         let mut mesh = if quadratic {
-            // The last two the other way round.
+            // Gmsh has the last two in the other order.
             let order = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
             let tets = ids.iter().map(|ids| order.map(|a| new[ids[a]]));
             TetMesh {
@@ -128,7 +134,7 @@ impl Reader<'_> {
         Ok(mesh)
     }
 
-    /// The tetrahedra of a volume, each once; at least one, and all with as many nodes.
+    /// Returns the tetrahedra of a volume, each once. There is at least one, and all have the same number of nodes.
     fn tetrahedra(&self, volume: Option<&str>) -> Result<Vec<&Element>, FemError> {
         let groups = volume.map(|name| self.groups(name, 3));
         if groups.as_ref().is_some_and(BTreeSet::is_empty) {
@@ -156,7 +162,7 @@ impl Reader<'_> {
             }
             if ![TET4, TET10].contains(&element.kind) {
                 let found = format!("element of kind {}", element.kind);
-                return Err(self.wrong(element.line, &found, "4 or 11: a tetrahedron"));
+                return Err(self.wrong(element.line, &found, "kind 4 or 11, a tetrahedron"));
             }
             if let Some(first) = tets.first()
                 && first.kind != element.kind
@@ -177,7 +183,7 @@ impl Reader<'_> {
         Ok(tets)
     }
 
-    /// Where each tag of a node stands in the file.
+    /// Returns the index in the file of each tag of a node.
     fn index(&self) -> Result<BTreeMap<u64, usize>, FemError> {
         let mut index = BTreeMap::new();
         for (k, (tag, line, _)) in self.file.nodes.iter().enumerate() {
@@ -189,7 +195,7 @@ impl Reader<'_> {
         Ok(index)
     }
 
-    /// Where an element's nodes stand in the file.
+    /// Returns the indices in the file of an element's nodes.
     fn ids(&self, element: &Element, index: &BTreeMap<u64, usize>) -> Result<Vec<usize>, FemError> {
         let of = |tag: &u64| {
             let id = index.get(tag).copied();
@@ -198,7 +204,7 @@ impl Reader<'_> {
         element.nodes.iter().map(of).collect()
     }
 
-    /// Dimension and tag of the groups with a name, of a dimension at least `from`.
+    /// Returns dimension and tag of the groups with a name, of a dimension of at least `from`.
     fn groups(&self, name: &str, from: u8) -> BTreeSet<(u8, i64)> {
         let named = self.file.names.iter();
         let named = named.filter(|((dimension, _), named)| *dimension >= from && *named == name);

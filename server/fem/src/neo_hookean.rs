@@ -1,13 +1,18 @@
-//! The compressible neo-Hookean solid in its rest configuration (total Lagrangian): energy density `W = mu/2 (J^(-2/3) I1 - 3)
-//! + K/2 (J - 1)^2` per volume at rest, with `I1 = |F|^2`, `J = det F` (Bonet and Wood, Nonlinear Continuum Mechanics for
-//! Finite Element Analysis, 2008, chapter 6; Abaqus and CalculiX call it `*HYPERELASTIC, NEO HOOKE`). At small strain it is
-//! [`Elastic`] with the same `mu` and bulk modulus `K`.
+//! The compressible neo-Hookean solid in its rest configuration (total Lagrangian).
+//!
+//! The energy density per volume at rest is `W = mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2`, with `I1 = |F|^2` and `J =
+//! det F`.
+//!
+//! Source: Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 6. Abaqus and
+//! CalculiX name it `*HYPERELASTIC, NEO HOOKE`. At small strain it is [`Elastic`] with the same `mu` and bulk modulus
+//! `K`.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
 use crate::element::gradients;
-use crate::{Elastic, TetMesh};
+use crate::mesh::TetMesh;
+use crate::stiffness::Elastic;
 
 /// Shear and bulk modulus, Pa.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +22,7 @@ pub(crate) struct NeoHookean {
 }
 
 impl NeoHookean {
-    /// The solid that is `elastic` at small strain.
+    /// Returns the solid that equals `elastic` at small strain.
     pub fn of(elastic: &Elastic) -> Self {
         Self {
             mu: elastic.young / (2.0 * (1.0 + elastic.poisson)),
@@ -25,14 +30,15 @@ impl NeoHookean {
         }
     }
 
-    /// First Piola-Kirchhoff stress (Pa) at a deformation gradient; none where that turns the matter inside out.
+    /// Returns the first Piola-Kirchhoff stress (Pa) at a deformation gradient; `None` if the gradient turns matter
+    /// inside out.
     pub fn stress(&self, f: &Mat3) -> Option<Mat3> {
         let (j, back) = inverse(f)?;
         let (scale, first) = (self.mu * to_minus_two_thirds(j), f.dot(f));
         Some((f - back * (first / 3.0)) * scale + back * (self.bulk * (j - 1.0) * j))
     }
 
-    /// How that stress changes for a small change `df` of the gradient, Pa.
+    /// Returns the change of the stress for a small change `df` of the gradient, Pa.
     pub fn stress_change(&self, f: &Mat3, df: &Mat3) -> Option<Mat3> {
         let (j, back) = inverse(f)?;
         let (scale, first) = (self.mu * to_minus_two_thirds(j), f.dot(f));
@@ -46,7 +52,7 @@ impl NeoHookean {
     }
 }
 
-/// `J` and `F^-T`.
+/// Returns `J` and `F^-T`.
 fn inverse(f: &Mat3) -> Option<(f64, Mat3)> {
     let j = f.determinant();
     (j > 0.0).then_some(())?;
@@ -57,8 +63,9 @@ fn to_minus_two_thirds(j: f64) -> f64 {
     1.0 / libm::cbrt(j * j)
 }
 
-/// Forces (N) with which the mesh resists the displacements `moved` (metres), node by node; none where these turn an element
-/// inside out at a point of integration.
+/// Returns the forces (N) with which the mesh resists the displacements `moved` (metres), node by node.
+///
+/// `None` if an element is turned inside out at a point of integration.
 pub fn neo_hookean_forces(mesh: &TetMesh, material: &Elastic, moved: &[Vec3]) -> Option<Vec<Vec3>> {
     let solid = NeoHookean::of(material);
     let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];
@@ -74,7 +81,7 @@ pub fn neo_hookean_forces(mesh: &TetMesh, material: &Elastic, moved: &[Vec3]) ->
     Some(forces)
 }
 
-/// Deformation gradient at a point of integration.
+/// Returns the deformation gradient at a point of integration.
 pub(crate) fn gradient(tet: &[u32; 10], slopes: &[Vec3; 10], moved: &[Vec3]) -> Mat3 {
     let terms = tet.iter().zip(slopes);
     terms.fold(Mat3::identity(), |sum, (node, slope)| {
@@ -91,7 +98,7 @@ mod tests {
         poisson: 0.49,
     };
 
-    /// Gradients far from rest, the volume changed too.
+    /// Gradients far from rest, with changed volume.
     fn gradients() -> [Mat3; 4] {
         [
             Mat3::identity(),
@@ -101,10 +108,10 @@ mod tests {
         ]
     }
 
-    /// A change that is no rotation, nor symmetric.
+    /// A change that is neither a rotation nor symmetric.
     const CHANGE: Mat3 = Mat3::new(0.3, -0.7, 0.2, 0.5, 0.4, -0.1, 0.6, -0.2, 0.8);
 
-    /// Energy density, J/m3, written out as the head of the file says it.
+    /// Energy density, J/m3, by the formula at the head of the file.
     fn energy(solid: &NeoHookean, f: &Mat3) -> f64 {
         let j = f.determinant();
         let shear = f.norm_squared() / libm::cbrt(j * j) - 3.0;
@@ -152,7 +159,7 @@ mod tests {
         });
         assert!(off[0] < 1e-3, "{off:?}");
         assert!((off[0] / off[1] - 2.0).abs() < 0.01, "{off:?}");
-        // Exactly so in the limit.
+        // The two are equal in the limit.
         let change = solid.stress_change(&Mat3::identity(), &CHANGE);
         assert!((change.expect("upright") - linear).norm() < 1e-12 * linear.norm());
     }
@@ -160,7 +167,7 @@ mod tests {
     #[test]
     fn a_rotation_costs_nothing_and_turns_the_stress_with_it() {
         let solid = NeoHookean::of(&ELASTIC);
-        // A quarter about z after 3-4-5 about x.
+        // A quarter turn about z after a 3-4-5 turn about x.
         let turn = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
             * Mat3::new(1.0, 0.0, 0.0, 0.0, 0.6, -0.8, 0.0, 0.8, 0.6);
         assert!(solid.stress(&turn).expect("upright").norm() < 1e-9);

@@ -1,10 +1,14 @@
-//! Equilibrium of the neo-Hookean solid under dead loads: forces that keep their place in the matter and their direction in
-//! space (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 9). Newton's method with
-//! the exact tangent; the load comes on in steps, each halved until its equilibrium is found.
+//! Equilibrium of the neo-Hookean solid under dead loads. A dead load keeps its place in the matter and its direction
+//! in space.
 //!
-//! The tangent is factored as positive definite, so that what is found is a stable equilibrium: a slender part that buckles
-//! is refused there, not carried past it. Whether an element is inside out is asked at its points of integration, not at its
-//! corners.
+//! Newton's method with the exact tangent; the load grows in steps, each halved until its equilibrium is found.
+//!
+//! Source: Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 9.
+//!
+//! The tangent is factored as positive definite, so every result is a stable equilibrium. A slender part that buckles
+//! is refused at the point of buckling.
+//!
+//! Inversion of an element is tested at its points of integration, not at its corners.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
@@ -12,25 +16,29 @@ use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
 use crate::assembly::Assembly;
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 use crate::neo_hookean::NeoHookean;
+use crate::neo_hookean::neo_hookean_forces;
+use crate::stiffness::Elastic;
 use crate::stiffness::check_load;
 use crate::tangent::tangent;
-use crate::{Elastic, FemError, TetMesh, neo_hookean_forces};
 
-/// How equilibrium is sought.
+/// Options of the search for equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Steps in which the load comes on while all goes well; 1 to 1000, 4 by default. More are slower and reach
-    /// further before a step must be halved.
+    /// Steps of the load as long as every step converges, 1 to 1000, 4 by default. More steps take longer and reach
+    /// higher loads before a step must be halved.
     pub steps: u32,
-    /// How often a step may be halved; 0 to 20, 8 by default.
+    /// Largest number of times that a step may be halved, 0 to 20, 8 by default.
     pub halvings: u32,
-    /// Corrections within a step after which it counts as not converging; 1 to 100, 10 by default.
+    /// Corrections in a step after which it counts as not converging, 1 to 100, 10 by default.
     pub corrections: u32,
-    /// Tangents factored in all, which bounds the work; 1 to 10,000, 300 by default.
+    /// Tangents factored in all, 1 to 10,000, 300 by default. They bound the work.
     pub tangents: u32,
-    /// Equilibrium is where the forces that are left are below this share of the load on the nodes that may move (root of
-    /// the sum of squares of both); 1e-12 to 0.01, 1e-8 by default. Convergence is quadratic, so that less costs little.
+    /// Tolerance: residual forces as a share of the load on the nodes that may move, 1e-12 to 0.01, 1e-8 by default.
+    ///
+    /// Both are roots of sums of squares. Convergence is quadratic, so a smaller tolerance costs little.
     pub tolerance: f64,
 }
 
@@ -47,10 +55,10 @@ impl Default for NewtonOptions {
 }
 
 impl NewtonOptions {
-    /// Checks them.
+    /// Checks all options.
     ///
     /// # Errors
-    /// Names the field, what it is and what it may be.
+    /// [`FemError::Field`] with the field, the value found and the values allowed.
     pub fn validate(&self) -> Result<(), FemError> {
         let whole = [
             ("steps", self.steps, 1, 1000),
@@ -72,25 +80,27 @@ impl NewtonOptions {
     }
 }
 
-/// Where a solver stands, told after each correction.
+/// Progress of a solver, reported after each correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonProgress {
-    /// Share of the load that the step under way aims at, 0 to 1.
+    /// Share of the load at the end of the current step, 0 to 1.
     pub load: f64,
-    /// Corrections made in it.
+    /// Corrections made in the step.
     pub correction: u32,
-    /// Forces that are left, as a share of the whole load (see [`NewtonOptions::tolerance`]).
+    /// Residual forces as a share of the whole load; see [`NewtonOptions::tolerance`].
     pub left: f64,
     /// Tangents factored so far.
     pub tangents: u32,
 }
 
-/// Displacements (metres, node by node) at which the mesh, neo-Hookean and at small strain `material`, is in equilibrium with
-/// the dead `load` (newtons, node by node; what acts on a held node goes into its support).
+/// Returns the displacements (metres, node by node) at which the mesh is in equilibrium with the dead `load`
+/// (newtons, node by node).
+///
+/// The solid is neo-Hookean, and `material` at small strain. The support bears the load on a held node.
 ///
 /// # Errors
-/// When mesh, material, load or options are wrong, the mesh is not held, or no equilibrium is found: then
-/// [`FemError::Newton`] says up to which share of the load there was one.
+/// [`FemError`] if mesh, material, load or options are invalid, or the mesh is not held. [`FemError::Newton`] has the
+/// largest share of the load with an equilibrium.
 pub fn solve_neo_hookean(
     mesh: &TetMesh,
     material: &Elastic,
@@ -114,7 +124,7 @@ pub fn solve_neo_hookean(
     solver.run(progress)
 }
 
-/// Root of the sum of squares of the forces where nodes may move, N.
+/// Returns the root of the sum of squares of the forces on nodes that may move, N.
 fn size(mesh: &TetMesh, forces: &[Vec3]) -> f64 {
     let free = |(force, held): (&Vec3, &[bool; 3])| -> f64 {
         let parts = force.iter().zip(held);
@@ -140,7 +150,7 @@ impl Solver<'_> {
         if self.whole == 0.0 {
             return Ok(moved);
         }
-        // The load is counted in the smallest steps that there may be, exactly.
+        // The load is counted in the smallest possible steps, without rounding.
         let longest = 1_u64 << self.options.halvings;
         let all = u64::from(self.options.steps) * longest;
         let (mut reached, mut step) = (0, longest);
@@ -164,7 +174,8 @@ impl Solver<'_> {
         Ok(moved)
     }
 
-    /// Equilibrium at a share `aim` of the load, sought from `moved`; or why there is none.
+    /// Searches for the equilibrium at a share `aim` of the load, starting from `moved`; returns the reason if there
+    /// is none.
     fn step(
         &mut self,
         moved: &[Vec3],
@@ -211,7 +222,7 @@ impl Solver<'_> {
         let solid = NeoHookean::of(self.material);
         let mesh = self.mesh;
         self.assembly.factor(mesh, |tet| {
-            // Forces were finite here, so that it is the right way round.
+            // The forces were finite here, so the element is not inside out.
             tangent(mesh, &solid, tet, moved).unwrap_or([[Mat3::zeros(); 10]; 10])
         })
     }

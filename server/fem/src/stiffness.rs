@@ -1,4 +1,4 @@
-//! The stiffness of a mesh, and its displacements under loads.
+//! Stiffness of a mesh, and its displacements under loads.
 
 use std::array::from_fn;
 
@@ -9,22 +9,23 @@ use sulcus_core::math::Mat3;
 
 use crate::assembly::Assembly;
 use crate::element::gradients;
-use crate::{FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 
 /// An isotropic, linearly elastic material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastic {
-    /// Young's modulus, Pa; over 0.
+    /// Young's modulus, Pa, over 0.
     pub young: f64,
-    /// Poisson's ratio; 0 to 0.499. Living tissue hardly changes its volume: 0.49.
+    /// Poisson's ratio, 0 to 0.499. For living tissue, which hardly changes its volume, 0.49.
     pub poisson: f64,
 }
 
 impl Elastic {
-    /// Checks it.
+    /// Checks both constants.
     ///
     /// # Errors
-    /// Names the field, what it is and what it may be.
+    /// [`FemError::Field`] with the field, the value found and the values allowed.
     pub fn validate(&self) -> Result<(), FemError> {
         if !(1.0..=1e12).contains(&self.young) {
             return Err(FemError::field(
@@ -43,15 +44,16 @@ impl Elastic {
         Ok(())
     }
 
-    /// Lame's constants lambda and mu, Pa.
+    /// Returns Lame's constants lambda and mu, Pa.
     fn lame(&self) -> (f64, f64) {
         let mu = self.young / (2.0 * (1.0 + self.poisson));
         (2.0 * mu * self.poisson / (1.0 - 2.0 * self.poisson), mu)
     }
 }
 
-/// Stiffness between nodes `a` and `b` of a tetrahedron, N/m: the integral of `lambda grad_a grad_b' + mu (grad_b grad_a' +
-/// (grad_a . grad_b) 1)`.
+/// Returns the stiffness between nodes `a` and `b` of a tetrahedron, N/m.
+///
+/// The value is the integral of `lambda grad_a grad_b' + mu (grad_b grad_a' + (grad_a . grad_b) 1)`.
 fn block(all: &[([Vec3; 10], f64); 4], (lambda, mu): (f64, f64), a: usize, b: usize) -> Mat3 {
     all.iter().fold(Mat3::zeros(), |sum, (slopes, volume)| {
         let (p, q) = (&slopes[a], &slopes[b]);
@@ -60,7 +62,7 @@ fn block(all: &[([Vec3; 10], f64); 4], (lambda, mu): (f64, f64), a: usize, b: us
     })
 }
 
-/// Forces (N) with which the mesh resists the displacements `moved` (metres), node by node.
+/// Returns the forces (N) with which the mesh resists the displacements `moved` (metres), node by node.
 pub fn internal_forces(mesh: &TetMesh, material: &Elastic, moved: &[Vec3]) -> Vec<Vec3> {
     let (lambda, mu) = material.lame();
     let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];
@@ -85,7 +87,7 @@ pub fn internal_forces(mesh: &TetMesh, material: &Elastic, moved: &[Vec3]) -> Ve
     forces
 }
 
-/// A mesh of a material, factored: solves for displacements.
+/// A mesh of a material with its factored stiffness matrix. It solves for displacements.
 #[derive(Debug)]
 pub struct Factored {
     assembly: Assembly,
@@ -93,10 +95,10 @@ pub struct Factored {
 }
 
 impl Factored {
-    /// Assembles and factors. Takes a second or two for 50,000 unknowns.
+    /// Assembles and factors the matrix. 50,000 unknowns take one to two seconds.
     ///
     /// # Errors
-    /// When mesh or material are wrong, or the mesh is not held.
+    /// [`FemError`] if mesh or material are invalid, or the mesh is not held.
     pub fn new(mesh: &TetMesh, material: &Elastic) -> Result<Self, FemError> {
         material.validate()?;
         let assembly = Assembly::new(mesh)?;
@@ -110,11 +112,11 @@ impl Factored {
         Ok(Self { assembly, cholesky })
     }
 
-    /// Displacements (metres, node by node) under each of the `loads` (newtons, node by node; what acts on a held node
-    /// goes into its support).
+    /// Returns the displacements (metres, node by node) under each of the `loads` (newtons, node by node). The
+    /// support bears the load on a held node.
     ///
     /// # Errors
-    /// When a load has not a finite force for each node.
+    /// [`FemError::Field`] if a load does not have a finite force for each node.
     pub fn solve(&self, loads: &[Vec<Vec3>]) -> Result<Vec<Vec<Vec3>>, FemError> {
         for load in loads {
             check_load(load, self.assembly.nodes())?;

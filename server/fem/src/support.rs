@@ -1,21 +1,23 @@
-//! Whether every part of a mesh is held against all six rigid motions. The factorisation cannot tell: rounding makes the
-//! pivots of a loose part small, not negative.
+//! Check that every part of a mesh is held against all six rigid motions.
+//!
+//! The factorisation cannot detect a loose part: rounding makes its pivots small, not negative.
 
 use sulcus_core::Vec3;
 
-use crate::{FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 
-/// A translation and a turn; the turn counts in units of the part's size.
+/// A translation and a rotation; the rotation is in units of the part's size.
 type Motion = [f64; 6];
 
-/// Share of a support's direction that must be new for it to count.
+/// Share of a support's direction that must be new for the support to count.
 const NEW: f64 = 1e-6;
 
 fn dot(a: &Motion, b: &Motion) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Part that each node belongs to: the smallest index of a node that hangs together with it.
+/// Returns the part of each node: the smallest index of a node that is connected to it.
 fn parts(mesh: &TetMesh) -> Vec<u32> {
     let mut part: Vec<u32> = (0..mesh.nodes.len() as u32).collect();
     let root = |part: &mut Vec<u32>, mut node: u32| {
@@ -37,10 +39,10 @@ fn parts(mesh: &TetMesh) -> Vec<u32> {
         .collect()
 }
 
-/// Checks that nothing can move or turn freely.
+/// Checks that no part of a mesh can move or rotate freely.
 ///
 /// # Errors
-/// Names a node of a part that can.
+/// [`FemError::Field`] with a node of a loose part.
 pub fn check(mesh: &TetMesh) -> Result<(), FemError> {
     let parts = parts(mesh);
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); mesh.nodes.len()];
@@ -70,7 +72,7 @@ pub fn check(mesh: &TetMesh) -> Result<(), FemError> {
         let mut taken: Vec<Motion> = Vec::with_capacity(6);
         for support in supports {
             let mut new = support;
-            // Twice, against rounding.
+            // The second pass removes rounding.
             for known in taken.iter().chain(&taken) {
                 let share = dot(&new, known);
                 new.iter_mut().zip(known).for_each(|(x, k)| *x -= share * k);

@@ -1,11 +1,12 @@
-//! The boundary of a mesh.
+//! Boundary of a mesh.
 
 use std::collections::BTreeMap;
 
-use crate::TetMesh;
+use crate::mesh::TetMesh;
 
-/// Corners of each face of a tetrahedron, anticlockwise seen from outside, then the middles of its edges: first to second,
-/// second to third, third to first corner.
+/// Corners of each face of a tetrahedron, anticlockwise as seen from outside, then the middles of its edges.
+///
+/// The edges run from the first to the second, second to third, and third to first corner.
 const FACES: [[usize; 6]; 4] = [
     [0, 2, 1, 6, 5, 4],
     [0, 1, 3, 4, 8, 7],
@@ -14,10 +15,13 @@ const FACES: [[usize; 6]; 4] = [
 ];
 
 impl TetMesh {
-    /// Faces of the boundary, those that one tetrahedron alone has: three corners, anticlockwise seen from outside, then the
-    /// middles of the edges from the first to the second, second to third and third to first corner. In the order of the
-    /// tetrahedra; of one with several faces on the boundary, that against its last corner first, then those against corners
-    /// 2, 0, 1.
+    /// Returns the faces of the boundary: those of one tetrahedron alone.
+    ///
+    /// A face has three corners, anticlockwise as seen from outside, then the middles of the edges from first to
+    /// second, second to third and third to first corner.
+    ///
+    /// Faces are in the order of the tetrahedra. Of one tetrahedron, the face opposite its last corner comes first,
+    /// then those opposite corners 2, 0, 1.
     pub fn boundary_faces(&self) -> Vec<[u32; 6]> {
         let faces = self.tets.iter().flat_map(|tet| {
             let of = |face: &[usize; 6]| face.map(|a| tet[a]);
@@ -37,7 +41,7 @@ impl TetMesh {
         alone.collect()
     }
 
-    /// Corners of [`Self::boundary_faces`]: flat triangles, seen from outside anticlockwise.
+    /// Returns the corners of [`Self::boundary_faces`]: flat triangles, anticlockwise as seen from outside.
     pub fn boundary_triangles(&self) -> Vec<[u32; 3]> {
         let faces = self.boundary_faces().into_iter();
         faces.map(|[a, b, c, ..]| [a, b, c]).collect()

@@ -1,16 +1,17 @@
-//! How the forces of a neo-Hookean tetrahedron change with its displacements: the consistent tangent of Newton's method.
+//! Change of the forces of a neo-Hookean tetrahedron with its displacements: the consistent tangent of Newton's
+//! method.
 
 use std::array::from_fn;
 
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
-use crate::TetMesh;
 use crate::assembly::Blocks;
 use crate::element::gradients;
+use crate::mesh::TetMesh;
 use crate::neo_hookean::{NeoHookean, gradient};
 
-/// Change of a tetrahedron's forces with the displacements of its nodes, N/m; none where it is inside out.
+/// Returns the change of a tetrahedron's forces with the displacements of its nodes, N/m; `None` if it is inside out.
 pub(crate) fn tangent(
     mesh: &TetMesh,
     solid: &NeoHookean,
@@ -30,7 +31,7 @@ pub(crate) fn tangent(
             }
         }
         for b in 0..10 {
-            // Node b moved along each axis.
+            // Node b, moved along each axis.
             let by: [Mat3; 3] =
                 from_fn(|k| (0..3).fold(Mat3::zeros(), |sum, l| sum + by[k][l] * slopes[b][l]));
             for a in 0..10 {
@@ -45,7 +46,8 @@ pub(crate) fn tangent(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Elastic, neo_hookean_forces};
+    use crate::neo_hookean::neo_hookean_forces;
+    use crate::stiffness::Elastic;
 
     #[test]
     fn the_tangent_is_the_slope_of_the_forces() {
@@ -61,7 +63,7 @@ mod tests {
             young: 1e5,
             poisson: 0.49,
         };
-        // Some displacements, up to a tenth of the element.
+        // Displacements up to a tenth of the element.
         let moved: Vec<Vec3> = (0..10)
             .map(|k| {
                 let t = f64::from(k);

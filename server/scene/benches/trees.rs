@@ -1,9 +1,10 @@
 //! Sphere trees of real meshes and of the parametric parts: time to build, error level by level.
 //!
-//! `cargo bench -p sulcus-scene [-- LEVELS [NAME...]]`: 4 levels and all meshes unless said. Meshes of the
-//! data folder beside the project are skipped, and said to be, where that is absent.
+//! `cargo bench -p sulcus-scene [-- LEVELS [NAME...]]`: by default 4 levels and all meshes.
+//!
+//! Meshes of the data folder beside the project are skipped with a message if the folder is absent.
 
-// A bench has a clock and prints.
+// A bench uses a clock and prints.
 #![allow(clippy::disallowed_methods)]
 
 #[path = "../tests/it/meshes/mod.rs"]

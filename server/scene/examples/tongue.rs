@@ -1,4 +1,4 @@
-//! A tissue model from a scene file: a tongue that yields under a mouth mirror.
+//! A tissue model from a scene file: a tongue that deforms under a mouth mirror.
 //!
 //! ```text
 //! cargo run --release -p sulcus-scene --example tongue

@@ -1,4 +1,8 @@
-//! Built trees on disk, by the hash of everything that makes them: mesh, options, builder version.
+//! Cache of built trees on disk. The key is a hash of mesh, options and builder version.
+//!
+//! The name of a file also contains a hash of the builder's sources, comments included (`build.rs`). After any change
+//! of the sources, cached files are not found and trees are built again. The trees of [`crate::compile::family`] are
+//! found by the key alone.
 
 use std::path::{Path, PathBuf};
 
@@ -9,16 +13,16 @@ use crate::mesh::TriMesh;
 use crate::tree::build::{BUILDER_VERSION, TreeBuildError, TreeOptions, build_tree};
 use crate::tree::filled::check_filled;
 
-/// What the files of trees are called.
+/// Prefix of the file names of trees.
 const TREE: &str = "tree";
 const MAGIC: &[u8; 8] = b"SULCTRE\x02";
-/// Bytes of a node: centre, contact radius, inset, first child, children, level.
+/// Bytes of a node: centre, contact radius, inset, first child, number of children, level.
 const RECORD: usize = 5 * 8 + 4 + 2;
 /// Bytes before the nodes: a blend length for each level.
 const LENGTHS: usize = 8 * (MAX_LEVEL as usize + 1);
 
-/// Where built trees are kept unless said otherwise: `$SULCUS_CACHE`, else `$XDG_CACHE_HOME/sulcus`,
-/// else `$HOME/.cache/sulcus`.
+/// Returns the default folder of the cache: `$SULCUS_CACHE`, else `$XDG_CACHE_HOME/sulcus`, else
+/// `$HOME/.cache/sulcus`.
 pub fn default_cache_dir() -> Option<PathBuf> {
     let set = |name: &str| {
         std::env::var_os(name)
@@ -30,7 +34,7 @@ pub fn default_cache_dir() -> Option<PathBuf> {
         .or_else(|| set("HOME").map(|dir| dir.join(".cache").join("sulcus")))
 }
 
-/// Name of the tree that these options make from this mesh; `weights` names the importance of its places, empty where
+/// Returns the key of the tree of a mesh and options. `weights` names the importance of its places; it is empty if
 /// all count the same.
 pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions, weights: &str) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
@@ -45,11 +49,12 @@ pub(crate) fn key(mesh: &TriMesh, options: &TreeOptions, weights: &str) -> blake
     hasher.finalize()
 }
 
-/// The tree that `options` make from `mesh`: taken from `dir` if it is kept there, else built and kept. That it cannot be kept
-/// is no error: it is then built again next time.
+/// Returns the tree of `mesh` and `options` from the cache in `dir`; otherwise builds and caches it.
+///
+/// A failure to cache is ignored: the tree is built again next time.
 ///
 /// # Errors
-/// If it cannot be built.
+/// [`TreeBuildError`] if the tree cannot be built.
 pub fn kept_or_built(
     mesh: &TriMesh,
     options: &TreeOptions,
@@ -68,7 +73,7 @@ pub fn kept_or_built(
     Ok(tree)
 }
 
-/// Notes that what was kept under a key is still used: [`prune`] deletes what was not used for the longest time.
+/// Marks a cached file as used. [`prune`] deletes the files that were not used for the longest time.
 pub(crate) fn used(dir: &Path, what: &str, key: &blake3::Hash) -> std::io::Result<()> {
     let file = std::fs::File::options()
         .append(true)
@@ -76,7 +81,7 @@ pub(crate) fn used(dir: &Path, what: &str, key: &blake3::Hash) -> std::io::Resul
     file.set_modified(std::time::SystemTime::now())
 }
 
-/// Deletes files of a kind, but for the `most` that were used last.
+/// Deletes all files of a kind except the `most` that were used last.
 pub(crate) fn prune(dir: &Path, what: &str, most: usize) -> std::io::Result<()> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(dir)? {
@@ -97,7 +102,7 @@ pub(crate) fn prune(dir: &Path, what: &str, most: usize) -> std::io::Result<()> 
         .try_for_each(|(_, file)| std::fs::remove_file(file))
 }
 
-/// Hash of the sources of all builders: a program of other sources finds none of the files of this one.
+/// Hash of the sources of all builders. A program with other sources finds none of these files.
 const SOURCES: &str = env!("SULCUS_BUILDER_SOURCE");
 
 fn path(dir: &Path, what: &str, key: &blake3::Hash) -> PathBuf {
@@ -108,25 +113,25 @@ fn path(dir: &Path, what: &str, key: &blake3::Hash) -> PathBuf {
     dir.join(format!("{what}-{}.bin", &name[..32]))
 }
 
-/// The key that a file of the cache holds; none where the file is none of the cache's.
+/// Returns the key in a file of the cache; `None` if it is no such file.
 pub(crate) fn key_of(file: &[u8]) -> Option<&[u8]> {
     file.strip_prefix(MAGIC)?.get(..32)
 }
 
-/// What was kept under a key, if it is there and undamaged.
+/// Returns the content cached under a key; `None` if it is absent or damaged.
 pub(crate) fn load_bytes(dir: &Path, what: &str, key: &blake3::Hash) -> Option<Vec<u8>> {
     let bytes = std::fs::read(path(dir, what, key)).ok()?;
     content(&bytes, key).map(<[u8]>::to_vec)
 }
 
-/// What the bytes of a file hold, if it was kept under this key and is undamaged.
+/// Returns the content of a file's bytes; `None` if the file is damaged or has another key.
 pub(crate) fn content<'a>(file: &'a [u8], key: &blake3::Hash) -> Option<&'a [u8]> {
     let body = file.strip_prefix(MAGIC)?.strip_prefix(key.as_bytes())?;
     let (sum, content) = body.split_at_checked(32)?;
     (blake3::hash(content).as_bytes() == sum).then_some(content)
 }
 
-/// Keeps bytes under a key. Readers see the old file or the whole new one.
+/// Caches bytes under a key. Readers see the old file or the whole new one.
 pub(crate) fn store_bytes(
     dir: &Path,
     what: &str,
@@ -140,7 +145,7 @@ pub(crate) fn store_bytes(
     bytes.extend(content);
     std::fs::create_dir_all(dir)?;
     let target = path(dir, what, key);
-    // Unique per writer, so that two builds at once do not write into one another.
+    // The name is unique for each writer, so two builds at once do not mix.
     static WRITES: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
     let write = WRITES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     let partial = target.with_extension(format!("{}-{write}.partial", std::process::id()));
@@ -151,12 +156,12 @@ pub(crate) fn store_bytes(
     written
 }
 
-/// The tree, if it is there and undamaged.
+/// Returns the cached tree; `None` if it is absent or damaged.
 pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<SphereTree> {
     decode(&load_bytes(dir, TREE, key)?)
 }
 
-/// A tree from what was kept of it.
+/// Returns the tree in the content of a file.
 pub(crate) fn decode(content: &[u8]) -> Option<SphereTree> {
     let (lengths, nodes) = content.split_at_checked(LENGTHS)?;
     if nodes.len() % RECORD != 0 {
@@ -179,7 +184,7 @@ pub(crate) fn decode(content: &[u8]) -> Option<SphereTree> {
     tree.with_blending(Blending { lengths, insets }).ok()
 }
 
-/// Keeps a tree.
+/// Caches a tree.
 pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::io::Result<()> {
     let blending = tree.blending();
     let mut nodes = Vec::with_capacity(LENGTHS + tree.nodes().len() * RECORD);
@@ -203,7 +208,7 @@ pub(crate) fn store(dir: &Path, key: &blake3::Hash, tree: &SphereTree) -> std::i
     store_bytes(dir, TREE, key, &nodes)
 }
 
-/// A node with its inset.
+/// Returns a node with its inset.
 fn node(record: &[u8]) -> Option<(Node, f64)> {
     let real = |at: usize| {
         Some(f64::from_bits(u64::from_le_bytes(
@@ -257,7 +262,7 @@ mod tests {
             std::fs::write(&file, &good[..at]).expect("written");
             assert_eq!(load(dir.path(), &name), None, "cut at {at}");
         }
-        // Another mesh's file under this name is foreign.
+        // A file of another mesh under this name is ignored.
         let other = key(
             &mesh,
             &TreeOptions {
@@ -287,7 +292,7 @@ mod tests {
             store_bytes(dir.path(), "x", &key(k), &[k]).expect("stored");
             at(k, 1000 + u64::from(k));
         }
-        // Another kind, and a name that begins alike.
+        // Another kind, and a name with the same beginning.
         store_bytes(dir.path(), "y", &key(0), b"y").expect("stored");
         store_bytes(dir.path(), "xx", &key(0), b"xx").expect("stored");
         used(dir.path(), "x", &key(0)).expect("noted");

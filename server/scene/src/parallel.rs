@@ -1,20 +1,20 @@
-//! Work shared between threads with a result that does not depend on how many there are.
+//! Work shared between threads. The result does not depend on the number of threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// `(0..count).map(work)`, on all cores, in order.
+/// Returns `(0..count).map(work)`, computed on all cores, in order.
 pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     map_on(threads(), count, work)
 }
 
-/// How many threads share the work.
+/// Returns the number of threads.
 pub(crate) fn threads() -> usize {
     std::thread::available_parallelism()
         .map_or(1, |n| n.get())
         .min(8)
 }
 
-/// [`map`] on so many threads.
+/// Returns [`map`] on this number of threads.
 pub(crate) fn map_on<T: Send>(
     threads: usize,
     count: usize,
@@ -25,7 +25,7 @@ pub(crate) fn map_on<T: Send>(
         return (0..count).map(work).collect();
     }
     let next = AtomicUsize::new(0);
-    // Each thread takes the next chunk; the pieces are put back in order afterwards.
+    // Each thread takes the next chunk. The pieces are put in order afterwards.
     let run = || {
         let mut done = Vec::new();
         loop {

@@ -1,6 +1,6 @@
-//! A fixed-seed generator: the builder tries things, but always the same things.
+//! A generator with a fixed seed. Attempts of the builder are the same in every run.
 
-/// SplitMix64. Not for secrets.
+/// SplitMix64. It is not suitable for secrets.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
 
@@ -17,12 +17,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform in `[0, 1)`.
+    /// Returns a number, uniform in `[0, 1)`.
     pub(crate) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// Uniform in `[low, high)`.
+    /// Returns a number, uniform in `[low, high)`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }

@@ -5,7 +5,7 @@ use crate::sources::{MEMBERS, root, walk};
 /// Sources that may name the reader of TOML: the two ways to [`sulcus_core::exactly`], and the reader of a recording's patient,
 /// which looks at single values of a table.
 const READERS: [&str; 3] = [
-    "server/scene/src/file/mod.rs",
+    "server/scene/src/hand_written.rs",
     "sessions/src/grade/patient.rs",
     "sessions/src/record/written.rs",
 ];

@@ -89,5 +89,7 @@ fn what_a_report_cannot_do_is_refused_before_it_works() {
     run(&["--paper=teeth"]).refused(&["teeth", "--paper"]);
     run(&["--peers", "none.json"]).refused(&["none.json", "--peers"]);
     run(&["--paper=tongue", "--peers", "none.json"]).refused(&["--peers"]);
+    let tables = ["--readme", "`Hard cases`", "`Paper: the machine`"];
+    run(&["--paper", "--readme", "none.md"]).refused(&tables);
     assert!(!place.path("report").join("report.json").exists());
 }

@@ -1,18 +1,18 @@
-//! The organ divided into cells in each of which its displacement gradient counts as one.
+//! Cells of an organ. The displacement gradient is constant in each cell.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
-use crate::TetMesh;
+use crate::mesh::TetMesh;
 use crate::neo_hookean::gradient;
 
-/// Gradients of the shape functions and volume at each point of integration of a tetrahedron.
+/// Gradients of the shape functions and volume at each point of integration of a tetrahedron, 1/m and m3.
 pub(super) type Points = [([Vec3; 10], f64); 4];
 
-/// Rounds of moving the cells' centres.
+/// Rounds of moving the centres of the cells.
 const ROUNDS: usize = 30;
 
-/// Which cell each tetrahedron belongs to, and their volumes, m3.
+/// Cell of each tetrahedron, and volumes of the cells, m3.
 pub(super) struct Division {
     pub of: Vec<usize>,
     pub volumes: Vec<f64>,
@@ -30,8 +30,9 @@ pub(super) fn add_strain(mesh: &TetMesh, points: &[Points], moved: &[Vec3], sums
     }
 }
 
-/// Divides the mesh into at most `count` cells, the smaller the more a place is strained by loads on the surface (`strained`):
-/// k-means on the middles of the tetrahedra.
+/// Divides the mesh into at most `count` cells by k-means on the centres of the tetrahedra.
+///
+/// Cells are small where loads on the surface strain the organ much (`strained`).
 pub(super) fn divide(
     mesh: &TetMesh,
     points: &[Points],
@@ -53,7 +54,7 @@ pub(super) fn divide(
             / 4.0
     };
     let middles: Vec<Vec3> = mesh.tets.iter().map(middle).collect();
-    // Begin with places as far apart as possible, the strained ones first.
+    // The first centres are as far apart as possible, beginning with the most strained places.
     let mut centres: Vec<Vec3> = Vec::new();
     let mut away = vec![1.0; middles.len()];
     while centres.len() < count {
@@ -88,7 +89,7 @@ pub(super) fn divide(
     for (k, &cell) in of.iter().enumerate() {
         volumes[cell] += volume(k);
     }
-    // A centre that lost all of its own is none.
+    // A centre without tetrahedra is dropped.
     let mut number = vec![usize::MAX; centres.len()];
     let mut kept = Vec::new();
     for (cell, volume) in volumes.into_iter().enumerate() {
@@ -110,7 +111,9 @@ fn assign(middles: &[Vec3], centres: &[Vec3], of: &mut [usize]) {
     }
 }
 
-/// Forces (N, node by node) that a first Piola-Kirchhoff stress of 1 Pa in row `i`, column `j` puts on the nodes of a cell.
+/// Returns the forces on the nodes of a cell, N, node by node.
+///
+/// The cause is a first Piola-Kirchhoff stress of 1 Pa in row `i`, column `j`.
 pub(super) fn polarised(
     mesh: &TetMesh,
     points: &[Points],

@@ -1,4 +1,4 @@
-//! Where the masters are, and the functions on the surface that go with them.
+//! Places of the masters, and their functions on the surface.
 
 use std::collections::BTreeMap;
 
@@ -6,9 +6,12 @@ use faer::Mat;
 use sulcus_core::Vec3;
 use sulcus_core::tissue::surface::{Masters, SURFACE_CARRIERS};
 
-use crate::{FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 
-/// Chooses vertices of the surface, each as far as possible from those before it, until `most` of them move or none is left.
+/// Chooses vertices of the surface as masters, each as far as possible from those before it.
+///
+/// The choice ends when `most` of the masters move, or no vertex is left.
 pub(super) fn choose(mesh: &TetMesh, most: usize) -> Result<Masters, FemError> {
     let mut vertices = mesh.boundary_triangles().concat();
     vertices.sort_unstable();
@@ -48,12 +51,12 @@ pub(super) fn choose(mesh: &TetMesh, most: usize) -> Result<Masters, FemError> {
     })
 }
 
-/// The functions of the moving masters on the surface: linear on each triangle, by the weights of its corners.
+/// Functions of the moving masters on the surface: linear on each triangle, by the weights of its corners.
 pub(super) struct Functions {
     nodes: usize,
-    /// For each master the consistent forces of its function as a traction of 1 Pa, by node; m2.
+    /// Consistent forces of each master's function as a traction of 1 Pa, by node, m2.
     forces: Vec<Vec<(u32, f64)>>,
-    /// Integrals of their products over the surface, m2.
+    /// Integrals of the functions' products over the surface, m2.
     pub mass: Mat<f64>,
 }
 
@@ -78,7 +81,7 @@ impl Functions {
                 for (a, w) in carried(k) {
                     let forces = &mut forces[a];
                     for l in 0..3 {
-                        // Products of a corner's linear function with the quadratic ones, integrated exactly.
+                        // Integral of the product of a corner's linear function with a quadratic one, exact.
                         let of_corner = if k == l { 1.0 / 30.0 } else { -1.0 / 60.0 };
                         *forces.entry(corners[l]).or_default() += w * area * of_corner;
                         let ends = k == l || k == (l + 1) % 3;
@@ -102,7 +105,7 @@ impl Functions {
         }
     }
 
-    /// Forces of a master's function as a traction of 1 Pa along an axis, N, node by node.
+    /// Returns the forces of a master's function as a traction of 1 Pa along an axis, N, node by node.
     pub fn traction(&self, master: usize, axis: usize) -> Vec<Vec3> {
         let mut load = vec![Vec3::zeros(); self.nodes];
         for &(node, force) in &self.forces[master] {
@@ -111,8 +114,9 @@ impl Functions {
         load
     }
 
-    /// Writes the integrals of a displacement times each master's function over the surface (m3) into a column, x, y, z of each
-    /// master in turn.
+    /// Writes the integrals of a displacement times each master's function over the surface (m3) into a column.
+    ///
+    /// Rows are x, y, z of each master in turn.
     pub fn read_all(&self, moved: &[Vec3], into: &mut Mat<f64>, column: usize) {
         for master in 0..into.nrows() / 3 {
             let read = self.read(master, moved);

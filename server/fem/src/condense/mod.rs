@@ -1,10 +1,13 @@
-//! An organ condensed to its surface: what the tick needs of the finite elements
-//! ([`sulcus_core::tissue::surface`] says what it does with it).
+//! An organ condensed to its surface: the data that [`sulcus_core::tissue::surface`] needs of the finite elements.
 //!
-//! Displacements and tractions of the surface are taken from one space, spanned by a smooth function `w_a` for each *master*
-//! (the weights with which places on the surface follow it). Galerkin's condensation in that space, `S = M^-1 (W' K^-1 W) M^-1`
-//! with `W_a` the consistent forces of the traction `w_a` and `M` the mass matrix of the functions, is symmetric and
-//! positive semi-definite by construction, and does not know point loads (whose displacement grows without bound on finer meshes).
+//! Displacements and tractions of the surface belong to one space. A smooth function `w_a` for each *master* spans
+//! it: the weights with which places on the surface follow the master.
+//!
+//! Galerkin's condensation in that space is `S = M^-1 (W' K^-1 W) M^-1`. `W_a` are the consistent forces of the
+//! traction `w_a`, and `M` is the mass matrix of the functions. `S` is symmetric and positive semi-definite by
+//! construction.
+//!
+//! Point loads do not occur. Their displacement would grow without bound on finer meshes.
 
 mod cells;
 mod masters;
@@ -18,21 +21,25 @@ use sulcus_core::tissue::surface::{
 };
 
 use crate::element::gradients;
-use crate::{Elastic, Factored, FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
+use crate::stiffness::{Elastic, Factored};
 use cells::divide;
 use masters::{Functions, choose};
 
 /// Most bytes of a condensed organ.
 const MOST_BYTES: usize = 1 << 24;
-/// Right-hand sides that are solved at once.
+/// Right-hand sides of one solution.
 const BATCH: usize = 48;
 
-/// How fine.
+/// Fineness of a condensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CondenseOptions {
-    /// Masters that move, at most. 9 to 256: on a real tongue 96 leave 1.4 % of the largest displacement, 128 1.1 %, 256 0.8 %.
+    /// Largest number of masters that move, 9 to 256. On a real tongue 96 leave an error of 1.4 % of the largest
+    /// displacement, 128 of 1.1 %, 256 of 0.8 %.
     pub masters: usize,
-    /// Cells of the large-displacement term. 0 to 64: none leave 7.5 % at 15 mm, 16 3.0 %, 32 and 64 2.8 %.
+    /// Number of cells of the large-displacement term, 0 to 64. The error at 15 mm is 7.5 % without cells, 3.0 % with
+    /// 16, 2.8 % with 32 and 64.
     pub cells: usize,
 }
 
@@ -55,19 +62,21 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// As bytes.
+    /// Returns the organ as bytes.
     ///
     /// # Errors
-    /// Only when it is too large to encode.
+    /// [`FemError::Bytes`] if the organ is too large to encode.
     pub fn to_bytes(&self) -> Result<Vec<u8>, FemError> {
         bincode::serde::encode_to_vec(self, bincode::config::standard())
             .map_err(|error| FemError::Bytes(error.to_string()))
     }
 
-    /// Back from bytes. (Masters that no surface has are the business of [`SurfaceCompliance::validate`].)
+    /// Returns the organ that [`Condensed::to_bytes`] wrote.
+    ///
+    /// Masters outside of a surface are found by [`SurfaceCompliance::validate`], not here.
     ///
     /// # Errors
-    /// When they are not those of a condensed organ.
+    /// [`FemError::Bytes`] if the bytes are not those of a condensed organ.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FemError> {
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let (organ, used): (Self, usize) = bincode::serde::decode_from_slice(bytes, config)
@@ -78,12 +87,14 @@ impl Condensed {
         Ok(organ)
     }
 
-    /// The masters.
+    /// Returns the masters.
     pub fn masters(&self) -> &Masters {
         &self.masters
     }
 
-    /// Who carries a sphere that follows the masters with these weights (by number, each once; no more than eight).
+    /// Returns the carriers of a sphere that follows the masters with these weights.
+    ///
+    /// `weights` has at most eight pairs of a master's number and its weight; no master occurs twice.
     pub fn skin(&self, weights: &[(usize, f64)]) -> SurfaceSkin {
         let mut skin = SurfaceSkin::default();
         let moving = weights.iter().filter(|(k, _)| *k < self.masters.moving());
@@ -94,7 +105,7 @@ impl Condensed {
         skin
     }
 
-    /// The tissue model of an organ whose spheres are carried as `skin` says, node by node of its tree.
+    /// Returns the tissue model of the organ. `skin` has the carriers of each node of its tree.
     pub fn model(&self, skin: Vec<SurfaceSkin>, params: SurfaceParams) -> SurfaceCompliance {
         SurfaceCompliance {
             params: SurfaceParams {
@@ -109,10 +120,11 @@ impl Condensed {
     }
 }
 
-/// Condenses a mesh of a material with this Poisson's ratio. `progress` gets what is being done and how much of it is.
+/// Condenses a mesh of a material with the given Poisson's ratio. `progress` receives the current step and the share
+/// that is done.
 ///
 /// # Errors
-/// When mesh, ratio or options are wrong, or the mesh is not held.
+/// [`FemError`] if mesh, ratio or options are invalid, or the mesh is not held.
 pub fn condense(
     mesh: &TetMesh,
     poisson: f64,
@@ -128,7 +140,7 @@ pub fn condense(
         return Err(FemError::field("cells", found, "0 to 64"));
     }
     progress("factoring the finite elements", 0.0);
-    // All is proportional to the modulus or its inverse.
+    // All results are proportional to the modulus or to its inverse.
     let material = Elastic {
         young: 1.0,
         poisson,
@@ -162,7 +174,7 @@ pub fn condense(
             cells::add_strain(mesh, &points, moved, &mut strained);
         }
     }
-    // To the left and to the right, the same by symmetry.
+    // The two sides are equal by symmetry.
     let half = projected(&mass, &raw);
     let whole = projected(&mass, &half.transpose().to_owned());
     let mut compliance = Vec::with_capacity(3 * count * (3 * count + 1) / 2);
@@ -204,7 +216,7 @@ pub fn condense(
     })
 }
 
-/// `M^-1` times each column, axis by axis of rows in the order x, y, z of each master.
+/// Returns `M^-1` times each column. Rows are in the order x, y, z of each master; axes are treated one by one.
 fn projected(mass: &Llt<f64>, rows: &Mat<f64>) -> Mat<f64> {
     let (count, columns) = (rows.nrows() / 3, rows.ncols());
     let mut out = Mat::<f64>::zeros(3 * count, columns);

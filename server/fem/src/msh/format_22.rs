@@ -1,8 +1,9 @@
-//! Nodes and elements of format 2.2: one a line (Gmsh reference manual, "MSH file format version 2 (Legacy)").
+//! Nodes and elements of format 2.2, one on each line. Source: Gmsh reference manual, "MSH file format version 2
+//! (Legacy)".
 
 use super::lines::Lines;
 use super::sections::{Element, Sections, count, known, place};
-use crate::FemError;
+use crate::error::FemError;
 
 impl Sections {
     pub(super) fn nodes_22(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
@@ -26,7 +27,7 @@ impl Sections {
             let kind = numbers.next(expected)?;
             let (dimension, nodes) = known(&line, kind)?;
             let tags: usize = numbers.next(expected)?;
-            // The first tag is the physical group; 0 is none.
+            // The first tag is the physical group; 0 means none.
             let group = if tags > 0 { numbers.next(expected)? } else { 0 };
             for _ in 1..tags {
                 let _: i64 = numbers.next(expected)?;

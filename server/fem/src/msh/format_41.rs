@@ -1,12 +1,13 @@
-//! Entities, nodes and elements of format 4.1: nodes and elements in blocks, one for each entity (Gmsh reference manual, "MSH
-//! file format").
+//! Entities, nodes and elements of format 4.1. Nodes and elements are in blocks, one for each entity.
+//!
+//! Source: Gmsh reference manual, "MSH file format".
 
 use super::lines::{Line, Lines};
 use super::sections::{Element, Sections, dimension, known, place};
-use crate::FemError;
+use crate::error::FemError;
 
 impl Sections {
-    /// Points, curves, surfaces and volumes of format 4.1, of which the physical groups are kept.
+    /// Reads points, curves, surfaces and volumes of format 4.1, and keeps their physical groups.
     pub(super) fn entities(&mut self, lines: &mut Lines<'_>) -> Result<(), FemError> {
         let line = lines.take("numbers of points, curves, surfaces, volumes")?;
         let mut numbers = line.numbers();
@@ -26,7 +27,7 @@ impl Sections {
                 let extent: Vec<f64> = numbers.all(if dimension == 0 { 3 } else { 6 }, expected)?;
                 drop(extent);
                 let groups: usize = numbers.next(expected)?;
-                // The sign tells which way round.
+                // The sign gives the orientation.
                 let groups =
                     (0..groups).map(|_| Ok(numbers.next::<i64>(expected)?.saturating_abs()));
                 let groups: Result<Vec<i64>, FemError> = groups.collect();
@@ -55,7 +56,7 @@ impl Sections {
                 );
             }
             for &tag in &tags {
-                // What follows are coordinates on the entity.
+                // The remaining numbers are coordinates on the entity.
                 let expected = "x, y, z";
                 let line = lines.take(expected)?;
                 let at = line.numbers().all(3, expected)?;
@@ -99,7 +100,7 @@ impl Sections {
     }
 }
 
-/// The head of a section in blocks: its line, number of blocks and of what is in them all.
+/// Reads the head of a section in blocks: its line, the number of blocks, and the number of items in all blocks.
 fn blocks<'a>(lines: &mut Lines<'a>) -> Result<(Line<'a>, u64, u64), FemError> {
     let expected = "number of blocks, number in all, least and greatest tag";
     let line = lines.take(expected)?;
@@ -109,7 +110,7 @@ fn blocks<'a>(lines: &mut Lines<'a>) -> Result<(Line<'a>, u64, u64), FemError> {
     Ok((line, counts.0, counts.1))
 }
 
-/// Checks that blocks hold what their head says.
+/// Checks that the blocks have as many items as the head states.
 fn in_all(head: &Line<'_>, found: usize, expected: u64) -> Result<(), FemError> {
     if found as u64 == expected {
         return Ok(());

@@ -1,16 +1,17 @@
-//! What is held: the physical groups named `fixed`.
+//! Held nodes: those of the physical groups named `fixed`.
 
 use std::collections::BTreeMap;
 
 use super::{Reader, TET4, TET10};
 use crate::element::EDGES;
-use crate::{FemError, TetMesh};
+use crate::error::FemError;
+use crate::mesh::TetMesh;
 
 /// Name of the groups.
 const FIXED: &str = "fixed";
 
 impl Reader<'_> {
-    /// Holds what the groups for it name; `new` are the mesh's numbers of the file's nodes.
+    /// Holds the nodes of the groups named `fixed`. `new` has the mesh's number of each node of the file.
     pub(super) fn hold(
         &self,
         mesh: &mut TetMesh,
@@ -45,7 +46,7 @@ impl Reader<'_> {
             };
             let ids = self.ids(element, index)?;
             let mut hold = |node: u32| {
-                // Not in the mesh where it belongs to another volume.
+                // A node of another volume is not in the mesh.
                 if let Some(held) = mesh.held.get_mut(node as usize) {
                     *held = [true; 3];
                 }

@@ -1,11 +1,11 @@
-//! The lines of a text, each with its number, and the numbers on a line.
+//! Lines of a text with their numbers, and the numbers on a line.
 
 use std::path::Path;
 use std::str::{FromStr, Lines as Texts, SplitWhitespace};
 
-use crate::FemError;
+use crate::error::FemError;
 
-/// What is left of a text.
+/// The remaining lines of a text.
 pub struct Lines<'a> {
     path: &'a Path,
     rest: Texts<'a>,
@@ -16,7 +16,7 @@ pub struct Lines<'a> {
 #[derive(Clone, Copy)]
 pub struct Line<'a> {
     path: &'a Path,
-    /// Counted from 1.
+    /// Number of the line, from 1.
     pub number: u64,
     pub text: &'a str,
 }
@@ -30,7 +30,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line, if there is one.
+    /// Returns the next line, if there is one.
     pub fn next(&mut self) -> Option<Line<'a>> {
         loop {
             let text = self.rest.next()?.trim();
@@ -45,7 +45,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line, which must be there.
+    /// Returns the next line; an error if there is none.
     pub fn take(&mut self, expected: &str) -> Result<Line<'a>, FemError> {
         self.next().ok_or_else(|| FemError::Row {
             path: self.path.to_owned(),
@@ -55,7 +55,7 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// The next line, which must be `text`.
+    /// Checks that the next line is `text`.
     pub fn end(&mut self, text: &str) -> Result<(), FemError> {
         let line = self.take(text)?;
         if line.text == text {
@@ -66,12 +66,12 @@ impl<'a> Lines<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// That it is not what it should be.
+    /// Returns the error that this line is not as expected.
     pub fn wrong(&self, found: &str, expected: &str) -> FemError {
         wrong(self.path, self.number, found, expected)
     }
 
-    /// The numbers on it.
+    /// Returns the numbers on the line.
     pub fn numbers(&self) -> Numbers<'a> {
         Numbers {
             line: *self,
@@ -80,7 +80,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// That a line is not what it should be.
+/// Returns the error that a line is not as expected.
 pub fn wrong(path: &Path, line: u64, found: &str, expected: &str) -> FemError {
     // A damaged line may be as long as the file.
     let found = match found.char_indices().nth(60) {
@@ -95,14 +95,14 @@ pub fn wrong(path: &Path, line: u64, found: &str, expected: &str) -> FemError {
     }
 }
 
-/// The numbers on a line that are not yet read.
+/// The unread numbers of a line.
 pub struct Numbers<'a> {
     line: Line<'a>,
     rest: SplitWhitespace<'a>,
 }
 
 impl Numbers<'_> {
-    /// The next one.
+    /// Returns the next number.
     pub fn next<T: FromStr>(&mut self, expected: &str) -> Result<T, FemError> {
         let Some(word) = self.rest.next() else {
             return Err(self.line.wrong("the end of the line", expected));
@@ -111,7 +111,7 @@ impl Numbers<'_> {
         number.map_err(|_| self.line.wrong(word, expected))
     }
 
-    /// The next `count`.
+    /// Returns the next `count` numbers.
     pub fn all<T: FromStr>(&mut self, count: usize, expected: &str) -> Result<Vec<T>, FemError> {
         (0..count).map(|_| self.next(expected)).collect()
     }

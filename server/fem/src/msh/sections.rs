@@ -1,5 +1,7 @@
-//! The sections of a file, as they stand there; those that differ between the formats are in files of their own. A count in the file decides how many lines are asked for, never how much
-//! memory is reserved: what a file can make this hold is bounded by its length.
+//! Sections of a file in the layout of the file. Sections that differ between the formats have files of their own.
+//!
+//! A count in the file decides how many lines are expected, never how much memory is reserved. The length of the file
+//! therefore bounds the memory.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,15 +9,16 @@ use std::path::Path;
 use sulcus_core::Vec3;
 
 use super::lines::{Line, Lines};
-use crate::FemError;
+use crate::error::FemError;
 
-/// What a file says.
+/// Content of a file.
 #[derive(Default)]
 pub struct Sections {
     /// Names of physical groups, by dimension and tag.
     pub names: BTreeMap<(u8, i64), String>,
-    /// Physical groups of an entity, by its dimension and tag. In format 2.2 an element says its group itself: there each
-    /// group stands for an entity.
+    /// Physical groups of an entity, by its dimension and tag.
+    ///
+    /// In format 2.2 an element names its group itself, and each group serves as an entity.
     pub groups: BTreeMap<(u8, i64), Vec<i64>>,
     /// Tag, line and place of each node, in the units of the file.
     pub nodes: Vec<(u64, u64, Vec3)>,
@@ -25,15 +28,16 @@ pub struct Sections {
 /// An element of any kind.
 pub struct Element {
     pub line: u64,
-    /// The file's number for its kind.
+    /// Number of its kind in the file.
     pub kind: u32,
-    /// Dimension and tag of the entity that it is part of.
+    /// Dimension and tag of its entity.
     pub entity: (u8, i64),
     /// Tags of its nodes.
     pub nodes: Vec<u64>,
 }
 
-/// Dimension and number of nodes of the kinds of element up to second order (Gmsh reference manual, "MSH file format").
+/// Returns dimension and number of nodes of a kind of element up to second order. Source: Gmsh reference manual, "MSH
+/// file format".
 fn shape(kind: u32) -> Option<(u8, usize)> {
     Some(match kind {
         15 => (0, 1),
@@ -59,7 +63,7 @@ fn shape(kind: u32) -> Option<(u8, usize)> {
     })
 }
 
-/// The two formats that are read.
+/// The two supported formats.
 #[derive(Clone, Copy, PartialEq)]
 enum Version {
     V22,
@@ -67,7 +71,7 @@ enum Version {
 }
 
 impl Sections {
-    /// Reads them all.
+    /// Reads all sections.
     pub fn read(path: &Path, text: &str) -> Result<Self, FemError> {
         let mut lines = Lines::new(path, text);
         lines.end("$MeshFormat")?;
@@ -78,7 +82,7 @@ impl Sections {
         while let Some(line) = lines.next() {
             let mut once = |k: usize| {
                 if std::mem::replace(&mut had[k], true) {
-                    return Err(line.wrong(line.text, "this section once"));
+                    return Err(line.wrong(line.text, "each section once"));
                 }
                 Ok(())
             };
@@ -137,7 +141,7 @@ impl Sections {
     }
 }
 
-/// Which format a file is in.
+/// Returns the format of a file.
 fn format(line: &Line<'_>) -> Result<Version, FemError> {
     let mut numbers = line.numbers();
     let expected = "version 2.2 or 4.1";
@@ -154,7 +158,7 @@ fn format(line: &Line<'_>) -> Result<Version, FemError> {
     }
 }
 
-/// A line with a count.
+/// Reads a line with a count.
 pub(super) fn count(lines: &mut Lines<'_>, expected: &str) -> Result<u64, FemError> {
     lines.take(expected)?.numbers().next(expected)
 }

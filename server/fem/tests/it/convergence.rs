@@ -1,4 +1,4 @@
-//! How the error falls as the mesh is refined, at a Poisson's ratio of 0.49.
+//! Convergence of the error with refinement of the mesh, at a Poisson's ratio of 0.49.
 
 use crate::common::{SOFT, block, pull};
 use sulcus_core::Vec3;
@@ -11,8 +11,9 @@ fn work(mesh: &TetMesh, load: Vec<Vec3>) -> f64 {
     load.iter().zip(&moved[0]).map(|(f, u)| f.dot(u)).sum()
 }
 
-/// A thick L: a square with a quarter cut out, so that its inner corner is sharp, held at its foot, pushed sideways at its end,
-/// with so many cells over a leg's breadth.
+/// A thick L, held at its foot and pushed sideways at its end. `cells` counts the cells over the breadth of a leg.
+///
+/// The L is a square without one quarter, so its inner corner is sharp.
 fn bracket(cells: usize) -> f64 {
     let leg = 0.01;
     let whole = block(
@@ -28,7 +29,7 @@ fn bracket(cells: usize) -> f64 {
         x.x < leg || x.z > leg
     });
     let corners: Vec<[u32; 4]> = kept.map(|tet| [tet[0], tet[1], tet[2], tet[3]]).collect();
-    // Only the nodes that are left.
+    // Only the remaining nodes.
     let mut new = vec![u32::MAX; whole.nodes.len()];
     let mut nodes = Vec::new();
     let corners: Vec<[u32; 4]> = corners
@@ -55,7 +56,7 @@ fn bracket(cells: usize) -> f64 {
 
 #[test]
 fn a_thick_bracket_gives_way_more_and_ever_less_so() {
-    // Each mesh contains the one before: by Galerkin's principle it can only become softer.
+    // Each mesh contains the one before. By Galerkin's principle it can only become softer.
     let work = [1, 2, 4, 8].map(bracket);
     let gained: Vec<f64> = work.windows(2).map(|w| w[1] - w[0]).collect();
     assert!(gained.iter().all(|gain| *gain > 0.0), "{work:?}");
@@ -63,7 +64,7 @@ fn a_thick_bracket_gives_way_more_and_ever_less_so() {
     let exact = work[3] + gained[2] / (gained[1] / gained[2] - 1.0);
     let off = work.map(|work| (1.0 - work / exact) * 100.0);
     println!("bracket: {off:.3?} % short of the extrapolated work, orders {orders:.2?}");
-    // The inner corner and the rim of the foot, where stress has no bound, hold the order near 1.
+    // Stress has no bound at the inner corner and at the rim of the foot, so the order stays near 1.
     assert!(
         orders.iter().all(|order| (0.8..2.5).contains(order)),
         "{orders:?}"
@@ -80,7 +81,7 @@ fn gauss() -> [(f64, f64); 4] {
     [(-near, more), (near, more), (-far, less), (far, less)].map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w))
 }
 
-/// Points of a tetrahedron in volume coordinates, with the share of its volume that each stands for: a cube pressed together.
+/// Points of a tetrahedron in volume coordinates, with the share of the volume of each. The rule is a collapsed cube.
 fn points() -> Vec<([f64; 4], f64)> {
     let mut all = Vec::new();
     for (a, p) in gauss() {
@@ -97,7 +98,7 @@ fn points() -> Vec<([f64; 4], f64)> {
     all
 }
 
-/// Shape functions, written out here again.
+/// Shape functions, written independently of the crate.
 fn shape(l: &[f64; 4]) -> [f64; 10] {
     let corner = |k: usize| l[k] * (2.0 * l[k] - 1.0);
     let middle = |i: usize, j: usize| 4.0 * l[i] * l[j];
@@ -117,8 +118,9 @@ fn shape(l: &[f64; 4]) -> [f64; 10] {
 
 const SIDE: f64 = 0.02;
 
-/// A displacement that is zero on the faces of a cube, its value and second derivatives: `a sin sin sin` of `pi x / SIDE`, by
-/// axis with another amplitude.
+/// Amplitudes by axis of a displacement that is zero on the faces of a cube, and its second derivatives.
+///
+/// The displacement is `a sin sin sin` of `pi x / SIDE`.
 const AMPLITUDE: [f64; 3] = [1e-4, -2e-4, 1.5e-4];
 
 fn exact(x: &Vec3) -> Vec3 {
@@ -126,7 +128,7 @@ fn exact(x: &Vec3) -> Vec3 {
     Vec3::from(AMPLITUDE) * (sines.x * sines.y * sines.z)
 }
 
-/// The force per volume (N/m3) that holds it there: `-(lambda + mu) grad div u - mu laplace u`.
+/// Force per volume (N/m3) in equilibrium with it: `-(lambda + mu) grad div u - mu laplace u`.
 fn body_force(x: &Vec3) -> Vec3 {
     let wave = std::f64::consts::PI / SIDE;
     let s = x.map(|x| libm::sin(wave * x));
@@ -134,7 +136,7 @@ fn body_force(x: &Vec3) -> Vec3 {
     let mu = SOFT.young / (2.0 * (1.0 + SOFT.poisson));
     let lambda = 2.0 * mu * SOFT.poisson / (1.0 - 2.0 * SOFT.poisson);
     let [a, b, d] = AMPLITUDE;
-    // Second derivatives of sin sin sin: twice by one axis, or by two.
+    // Second derivatives of sin sin sin: twice by one axis, or by two axes.
     let twice = -s.x * s.y * s.z;
     let (xy, xz, yz) = (c.x * c.y * s.z, c.x * s.y * c.z, s.x * c.y * c.z);
     let grad_div = Vec3::new(
@@ -156,7 +158,7 @@ fn error(cells: usize) -> f64 {
     let place = |tet: &[u32; 10], l: &[f64; 4]| -> Vec3 {
         (0..4).map(|k| mesh.nodes[tet[k] as usize] * l[k]).sum()
     };
-    // All tetrahedra of the block are of one size.
+    // All tetrahedra of the block have the same volume.
     let volume = mesh.volume() / mesh.tets.len() as f64;
     let mut load = vec![Vec3::zeros(); mesh.nodes.len()];
     for tet in &mesh.tets {
@@ -189,7 +191,7 @@ fn a_smooth_displacement_is_met_to_third_order() {
     let errors = [3, 6, 12].map(error);
     let orders: Vec<f64> = errors.windows(2).map(|e| libm::log2(e[0] / e[1])).collect();
     println!("smooth displacement in a cube: {errors:.6?} off, orders {orders:.2?}");
-    // Third order in the limit (Hughes 2000, section 4.1); a Poisson's ratio of 0.49 delays it.
+    // The order is 3 in the limit (Hughes 2000, section 4.1). A Poisson's ratio of 0.49 delays it.
     assert!(orders.iter().all(|order| *order > 2.4), "{orders:?}");
     assert!(errors[2] < 5e-3, "{errors:?}");
 }

@@ -1,4 +1,4 @@
-//! Against answers that are known without finite elements.
+//! Comparison with answers that are known without finite elements.
 
 use crate::common::{SOFT, block, nodes, pull};
 use sulcus_core::Vec3;
@@ -13,7 +13,7 @@ fn a_uniform_strain_is_exact_on_a_crooked_mesh() {
             .iter()
             .all(|(x, end)| (1e-9..end - 1e-9).contains(x))
     };
-    // Corners inside are moved; middles stay in the middle.
+    // Corners inside are moved; midside nodes stay in the middle.
     let old = mesh.clone();
     let corners: Vec<usize> = old
         .tets
@@ -51,7 +51,7 @@ fn a_uniform_strain_is_exact_on_a_crooked_mesh() {
             forces[k]
         );
     }
-    // Rigid motions cost nothing.
+    // Rigid motions need no force.
     let spin = Mat3::new(0.0, -1.0, 2.0, 1.0, 0.0, -3.0, -2.0, 3.0, 0.0);
     let rigid: Vec<Vec3> = mesh
         .nodes
@@ -62,7 +62,7 @@ fn a_uniform_strain_is_exact_on_a_crooked_mesh() {
     assert!(idle.iter().all(|f| f.norm() < 1e-9), "{:?}", idle[0]);
 }
 
-/// Some number between -1 and 1.
+/// A number between -1 and 1.
 fn libm(t: f64) -> f64 {
     let x = t * 0.754_877_666;
     2.0 * (x - x.floor()) - 1.0
@@ -90,7 +90,7 @@ fn a_block_under_a_uniform_pull_stretches_as_hooke_says() {
     }
 }
 
-/// Way of the tip of a cantilever (metres) with so many cells over its height.
+/// Displacement of the tip of a cantilever (metres), with `cells` cells over its height.
 fn tip(cells: usize, load: f64) -> f64 {
     let size = Vec3::new(0.1, 0.01, 0.01);
     let mut mesh = block([10 * cells, cells, cells], size);
@@ -117,7 +117,7 @@ fn a_cantilever_bends_as_timoshenko_says_and_better_with_finer_cells() {
         load * length.powi(3) / (3.0 * 1e6 * inertia) + load * length / (5.0 / 6.0 * shear * area);
     let found = [1, 2].map(|cells| tip(cells, load) / exact - 1.0);
     println!("tip of a cantilever: {found:?} off");
-    // Clamping forbids the cross section to change its shape, which the beam does not know: one per cent stiffer.
+    // The clamp prevents the cross section from changing its shape, unlike in beam theory: one per cent stiffer.
     assert!(found[0].abs() < 0.03 && found[1].abs() < 0.015, "{found:?}");
     let finer = tip(3, load) / exact - 1.0;
     assert!(
@@ -134,7 +134,7 @@ fn what_cannot_be_solved_is_said() {
         Ok(_) => panic!("factored"),
     };
     assert!(said(&mesh, &SOFT).contains("0 of 6 rigid motions"));
-    // Held everywhere it stays where it is.
+    // A body that is held everywhere does not move.
     let mut whole = mesh.clone();
     whole.held.fill([true; 3]);
     let load = vec![Vec3::x(); whole.nodes.len()];
@@ -144,13 +144,13 @@ fn what_cannot_be_solved_is_said() {
             .iter()
             .all(|u| *u == Vec3::zeros())
     );
-    // A door on its hinge: five are held.
+    // A door on its hinge: five motions are held.
     let mut door = mesh.clone();
     for (held, x) in door.held.iter_mut().zip(&mesh.nodes) {
         *held = [x.x == 0.0 && x.y == 0.0; 3];
     }
     assert!(said(&door, &SOFT).contains("5 of 6 rigid motions"));
-    // Two blocks, one of them loose.
+    // Two blocks, of which one is loose.
     let mut two = mesh.clone();
     two.held.fill([true; 3]);
     let first = two.nodes.len() as u32;

@@ -1,4 +1,4 @@
-//! Finite elements against exact answers and references.
+//! Comparison of finite elements with exact answers and references.
 
 mod common;
 mod convergence;

@@ -1,5 +1,7 @@
-//! Meshes of Gmsh. The files in `data` were written by Gmsh 4.15: a box of 10 x 8 x 6 mm ("soft tissue") against one of 5 x 8 x
-//! 6 mm ("rest"), with the face at x = 0 named "fixed"; `plain_lin_22` without groups, `twice_22` one box in two groups.
+//! Meshes of Gmsh. Gmsh 4.15 wrote the files in `data`: a box of 10 x 8 x 6 mm ("soft tissue") beside a box of 5 x 8
+//! x 6 mm ("rest").
+//!
+//! The face at x = 0 is named "fixed". `plain_lin_22` has no groups; `twice_22` has one box in two groups.
 
 use crate::common::{ONE, SOFT, data, try_text};
 use sulcus_core::Vec3;
@@ -10,7 +12,7 @@ fn read(name: &str, volume: Option<&str>) -> TetMesh {
     read_msh(&data(name), Unit::Millimetre, volume).expect("a mesh")
 }
 
-/// That midside nodes are where this crate expects them.
+/// Checks that midside nodes are in the order of this crate.
 fn check_middles(mesh: &TetMesh) {
     let edges = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
     for tet in &mesh.tets {
@@ -59,7 +61,7 @@ fn both_formats_and_both_orders_give_the_box() {
     );
     let plain = box_of("plain_lin_22.msh", None, [15.0, 8.0, 6.0]);
     assert!(plain.held.iter().all(|held| *held == [false; 3]));
-    // In two groups, which lists each tetrahedron twice.
+    // A box in two groups, which lists each tetrahedron twice.
     let twice = box_of("twice_22.msh", None, [10.0, 8.0, 6.0]);
     assert_eq!(
         twice,
@@ -133,7 +135,7 @@ fn tags_may_be_far_apart_and_orphans_are_dropped() {
 
 #[test]
 fn an_edge_between_held_nodes_is_held_only_where_a_held_element_has_it() {
-    // Points alone name corners.
+    // Groups of points name corners only.
     let text = ONE.replace("2 5 \"fixed\"", "0 5 \"fixed\"").replace(
         "$Elements\n2\n1 2 2 5 1 7 12 4000000000000",
         "$Elements\n3\n1 15 2 5 1 7\n2 15 2 5 1 12",

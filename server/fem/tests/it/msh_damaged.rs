@@ -1,4 +1,4 @@
-//! Files that are no good meshes of Gmsh.
+//! Files that are no valid meshes of Gmsh.
 
 use crate::common::{ONE, data, try_text};
 use proptest::prelude::*;
@@ -89,7 +89,7 @@ fn what_is_wrong_is_said_with_its_line() {
         (
             "9 4 2 6 1 7 4000000000000 12 5",
             "9 7 2 6 1 7 4000000000000 12 5 3",
-            "line 23: element of kind 7, expected 4 or 11",
+            "line 23: element of kind 7, expected kind 4 or 11",
         ),
         (
             "12 5\n$EndE",
@@ -114,7 +114,7 @@ fn what_is_wrong_is_said_with_its_line() {
         (
             "$EndElements\n",
             "$EndElements\n$Elements\n0\n",
-            "line 25: $Elements, expected this section once",
+            "line 25: $Elements, expected each section once",
         ),
         (
             "$EndElements\n",
@@ -143,10 +143,10 @@ fn what_is_wrong_is_said_with_its_line() {
     let binary =
         try_text("wrong.msh", b"$MeshFormat\n4.1 1 8\n\xff\xfe", None).expect_err("binary");
     assert!(
-        binary.contains("line 3: bytes that are no text"),
+        binary.contains("line 3: bytes that are not text"),
         "{binary}"
     );
-    // What the reader of format 4.1 alone can say.
+    // Errors of the reader of format 4.1 only.
     let text = std::fs::read_to_string(data("block_41.msh")).expect("a file");
     for (from, to, said) in [
         (
@@ -179,8 +179,10 @@ fn what_is_wrong_is_said_with_its_line() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// A good file cut short or with bytes replaced, inserted and left out, some of them digits that make counts and tags
-    /// great: an error or a mesh that can be checked, never a panic.
+    /// A good file cut short, or with bytes replaced, inserted and left out. Some are digits that make counts and
+    /// tags large.
+    ///
+    /// The reader returns an error or a mesh that can be checked; it never panics.
     #[test]
     fn damaged_files_never_panic(
         which in 0..4_usize,

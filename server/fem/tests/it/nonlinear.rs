@@ -1,4 +1,4 @@
-//! Large displacements against answers that are known without finite elements.
+//! Comparison of large displacements with answers that are known without finite elements.
 
 use crate::common::{SOFT, block, pull};
 use sulcus_core::Vec3;
@@ -28,8 +28,9 @@ fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Force per area at rest (Pa) along x and across, of a block stretched by `along` and `across`: the energy
-/// `mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2` differentiated by hand.
+/// Force per area at rest (Pa) along x and across, of a block stretched by `along` and `across`.
+///
+/// The energy `mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2` was differentiated by hand.
 fn nominal(along: f64, across: f64) -> (f64, f64) {
     let mu = SOFT.young / (2.0 * (1.0 + SOFT.poisson));
     let bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson));
@@ -48,7 +49,7 @@ fn a_block_is_stretched_and_pressed_uniformly_as_the_energy_says() {
     for (held, x) in mesh.held.iter_mut().zip(&mesh.nodes) {
         *held = [x.x == 0.0, x.y == 0.0, x.z == 0.0];
     }
-    // Pressed to 0.7 the uniform state is no longer stable: the loaded end wrinkles.
+    // Below 0.7 the uniform state is no longer stable: the loaded end wrinkles.
     for along in [0.85, 1.05, 1.6] {
         let across = root(0.3, 2.0, |across| nominal(along, across).1);
         let traction = nominal(along, across).0;
@@ -73,12 +74,12 @@ fn a_turn_costs_nothing_however_far() {
     let moved: Vec<Vec3> = mesh.nodes.iter().map(turned).collect();
     let idle = neo_hookean_forces(&mesh, &SOFT, &moved).expect("upright");
     assert!(idle.iter().all(|f| f.norm() < 1e-10), "{:?}", idle[0]);
-    // Not so for the linear solid, which is why there is this one.
+    // The linear solid fails this test, which is the reason for the neo-Hookean one.
     let linear = internal_forces(&mesh, &SOFT, &moved);
     assert!(linear.iter().any(|f| f.norm() > 0.1));
 }
 
-/// A cantilever that is held at one end, and a force (N) down at the other.
+/// A cantilever, held at one end, with a force (N) down at the other.
 fn cantilever(newtons: f64) -> (TetMesh, Vec<Vec3>) {
     let size = Vec3::new(0.05, 0.01, 0.01);
     let mut mesh = block([8, 2, 2], size);
@@ -134,7 +135,7 @@ fn forces_are_in_balance_and_steps_do_not_change_the_answer() {
         turning += (x + moved[k]).cross(&load[k]);
     }
     assert!((support + total).norm() < 1e-8 * total.norm());
-    // Moments balance about the origin where the ends are now, not where they were.
+    // Moments are balanced about the origin at the displaced places of the ends, not at their rest places.
     let held = (0..mesh.nodes.len()).filter(|&k| mesh.held[k][0]);
     let back: Vec3 = held.map(|k| mesh.nodes[k].cross(&inner[k])).sum();
     assert!(
@@ -149,7 +150,7 @@ fn forces_are_in_balance_and_steps_do_not_change_the_answer() {
     let apart = answer.expect("equilibrium").into_iter().zip(&moved);
     let apart = apart.map(|(u, v)| (u - v).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-9, "{apart:e}");
-    // Near the end each correction squares what is left.
+    // Near the end each correction squares the residual.
     let last = &told[told.len() - 3..];
     assert!(
         last[0].left > last[1].left && last[1].left * 1e-2 > last[2].left,
@@ -167,7 +168,7 @@ fn without_load_nothing_moves() {
 
 #[test]
 fn what_cannot_be_solved_is_said() {
-    // Pressed with fifty times Young's modulus: the energy of this solid is finite where its volume ends.
+    // A pressure of fifty times Young's modulus: the energy of this solid is finite at zero volume.
     let size = Vec3::new(0.01, 0.01, 0.01);
     let mut mesh = block([1, 1, 1], size);
     for (held, x) in mesh.held.iter_mut().zip(&mesh.nodes) {

@@ -1,4 +1,5 @@
-//! Against the reference solutions of a tongue in the data folder beside the project (checked there against CalculiX).
+//! Comparison with the reference solutions of a tongue in the data folder beside the project, which were checked
+//! against CalculiX.
 
 use std::path::PathBuf;
 
@@ -61,8 +62,8 @@ fn a_broken_table_is_refused_with_its_line() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// A good little folder with one of its tables damaged: an error or a mesh, never a panic, and what is read can be
-    /// checked and factored or refused.
+    /// A good folder with one damaged table. The reader returns an error or a mesh, and never panics. A mesh can be
+    /// checked, and is factored or refused.
     #[test]
     fn damaged_tables_never_panic(which in 0..3_usize, at in any::<prop::sample::Index>(), put in prop::collection::vec(any::<u8>(), 0..6)) {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fem-damaged");

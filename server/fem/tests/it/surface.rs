@@ -1,4 +1,4 @@
-//! The boundary of blocks and of the reference tongue.
+//! Boundary of blocks and of the reference tongue.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,8 @@ use sulcus_core::Vec3;
 use sulcus_fem::TetMesh;
 use sulcus_fem::files::{ForceColumns, read_fixed_vertices, read_forces, read_mesh};
 
-/// Every edge is gone along once each way, every midside node is in the middle, and the divergence theorem gives the volume.
+/// Checks that every edge occurs once in each direction and every midside node is in the middle. The divergence
+/// theorem gives the volume.
 fn check(mesh: &TetMesh) -> Vec<[u32; 6]> {
     let faces = mesh.boundary_faces();
     let triangles = mesh.boundary_triangles();
@@ -49,7 +50,7 @@ fn check(mesh: &TetMesh) -> Vec<[u32; 6]> {
 #[test]
 fn a_blocks_boundary_is_closed_and_outward_and_has_two_triangles_a_square() {
     let mesh = block([3, 2, 1], Vec3::new(0.03, 0.01, 0.02));
-    // From a place outside it as well: the sum does not hang on the origin.
+    // The sum does not depend on the origin: a place outside of the mesh gives the same.
     let mut apart = mesh.clone();
     apart
         .nodes
@@ -85,7 +86,7 @@ fn the_references_boundary_is_its_published_surface() {
     let mesh = read_mesh(&folder).expect("a mesh");
     let faces = check(&mesh);
     assert_eq!(faces.len(), 1312);
-    // The same triangles with the same way round as the surface file.
+    // The triangles and their orientation are those of the surface file.
     let text = std::fs::read_to_string(folder.join("surface.obj")).expect("a surface");
     let from_least = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
         least if least == a => [a, b, c],
@@ -124,7 +125,7 @@ fn forces_of_the_vertices_have_the_same_resultant_and_spare_midside_nodes() {
             let sum: Vec3 = forces.iter().sum();
             assert!((sum - along).norm() < 1e-5, "{name}: {sum}");
         }
-        // 658 vertices of the surface come first.
+        // The 658 vertices of the surface come first.
         assert!(vertices[658..].iter().all(|f| *f == Vec3::zeros()));
         assert!(quadratic[2462..].iter().any(|f| f.norm() > 1e-3));
         assert!(

@@ -1,22 +1,26 @@
-//! The lower dental arch: where each tooth stands and which way round, so that neighbours touch at their contact points.
+//! The lower dental arch: place and direction of each tooth. Neighbours touch at their contact points.
 //!
-//! World frame: x anterior, y to the patient's left, z up. Teeth are laid one after the other from the midline backwards; each is
-//! turned so that both its contact points lie on the arch, a curve `x = front - a |y|^3` whose width at the first molars is
-//! that of an adult's lower jaw (about 44 mm between the middles of the crowns).
+//! World frame: x anterior, y to the patient's left, z up.
+//!
+//! Teeth are placed one after the other from the midline backwards. Each is turned until both its contact points lie
+//! on the arch.
+//!
+//! The arch is the curve `x = front - a |y|^3`. Its width at the first molars is an adult's, about 44 mm between the
+//! middles of the crowns.
 
 use sulcus_core::Vec3;
 use sulcus_core::tissue::gingiva::ToothFrame;
 
-/// Where the arch crosses the midline, mm: labial side of the central incisors.
+/// Place of the arch on the midline, mm: the labial side of the central incisors.
 const FRONT: f64 = 31.0;
 /// `a` of the curve, 1/mm^2.
 const CURVE: f64 = 0.00262;
 /// Height of the occlusal plane, mm.
 pub const OCCLUSAL: f64 = 8.0;
-/// Room between the contact points of neighbours, mm: they touch, but nothing is wedged.
+/// Gap between the contact points of neighbours, mm: small enough to touch, large enough not to wedge.
 const CONTACT_GAP: f64 = 0.04;
 
-/// What the arch must know of a tooth, mm, the tooth's frame.
+/// Measures of a tooth that the arch needs, mm, in the tooth's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint {
     /// FDI number.
@@ -37,7 +41,8 @@ pub fn turned(frame: &ToothFrame, v: &Vec3) -> Vec3 {
     frame.mesial * v.x + frame.buccal * v.y + frame.axis * v.z
 }
 
-/// Places one side's teeth, from the midline backwards (31, 32, ... or 41, 42, ...): frames with origins in mm.
+/// Places the teeth of one side, from the midline backwards (31, 32, ... or 41, 42, ...). Returns frames with origins
+/// in mm.
 pub fn quadrant(teeth: &[Footprint]) -> Vec<ToothFrame> {
     let on_curve = |y: f64| [FRONT - CURVE * y * y * y, y];
     let mut frames = Vec::with_capacity(teeth.len());
@@ -47,7 +52,7 @@ pub fn quadrant(teeth: &[Footprint]) -> Vec<ToothFrame> {
         let [mesial, distal] = tooth.contacts;
         let chord = mesial - distal;
         let length = (chord.x * chord.x + chord.y * chord.y).sqrt();
-        // The distal contact lies on the curve, as far from the mesial one as in the tooth.
+        // The distal contact lies on the curve, at the tooth's own distance from the mesial one.
         let from = on_curve(from_y);
         let far = |y: f64| {
             let to = on_curve(y);
@@ -64,7 +69,7 @@ pub fn quadrant(teeth: &[Footprint]) -> Vec<ToothFrame> {
         }
         let to_y = 0.5 * (near + beyond);
         let to = on_curve(to_y);
-        // The chord in the tooth is turned onto the chord in the mouth; the right side is the left one's mirror image.
+        // The chord in the tooth is turned onto the chord in the mouth. The right side mirrors the left side.
         let (sx, sy) = ((from[0] - to[0]) / length, (from[1] - to[1]) / length);
         let (cx, cy) = (chord.x / length, chord.y / length);
         let (cosine, sine) = (sx * cx + sy * cy, sy * cx - sx * cy);
@@ -78,7 +83,7 @@ pub fn quadrant(teeth: &[Footprint]) -> Vec<ToothFrame> {
             mesial: axes[0],
             buccal: axes[1],
         });
-        // On by the gap, along the curve.
+        // The next tooth begins at the gap, along the curve.
         let slope = 3.0 * CURVE * to_y * to_y;
         from_y = to_y + CONTACT_GAP / (1.0 + slope * slope).sqrt();
     }

@@ -1,54 +1,23 @@
 //! A lower left first molar (FDI 36): five cusps, central fossa and grooves, constricted neck, root
 //! trunk, and a mesial and a distal root.
 //!
-//! Frame: x mesial (anterior), y buccal (the patient's left), z occlusal (up); the origin lies on
-//! the tooth's axis at the height of the buccal cemento-enamel junction (CEJ).
+//! Frame: x mesial (anterior), y buccal (the patient's left), z occlusal (up). The origin lies on the tooth's axis at
+//! the height of the buccal cemento-enamel junction (CEJ).
 //!
-//! The crown is a barrel (a superellipse whose four walls follow the contours of the tooth) cut by
-//! an occlusal height field (cones for cusps, bars for the marginal ridges); the roots are flattened
-//! tapering tubes; smooth minima and maxima join them.
+//! The crown is a barrel cut by an occlusal height field. The barrel is a superellipse whose four walls follow the
+//! contours of the tooth. The height field has cones for cusps and bars for the marginal ridges.
+//!
+//! The roots are flattened tapering tubes. Smooth minima and maxima join all parts.
 
-use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax};
 
+use crate::file::Molar;
 use crate::mesh::TriMesh;
 use crate::mesh::implicit::{bell, ramp, smooth_max, smooth_min, through};
 use crate::mesh::polygonise::polygonise;
 
-/// Dimensions of the tooth, millimetres. Defaults follow the averages of dental anatomy textbooks
-/// (Wheeler: crown 7.5 high, 11.0 mesiodistal, 10.5 buccolingual; root 14).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Molar {
-    /// Largest mesiodistal width of the crown, mm.
-    pub mesiodistal_mm: f64,
-    /// Largest buccolingual width of the crown, mm.
-    pub buccolingual_mm: f64,
-    /// Height of the highest cusp (mesiolingual) above the CEJ, mm.
-    pub crown_height_mm: f64,
-    /// Length of the longer root (mesial) from the CEJ to its apex, mm.
-    pub root_length_mm: f64,
-    /// Depth of the central fossa below the plane of the cusp tips, relative to the usual one.
-    pub relief: f64,
-    /// Edge of the grid that the surface is made on, mm. Smaller: more triangles.
-    pub grid_mm: f64,
-}
-
-impl Default for Molar {
-    fn default() -> Self {
-        Self {
-            mesiodistal_mm: 11.0,
-            buccolingual_mm: 10.3,
-            crown_height_mm: 7.5,
-            root_length_mm: 13.5,
-            relief: 1.0,
-            grid_mm: 0.28,
-        }
-    }
-}
-
-// The shape below is drawn for these dimensions and stretched to those asked for.
+// The shape below is drawn for these dimensions and stretched to the requested ones.
 const DRAWN_MESIODISTAL: f64 = 11.0;
 const DRAWN_BUCCOLINGUAL: f64 = 10.3;
 const DRAWN_CROWN: f64 = 7.5;
@@ -107,7 +76,7 @@ struct Root {
     groove: f64,
 }
 
-/// Broad and flat, its apex swept distally.
+/// Broad and flat; its apex is swept distally.
 const MESIAL_ROOT: Root = Root {
     x: [2.1, 2.75, 2.75, 1.75],
     z: [-0.8, -5.0, -9.4, -12.6],
@@ -144,8 +113,8 @@ impl Molar {
             -(self.root_length_mm + 1.2),
         );
         let high = Vec3::new(6.6 * stretch.x, 6.2 * stretch.y, self.crown_height_mm + 1.5);
-        // Where a groove is narrower than the grid, two walls may share an edge on one grid and not
-        // on the next: the first grid that gives a manifold is taken.
+        // In a groove narrower than the grid, two walls may share an edge on one grid and not on the next. The first
+        // grid that gives a manifold is taken.
         let on_grid = |k: u32| {
             let shift = Vec3::new(0.37, 0.61, 0.83) * (self.grid_mm * 0.25 * f64::from(k));
             polygonise(&drawn, low - shift, high, self.grid_mm).placed(1e-3, Vec3::zeros())
@@ -168,11 +137,11 @@ impl Molar {
         )
     }
 
-    /// Roughly the signed distance at a drawn point, mm.
+    /// Returns about the signed distance at a drawn point, mm.
     fn drawn(&self, p: &Vec3) -> f64 {
         let top = (p.z - self.occlusal(p.x, p.y)) * 0.8;
         let crown = smooth_max(barrel(p), top, 0.9);
-        // Under the trunk the furcation's roof; the roots go on.
+        // The furcation's roof ends the trunk; the roots continue.
         let trunk = smooth_max(crown, -3.6 - p.z - 0.35 * ramp(p.y.abs(), 0.5, 3.5), 1.2);
         let roots = smooth_min(root(&MESIAL_ROOT, p), root(&DISTAL_ROOT, p), 0.5);
         smooth_min(trunk, roots, 0.7)

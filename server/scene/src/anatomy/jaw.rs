@@ -1,7 +1,9 @@
-//! What carries the gingivae: the alveolar ridge of the lower jaw with the floor of the mouth in it, and the healed ridge where
-//! a tooth is missing. Both are rigid: mucosa on bone, and a floor that no exercise presses.
+//! The support of the gingivae: the alveolar ridge of the lower jaw with the floor of the mouth, and healed ridges of
+//! missing teeth.
 //!
-//! World frame, millimetres inside, metres out.
+//! Both are rigid. They are mucosa on bone, and a floor that no exercise presses.
+//!
+//! World frame; millimetres inside, metres in results.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax, fmin};
@@ -10,33 +12,33 @@ use crate::mesh::TriMesh;
 use crate::mesh::implicit::{bell, ramp, smooth_max, smooth_min};
 use crate::mesh::polygonise::polygonise;
 
-/// Bottom of the ridge, mm. (The jaw's bone goes on below; no tool comes there.)
+/// Bottom of the ridge, mm. The bone below it is out of reach of all tools.
 const BOTTOM: f64 = -26.0;
-/// Top of the floor of the mouth in the middle, its thickness, and how far the folds under the tongue stand out, mm.
+/// Top of the floor of the mouth in the middle, its thickness, and height of the folds under the tongue, mm.
 const FLOOR: f64 = -16.5;
 const THICKNESS: f64 = 5.0;
 const FOLDS: [f64; 2] = [1.6, 7.0];
-/// How far the ridge goes on behind the last tooth, mm.
+/// Length of the ridge behind the last tooth, mm.
 const BEHIND: f64 = 7.0;
 /// Fillet between ridge and floor, and rounding of the ridge's edges, mm.
 const FILLET: f64 = 4.0;
 const EDGE: f64 = 1.2;
-/// How much the ridge widens for each mm downwards.
+/// Widening of the ridge for each mm downwards.
 const FLARE: f64 = 0.12;
 /// Edge of the grid, mm.
 const GRID: f64 = 0.8;
-/// Height of a healed ridge over the CEJ of the tooth that stood there, and its rounding, mm.
+/// Height of a healed ridge over the CEJ of the missing tooth, and its rounding, mm.
 const HEALED: f64 = -2.0;
 const ROUND: f64 = 3.0;
 
-/// A place on the arch: where the tooth's axis is, and how far gingiva reaches buccally and lingually.
+/// A place on the arch: the tooth's axis, and the reach of its gingiva buccally and lingually.
 #[derive(Clone, Copy, Debug)]
 pub struct Station {
-    /// World, mm.
+    /// Place in the world, mm.
     pub at: [f64; 2],
     /// Unit vector buccally.
     pub buccal: [f64; 2],
-    /// From the axis to the outer faces, buccal and lingual, mm.
+    /// Distances from the axis to the outer faces, buccal and lingual, mm.
     pub faces: [f64; 2],
 }
 
@@ -55,8 +57,10 @@ pub fn jaw(stations: &[Station], top: f64) -> TriMesh {
     polygonise(&f, low, high, GRID).placed(1e-3, Vec3::zeros())
 }
 
-/// The healed ridge from the height `base` up where a tooth is missing, in that tooth's frame: `ends` are the distances of its
-/// neighbours' gingivae mesially and distally, `faces` those of the outer faces buccally and lingually, mm.
+/// Returns the healed ridge of a missing tooth from the height `base` upwards, in that tooth's frame.
+///
+/// `ends` are the distances of the neighbours' gingivae mesially and distally, `faces` those of the outer faces
+/// buccally and lingually, mm.
 pub fn healed(ends: [f64; 2], faces: [f64; 2], base: f64) -> TriMesh {
     let (middle, half) = (0.5 * (faces[0] - faces[1]), 0.5 * (faces[0] + faces[1]));
     let f = |p: &Vec3| {
@@ -74,7 +78,7 @@ pub fn healed(ends: [f64; 2], faces: [f64; 2], base: f64) -> TriMesh {
 }
 
 struct Arch {
-    /// The middle of the ridge, with its half widths.
+    /// Middle line of the ridge, with its half widths.
     line: Vec<[f64; 2]>,
     halves: Vec<f64>,
 }
@@ -91,7 +95,7 @@ impl Arch {
             ]);
             halves.push(0.5 * (buccal + lingual) + 0.2);
         }
-        // On behind the last teeth, straight back.
+        // Straight back behind the last teeth.
         let on = |p: &[f64; 2]| [p[0] - BEHIND, p[1] * 1.03];
         let (first, last) = (on(&line[0]), on(&line[line.len() - 1]));
         line.insert(0, first);
@@ -101,7 +105,7 @@ impl Arch {
         Self { line, halves }
     }
 
-    /// Distance from the middle line with the half width there, and whether a point is on the tongue's side.
+    /// Returns the distance from the middle line, the half width there, and whether a point is on the tongue's side.
     fn beside(&self, x: f64, y: f64) -> (f64, f64, bool) {
         let (mut nearest, mut half) = (f64::INFINITY, 0.0);
         let mut inside = false;
@@ -134,7 +138,7 @@ impl Arch {
         let wide = half + FLARE * fmax(top - p.z, 0.0);
         let ridge = smooth_max(off - wide, p.z - top, EDGE);
         let ridge = smooth_max(ridge, BOTTOM - p.z, EDGE);
-        // Folds run forwards under the tongue, and the floor comes up towards the jaw.
+        // Folds run forwards under the tongue. The floor rises towards the jaw.
         let fold = FOLDS[0] * (bell(p.y - FOLDS[1], 3.0) + bell(p.y + FOLDS[1], 3.0));
         let height = FLOOR + fold * ramp(p.x, -35.0, 5.0);
         let border = if inside { -off } else { off };

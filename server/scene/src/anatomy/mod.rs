@@ -1,11 +1,13 @@
-//! The mouth: teeth, gingivae, jaw and tongue, from a handful of numbers, from a patient's chart or from meshes.
+//! Anatomy of the mouth: teeth, gingivae, jaw and tongue, from dimensions, from a patient's chart or from meshes.
+//!
+//! Imports run one way: `compile` knows this folder, and this folder knows `file`, whose entries have the dimensions.
 
 pub mod arch;
 pub mod collar;
-pub mod first_gingiva;
 pub mod first_molar;
-pub mod gingiva;
 pub mod jaw;
+pub mod mesh_tissue;
+pub mod molar_gingiva;
 pub mod mouth;
 pub mod patient;
 pub mod sections;
@@ -13,7 +15,6 @@ pub mod sulcus;
 pub mod tongue;
 pub mod tooth;
 
-pub use first_gingiva::{Collar, Pocket};
-pub use first_molar::Molar;
-pub use tongue::Tongue;
-pub use tooth::{Furcation, Tooth, ToothSizes};
+pub use crate::file::{Molar, Pocket, Tongue, ToothSizes};
+pub use molar_gingiva::MolarCollar;
+pub use tooth::{Furcation, Tooth};

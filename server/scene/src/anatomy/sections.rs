@@ -1,18 +1,18 @@
-//! How far a tooth reaches from its axis, by angle and height: what gingiva is laid around.
+//! Distance of a tooth's surface from its axis, by angle and height. Gingiva is laid round these sections.
 //!
-//! Each horizontal section of the tooth is replaced by its convex hull, so that a furcation or a groove down a root, which
-//! tissue bridges, leaves no notch.
+//! Each horizontal section of the tooth is replaced by its convex hull. Tissue bridges furcations and grooves, so
+//! they leave no notch.
 
 use sulcus_core::Vec3;
 
 use crate::mesh::TriMesh;
 use crate::parallel;
 
-/// Angles at which a section is kept.
+/// Number of angles of a section.
 const ANGLES: usize = 128;
 /// Distance between sections, mm.
 const STEP: f64 = 0.25;
-/// Radius where the axis runs outside of a section, mm.
+/// Radius of a section that does not contain the axis, mm.
 const THIN: f64 = 0.3;
 
 /// Radii of a tooth's sections, mm, in the tooth's frame (x mesial, y buccal, z occlusal).
@@ -23,10 +23,10 @@ pub struct Sections {
 }
 
 impl Sections {
-    /// Sections of a closed mesh (metres, the tooth's frame) from the height `low` to `high`, mm.
+    /// Returns the sections of a closed mesh (metres, the tooth's frame) from the height `low` to `high`, mm.
     pub fn of(mesh: &TriMesh, low: f64, high: f64) -> Self {
         let count = ((high - low) / STEP).ceil() as usize + 1;
-        // A hair off round numbers, so that no section runs through a row of vertices.
+        // The offset avoids sections through a row of vertices.
         let low = low + 1.7e-4;
         let mut points = vec![Vec::new(); count];
         for triangle in &mesh.triangles {
@@ -54,8 +54,8 @@ impl Sections {
         Self { low, radii }
     }
 
-    /// Distance from the axis to the surface at an angle (radians from mesial over buccal) and a height (mm), mm; 0 above
-    /// the tooth.
+    /// Returns the distance from the axis to the surface at an angle (radians from mesial over buccal) and a height
+    /// (mm), mm. The distance is 0 above the tooth.
     pub fn radius(&self, around: f64, z: f64) -> f64 {
         let row = ((z - self.low) / STEP).clamp(0.0, (self.radii.len() - 1) as f64);
         let (k, f) = (row as usize, row - row.floor());
@@ -69,13 +69,13 @@ impl Sections {
         on(k) * (1.0 - f) + on(k + 1) * f
     }
 
-    /// Unit vector out of the surface at an angle, across the axis.
+    /// Returns the unit vector out of the surface at an angle, across the axis.
     pub fn outward(&self, around: f64, z: f64) -> Vec3 {
         let step = std::f64::consts::PI / ANGLES as f64;
         let radius = self.radius(around, z).max(THIN);
         let slope = (self.radius(around + step, z) - self.radius(around - step, z)) / (2.0 * step);
         let (sine, cosine) = (libm::sin(around), libm::cos(around));
-        // The outline's normal: radially, less what its radius grows along it.
+        // The outline's normal is the radial direction less the growth of its radius along the angle.
         let lean = slope / radius;
         Vec3::new(cosine + lean * sine, sine - lean * cosine, 0.0).normalize()
     }

@@ -1,101 +1,69 @@
-//! The sulcus between a tooth's mesh and its gingiva's mesh, found by sounding both: how wide it is, and at each angle
-//! about the tooth how high its floor and its margin lie.
+//! The sulcus between a tooth's mesh and its gingiva's mesh: its width, and by angle the heights of floor and margin.
 //!
-//! Sounding is what a clinician does with a probe. At an angle, points `open` millimetres beside the tooth's surface are gone
-//! through from above: the floor lies where the first of them is in the tissue, so the lowest open height that is
-//! connected to the mouth. The margin is the highest tissue near the tooth.
+//! All three are found by sounding both meshes.
+//!
+//! Sounding imitates a clinician's probe. At an angle, points `open` millimetres beside the tooth's surface are
+//! tested from above.
+//!
+//! The floor is the first of them in the tissue: the lowest open height that is connected to the mouth. The margin is
+//! the highest tissue near the tooth.
 
 use std::f64::consts::PI;
 
-use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, fmin};
 use sulcus_core::tissue::gingiva::{Prescribed, Site, ToothFrame};
 
+use crate::file::SulcusEntry;
 use crate::mesh::distance::MeshDistance;
 use crate::parallel;
 
-/// Angles at which it is sounded.
+/// Number of angles.
 const ANGLES: usize = 128;
-/// Step down, metres.
+/// Step downwards, metres.
 const STEP: f64 = 1e-4;
-/// A surface is found to within this, metres.
+/// Tolerance of a found surface, metres.
 const EXACT: f64 = 1e-7;
-/// Tissue up to this far from the tooth makes its margin, metres.
+/// Largest distance from the tooth of tissue that makes its margin, metres.
 const MARGIN_REACH: f64 = 1.5e-3;
-/// Distances from the tooth at which the margin is looked for.
+/// Number of distances from the tooth in the search for the margin.
 const MARGIN_PLACES: usize = 8;
-/// Height of a healthy margin over the cemento-enamel junction in the middle of a side, metres (Wang 2022, Appl. Sci. 12:7015):
-/// where nothing says where the junction is.
+/// Height of a healthy margin over the cemento-enamel junction in the middle of a side, metres (Wang 2022, Appl. Sci.
+/// 12:7015).
+///
+/// The height is used if the place of the junction is not given.
 const MARGIN_OVER_CEJ: f64 = 2e-3;
-/// Width of a pocket where no height is open enough to measure it, metres.
+/// Width of a pocket that is nowhere open enough to be measured, metres.
 const USUAL_WIDTH: f64 = 4e-4;
 
-/// `[object.sulcus]`: what is known of the sulcus of a gingiva that is a mesh. What is left out is found from the meshes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Sulcus {
-    /// Direction along the tooth's axis, towards the chewing surface, world, any length. Default: up for a lower tooth, down for
-    /// an upper one.
-    pub axis: Option<[f64; 3]>,
-    /// Direction towards mesial, world, any length. Default: anterior for molars and premolars, towards the middle for the
-    /// others.
-    pub mesial: Option<[f64; 3]>,
-    /// Where the tooth's axis passes the height of the buccal cemento-enamel junction, world, mm. Default: the middle of the
-    /// tooth at its margin, 2 mm below the buccal margin.
-    pub origin_mm: Option<[f64; 3]>,
-    /// Height of a flat floor over that origin along the axis, mm. Default: sounded.
-    pub floor_mm: Option<f64>,
-    /// Width between tooth and tissue at rest, mm. Default: the median of what is sounded.
-    pub width_mm: Option<f64>,
-    /// Width from which a sulcus counts as open, mm.
-    pub open_mm: f64,
-    /// How far the proximal zones reach from the mesial and distal midlines, degrees.
-    pub proximal_deg: f64,
-}
-
-impl Default for Sulcus {
-    fn default() -> Self {
-        Self {
-            axis: None,
-            mesial: None,
-            origin_mm: None,
-            floor_mm: None,
-            width_mm: None,
-            open_mm: 0.15,
-            proximal_deg: 50.0,
-        }
-    }
-}
-
-/// Why meshes have no sulcus between them.
+/// Reason why meshes have no sulcus between them.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SulcusError {
-    /// The axis leaves the tooth, or there is none.
+    /// The axis leaves the tooth, or there is no tooth.
     #[error(
-        "at {degrees:.0} degrees from mesial over buccal the tooth is nowhere beside its gingiva: give `sulcus.axis` and `sulcus.origin_mm`"
+        "at {degrees:.0} degrees from mesial over buccal the tooth is not beside its gingiva; give `sulcus.axis` and `sulcus.origin_mm`"
     )]
     NoTooth {
-        /// The angle.
+        /// Angle from mesial over buccal, degrees.
         degrees: f64,
     },
-    /// Nothing closes it below.
+    /// The sulcus has no floor.
     #[error(
-        "the sulcus is open all the way down at {degrees:.0} degrees from mesial over buccal: give `sulcus.floor_mm`"
+        "the sulcus has no floor at {degrees:.0} degrees from mesial over buccal; give `sulcus.floor_mm`"
     )]
     NoFloor {
-        /// The angle.
+        /// Angle from mesial over buccal, degrees.
         degrees: f64,
     },
     /// No tissue beside the tooth.
     #[error("no tissue within 1.5 mm of the tooth at {degrees:.0} degrees from mesial over buccal")]
     NoMargin {
-        /// The angle.
+        /// Angle from mesial over buccal, degrees.
         degrees: f64,
     },
 }
 
-/// A sulcus, world axes, metres; heights along the frame's axis over its origin.
+/// A sounded sulcus, world axes, metres. Heights are along the frame's axis over its origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sounded {
     /// The tooth's frame.
@@ -111,15 +79,16 @@ pub struct Sounded {
 }
 
 impl Sounded {
-    /// Sounds the sulcus of the tooth with FDI number `fdi` (0: as a lower left molar); both meshes lie in the world.
+    /// Sounds the sulcus of the tooth with FDI number `fdi`; 0 means a lower left molar. Both meshes are in the world
+    /// frame.
     ///
     /// # Errors
-    /// Where there is no tooth, no margin or no floor.
+    /// [`SulcusError`] if there is no tooth, no margin or no floor.
     pub fn new(
         tooth: &MeshDistance,
         gingiva: &MeshDistance,
         fdi: u8,
-        given: &Sulcus,
+        given: &SulcusEntry,
     ) -> Result<Self, SulcusError> {
         let mut sounding = Sounding {
             tooth,
@@ -129,7 +98,7 @@ impl Sounded {
         };
         let mut margin = sounding.margins()?;
         if given.origin_mm.is_none() {
-            // To the middle of the tooth at its margin, and there once more.
+            // The origin moves to the middle of the tooth at its margin, in two passes.
             let mean = margin.iter().sum::<f64>() / margin.len() as f64;
             let across = sounding.middle(mean);
             sounding.frame.origin += across;
@@ -161,7 +130,7 @@ impl Sounded {
         })
     }
 
-    /// Height of the floor at rest at an angle, radians from mesial over buccal.
+    /// Returns the height of the floor at rest at an angle, radians from mesial over buccal.
     pub fn floor_at(&self, around: f64) -> f64 {
         let turn = around / (2.0 * PI);
         let at = (turn - libm::floor(turn)) * ANGLES as f64;
@@ -170,7 +139,7 @@ impl Sounded {
         self.floor[k] + share * (self.floor[(k + 1) % ANGLES] - self.floor[k])
     }
 
-    /// What is read at each site: the deepest place of its zone, with the floor pressed down by `sink` metres.
+    /// Returns the reading of each site: the deepest place of its zone, with the floor pressed down by `sink` metres.
     pub fn charted(&self, proximal: f64, sink: f64, bleeds: bool) -> [Prescribed; 6] {
         Site::ALL.map(|site| {
             let zone = (0..ANGLES).filter(|k| Site::at(angle(*k), proximal) == site);
@@ -188,7 +157,7 @@ impl Sounded {
     }
 }
 
-/// Angle number `k`, radians from mesial over buccal.
+/// Returns angle number `k`, radians from mesial over buccal.
 fn angle(k: usize) -> f64 {
     2.0 * PI * k as f64 / ANGLES as f64
 }
@@ -197,9 +166,10 @@ fn degrees(k: usize) -> f64 {
     angle(k).to_degrees()
 }
 
-/// The tooth's frame from its FDI number and what is given. Mesial, buccal and axis are right-handed on the lower left and the
-/// upper right, left-handed on the other sides.
-fn frame(tooth: &MeshDistance, fdi: u8, given: &Sulcus) -> ToothFrame {
+/// Returns the tooth's frame from its FDI number and the given directions.
+///
+/// Mesial, buccal and axis are right-handed on the lower left and the upper right, left-handed on the other sides.
+fn frame(tooth: &MeshDistance, fdi: u8, given: &SulcusEntry) -> ToothFrame {
     let (quadrant, number) = (fdi / 10, fdi % 10);
     let upper = matches!(quadrant, 1 | 2);
     let to_the_right = if matches!(quadrant, 1 | 4) { 1.0 } else { -1.0 };
@@ -210,7 +180,7 @@ fn frame(tooth: &MeshDistance, fdi: u8, given: &Sulcus) -> ToothFrame {
     };
     let axis = given.axis.map_or(usual_axis, Vec3::from).normalize();
     let across = |v: Vec3| v - axis * v.dot(&axis);
-    // A mesial direction along the axis says nothing: any across it stands in.
+    // A mesial direction along the axis is replaced by any direction across it.
     let mesial = [
         across(given.mesial.map_or(usual_mesial, Vec3::from)),
         across(Vec3::x()),
@@ -247,7 +217,8 @@ impl Sounding<'_> {
         self.frame.mesial * libm::cos(angle(k)) + self.frame.buccal * libm::sin(angle(k))
     }
 
-    /// The outermost point at an angle and a height that is `off` from the tooth, by sphere tracing inwards.
+    /// Returns the outermost point at an angle and a height at the distance `off` from the tooth, by sphere tracing
+    /// inwards.
     fn beside(&self, k: usize, height: f64, off: f64) -> Option<Vec3> {
         let (low, high) = self.tooth.mesh().bounds();
         let mut along = (high - low).norm() + off;
@@ -266,13 +237,13 @@ impl Sounding<'_> {
         None
     }
 
-    /// Whether the point `off` beside the tooth is in the tissue; none where there is no tooth.
+    /// Returns whether the point `off` beside the tooth is in the tissue; `None` if there is no tooth.
     fn in_tissue(&self, k: usize, height: f64, off: f64) -> Option<bool> {
         let beside = self.beside(k, height, off);
         beside.map(|point| self.gingiva.signed(&point) < 0.0)
     }
 
-    /// Heights that the tissue has, lowest and highest.
+    /// Returns the lowest and highest height of the tissue.
     fn heights(&self) -> (f64, f64) {
         let of = |v: &Vec3| (v - self.frame.origin).dot(&self.frame.axis);
         let heights = self.gingiva.mesh().vertices.iter().map(of);
@@ -281,7 +252,7 @@ impl Sounding<'_> {
         })
     }
 
-    /// From `top` down, the first height at which the point `off` beside the tooth is in the tissue.
+    /// Returns the first height from `top` downwards at which the point `off` beside the tooth is in the tissue.
     fn first(&self, k: usize, off: f64, top: f64, bottom: f64) -> Option<f64> {
         let steps = ((top - bottom) / STEP).ceil() as usize;
         let at = |step: usize| top - STEP * step as f64;
@@ -305,7 +276,7 @@ impl Sounding<'_> {
             for place in 0..MARGIN_PLACES {
                 let share = place as f64 / (MARGIN_PLACES - 1) as f64;
                 let off = self.open + (MARGIN_REACH - self.open) * share;
-                // What is lower than what was found is no margin.
+                // Lower tissue than found so far is no margin.
                 let from = highest.unwrap_or(bottom);
                 if let Some(height) = self.first(k, off, top + STEP, from) {
                     highest = Some(height);
@@ -340,8 +311,9 @@ impl Sounding<'_> {
             .collect()
     }
 
-    /// Median distance from the tooth's surface to the tissue, over all heights that are farther from margin and floor than from
-    /// the wall.
+    /// Returns the median distance from the tooth's surface to the tissue.
+    ///
+    /// Only heights count that are farther from margin and floor than from the wall.
     fn width(&self, margin: &[f64], floor: &[f64]) -> f64 {
         let of_angle = |k: usize| {
             let mut clear = Vec::new();
@@ -360,7 +332,7 @@ impl Sounding<'_> {
         clear.get(clear.len() / 2).copied().unwrap_or(USUAL_WIDTH)
     }
 
-    /// From the origin to the middle of the tooth at a height, across the axis.
+    /// Returns the vector from the origin to the middle of the tooth at a height, across the axis.
     fn middle(&self, height: f64) -> Vec3 {
         let outline: Vec<Vec3> = (0..ANGLES)
             .filter_map(|k| self.beside(k, height, 0.0))

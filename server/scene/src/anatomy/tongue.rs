@@ -1,49 +1,20 @@
-//! A tongue at rest: broad rounded root, arched back with a slight groove along its middle, thin rounded
-//! tip lifted off the floor of the mouth.
+//! A tongue at rest: broad rounded root, arched back with a slight groove along its middle, thin rounded tip above
+//! the floor of the mouth.
 //!
-//! Frame: x anterior (root to tip), y to the patient's left, z up; the origin lies in the middle of the
-//! length and of the width, at the height of the underside.
+//! Frame: x anterior (root to tip), y to the patient's left, z up. The origin lies in the middle of the length and of
+//! the width, at the height of the underside.
 //!
-//! A superellipsoid whose width, back and underside follow curves along its length.
+//! The shape is a superellipsoid. Its width, back and underside follow curves along its length.
 
-use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::math::fclamp;
 
+use crate::file::Tongue;
 use crate::mesh::TriMesh;
 use crate::mesh::implicit::{bell, ramp, through};
 use crate::mesh::polygonise::polygonise;
 
-/// Dimensions of the tongue, millimetres.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Tongue {
-    /// From root to tip, mm.
-    pub length_mm: f64,
-    /// Largest width, mm.
-    pub width_mm: f64,
-    /// From the underside to the highest place of the back, mm.
-    pub height_mm: f64,
-    /// Depth of the groove along the middle of the back, mm.
-    pub groove_mm: f64,
-    /// Edge of the grid that the surface is made on, mm. Smaller: more triangles.
-    pub grid_mm: f64,
-}
-
-impl Default for Tongue {
-    fn default() -> Self {
-        Self {
-            length_mm: 80.0,
-            width_mm: 50.0,
-            height_mm: 30.0,
-            groove_mm: 1.0,
-            grid_mm: 1.0,
-        }
-    }
-}
-
-/// Places along the length, root -1 to tip 1, with the width, the back and the underside there in units of the
-/// whole.
+/// Places along the length, root -1 to tip 1, with width, back and underside there in units of the whole.
 const ALONG: [f64; 6] = [-1.0, -0.6, -0.15, 0.3, 0.7, 1.0];
 const WIDTH: [f64; 6] = [0.9, 1.0, 1.0, 0.94, 0.76, 0.58];
 const BACK: [f64; 6] = [0.8, 0.94, 1.0, 0.92, 0.72, 0.6];
@@ -64,7 +35,7 @@ impl Tongue {
         polygonise(&|p| self.drawn(p), low, high, self.grid_mm).placed(1e-3, Vec3::zeros())
     }
 
-    /// Negative inside; near the surface roughly the distance, mm.
+    /// Returns about the distance to the surface near it, mm; negative inside.
     fn drawn(&self, p: &Vec3) -> f64 {
         let along = p.x / (0.5 * self.length_mm);
         let near = fclamp(along, -1.0, 1.0);

@@ -1,8 +1,10 @@
-//! The scenes that the programs bring along.
+//! Scenes that are part of the programs.
 
 use std::path::Path;
 
-use crate::compile::{BuildError, BuildOptions, Compiled, compile_text};
+use crate::compile::compile_text;
+use crate::compile::error::BuildError;
+use crate::compile::options::{BuildOptions, Compiled};
 
 /// A scene that needs no file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,13 +21,13 @@ pub enum BuiltIn {
     Mouth,
 }
 
-/// A scene by a name that no built-in one has.
+/// No built-in scene has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("scene `{0}` is not built in (there are {all}): name one with --scene", all = BuiltIn::ALL.map(BuiltIn::name).join(", "))]
+#[error("scene `{0}` is not built in, expected one of {all}; name it with --scene", all = BuiltIn::ALL.map(BuiltIn::name).join(", "))]
 pub struct NotBuiltIn(String);
 
 impl BuiltIn {
-    /// All of them.
+    /// All built-in scenes.
     pub const ALL: [BuiltIn; 5] = [
         BuiltIn::Crown,
         BuiltIn::Pocket,
@@ -34,7 +36,7 @@ impl BuiltIn {
         BuiltIn::Mouth,
     ];
 
-    /// Its scene file.
+    /// Returns its scene file.
     pub fn text(self) -> &'static str {
         match self {
             BuiltIn::Crown => include_str!("../../../scenes/crown.toml"),
@@ -45,22 +47,22 @@ impl BuiltIn {
         }
     }
 
-    /// The scene of that name, as exercises call it.
+    /// Returns the scene of a name. Exercises use these names.
     ///
     /// # Errors
-    /// When there is none; the error says which there are.
+    /// [`NotBuiltIn`] with the names that exist.
     pub fn named(name: &str) -> Result<Self, NotBuiltIn> {
         let found = Self::ALL.into_iter().find(|scene| scene.name() == name);
         found.ok_or_else(|| NotBuiltIn(name.to_owned()))
     }
 
-    /// Its name: that of its file without the ending.
+    /// Returns its name: that of its file without the extension.
     pub fn name(self) -> &'static str {
         let file = self.file_name().to_str().unwrap_or_default();
         file.strip_suffix(".toml").unwrap_or(file)
     }
 
-    /// What errors call its file.
+    /// Returns the name of its file in errors.
     pub fn file_name(self) -> &'static Path {
         Path::new(match self {
             BuiltIn::Crown => "crown.toml",
@@ -75,11 +77,22 @@ impl BuiltIn {
 /// Compiles a built-in scene.
 ///
 /// # Errors
-/// Only if the program was built from a broken source.
+/// Only if the program was built from invalid sources.
 pub fn compile_built_in(
     which: BuiltIn,
     options: &BuildOptions,
     progress: &dyn Fn(&str, f64),
 ) -> Result<Compiled, BuildError> {
     compile_text(which.text(), which.file_name(), options, progress)
+}
+
+/// Compiles the default scene: a lower molar and a probe.
+///
+/// # Errors
+/// Only if the program was built from invalid sources.
+pub fn compile_default(
+    options: &BuildOptions,
+    progress: &dyn Fn(&str, f64),
+) -> Result<Compiled, BuildError> {
+    compile_built_in(BuiltIn::Crown, options, progress)
 }

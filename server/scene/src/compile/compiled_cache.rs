@@ -1,4 +1,4 @@
-//! Compiled scenes on disk: a scene whose text names no other file is compiled once.
+//! Cache of compiled scenes on disk. It holds scenes whose text names no other file.
 
 use std::path::Path;
 
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 use sulcus_core::Scene;
 
 use crate::cache;
-use crate::compile::{BuildOptions, Compiled};
+use crate::compile::options::{BuildOptions, Compiled};
 
 /// Prefix of the file names of compiled scenes.
 const SCENE: &str = "scene";
-/// Compiled scenes that are kept; a whole mouth takes 10 MB.
+/// Largest number of cached scenes; a whole mouth takes 10 MB.
 const MOST: usize = 32;
 /// Hash of the sources that a compiled scene depends on.
 const SOURCES: &str = env!("SULCUS_SCENE_SOURCE");
 
-/// Everything of [`Compiled`] but the scene.
+/// All of [`Compiled`] except the scene.
 #[derive(Serialize, Deserialize)]
 struct Beside {
     warnings: Vec<String>,
@@ -23,9 +23,9 @@ struct Beside {
     seed: Option<u64>,
 }
 
-/// Name of the scene that these options make from the text of a scene file.
+/// Returns the key of the scene of these options and this text of a scene file.
 pub(crate) fn key(text: &str, path: &Path, options: &BuildOptions) -> blake3::Hash {
-    // The cache is a place, not an input.
+    // The folder of the cache is no input of the scene.
     let BuildOptions {
         cache: _,
         anew,
@@ -33,7 +33,7 @@ pub(crate) fn key(text: &str, path: &Path, options: &BuildOptions) -> blake3::Ha
         seed,
     } = options;
     let mut hasher = blake3::Hasher::new();
-    // The path stands in warnings.
+    // The path is part of warnings.
     let options = format!("{anew} {deepest:?} {seed:?}");
     for part in [
         SOURCES.as_bytes(),
@@ -47,7 +47,7 @@ pub(crate) fn key(text: &str, path: &Path, options: &BuildOptions) -> blake3::Ha
     hasher.finalize()
 }
 
-/// The compiled scene, if it is there and undamaged.
+/// Returns the compiled scene; `None` if it is absent or damaged.
 pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<Compiled> {
     let bytes = cache::load_bytes(dir, SCENE, key)?;
     let (length, rest) = bytes.split_first_chunk()?;
@@ -59,7 +59,7 @@ pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<Compiled> {
         seed,
     } = serde_json::from_slice(beside).ok()?;
     let scene = Scene::from_bytes(scene).ok()?;
-    // (A cache that cannot be written is as good for reading.)
+    // A cache that cannot be written can still be read.
     let _ = cache::used(dir, SCENE, key);
     Some(Compiled {
         source_hash: scene.source_hash.clone(),
@@ -70,7 +70,7 @@ pub(crate) fn load(dir: &Path, key: &blake3::Hash) -> Option<Compiled> {
     })
 }
 
-/// Keeps a compiled scene, and deletes of too many those that were not used for the longest time.
+/// Caches a compiled scene. Of more than [`MOST`], deletes those that were not used for the longest time.
 pub(crate) fn store(dir: &Path, key: &blake3::Hash, compiled: &Compiled) -> std::io::Result<()> {
     let beside = serde_json::to_vec(&Beside {
         warnings: compiled.warnings.clone(),

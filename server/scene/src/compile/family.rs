@@ -1,8 +1,12 @@
-//! Trees that the program brings along: of the built-in scenes, teeth above all, which take minutes to build and are the
-//! same for every patient, and of the pockets of the hard cases.
+//! Trees that are part of the program: those of the built-in scenes and of the pockets of the hard cases.
 //!
-//! The file is made by `sulcus-server scene family` and holds what the cache would: each tree under the hash of everything that
-//! makes it. A shape that was changed since has another hash, is not found, and is built; a test says so.
+//! Teeth take minutes to build and are the same for every patient.
+//!
+//! `sulcus-server scene family` makes the file. It holds the content of cached files: each tree under the hash of
+//! mesh, options, importance and builder version.
+//!
+//! The hash does not depend on the text of the sources. A changed shape has another hash, is not found, and is built.
+//! A test reports it.
 
 use std::path::Path;
 
@@ -12,7 +16,7 @@ use crate::cache;
 
 static FAMILY: &[u8] = include_bytes!("../../../scenes/family.bin");
 
-/// The tree of a key, if it is in the family.
+/// Returns the tree of a key, if it is in the family.
 pub(crate) fn find(key: &blake3::Hash) -> Option<SphereTree> {
     let mut rest = FAMILY;
     while let Some((length, more)) = rest.split_at_checked(8) {
@@ -26,10 +30,10 @@ pub(crate) fn find(key: &blake3::Hash) -> Option<SphereTree> {
     None
 }
 
-/// The bytes of a family: all trees in a cache's folder, in the order of their keys.
+/// Returns the bytes of a family: all trees in a folder of the cache, in the order of their keys.
 ///
 /// # Errors
-/// When the folder or a file in it cannot be read.
+/// An error if the folder or a file in it cannot be read.
 pub fn pack(dir: &Path) -> std::io::Result<Vec<u8>> {
     let mut files: Vec<_> = std::fs::read_dir(dir)?
         .map(|entry| entry.map(|entry| entry.path()))

@@ -1,4 +1,4 @@
-//! `[mouth]` of a scene file into objects.
+//! Objects of `[mouth]` of a scene file.
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::GingivaParams;
@@ -8,20 +8,20 @@ use crate::anatomy::arch::to_world;
 use crate::anatomy::collar::Collar;
 use crate::anatomy::jaw::{Station, healed, jaw};
 use crate::anatomy::mouth::{
-    JAW_TOP, MouthEntry, Standing, collar, meet, patient, placed_gingiva, placed_mesh, standing,
+    JAW_TOP, Standing, collar, meet, patient, placed_gingiva, placed_mesh, standing,
 };
-use crate::anatomy::patient::{LOWER, ToothChart};
-use crate::compile::BuildError;
+use crate::anatomy::patient::ToothChart;
+use crate::compile::error::BuildError;
 use crate::compile::parts::{Compiler, GINGIVA_COLOUR, TOOTH_COLOUR};
-use crate::file::gingiva::gingiva_params;
+use crate::file::{LOWER, MouthEntry};
 use crate::mesh::TriMesh;
 use crate::tree::build::TreeOptions;
 use crate::tree::carry::carriers;
 
-/// How far the jaw reaches into the gingivae's base, mm.
+/// Overlap of the jaw with the base of the gingivae, mm.
 const JAW_OVERLAP: f64 = 0.4;
 
-/// What a mouth adds to a scene.
+/// Parts of a scene that a mouth adds.
 pub(crate) struct MouthParts {
     /// Teeth, then gingivae, from the right to the left.
     pub objects: Vec<Object>,
@@ -30,7 +30,7 @@ pub(crate) struct MouthParts {
 }
 
 impl Compiler<'_> {
-    /// Makes the teeth and gingivae of a mouth; where no patient is named, of the one that `seed` generates.
+    /// Makes the teeth and gingivae of a mouth. If no patient is named, it is generated from `seed`.
     pub fn mouth(&mut self, entry: &MouthEntry, seed: u64) -> Result<MouthParts, BuildError> {
         let file = entry.patient.as_ref().map(|file| self.beside(file));
         let (patient, text) = patient(file.as_deref(), entry.condition, seed)?;
@@ -48,7 +48,7 @@ impl Compiler<'_> {
         for tooth in &all {
             objects.push(self.placed_tooth(entry, tooth)?);
         }
-        let base = gingiva_params(&entry.gingiva);
+        let base = entry.gingiva.params();
         let params = |k: usize| GingivaParams {
             inflammation: charts[k].inflammation,
             ..base
@@ -93,7 +93,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// The jaw under all teeth, missing ones as well: the same for every patient.
+    /// Makes the jaw under all teeth, also missing ones. It is the same for every patient.
     fn jaw(&mut self, arch: &[Standing]) -> Result<Object, BuildError> {
         let wall = MouthEntry::default().wall_mm;
         let stations: Vec<Station> = arch
@@ -107,7 +107,7 @@ impl Compiler<'_> {
         self.mucosa("jaw", 3, jaw(&stations, JAW_TOP + JAW_OVERLAP), |mesh| mesh)
     }
 
-    /// The healed ridge where a tooth is missing.
+    /// Makes the healed ridge of a missing tooth.
     fn healed(&mut self, entry: &MouthEntry, tooth: &Standing) -> Result<Object, BuildError> {
         let ends = tooth.ends();
         let base = JAW_TOP - tooth.frame.origin.z * 1e3;
@@ -149,7 +149,7 @@ impl Compiler<'_> {
             blended: true,
             ..TreeOptions::default()
         };
-        // Built where it was drawn, so that both sides and every patient share it.
+        // The tree is built in the frame of the drawing, so both sides and every patient share it.
         let (tree, level) = self.tree(&part, &tooth.mesh, entry.tooth_level, wanted)?;
         let tree = placed(&tree, tooth).map_err(|source| BuildError::Tree {
             part: part.clone(),

@@ -8,13 +8,13 @@ use sulcus_core::tissue::gingiva::ToothFrame;
 use sulcus_core::{Object, Pose, SphereTree, Tool, Vec3};
 use sulcus_program::PathText;
 
-use crate::anatomy::gingiva::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
-use crate::anatomy::{Collar, Tooth};
+use crate::anatomy::mesh_tissue::{POCKET_PROXIMAL_DEG, Surrounding, charted, model};
+use crate::anatomy::{MolarCollar, Tooth};
 use crate::cache;
+use crate::compile::error::BuildError;
 use crate::compile::family;
+use crate::compile::options::BuildOptions;
 use crate::compile::printed::{printed_gingiva, printed_skeleton};
-use crate::compile::{BuildError, BuildOptions};
-use crate::file::gingiva::gingiva_params;
 use crate::file::{ObjectEntry, ObjectKind, TissueEntry, ToolEntry, ToolKind};
 use crate::instruments::{Mirror, Probe};
 use crate::mesh::TriMesh;
@@ -33,28 +33,31 @@ const TONGUE_COLOUR: [u8; 4] = [205, 110, 115, 255];
 pub(crate) const GINGIVA_COLOUR: [u8; 4] = [214, 126, 128, 255];
 const TOOL_COLOUR: [u8; 4] = [176, 182, 188, 255];
 
-/// What the parts of one scene share while they are made.
+/// State that the parts of one scene share during compilation.
 pub(crate) struct Compiler<'a> {
     pub path: &'a Path,
     pub options: &'a BuildOptions,
     pub progress: &'a dyn Fn(&str, f64),
     pub hasher: blake3::Hasher,
     pub warnings: Vec<String>,
-    /// Whether the compiled scene may be cached: it is made from its own text alone, and no remark in it is one of this run.
+    /// Whether the compiled scene may be cached. It must depend on its own text alone, and no warning may concern
+    /// this run only.
     pub cacheable: bool,
     pub parts: usize,
     pub done: usize,
 }
 
 impl Compiler<'_> {
-    /// Where `file` lies that the scene file names: relative to the scene file. Every file that a scene is made from is named to this.
+    /// Returns the path of a `file` that the scene file names, relative to the scene file.
+    ///
+    /// Every input file of a scene is passed to this method.
     pub(crate) fn beside(&mut self, file: &Path) -> PathBuf {
         self.cacheable = false;
         self.path.parent().unwrap_or(Path::new("")).join(file)
     }
 
     pub fn tool(&mut self, entry: &ToolEntry) -> Result<Tool, BuildError> {
-        // What is written on it goes beside its name.
+        // The marking on it follows its name.
         let written = match entry.kind {
             Some(ToolKind::PeriodontalProbe) => {
                 let marking = entry.probe.as_ref().map(|probe| probe.marking);
@@ -163,10 +166,10 @@ impl Compiler<'_> {
             ..TreeOptions::default()
         };
         let place = Vec3::from(entry.translate_mm) * 1e-3;
-        // The tree is built where the mesh was drawn, so that the cache serves every place.
+        // The tree is built in the frame of the mesh, so the cache serves every place.
         let (tree, level) = self.tree(&part, &mesh, entry.level, wanted)?;
         let tissue = match entry.tissue {
-            // (A gingiva was made above.)
+            // Gingivae were made above.
             TissueEntry::Rigid | TissueEntry::Gingiva | TissueEntry::PrintedGingiva => {
                 TissueModel::Rigid
             }
@@ -240,10 +243,10 @@ impl Compiler<'_> {
         })
     }
 
-    /// The gingiva of one of `all` objects.
+    /// Makes the gingiva of one of `all` objects.
     fn gingiva(&mut self, entry: &ObjectEntry, all: &[ObjectEntry]) -> Result<Object, BuildError> {
         let part = format!("object `{}`", entry.name);
-        // The file was checked to name a molar.
+        // The check of the file guarantees a molar.
         let tooth = all
             .iter()
             .position(|tooth| Some(&tooth.name) == entry.tooth.as_ref());
@@ -252,10 +255,10 @@ impl Compiler<'_> {
             let molar = tooth.molar.clone().unwrap_or_default();
             (molar, Vec3::from(tooth.translate_mm) * 1e-3)
         });
-        let params = gingiva_params(&entry.gingiva.clone().unwrap_or_default());
+        let params = entry.gingiva.clone().unwrap_or_default().params();
         let pocket = entry.pocket.clone().unwrap_or_default();
         let surface = MeshDistance::new(molar.mesh());
-        let collar = Collar::new(&pocket, &surface, params.sink());
+        let collar = MolarCollar::new(&pocket, &surface, params.sink());
         let mesh = collar.mesh();
         let wanted = TreeOptions {
             levels: entry.levels,
@@ -309,7 +312,7 @@ impl Compiler<'_> {
         mesh: Option<&Path>,
         reading: Reading,
     ) -> Result<TriMesh, BuildError> {
-        // The file was checked to name both.
+        // The check of the file guarantees both.
         let file = self.beside(mesh.unwrap_or(Path::new("")));
         let solid = read_solid(&file, reading)?;
         for sentence in solid.repairs.sentences().into_iter().chain(solid.notes) {
@@ -319,7 +322,7 @@ impl Compiler<'_> {
         Ok(solid.mesh)
     }
 
-    /// Builds or fetches a tree; also gives the contact level, no deeper than the tree.
+    /// Builds or fetches a tree. Also returns the contact level, at most the depth of the tree.
     pub(crate) fn tree(
         &mut self,
         part: &str,
@@ -330,7 +333,8 @@ impl Compiler<'_> {
         self.weighted(part, mesh, level, wanted, None)
     }
 
-    /// As [`Compiler::tree`], where places differ in importance: what that is called, and how much each place counts.
+    /// Works like [`Compiler::tree`] for places of different importance. `weights` has the name of the importance and
+    /// its function.
     pub(crate) fn weighted(
         &mut self,
         part: &str,
@@ -351,7 +355,7 @@ impl Compiler<'_> {
         let brought = (!self.options.anew).then(|| family::find(&key)).flatten();
         let kept = brought.or_else(|| {
             let dir = self.options.cache.as_deref()?;
-            // A tree that was kept before trees were checked is built again, and refused.
+            // A tree that was cached before trees were checked is built again, and refused.
             cache::load(dir, &key)
                 .filter(|tree| check_filled(tree, mesh, &wanted, weights.is_some()).is_ok())
         });
@@ -377,7 +381,7 @@ impl Compiler<'_> {
                 {
                     self.cacheable = false;
                     self.warnings.push(format!(
-                            "{}: cannot keep the built tree there ({error}), so it is built again next time",
+                            "{}: cannot cache the built tree in this folder ({error}), so it is built again next time",
                             dir.shown()
                         ));
                 }
@@ -389,10 +393,10 @@ impl Compiler<'_> {
     }
 }
 
-/// How much a place (metres) counts.
+/// Weight of a place (metres) in the building of a tree.
 pub(crate) type Importance<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
 
-/// The same tree elsewhere.
+/// Returns the tree, moved.
 pub(crate) fn moved(tree: &SphereTree, by: &Vec3) -> Result<SphereTree, TreeBuildError> {
     let nodes = tree.nodes().iter().map(|node| {
         let mut node = *node;

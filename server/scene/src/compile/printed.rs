@@ -1,5 +1,7 @@
-//! Tissue as printed in a scene file: the same tongue or gingiva as the coupled method's, run by the paper's own
-//! equations for comparison. Numbers are checked where the scene is: the stable limit needs the springs.
+//! Printed tissue of a scene file: the tongue or gingiva of the coupled method, run by the paper's own equations for
+//! comparison.
+//!
+//! The scene's validation checks the numbers, because the stable limit needs the springs.
 
 use sulcus_core::SphereTree;
 use sulcus_core::tissue::gingiva::Gingiva;
@@ -14,7 +16,7 @@ fn set(to: &mut f64, from: Option<f64>, unit: f64) {
     }
 }
 
-/// The tongue of `entry` as printed, from its coupled skeleton.
+/// Returns the printed tongue of `entry`, from its coupled skeleton.
 pub(crate) fn printed_skeleton(
     coupled: &Skeleton,
     tree: &SphereTree,
@@ -34,7 +36,7 @@ pub(crate) fn printed_skeleton(
     made
 }
 
-/// The gingiva of `entry` as printed, from its coupled model and the index of its tooth.
+/// Returns the printed gingiva of `entry`, from its coupled model and the index of its tooth.
 pub(crate) fn printed_gingiva(
     coupled: &Gingiva,
     tree: &SphereTree,

@@ -1,15 +1,14 @@
-//! A gingiva that is a mesh, round a tooth that may be one: from the scene file to the object.
+//! A gingiva that is a mesh: from the scene file to the object. Its tooth may be a mesh too.
 
 use sulcus_core::math::fmax;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Object, Vec3};
 
-use crate::anatomy::gingiva::{Surrounding, model};
+use crate::anatomy::mesh_tissue::{Surrounding, model};
 use crate::anatomy::sulcus::Sounded;
-use crate::compile::BuildError;
+use crate::compile::error::BuildError;
 use crate::compile::parts::{Compiler, GINGIVA_COLOUR, Importance, moved};
 use crate::compile::printed::printed_gingiva;
-use crate::file::gingiva::gingiva_params;
 use crate::file::{ObjectEntry, TissueEntry};
 use crate::mesh::TriMesh;
 use crate::mesh::distance::MeshDistance;
@@ -18,15 +17,15 @@ use crate::mesh::solid::read_solid;
 use crate::tree::build::TreeOptions;
 use crate::tree::carry::carriers;
 
-/// How much more the wall and floor of the sulcus count than the rest when spheres are shared out.
+/// Weight of wall and floor of the sulcus in the distribution of spheres; other tissue has 1.
 const POCKET_WEIGHT: f64 = 16.0;
-/// How much tissue counts that is far from the tooth.
+/// Weight of tissue far from the tooth.
 const FAR_WEIGHT: f64 = 0.05;
-/// Distances from the tooth at which tissue begins to count less, and counts that little, metres.
+/// Distances from the tooth at which the weight begins to fall, and at which it has fallen, metres.
 const FAR: (f64, f64) = (1.5e-3, 5e-3);
 
 impl Compiler<'_> {
-    /// The mesh of a tooth of the file, in the world.
+    /// Returns the mesh of a tooth of the file, in the world.
     fn tooth(&mut self, entry: &ObjectEntry) -> Result<TriMesh, BuildError> {
         let place = Vec3::from(entry.translate_mm) * 1e-3;
         let mesh = match (&entry.molar, &entry.mesh) {
@@ -36,14 +35,14 @@ impl Compiler<'_> {
         Ok(mesh.placed(1.0, place))
     }
 
-    /// A gingiva whose mesh is named, round one of `all` objects.
+    /// Makes a gingiva from a mesh file, round one of `all` objects.
     pub(crate) fn sounded_gingiva(
         &mut self,
         entry: &ObjectEntry,
         all: &[ObjectEntry],
     ) -> Result<Object, BuildError> {
         let part = format!("object `{}`", entry.name);
-        // The file was checked to name an object.
+        // The check of the file guarantees the object.
         let tooth = all
             .iter()
             .position(|tooth| Some(&tooth.name) == entry.tooth.as_ref())
@@ -58,8 +57,8 @@ impl Compiler<'_> {
             let part = part.clone();
             BuildError::Sulcus { part, source }
         })?;
-        let params = gingiva_params(&entry.gingiva.clone().unwrap_or_default());
-        // The tree is built where the mesh was drawn, and then put in its place.
+        let params = entry.gingiva.clone().unwrap_or_default().params();
+        // The tree is built in the frame of the mesh, then placed.
         let importance = |p: &Vec3| importance(&sounded, &surface, &(p + place));
         let key = importance_key(&sounded, &surface, &place);
         let wanted = TreeOptions {
@@ -72,7 +71,7 @@ impl Compiler<'_> {
             part: part.clone(),
             source,
         })?;
-        // A real floor has few vertices of its own, so its sounded points stand beside them.
+        // A real floor has few vertices of its own, so the sounded points are added.
         let mut mesh = tissue.mesh().clone();
         mesh.vertices.extend(&sounded.on_floor);
         let proximal = given.proximal_deg.to_radians();
@@ -86,7 +85,7 @@ impl Compiler<'_> {
             sites: sounded.charted(proximal, params.sink(), params.inflammation > 0.0),
         };
         let mut gingiva = model(&tree, level, params, &surrounding);
-        // Other teeth's tissue may belong to the same mesh, and be higher than this one's margin.
+        // The mesh may contain tissue of other teeth, higher than this tooth's margin.
         gingiva.margin = sounded.margin;
         let fitted = if entry.tissue == TissueEntry::PrintedGingiva {
             TissueModel::PrintedGingiva(printed_gingiva(&gingiva, &tree, tooth, entry))
@@ -106,19 +105,19 @@ impl Compiler<'_> {
     }
 }
 
-/// How much a point of the tissue's surface counts: what a probe in the sulcus touches most, what is far from the tooth least.
+/// Returns the weight of a point of the tissue's surface: most in the sulcus, least far from the tooth.
 fn importance(sounded: &Sounded, tooth: &MeshDistance, p: &Vec3) -> f64 {
     let (around, height) = sounded.frame.cylindrical(p);
     let (off, above) = (tooth.signed(p), height - sounded.floor_at(around));
     let ground = FAR_WEIGHT + (1.0 - FAR_WEIGHT) * ramp(-off, -FAR.1, -FAR.0);
     let near = fmax(sounded.width, 2e-4) + 4e-4;
     let pocket = ramp(-off, -near - 4e-4, -near) * ramp(above, -5e-4, -1e-4);
-    // What is in the tooth, or under the floor at its root, is never touched.
+    // Places in the tooth, or under the floor at its root, are never touched.
     let open = ramp(off, -2e-4, 0.0);
     ground * (0.05 + 0.95 * open) + (POCKET_WEIGHT - ground) * pocket * open
 }
 
-/// A name for all that the importance depends on and the tissue's mesh does not show.
+/// Returns a name for all inputs of the weight that the tissue's mesh does not show.
 fn importance_key(sounded: &Sounded, tooth: &MeshDistance, place: &Vec3) -> String {
     let mut hasher = blake3::Hasher::new();
     tooth.mesh().hash_into(&mut hasher);

@@ -1,8 +1,11 @@
 //! The spheres against the mesh: the exposed surface of a union of balls, cell by cell.
 //!
-//! Every ball's surface is cut into the triangles of an icosahedron, each into four, and so on. A cell
-//! that lies wholly inside another ball is dropped with all below it; whether a point is exposed
-//! is decided against every ball that reaches it.
+//! The surface of every ball is cut into the triangles of an icosahedron, each into four, and so on.
+//!
+//! A cell inside another ball is dropped with all its parts. Exposure of a point is decided against every ball that
+//! reaches it.
+//!
+//! Users: `spheres_to_mesh_mm` with its proven maximum, in the table and the JSON of `sulcus-server tree`.
 
 use sulcus_core::math::{fmax, fmin, norm};
 use sulcus_core::{Sphere, Vec3};
@@ -21,7 +24,7 @@ pub(super) struct ExposedPoint {
     pub(super) point: Vec3,
     /// Outward unit normal of its ball.
     pub(super) normal: Vec3,
-    /// Area that it stands for, square metres.
+    /// Its area, square metres.
     pub(super) area: f64,
     /// Distance to the mesh, metres.
     pub(super) distance: f64,
@@ -31,13 +34,13 @@ pub(super) struct ExposedPoint {
 struct Cell {
     /// Its middle.
     direction: Vec3,
-    /// No point of the cell is farther from the middle (straight line).
+    /// Largest straight distance of its points from the middle.
     radius: f64,
     /// Solid angle.
     angle: f64,
 }
 
-/// The cells of the unit sphere, coarse to fine; the children of cell `k` are `4 k` to `4 k + 3`.
+/// The cells of the unit sphere, coarse to fine. The children of cell `k` are `4 k` to `4 k + 3`.
 pub(super) struct Cells(Vec<Vec<Cell>>);
 
 /// A spherical triangle by its corners.
@@ -54,7 +57,7 @@ fn quarters([a, b, c]: &Corners) -> [Corners; 4] {
     [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [bc, ca, ab]]
 }
 
-/// Middle, and distance from it to the farthest corner.
+/// Returns the middle of the corners, and the distance from it to the farthest corner.
 fn disc(corners: &Corners) -> (Vec3, f64) {
     let direction = (corners[0] + corners[1] + corners[2]).normalize();
     let radius = corners
@@ -64,7 +67,7 @@ fn disc(corners: &Corners) -> (Vec3, f64) {
 }
 
 impl Cells {
-    /// With at least `wanted` cells in the finest layer.
+    /// Makes cells, at least `wanted` in the finest layer.
     pub(super) fn new(wanted: usize) -> Self {
         let mut corners = roots();
         let mut layers = Vec::new();
@@ -77,12 +80,12 @@ impl Cells {
         }
     }
 
-    /// Cells of the finest layer.
+    /// Returns the number of cells of the finest layer.
     pub(super) fn finest(&self) -> usize {
         self.0.last().map_or(0, Vec::len)
     }
 
-    /// The points at the middle of the finest cells that no other ball covers.
+    /// Returns the middles of the finest cells that no other ball covers.
     pub(super) fn exposed(&self, union: &Union, distance: &MeshDistance) -> Vec<ExposedPoint> {
         parallel::map(union.spheres().len(), |own| {
             let mut points = Vec::new();
@@ -143,8 +146,7 @@ fn cell(corners: &Corners) -> Cell {
     }
 }
 
-/// The largest distance to the mesh over the exposed surface whose nearest point of the mesh is in the
-/// zone.
+/// Returns the largest distance to the mesh over the exposed surface whose nearest point of the mesh is in the zone.
 pub(super) fn largest_over(
     union: &Union,
     distance: &MeshDistance,
@@ -182,7 +184,7 @@ pub(super) fn largest_over(
             if cover == Cover::Whole {
                 return nothing;
             }
-            // Deep inside, where only the cover must be found, the distance would not help.
+            // Deep inside only the cover is needed, so the distance is not computed.
             if cover == Cover::Point
                 && piece.bound.is_finite()
                 && piece.bound - piece.slack > matters
@@ -222,19 +224,19 @@ pub(super) fn largest_over(
 struct Piece {
     own: usize,
     corners: Corners,
-    /// No distance is above it.
+    /// Upper bound of the distances.
     bound: f64,
-    /// None is below `bound` by more.
+    /// Largest difference between a distance and `bound`.
     slack: f64,
 }
 
-/// No point of the cell is farther from `point`.
+/// Returns an upper bound of the distance of the cell's points from `point`.
 fn farthest(sphere: &Sphere, corners: &Corners, chord: f64, point: &Vec3) -> f64 {
     let off = sphere.centre - point;
     let along = corners.iter().fold(f64::NEG_INFINITY, |most, corner| {
         fmax(most, corner.dot(&off))
     });
-    // Directions of the cell are mixtures of the corners, made longer to unit length.
+    // Directions of the cell are mixtures of the corners, scaled to unit length.
     let along = if along > 0.0 {
         along / (1.0 - 0.5 * chord * chord)
     } else {

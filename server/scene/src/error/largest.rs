@@ -1,8 +1,12 @@
-//! The largest value of a function over a surface, found with certainty: branch and bound.
+//! Branch and bound: the largest value of a function over a surface, with a proven upper bound.
 //!
-//! All distances measured here change by no more than the way gone. So around a point whose value
-//! is `v` nothing within `r` is above `v + r`: cells whose bound is below the largest value found so
-//! far are dropped, the others are cut in four, the most promising first.
+//! Both distances of this module change by no more than the distance moved. If a point has the value `v`, no point
+//! within `r` exceeds `v + r`.
+//!
+//! Cells whose bound is below the largest value found so far are dropped. The others are cut in four, the highest
+//! bound first.
+//!
+//! Users: `max` and `max_at_most` in the table and the JSON of `sulcus-server tree`.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -11,27 +15,27 @@ use sulcus_core::math::fmax;
 
 use crate::parallel;
 
-/// The search ends when nothing can be above the value found by more than this share of it ...
+/// Largest difference between the value found and the bound at the end of the search, as a share of the value.
 const RELATIVE: f64 = 0.002;
-/// ... or this, metres.
+/// The same as a length, metres. The larger of both counts.
 const ABSOLUTE: f64 = 5e-8;
-/// Cells cut at a time; fixed, so that the answer does not depend on the number of threads.
+/// Cells cut at a time. The number is fixed, so the result does not depend on the number of threads.
 const BATCH: usize = 256;
 
-/// What is known of one cell.
+/// Result of the examination of one cell.
 pub(super) struct Examined {
-    /// Value at a point of the cell that counts, if one was looked at.
+    /// Value at a counting point of the cell, if one was examined.
     pub(super) attained: Option<f64>,
-    /// No point of the cell that counts is above it; `None`: no point of the cell counts.
+    /// Upper bound over the counting points of the cell; `None` if no point counts.
     pub(super) bound: Option<f64>,
 }
 
-/// The answer, metres.
+/// Result of a search, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Largest {
-    /// Largest value that was met.
+    /// Largest value found.
     pub(super) attained: f64,
-    /// No value is above it.
+    /// Upper bound of all values.
     pub(super) at_most: f64,
 }
 
@@ -59,10 +63,13 @@ impl<C> Ord for Open<C> {
     }
 }
 
-/// The largest value over the cells `roots`. `examine` also gets the value that matters: a bound below
-/// it is as good as any other. `split` also gets the bound of the cell that it cuts. `floor` is a value
-/// known to be met, `budget` how many cells may be examined beyond the roots; when it runs out, `at_most`
-/// says what is still possible.
+/// Returns the largest value over the cells `roots`.
+///
+/// - `examine` also receives the smallest bound of interest. A lower bound need not be exact.
+/// - `split` also receives the bound of the cell that it cuts.
+/// - `floor` is a value known to occur.
+/// - `budget` is the number of cells that may be examined beyond the roots. If it is used up, `at_most` is the
+///   remaining bound.
 pub(super) fn largest<C: Send + Sync>(
     roots: Vec<C>,
     floor: f64,
@@ -72,7 +79,7 @@ pub(super) fn largest<C: Send + Sync>(
 ) -> Largest {
     let limit = roots.len() + budget;
     let mut best = floor;
-    // The highest bound of what was dropped.
+    // Highest bound of the dropped cells.
     let mut dropped = floor;
     let mut open = BinaryHeap::new();
     let mut cells = roots;
@@ -115,7 +122,7 @@ pub(super) fn largest<C: Send + Sync>(
     }
 }
 
-/// What a bound must exceed for its cell to be looked into.
+/// Returns the bound above which a cell must be examined.
 fn enough(best: f64) -> f64 {
     fmax(best * (1.0 + RELATIVE), best + ABSOLUTE)
 }

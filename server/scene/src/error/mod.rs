@@ -1,14 +1,22 @@
-//! How far a sphere tree is from the mesh it stands for, measured both ways by code that shares
-//! nothing with the builder but the distance query.
+//! Errors of a sphere tree against its mesh, in both directions. The code shares nothing with the builder except the
+//! distance query.
 //!
-//! What is measured, level by level, is fixed: *mesh to spheres* is `|min_i(|p - c_i| - r_i)|` over
-//! points `p` of the mesh, *spheres to mesh* the distance to the mesh over the exposed surface of
-//! the union of spheres, walls of its inner cavities included.
+//! Two distances are measured at each level.
 //!
-//! Means, percentiles and shares are weighted by area over dense points (see [`Sampling`]). Maxima
-//! are not left to the points: both distances change by no more than the way gone, so branch and bound
-//! finds the largest value with certainty, to a fifth of a percent; [`Spread::max_at_most`] is the proven
-//! upper bound. Volumes are cut exactly along parallel rays on a fine grid.
+//! - *Mesh to spheres* is `|min_i(|p - c_i| - r_i)|` over points `p` of the mesh.
+//! - *Spheres to mesh* is the distance to the mesh over the exposed surface of the union of spheres, walls of its
+//!   inner cavities included.
+//!
+//! Means, percentiles and shares are weighted by area over dense points ([`Sampling`]).
+//!
+//! Maxima do not depend on the points: branch and bound finds them to a fifth of a percent, and
+//! [`Spread::max_at_most`] is the proven upper bound.
+//!
+//! Volumes are cut exactly along parallel rays on a fine grid.
+//!
+//! Users: `sulcus-server tree` (table, JSON, viewer) has all fields of [`LevelError`]. `max_gap_mm` of a tool
+//! is part of the tolerance of the invariant "no tool is inside an object" of the hard cases. The bench of other
+//! engines compares with `max_gap_mm`, `max_bulge_mm` and the mean.
 
 mod columns;
 mod exposed;
@@ -28,7 +36,6 @@ use crate::mesh::distance::MeshDistance;
 use crate::parallel;
 use crate::tree::zone::Zone;
 use columns::Columns;
-pub(crate) use columns::union_volume;
 use exposed::{Cells, ExposedPoint};
 use patch::Place;
 pub use patch::zone_patch;
@@ -36,49 +43,48 @@ pub use spread::Spread;
 pub use surface::{SurfacePoint, surface_points};
 use union::Union;
 
-/// Errors of one level, over the whole surface or over the part of it that is in a zone.
+/// Errors of one level, over the whole surface or over its part in a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LevelError {
     /// The level.
     pub level: u8,
-    /// Spheres that are the shape at this level.
+    /// Number of spheres of the shape at this level.
     pub spheres: usize,
-    /// `|min_i(|p - c_i| - r_i)|` over points `p` of the mesh: gaps and bulges alike.
+    /// `|min_i(|p - c_i| - r_i)|` over points `p` of the mesh, gaps and bulges.
     pub mesh_to_spheres_mm: Spread,
-    /// Distance from the exposed surface of the union of spheres to the mesh, walls of inner
-    /// cavities included. In a zone: from the exposed surface whose nearest point of the mesh is in the
-    /// zone, however far that is.
+    /// Distance from the exposed surface of the union of spheres to the mesh, walls of inner cavities included.
+    ///
+    /// In a zone only the exposed surface counts whose nearest point of the mesh is in the zone, at any distance.
     pub spheres_to_mesh_mm: Spread,
-    /// The same without the walls of inner cavities, which nothing can touch. Its maximum is that of
-    /// the points.
+    /// The same without the walls of inner cavities, which no tool can touch. Its maximum is that of the points.
     pub outer_to_mesh_mm: Spread,
-    /// How far the mesh sticks out of the spheres at most, over the points.
+    /// Largest height of the mesh over the spheres, over the points.
     pub max_gap_mm: f64,
-    /// How deep a point of the mesh is inside a sphere at most.
+    /// Largest depth of a point of the mesh inside a sphere.
     pub max_bulge_mm: f64,
-    /// Share of the mesh's area outside of the union, percent; nothing is forgiven.
+    /// Share of the mesh's area outside of the union, percent, without tolerance.
     pub uncovered_area_percent: f64,
-    /// The same for what is farther out than some distances.
+    /// The same beyond some distances.
     pub uncovered_beyond: [Uncovered; 4],
     /// Share of the union's exposed area that lines cavities closed off from the outside, percent.
     pub cavity_area_percent: f64,
-    /// Volumes; none in a zone.
+    /// Volumes; `None` in a zone.
     #[serde(flatten)]
     pub volume: Option<VolumeError>,
-    /// How finely all this was measured.
+    /// Resolution of the measurement.
     pub measured: Measured,
 }
 
-/// Volume of the union of spheres against that of the mesh, percent of the mesh's.
+/// Volume of the union of spheres compared with that of the mesh, percent of the mesh's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VolumeError {
     /// Volume of the union minus that of the mesh.
     pub volume_error_percent: f64,
-    /// Volume of the mesh that no sphere fills; cavities in it are part of it.
+    /// Volume of the mesh outside of the spheres, cavities included.
     pub missing_volume_percent: f64,
     /// Volume of the union outside of the mesh.
     pub excess_volume_percent: f64,
-    /// Missing and excess volume together.
+    /// Sum of missing and excess volume.
     pub symmetric_difference_percent: f64,
     /// Volume of cavities that the spheres close off from the outside.
     pub cavity_volume_percent: f64,
@@ -93,7 +99,7 @@ pub struct Uncovered {
     pub percent: f64,
 }
 
-/// How finely a level was measured.
+/// Resolution of the measurement of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measured {
     /// Points on the mesh.
@@ -122,23 +128,24 @@ pub struct ZoneError {
 pub struct TreeReport {
     /// Levels, coarse to fine.
     pub levels: Vec<LevelError>,
-    /// Zones, in the order asked for.
+    /// Zones, in the order of the request.
     pub zones: Vec<ZoneError>,
 }
 
-/// How finely to measure.
+/// Resolution requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Least number of points on the mesh. Every triangle has at least one, every vertex is one.
     pub mesh_points: usize,
     /// Least number of points on the mesh for each sphere.
     pub mesh_points_per_sphere: usize,
-    /// Least number of points on each sphere, before covered ones are left out; where the number of
-    /// spheres allows, it is more (at least 100,000 on all together). It is 20 times a power of 4.
+    /// Least number of points on each sphere, before covered ones are left out. The number is 20 times a power of 4.
+    ///
+    /// The number is larger if the number of spheres allows, with at least 100,000 points on all spheres.
     pub points_per_sphere: usize,
     /// Number of rays.
     pub rays: usize,
-    /// Most cells that the search for a maximum examines; at least 400 for each sphere.
+    /// Largest number of cells that the search for a maximum examines; at least 400 for each sphere.
     pub budget: usize,
 }
 
@@ -155,7 +162,7 @@ impl Default for Sampling {
 }
 
 impl Sampling {
-    /// Points on each of so many spheres. Deep in a tree all but a few percent of them are covered.
+    /// Returns the points on each sphere. Deep in a tree only a few percent of them are exposed.
     fn on_each_of(&self, spheres: usize) -> usize {
         let more = [
             100_000_usize.div_ceil(spheres),
@@ -165,21 +172,16 @@ impl Sampling {
     }
 }
 
-/// Distances for which [`LevelError::uncovered_beyond`] is told.
+/// Distances of [`LevelError::uncovered_beyond`].
 const BEYOND_MM: [f64; 4] = [0.01, 0.05, 0.1, 0.5];
-
-/// Measures every level of `tree` against the mesh in `distance` (same frame).
-pub fn tree_errors(tree: &SphereTree, distance: &MeshDistance) -> Vec<LevelError> {
-    measure(tree, distance, &[], &Sampling::default(), &|_| {}).levels
-}
 
 /// Measures one level.
 pub fn level_error(tree: &SphereTree, level: u8, distance: &MeshDistance) -> LevelError {
     Level::new(tree, level, distance, &Sampling::default()).error()
 }
 
-/// Measures every level over the whole surface and in each zone. `progress` gets the level that
-/// comes next.
+/// Measures every level over the whole surface and in each zone. `progress` receives each level before its
+/// measurement.
 pub fn measure(
     tree: &SphereTree,
     distance: &MeshDistance,
@@ -213,8 +215,10 @@ pub fn measure(
     report
 }
 
-/// `min_i(|p - c_i| - r_i)` at each point, metres. Points of the mesh: positive is a gap (the surface
-/// sticks out of the spheres), negative a bulge (the spheres stick out of the surface).
+/// Returns `min_i(|p - c_i| - r_i)` at each point, metres.
+///
+/// For points of the mesh, positive is a gap (the surface is outside of the spheres), negative a bulge (the surface
+/// is inside).
 pub fn surface_error(spheres: &[Sphere], points: &[Vec3]) -> Vec<f64> {
     let union = Union::new(spheres);
     parallel::map(points.len(), |k| union.signed(&points[k]))
@@ -228,8 +232,8 @@ struct Level<'a> {
     sampling: &'a Sampling,
     union: Union,
     points_per_sphere: usize,
-    /// Points of the mesh and `min_i(|p - c_i| - r_i)` there. Vertices weigh nothing: they only
-    /// start the search for the maximum.
+    /// Points of the mesh and `min_i(|p - c_i| - r_i)` there. Vertices have no weight: they only start the search for
+    /// the maximum.
     points: Vec<(SurfacePoint, f64)>,
     /// Exposed points and whether they line a cavity.
     exposed: Vec<(ExposedPoint, bool)>,
@@ -289,7 +293,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// All but the volumes, over the zone or everywhere.
+    /// Returns all errors except the volumes, over the zone or everywhere.
     fn over(&self, place: Option<&Place>) -> LevelError {
         let zone = place.map(|place| place.zone);
         let within = |p: &Vec3| zone.is_none_or(|zone| zone.contains(p));
@@ -322,7 +326,7 @@ impl<'a> Level<'a> {
         let floor = fmax(0.0, 1e-3 * outward.max);
         let outward_max = surface::largest_over(mesh, &self.union, zone, floor, budget);
         let floor = fmax(0.0, 1e-3 * inward.max);
-        // Where none of all these points is nearest to the zone there is nothing to search for.
+        // Without a point nearest to the zone there is nothing to search.
         let inward = if inward.max.is_nan() {
             inward
         } else {

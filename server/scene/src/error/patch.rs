@@ -1,4 +1,4 @@
-//! The part of a mesh that is in a zone.
+//! Part of a mesh in a zone.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, norm};
@@ -7,13 +7,14 @@ use crate::mesh::TriMesh;
 use crate::mesh::distance::MeshDistance;
 use crate::tree::zone::Zone;
 
-/// Triangles across the border are cut until they are this much smaller than the mesh.
+/// Size of the smallest triangles at the border of the zone, as a share of the mesh's size.
 const FINEST: f64 = 1e-3;
-/// Two distances that differ by less are the same, metres: far above rounding, far below meaning.
+/// Tolerance of equal distances, metres: far above rounding, far below relevance.
 pub(super) const SAME: f64 = 1e-9;
 
-/// The part of the mesh that is in the zone, cut at the zone's border to a thousandth of the mesh's
-/// size. Vertices are not shared and the patch is not closed.
+/// Returns the part of the mesh in the zone, cut at the zone's border to a thousandth of the mesh's size.
+///
+/// Vertices are not shared, and the patch is not closed.
 pub fn zone_patch(mesh: &TriMesh, zone: &Zone) -> TriMesh {
     let (low, high) = mesh.bounds();
     let finest = FINEST * norm(&(high - low));
@@ -39,7 +40,7 @@ pub fn zone_patch(mesh: &TriMesh, zone: &Zone) -> TriMesh {
     patch
 }
 
-/// Middle of a triangle, and distance from it to the farthest corner.
+/// Returns the middle of a triangle, and the distance from it to the farthest corner.
 pub(super) fn disc(corners: &[Vec3; 3]) -> (Vec3, f64) {
     let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
     let radius = corners
@@ -48,13 +49,13 @@ pub(super) fn disc(corners: &[Vec3; 3]) -> (Vec3, f64) {
     (centre, radius)
 }
 
-/// A triangle as four.
+/// Returns a triangle as four.
 pub(super) fn quarters([a, b, c]: &[Vec3; 3]) -> [[Vec3; 3]; 4] {
     let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
     [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [bc, ca, ab]]
 }
 
-/// A zone and its patch, made ready for questions.
+/// A zone and its patch, prepared for queries.
 pub(super) struct Place<'a> {
     pub(super) zone: &'a Zone,
     patch: MeshDistance,
@@ -68,18 +69,20 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Square metres.
+    /// Returns the area, square metres.
     pub(super) fn area(&self) -> f64 {
         self.patch.mesh().area()
     }
 
-    /// How much farther it is from `p` to the mesh in the zone than to the whole mesh, which is
-    /// `distance` away, metres; changes by no more than twice the way gone.
+    /// Returns the additional distance from `p` to the mesh in the zone, relative to the whole mesh at `distance`,
+    /// metres.
+    ///
+    /// The value changes by no more than twice the distance moved.
     pub(super) fn detour(&self, p: &Vec3, distance: f64) -> f64 {
         self.patch.signed(p).abs() - distance
     }
 
-    /// Whether the point of the mesh that is nearest to `p` is in the zone.
+    /// Returns whether the point of the mesh nearest to `p` is in the zone.
     pub(super) fn is_nearest(&self, p: &Vec3, distance: f64) -> bool {
         self.detour(p, distance) < SAME
     }

@@ -4,23 +4,24 @@ use serde::Serialize;
 
 use super::largest::Largest;
 
-/// Mean, 95th percentile and maximum of a set of distances, millimetres. Of no distances at all they are
-/// not numbers (`null` in JSON), so that nobody takes them for small.
+/// Mean, 95th percentile and maximum of a set of distances, millimetres.
+///
+/// For an empty set they are NaN (`null` in JSON), which cannot be mistaken for a small error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Spread {
     /// Mean, weighted by area.
     pub mean: f64,
     /// 95th percentile, weighted by area.
     pub p95: f64,
-    /// Largest value met.
+    /// Largest value found.
     pub max: f64,
-    /// Proven: no value is above it. `None` where the maximum is that of the points only.
+    /// Proven upper bound; `None` if the maximum is that of the points only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_at_most: Option<f64>,
 }
 
 impl Spread {
-    /// From distances in metres and the areas that they stand for.
+    /// Returns the spread of distances in metres with their areas.
     pub(super) fn new(mut values: Vec<(f64, f64)>) -> Self {
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = values.iter().map(|value| value.1).sum();
@@ -52,7 +53,7 @@ impl Spread {
         }
     }
 
-    /// With the maximum that a search found.
+    /// Returns the spread with the maximum of a search.
     pub(super) fn with(self, largest: Largest) -> Self {
         Self {
             max: 1e3 * largest.attained,

@@ -1,4 +1,6 @@
 //! The mesh against the spheres: samples for mean and percentile, a search for the maximum.
+//!
+//! Users: `mesh_to_spheres_mm` in the table and the JSON of `sulcus-server tree`; colours of its file for the viewer.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, fmin, norm};
@@ -9,18 +11,19 @@ use super::union::Union;
 use crate::mesh::TriMesh;
 use crate::tree::zone::Zone;
 
-/// A point of a surface and the area that it stands for.
+/// A point of a surface with its share of the area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Where, metres.
+    /// Place, metres.
     pub point: Vec3,
-    /// Area that it stands for, square metres. All points of a mesh together stand for its area.
+    /// Share of the area, square metres. The shares of all points of a mesh add up to its area.
     pub area: f64,
 }
 
-/// At least `count` points spread over all triangles: one for each share of the area, at least one
-/// on every triangle however small. Each weighs what its triangle's area gives it, so sums over
-/// them are integrals over the surface whatever the triangulation.
+/// Returns at least `count` points on all triangles: one for each share of the area, at least one on every triangle.
+///
+/// Weights follow the areas of the triangles, so sums over the points are integrals over the surface for any
+/// triangulation.
 pub fn surface_points(mesh: &TriMesh, count: usize) -> Vec<SurfacePoint> {
     let share = mesh.area() / count as f64;
     let mut points = Vec::with_capacity(count + mesh.triangles.len());
@@ -32,7 +35,7 @@ pub fn surface_points(mesh: &TriMesh, count: usize) -> Vec<SurfacePoint> {
         let [a, b, c] = mesh.corners(triangle);
         let here = (area / share).ceil().max(1.0) as usize;
         for k in 0..here {
-            // The R2 sequence (Roberts), folded into the triangle; a lone point is its centroid.
+            // The R2 sequence (Roberts), folded into the triangle. A single point is the centroid.
             let (u, v) = if here == 1 {
                 (1.0 / 3.0, 1.0 / 3.0)
             } else {
@@ -53,7 +56,7 @@ pub fn surface_points(mesh: &TriMesh, count: usize) -> Vec<SurfacePoint> {
     points
 }
 
-/// The largest `|min_i(|p - c_i| - r_i)|` over all points of the mesh that are in the zone.
+/// Returns the largest `|min_i(|p - c_i| - r_i)|` over all points of the mesh in the zone.
 pub(super) fn largest_over(
     mesh: &TriMesh,
     union: &Union,
@@ -76,7 +79,7 @@ pub(super) fn largest_over(
                 };
             }
             let (value, ball) = union.nearest(&centre);
-            // A gap is at most that to this one ball, which is largest at a corner.
+            // A gap is at most the gap to this one ball, which is largest at a corner.
             let ball = &union.spheres()[ball];
             let gap = corners.iter().fold(f64::NEG_INFINITY, |most, corner| {
                 fmax(most, norm(&(corner - ball.centre)) - ball.radius)

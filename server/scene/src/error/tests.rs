@@ -1,4 +1,4 @@
-//! The measure against shapes whose errors are known by hand.
+//! Measurement of shapes whose errors are known by hand.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ fn ball(x: f64, y: f64, z: f64, radius: f64) -> Sphere {
     }
 }
 
-/// The default, but for a search that gives up sooner where the error is the same everywhere.
+/// Default sampling, with a smaller budget for shapes with the same error everywhere.
 fn quick() -> Sampling {
     Sampling {
         budget: 300_000,
@@ -34,8 +34,9 @@ fn near(found: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// A union of two equal balls, as a mesh: a fine icosphere for each, cut off at the plane between
-/// them, would leave a seam; a mesh of revolution has none.
+/// A union of two equal balls, as a mesh of revolution.
+///
+/// Two icospheres cut at the plane between them would leave a seam.
 fn peanut(radius: f64, half: f64, rings: usize, around: usize) -> MeshDistance {
     // Profile from pole to pole: angle on the left ball, then on the right.
     let seam = (half / radius).acos();
@@ -134,8 +135,9 @@ fn two_overlapping_balls_against_their_own_surface() {
         0.01,
     );
 
-    // One of the two alone: the farthest point of the mesh is the other's pole, and what the ball hides
-    // inside is farthest from the surface where the seam plane's depth is largest.
+    // One of the two balls alone. The farthest point of the mesh is the other's pole.
+    //
+    // The hidden part of the ball is farthest from the surface at the largest depth of the seam plane.
     let one = measured(&both[..1], &mesh, &quick());
     near(one.mesh_to_spheres_mm.max, 1e3 * 2.0 * half, 1e-6);
     near(
@@ -151,7 +153,8 @@ fn two_overlapping_balls_against_their_own_surface() {
     );
 }
 
-/// Largest distance to the mesh over a ball, millimetres, by walking its meridian (all here turns about x).
+/// Returns the largest distance to the mesh over a ball, millimetres, along its meridian. All shapes here are
+/// rotationally symmetric about x.
 fn deepest_mm(mesh: &MeshDistance, ball: &Sphere) -> f64 {
     (0..=20_000).fold(0.0, |most, k| {
         let angle = PI * f64::from(k) / 20_000.0;
@@ -162,14 +165,14 @@ fn deepest_mm(mesh: &MeshDistance, ball: &Sphere) -> f64 {
 
 #[test]
 fn a_displaced_ball_shows_by_exactly_what_it_was_displaced() {
-    // A row of balls that touches both sides of a box from inside ...
+    // A row of balls that touches both sides of a box from inside.
     let mesh = MeshDistance::new(cuboid(Vec3::new(0.010, 0.001, 0.001)));
     let mut row: Vec<Sphere> = (0..41)
         .map(|k| ball(-0.009 + 0.018 * f64::from(k) / 40.0, 0.0, 0.0, 0.001))
         .collect();
     let before = measured(&row, &mesh, &quick());
     assert_eq!(before.max_bulge_mm, 0.0);
-    // ... and one that then sticks out by 0.123 mm.
+    // One ball of the row sticks out by 0.123 mm.
     row[17].centre.y += 0.000_123;
     let after = measured(&row, &mesh, &quick());
     near(
@@ -192,7 +195,7 @@ fn a_displaced_ball_shows_by_exactly_what_it_was_displaced() {
     assert!(there.spheres_to_mesh_mm.max_at_most.expect("searched") >= 0.123);
     near(report.zones[0].area_mm2, 0.6, 0.02);
     assert_eq!(there.volume, None);
-    // The root is a ball about everything, far from that place, and counts all the same.
+    // The root is a ball about everything, far from that place, and still counts.
     let root = &report.zones[0].levels[0];
     assert!(root.spheres_to_mesh_mm.max > 8.0, "{root:?}");
 }
@@ -293,8 +296,8 @@ fn a_shell_of_balls_has_a_cavity_and_a_full_one_has_none() {
         .map(|d| ball(0.004 * d.x, 0.004 * d.y, 0.004 * d.z, 0.001))
         .collect();
     let hollow = measured(&shell, &mesh, &quick());
-    // The cavity is about a ball of radius 3 mm: 22 % of the volume, a little more than a quarter of
-    // the exposed area.
+    // The cavity is about a ball of radius 3 mm: 22 % of the volume, and slightly more than a quarter of the exposed
+    // area.
     let volume = hollow.volume.expect("volumes");
     assert!(
         (21.0..30.0).contains(&volume.cavity_volume_percent),
@@ -304,11 +307,11 @@ fn a_shell_of_balls_has_a_cavity_and_a_full_one_has_none() {
         (20.0..35.0).contains(&hollow.cavity_area_percent),
         "{hollow:?}"
     );
-    // Its walls are part of the union's surface, and are told apart.
+    // Its walls are part of the union's surface, and are counted apart.
     assert!(hollow.spheres_to_mesh_mm.max > 1.8, "{hollow:?}");
     assert!(hollow.outer_to_mesh_mm.max < 0.7, "{hollow:?}");
 
-    // A way out of it: no cavity.
+    // With a way out there is no cavity.
     let open: Vec<Sphere> = shell
         .iter()
         .filter(|s| s.centre.z < 0.003)

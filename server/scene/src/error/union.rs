@@ -1,4 +1,4 @@
-//! A union of balls that answers questions about points: a tree of boxes over the centres.
+//! A union of balls for queries about points: a tree of boxes over the centres.
 
 use sulcus_core::math::{fmax, fmin};
 use sulcus_core::{Sphere, Vec3};
@@ -6,8 +6,7 @@ use sulcus_core::{Sphere, Vec3};
 /// Balls in a leaf.
 const LEAF: usize = 4;
 
-/// Balls that are asked whether they cover all, before the answer is no: deep in a fine tree a point is
-/// in hundreds.
+/// Balls that are tested for covering a whole cell. Deep in a fine tree a point is in hundreds of balls.
 const TRIES: usize = 16;
 
 /// The union of the spheres of one level.
@@ -17,14 +16,14 @@ pub(super) struct Union {
     parts: Vec<Part>,
 }
 
-/// What other balls cover.
+/// Cover by other balls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cover {
-    /// Not even the point asked about.
+    /// The point is not covered.
     Nothing,
-    /// The point, but none of the first balls that were found to do so covers all that is round it.
+    /// The point is covered, but none of the first balls covers its whole surroundings.
     Point,
-    /// All that was asked about.
+    /// The whole surroundings are covered.
     Whole,
 }
 
@@ -43,7 +42,7 @@ struct Part {
 impl Union {
     pub(super) fn new(spheres: &[Sphere]) -> Self {
         let mut spheres = spheres.to_vec();
-        // A ball that is there twice would hide neither of the two from being counted as exposed.
+        // Of two equal balls each would hide the other, and neither would count as exposed.
         let key = |s: &Sphere| [s.centre.x, s.centre.y, s.centre.z, s.radius].map(f64::to_bits);
         spheres.sort_unstable_by_key(key);
         spheres.dedup_by_key(|s| key(s));
@@ -58,13 +57,14 @@ impl Union {
         &self.spheres
     }
 
-    /// `min_i(|p - c_i| - r_i)`, metres: the distance outside of the union, minus the depth below
-    /// the surface of the ball in which `p` is deepest inside of it.
+    /// Returns `min_i(|p - c_i| - r_i)`, metres.
+    ///
+    /// Outside of the union it is the distance. Inside it is minus the depth in the ball in which `p` is deepest.
     pub(super) fn signed(&self, p: &Vec3) -> f64 {
         self.nearest(p).0
     }
 
-    /// The same, and the number of the ball that gives it.
+    /// Returns the same, and the number of its ball.
     pub(super) fn nearest(&self, p: &Vec3) -> (f64, usize) {
         let (mut best, mut which) = (f64::INFINITY, 0);
         let mut stack = [(0_u32, f64::NEG_INFINITY); 64];
@@ -104,8 +104,9 @@ impl Union {
         (best, which)
     }
 
-    /// Which balls but number `own` cover a point `p` on its surface and what is round it; `whole` says
-    /// of a ball that covers `p` whether it covers all that is asked about.
+    /// Returns the cover of a point `p` on ball `own`, and of its surroundings, by other balls.
+    ///
+    /// `whole` returns whether a ball that covers `p` also covers the surroundings.
     pub(super) fn cover(&self, p: &Vec3, own: usize, whole: impl Fn(&Sphere) -> bool) -> Cover {
         let mut tried = 0;
         let mut stack = [0_u32; 64];
@@ -120,7 +121,7 @@ impl Union {
                     self.parts[left as usize].bound(p),
                     self.parts[right as usize].bound(p),
                 );
-                // Where a ball may reach deepest is looked at first, which is the last on the stack.
+                // The ball with the greater possible depth is last on the stack, and is examined first.
                 let (first, second) = if bl <= br {
                     ((left, bl), (right, br))
                 } else {
@@ -155,8 +156,8 @@ impl Union {
         }
     }
 
-    /// How deep inside a ball a point of a disc is at most: the largest `r_i - |p - c_i|` over the
-    /// points `p` of the disc, and `floor` where that is less.
+    /// Returns an upper bound of the depth of a disc's points in balls: the largest `r_i - |p - c_i|` over points `p`
+    /// of the disc, at least `floor`.
     pub(super) fn deepest_on_disc(
         &self,
         centre: &Vec3,
@@ -195,7 +196,7 @@ impl Union {
 }
 
 impl Part {
-    /// No ball in here gives less.
+    /// Returns a lower bound over the balls of the part.
     fn bound(&self, p: &Vec3) -> f64 {
         let mut sum = 0.0;
         for axis in 0..3 {
@@ -278,14 +279,14 @@ mod tests {
             };
             let found = union.cover(&p, own, holds);
             assert_eq!(found == Cover::Nothing, expected == Cover::Nothing);
-            // It may give up, never claim too much.
+            // A wrong answer may only be `Point`, never a larger cover.
             assert!(found == expected || found == Cover::Point, "{found:?}");
         }
         for k in 0..200 {
             let (p, normal) = (point(1.5), point(1.0).normalize());
             let radius = 0.002 * f64::from(k);
             let bound = union.deepest_on_disc(&p, &normal, radius, -9.0);
-            // Met in the middle, not passed anywhere.
+            // The bound is attained in the middle, and exceeded nowhere.
             assert!(bound >= -union.signed(&p) && bound <= radius - union.signed(&p) + 1e-12);
             for _ in 0..50 {
                 let across = point(1.0);

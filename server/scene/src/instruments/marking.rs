@@ -1,8 +1,10 @@
-//! Whose marks a periodontal probe carries: what its depths are read by.
+//! Marks of a periodontal probe, by which depths are read.
 //!
-//! Marks lie where makers and textbooks say: UNC-15 and Williams as in the periodontal literature, the WHO (CPITN) probe after
-//! Ainamo et al. 1982 (Int Dent J 32:281), the type that ISO 21672-1:2012 names. Makers' own differ by some tenths of a
-//! millimetre (Braz J Oral Sci 22, article 8670401); these are exact.
+//! Marks lie at the places that makers and textbooks state. UNC-15 and Williams follow the periodontal literature.
+//! The WHO (CPITN) probe follows Ainamo et al. 1982 (Int Dent J 32:281), the type of ISO 21672-1:2012.
+//!
+//! Real instruments differ by some tenths of a millimetre (Braz J Oral Sci 22, article 8670401). These marks are
+//! exact.
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::scene::Band;
@@ -14,17 +16,17 @@ pub enum Marking {
     /// A mark at every millimetre to 15, black at 4 to 5, 9 to 10 and 14 to 15 mm.
     #[default]
     Unc15,
-    /// Marks at 1, 2, 3, 5, 7, 8, 9 and 10 mm: none at 4 and 6, so that the rest is read without counting.
+    /// Marks at 1, 2, 3, 5, 7, 8, 9 and 10 mm. The gaps at 4 and 6 make counting unnecessary.
     Williams,
     /// Black at 3.5 to 5.5 and at 8.5 to 11.5 mm, behind a ball.
     Who,
 }
 
 impl Marking {
-    /// All of them.
+    /// All markings.
     pub const ALL: [Self; 3] = [Self::Unc15, Self::Williams, Self::Who];
 
-    /// As it is written on the instrument.
+    /// Returns the name as written on the instrument.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unc15 => "UNC-15",
@@ -33,8 +35,8 @@ impl Marking {
         }
     }
 
-    /// Where each band ends, mm from the very tip, and whether it is black. Each begins where the one before ends, the first
-    /// at the tip.
+    /// Returns the end of each band, mm from the tip, and whether it is black. Each band begins at the end of the one
+    /// before, the first at the tip.
     fn ends(self) -> &'static [(f64, bool)] {
         match self {
             Self::Unc15 => &[
@@ -68,7 +70,8 @@ impl Marking {
         }
     }
 
-    /// The bands, metres from the very tip, without gaps: where two meet there is a mark, and one where the last ends.
+    /// Returns the bands, metres from the tip, without gaps. A mark is at each border and at the end of the last
+    /// band.
     pub fn bands(self) -> Vec<Band> {
         let mut from = 0.0;
         let of_end = |&(end, dark): &(f64, bool)| {
@@ -83,8 +86,9 @@ impl Marking {
         self.ends().iter().map(of_end).collect()
     }
 
-    /// What is black, mm from the very tip, from the tip up: black bands, and a line of `line` mm at each mark that is not the
-    /// border of one.
+    /// Returns the black stretches, mm from the tip, ascending.
+    ///
+    /// The stretches are black bands, and a line of `line` mm at each mark that is not the border of a black band.
     pub(crate) fn black(self, line: f64) -> Vec<[f64; 2]> {
         let ends = self.ends();
         let mut black: Vec<[f64; 2]> = Vec::new();

@@ -1,14 +1,17 @@
-//! A mouth mirror: a flat round disc with a rounded edge, tilted to the handle, a neck that leaves
-//! the disc's edge in the disc's plane and bends into the handle. A No. 4 mirror by default.
+//! A mouth mirror: a flat round disc with a rounded edge, tilted to the handle, with a neck.
 //!
-//! Sizes are those of the trade: No. 4 is 22 mm, No. 5 is 24 mm, each size 2 mm more than the one before (ISO 9873 counts so too;
-//! instruments longer than 173 mm do not fit its cassettes). Thickness, edge, neck and angle have no source with a number: they
-//! are parameters.
+//! The neck leaves the disc's edge in the disc's plane and bends into the handle. The default is a No. 4 mirror.
 //!
-//! Frame of the tool, as the probe's: the origin is the device point, on the handle's axis, 90 mm
-//! from the disc's centre; z runs up the handle; the instrument lies in the xz plane with the disc
-//! below, its far edge towards +x. The reflecting face looks along +x and up, so that a look down
-//! the handle is reflected to the side.
+//! Sizes are those of the trade: No. 4 is 22 mm, No. 5 is 24 mm, each size 2 mm more than the one before. ISO 9873
+//! counts in the same way; instruments longer than 173 mm do not fit its cassettes.
+//!
+//! No source gives numbers for thickness, edge, neck and angle. They are parameters.
+//!
+//! Frame of the tool, as for the probe: the origin is the device point, on the handle's axis, 90 mm from the disc's
+//! centre. z runs up the handle.
+//!
+//! The instrument lies in the xz plane with the disc below, its far edge towards +x. The reflecting face points along
+//! +x and up: a look down the handle is reflected to the side.
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
@@ -22,9 +25,9 @@ use crate::mesh::repair::drop_unused;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mirror {
-    /// Its size, as it is written on the handle: 4 or 5.
+    /// Size, as written on the handle: 4 or 5.
     pub number: u8,
-    /// Diameter of the disc, mm, where it is not that of its size: 22 for No. 4, 24 for No. 5.
+    /// Diameter of the disc, mm. Default: that of its size, 22 for No. 4, 24 for No. 5.
     pub disc_diameter_mm: Option<f64>,
     /// Thickness of the disc, glass and frame together, mm.
     pub disc_thickness_mm: f64,
@@ -38,8 +41,7 @@ pub struct Mirror {
     pub neck_mm: f64,
     /// Distance from the disc's centre to the device point, mm.
     pub reach_mm: f64,
-    /// Length from the disc's far edge, along the instrument, that can touch things, mm. The rest
-    /// is only looked at.
+    /// Length of the touching part from the disc's far edge, along the instrument, mm. The rest is display only.
     pub touching_mm: f64,
     /// Length of the whole instrument along its axis, mm.
     pub length_mm: f64,
@@ -78,7 +80,7 @@ impl Mirror {
         self.disc_diameter_mm.unwrap_or(of_number)
     }
 
-    /// Its size, as it is written on the handle.
+    /// Returns its size, as written on the handle.
     pub fn name(&self) -> String {
         match self.disc_diameter_mm {
             None => format!("No. {}", self.number),
@@ -115,7 +117,7 @@ impl Mirror {
         linear(&knots, s)
     }
 
-    /// What touches: disc, neck and the beginning of the shank, closed, metres, tool frame.
+    /// Returns the touching part: disc, neck and the beginning of the shank, closed, metres, tool frame.
     pub fn touching_mesh(&self) -> TriMesh {
         self.mesh(self.touching_mm - self.radius(), 0.4)
     }
@@ -146,8 +148,8 @@ impl Mirror {
         self.line()(0.0).point * 1e-3
     }
 
-    /// The disc's outline from one face to the other: distance from the axis and height, mm, and
-    /// which part of it is the round edge.
+    /// Returns the disc's outline from one face to the other: distance from the axis and height, mm. Also returns the
+    /// part that is the round edge.
     fn outline(&self) -> (Vec<[f64; 2]>, std::ops::RangeInclusive<usize>) {
         let (radius, half) = (self.radius(), 0.5 * self.disc_thickness_mm);
         let round = self.edge_radius_mm;
@@ -162,7 +164,7 @@ impl Mirror {
             let (sin, cos) = (libm::sin(quarter(k)), libm::cos(quarter(k)));
             outline.push([flat + round * sin, half - round * (1.0 - cos)]);
         }
-        // The straight part of the side, where there is one.
+        // The straight part of the side, if any.
         let straight = 2.0 * (half - round);
         let steps = (straight / 0.3).ceil() as usize;
         for k in 1..steps {
@@ -226,7 +228,7 @@ impl Mirror {
                 mesh.triangles.extend([[a, b, d], [a, d, c]]);
             }
         }
-        // The rim of the opening, once around, as the disc's triangles leave it open.
+        // The rim of the opening, once around, in the direction that the disc's triangles leave open.
         let (top, low) = (*edge.start(), *edge.end());
         let mut ring: Vec<u32> = (0..2 * foot).map(|corner| at(top, corner)).collect();
         ring.extend((top..low).map(|row| at(row, 2 * foot)));
@@ -248,7 +250,7 @@ impl Mirror {
         step: f64,
     ) {
         let foot = line(self.radius());
-        // Where the foot's corners lie in its cross-section, and in which direction.
+        // Places of the foot's corners in its cross-section, with their directions.
         let offsets: Vec<[f64; 2]> = ring
             .iter()
             .map(|&v| {

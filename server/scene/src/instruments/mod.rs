@@ -1,4 +1,4 @@
-//! Instruments from a handful of numbers: periodontal probe and mouth mirror.
+//! Parametric instruments: periodontal probe and mouth mirror.
 
 pub mod marking;
 pub mod mirror;

@@ -1,13 +1,16 @@
-//! A periodontal probe: a straight working end with marks, a ball-ended tip of 0.5 mm, contra-angled shank, handle. UNC-15 by
-//! default; [`Marking`] says whose marks it carries. A WHO probe's tip is a real ball on a thinner stem.
+//! A periodontal probe: a straight working end with marks, a ball-ended tip of 0.5 mm, contra-angled shank, handle.
 //!
-//! The tip's diameter is Carranza's (Clinical Periodontology, 12th ed.); studies have used 0.35 to over 1.0 mm. The ball of
-//! 0.5 mm is that of the WHO (Ainamo et al. 1982, Int Dent J 32:281). How thick the working end is farther up, the bends and the
-//! lengths have no source with a number: they are parameters.
+//! The default is UNC-15; [`Marking`] is the pattern of marks. A WHO probe's tip is a real ball on a thinner stem.
 //!
-//! Frame of the tool: the origin is the device point, on the handle's axis, about 90 mm from the
-//! tip; z runs up the handle; the instrument lies in the xz plane with the tip below and the
-//! working end leaning towards +x.
+//! The tip's diameter is Carranza's (Clinical Periodontology, 12th ed.). Studies have used 0.35 to over 1.0 mm. The
+//! ball of 0.5 mm is that of the WHO (Ainamo et al. 1982, Int Dent J 32:281).
+//!
+//! No source gives numbers for the bends, the lengths and the thickness further up. They are parameters.
+//!
+//! Frame of the tool: the origin is the device point, on the handle's axis, about 90 mm from the tip. z runs up the
+//! handle.
+//!
+//! The instrument lies in the xz plane with the tip below. The working end leans towards +x.
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::scene::Band;
@@ -21,13 +24,13 @@ use crate::mesh::TriMesh;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Probe {
-    /// Whose marks.
+    /// Pattern of marks.
     pub marking: Marking,
     /// Diameter of the round end or ball at the tip, mm.
     pub tip_diameter_mm: f64,
-    /// Diameter right behind the tip, mm, where it is not the marking's: the tip's own, but 0.35 behind a WHO probe's ball.
+    /// Diameter directly behind the tip, mm. Default: the tip's own, and 0.35 behind a WHO probe's ball.
     pub stem_diameter_mm: Option<f64>,
-    /// Diameter 15 mm from the tip, mm, where it is not the marking's: 0.95, but 0.8 of a WHO probe.
+    /// Returns the diameter 15 mm from the tip, mm. Default: 0.95, and 0.8 for a WHO probe.
     pub neck_diameter_mm: Option<f64>,
     /// Length of the straight working end, mm.
     pub working_end_mm: f64,
@@ -37,11 +40,11 @@ pub struct Probe {
     pub shank_deg: f64,
     /// Distance from the tip to the device point, mm.
     pub reach_mm: f64,
-    /// Length from the tip that can touch things, mm. The rest is only looked at.
+    /// Length of the touching part from the tip, mm. The rest is display only.
     pub touching_mm: f64,
     /// Length of the whole instrument along its axis, mm.
     pub length_mm: f64,
-    /// How far above the tip the reference point of the optimisation lies, mm.
+    /// Height of the reference point of the optimisation above the tip, mm.
     pub working_point_mm: f64,
 }
 
@@ -63,7 +66,7 @@ impl Default for Probe {
     }
 }
 
-/// Where a bend ends and the next piece begins, mm: the radius of both bends.
+/// Radius of both bends, mm.
 const BEND_MM: f64 = 5.0;
 /// Length of the shank between its bends, mm.
 const SHANK_MM: f64 = 19.0;
@@ -72,13 +75,13 @@ const SHANK_MM: f64 = 19.0;
 const LINE_MM: f64 = 0.2;
 /// Length over which black becomes steel, as drawn, mm.
 const FADE_MM: f64 = 0.03;
-/// What is black on a probe, sRGB with alpha.
+/// Colour of black marks, sRGB with alpha.
 const BLACK: [u8; 4] = [24, 24, 26, 255];
 /// Steps of the ball's upper half.
 const BALL: usize = 8;
 
 impl Probe {
-    /// Diameter right behind the tip, mm.
+    /// Returns the diameter directly behind the tip, mm.
     pub fn stem_mm(&self) -> f64 {
         self.stem_diameter_mm.unwrap_or(match self.marking {
             Marking::Unc15 | Marking::Williams => self.tip_diameter_mm,
@@ -119,12 +122,12 @@ impl Probe {
         instrument(pieces, working, bent, self.reach_mm)
     }
 
-    /// Radius at `s` mm from the tip, mm; below the middle of the round end that end's own.
+    /// Returns the radius at `s` mm from the tip, mm. Below the middle of the round end it is that of the round end.
     fn radius(&self, s: f64) -> f64 {
         let (tip, stem) = (0.5 * self.tip_diameter_mm, 0.5 * self.stem_mm());
         let mut knots = vec![(0.0, stem), (tip, stem)];
         if self.ball_end().is_some() {
-            // Behind a ball the stem is straight as far as the ball would go.
+            // Behind a ball the stem is straight over the length of the ball.
             knots.push((2.0 * tip, stem));
         }
         knots.push((15.0, 0.5 * self.neck_mm()));
@@ -137,13 +140,14 @@ impl Probe {
         }
     }
 
-    /// Where the ball ends and the stem begins, mm from the tip; none where the stem is as thick as the tip.
+    /// Returns the place where the ball ends and the stem begins, mm from the tip; `None` if the stem is as thick as
+    /// the tip.
     fn ball_end(&self) -> Option<f64> {
         let (tip, stem) = (0.5 * self.tip_diameter_mm, 0.5 * self.stem_mm());
         (stem < tip).then(|| tip + (tip * tip - stem * stem).sqrt())
     }
 
-    /// Cross-sections that the ball's upper half needs, mm from the tip.
+    /// Returns the cross-sections of the ball's upper half, mm from the tip.
     fn ball_sections(&self) -> Vec<f64> {
         let Some(end) = self.ball_end() else {
             return Vec::new();
@@ -154,12 +158,12 @@ impl Probe {
         (1..BALL).map(at).chain([end]).collect()
     }
 
-    /// What touches: working end and shank, closed, metres, tool frame.
+    /// Returns the touching part: working end and shank, closed, metres, tool frame.
     pub fn touching_mesh(&self) -> TriMesh {
         self.swept(self.touching_mm, 0.25, &self.ball_sections())
     }
 
-    /// The whole instrument, closed, metres, tool frame, with cross-sections wherever its colour changes.
+    /// Returns the whole instrument, closed, metres, tool frame, with cross-sections at every change of colour.
     pub fn display_mesh(&self) -> TriMesh {
         let half = 0.5 * FADE_MM;
         let black = self.marking.black(LINE_MM);
@@ -175,12 +179,12 @@ impl Probe {
         sweep(&self.line(), &radius, 0.0, to, step, also).placed(1e-3, Vec3::zeros())
     }
 
-    /// The whole instrument to look at, steel of the colour given, with its marks.
+    /// Returns the whole instrument for display, in the given colour of steel, with its marks.
     pub fn display(&self, steel: [u8; 4]) -> DisplayMesh {
         let mesh = self.display_mesh();
         let (tip, along, black) = (self.tip(), -self.tip_axis(), self.marking.black(LINE_MM));
         let colour_at = |vertex: &Vec3| {
-            // Above the marks this is no length of the bar, but more than the last mark's.
+            // Above the marks the value is no length along the bar, but it exceeds the last mark's.
             let s = (vertex - tip).dot(&along) * 1e3;
             let is_black = black.iter().any(|[from, to]| (*from..=*to).contains(&s));
             if is_black { BLACK } else { steel }
@@ -190,7 +194,7 @@ impl Probe {
         display
     }
 
-    /// The very tip, metres, tool frame.
+    /// Returns the foremost point of the tip, metres, tool frame.
     pub fn tip(&self) -> Vec3 {
         self.line()(0.0).point * 1e-3
     }
@@ -205,7 +209,7 @@ impl Probe {
         self.line()(self.working_point_mm).point * 1e-3
     }
 
-    /// What a depth is read by, metres from the very tip.
+    /// Returns the bands by which a depth is read, metres from the tip.
     pub fn bands(&self) -> Vec<Band> {
         self.marking.bands()
     }
@@ -259,7 +263,7 @@ mod tests {
         }
     }
 
-    /// Greatest distance of the mesh from the working end's axis between two distances from the tip, mm.
+    /// Returns the largest distance of the mesh from the working end's axis between two distances from the tip, mm.
     fn widest(probe: &Probe, mesh: &TriMesh, from: f64, to: f64) -> f64 {
         let (tip, along) = (probe.tip(), -probe.tip_axis());
         let seen = mesh.vertices.iter().map(|v| {
@@ -274,7 +278,7 @@ mod tests {
     fn a_who_probe_has_a_ball_of_half_a_millimetre_on_a_thinner_stem() {
         let probe = of(Marking::Who);
         let mesh = probe.touching_mesh();
-        // A ball: every point of it as far from its centre, and nothing wider until the bar itself is.
+        // A ball: all its points have the same distance from its centre, and nothing is wider before the bar is.
         let centre = probe.tip() - probe.tip_axis() * 0.25e-3;
         let end = probe.ball_end().expect("a ball");
         let mut seen = 0;
@@ -304,7 +308,7 @@ mod tests {
             let probe = of(marking);
             let (mesh, shown) = (probe.display_mesh(), probe.display(steel));
             assert_eq!(shown.vertex_colours.len(), mesh.vertices.len());
-            // Area that shows black: triangles by the share of their corners.
+            // Black area: triangles by the share of their corners.
             let (tip, along) = (probe.tip(), -probe.tip_axis());
             let area = |from: f64, to: f64| {
                 let mut black = 0.0;
@@ -329,7 +333,7 @@ mod tests {
                 );
                 all += area(from - FADE_MM, to + FADE_MM);
             }
-            // Nothing else is black, the handle least of all.
+            // No other part is black, also not the handle.
             assert!((area(-1.0, 200.0) - all).abs() < 1e-9);
         }
     }

@@ -1,7 +1,9 @@
-//! A round bar whose centre line lies in the xz plane: arcs and straight pieces, a radius that
-//! changes along it, round ends. Hand instruments are such bars, with a handle at the upper end.
+//! A round bar with its centre line in the xz plane: arcs and straight pieces, a radius that changes along it, round
+//! ends.
 //!
-//! Frame of an instrument: the origin is the device point, on the handle's axis; z runs up the handle.
+//! Hand instruments are such bars with a handle at the upper end.
+//!
+//! Frame of an instrument: the origin is the device point, on the handle's axis. z runs up the handle.
 
 use sulcus_core::Vec3;
 
@@ -15,7 +17,7 @@ const AROUND: usize = 28;
 pub(crate) struct Station {
     /// Distance along the line from its start.
     pub s: f64,
-    /// Where.
+    /// Place.
     pub point: Vec3,
     /// Unit direction of increasing `s`.
     pub along: Vec3,
@@ -28,7 +30,7 @@ impl Station {
     }
 }
 
-/// A piece of centre line: its length, and by how much it turns (radians, from z towards x).
+/// A piece of centre line: its length, and its turn, radians, from z towards x.
 pub(crate) struct Piece {
     pub length: f64,
     pub turn: f64,
@@ -70,8 +72,10 @@ pub(crate) fn walk(pieces: &[Piece], start: f64, at: f64) -> Station {
     }
 }
 
-/// The centre line of an instrument, mm: pieces whose last is the handle, walked in the direction `start` and put where the
-/// handle's axis, which begins `bent` from the start, becomes the z axis and the start lies `reach` from the origin.
+/// Returns the centre line of an instrument, mm.
+///
+/// The last of the pieces is the handle. `start` is the first direction. The handle's axis begins `bent` from the
+/// start and becomes the z axis. The start lies `reach` from the origin.
 pub(crate) fn instrument(
     pieces: Vec<Piece>,
     start: f64,
@@ -87,7 +91,7 @@ pub(crate) fn instrument(
     }
 }
 
-/// Radii of shank and handle, mm along the line: the shank ends at `from`, the handle at `to`.
+/// Returns the radii of shank and handle, mm along the line. The shank ends at `from`, the handle at `to`.
 pub(crate) fn handle(from: f64, to: f64) -> [(f64, f64); 9] {
     [
         (from, 1.25),
@@ -102,7 +106,7 @@ pub(crate) fn handle(from: f64, to: f64) -> [(f64, f64); 9] {
     ]
 }
 
-/// Linear between the knots (`s`, value), constant beyond them.
+/// Returns the linear interpolation between the knots (`s`, value), constant beyond them.
 pub(crate) fn linear(knots: &[(f64, f64)], s: f64) -> f64 {
     if s <= knots[0].0 {
         return knots[0].1;
@@ -116,11 +120,13 @@ pub(crate) fn linear(knots: &[(f64, f64)], s: f64) -> f64 {
     knots[knots.len() - 1].1
 }
 
-/// Cross-sections nearer to one that was asked for are left out, mm.
+/// Least distance of a regular cross-section from a requested one, mm.
 const TOO_NEAR: f64 = 0.02;
 
-/// Sweeps a disc along `line` with radius `radius(s)`, in steps of `step` and with cross-sections at each of `also` (rising); both
-/// ends are hemispheres inside the ends of the line.
+/// Sweeps a disc along `line` with radius `radius(s)`, in steps of `step`. Cross-sections are also at each of `also`,
+/// which is ascending.
+///
+/// Both ends are hemispheres inside the ends of the line.
 pub(crate) fn sweep(
     line: &dyn Fn(f64) -> Station,
     radius: &dyn Fn(f64) -> f64,
@@ -142,7 +148,7 @@ pub(crate) fn sweep(
     let count = ((to - r1 - from - r0) / step).ceil() as usize;
     for k in 0..=count {
         let s = from + r0 + (to - r1 - from - r0) * k as f64 / count as f64;
-        // The cap is a ball of the end's radius, the bar takes over smoothly behind it.
+        // The cap is a ball of the end's radius. The bar continues smoothly behind it.
         rings.push((
             s,
             if k == 0 {
@@ -154,7 +160,7 @@ pub(crate) fn sweep(
             },
         ));
     }
-    // The ends stay; between them what was asked for takes the place of what is near.
+    // The ends stay. Between them requested cross-sections replace regular ones nearby.
     let (first, last) = (from + r0, to - r1);
     let wanted = also.iter().filter(|s| **s > first && **s < last);
     let inside = |s: f64| s > first && s < last;

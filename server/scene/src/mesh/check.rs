@@ -1,6 +1,7 @@
-//! Whether a mesh is a solid that can be touched: finite, of plausible size, closed, manifold,
-//! consistently oriented, outward, one piece. What fails is refused with numbers and places, never
-//! repaired. Places are millimetres in the mesh's own frame, which is that of its file.
+//! Check that a mesh is a solid: finite, of plausible size, closed, manifold, consistently oriented, outward, one
+//! piece.
+//!
+//! Faults are refused with numbers and places, never repaired. Places are millimetres in the frame of the file.
 
 use std::fmt;
 
@@ -16,14 +17,11 @@ use crate::mesh::load::Unit;
 use crate::mesh::repair::SMALL_HOLE_SHARE;
 use crate::mesh::size::{Size, advice, expected};
 
-/// Smallest and largest plausible overall size (longest edge of the bounding box), metres.
-pub const PLAUSIBLE_SIZE_M: (f64, f64) = (0.5e-3, 0.5);
-
-/// A solid encloses more than this share of the cube of its size; less is rounding. A needle a
-/// thousand times as long as thick encloses a millionth.
+/// Least enclosed volume as a share of the cube of the size; less is rounding. A needle a thousand times as long as
+/// thick encloses a millionth.
 pub const LEAST_VOLUME_SHARE: f64 = 1e-9;
 
-/// What a usable mesh is like.
+/// Measures of a valid mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshReport {
     /// Number of vertices.
@@ -40,47 +38,47 @@ pub struct MeshReport {
     pub genus: i64,
 }
 
-/// Why a mesh cannot be used. `file` is the file, or what else the mesh is called.
+/// Reason why a mesh cannot be used. `file` is its file or another name of the mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
-    /// There is nothing in it.
+    /// The mesh is empty.
     #[error("{file}: found no triangle, expected a closed surface")]
     Empty {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
     },
-    /// A triangle names a vertex that is not there.
+    /// A triangle names a vertex that does not exist.
     #[error("{file}: triangle {triangle} names vertex {vertex}, expected one of {vertices}")]
     Index {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// The triangle.
         triangle: usize,
         /// The vertex it names.
         vertex: u32,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// A coordinate is not a number.
     #[error("{file}: vertex {vertex} is ({}, {}, {}), expected finite coordinates", found[0], found[1], found[2])]
     NotFinite {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// The vertex.
         vertex: usize,
         /// Its coordinates.
         found: [f64; 3],
     },
-    /// Implausible size, mostly a wrong unit.
+    /// The size is implausible, mostly because of a wrong unit.
     #[error("{file}: found an overall size of {} mm, expected {}: {}", Length(*size_mm), expected(*of), advice(*size_mm, *of, *unit))]
     Scale {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// Longest edge of the bounding box, millimetres.
         size_mm: f64,
-        /// The kind of thing that it should be.
+        /// Kind of object that was expected.
         of: Size,
-        /// The unit that it was read in, where that is known.
+        /// Unit of the reading, if known.
         unit: Option<Unit>,
     },
     /// The surface has holes.
@@ -89,11 +87,11 @@ pub enum MeshError {
         counted(openings.len(), "hole"), first_few(openings), 100.0 * SMALL_HOLE_SHARE, base_advice(openings)
     )]
     Open {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// Edges with one triangle only.
         edges: usize,
-        /// What they surround, widest first.
+        /// Openings, widest first.
         openings: Vec<Opening>,
     },
     /// More than two triangles share an edge.
@@ -102,7 +100,7 @@ pub enum MeshError {
         counted(*edges, "edge"), Place(*at_mm)
     )]
     NonManifold {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// Such edges.
         edges: usize,
@@ -115,7 +113,7 @@ pub enum MeshError {
         counted(*edges, "edge"), Place(*at_mm)
     )]
     Flipped {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// Such edges.
         edges: usize,
@@ -128,7 +126,7 @@ pub enum MeshError {
         if *vertices == 1 { "1 vertex".to_owned() } else { format!("{vertices} vertices") }, Place(*at_mm)
     )]
     Pinched {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// Such vertices.
         vertices: usize,
@@ -141,18 +139,18 @@ pub enum MeshError {
         pieces.len(), first_few(pieces)
     )]
     Pieces {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// The pieces, most triangles first.
         pieces: Vec<Piece>,
     },
-    /// All triangles face inwards, or nothing is enclosed.
+    /// All triangles face inwards, or no volume is enclosed.
     #[error(
         "{file}: found an enclosed volume of {volume_mm3} mm3 between {} and {} mm, expected a positive one (triangles facing outwards)",
         Place(*low_mm), Place(*high_mm)
     )]
     InsideOut {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// The signed volume, cubic millimetres.
         volume_mm3: f64,
@@ -161,13 +159,13 @@ pub enum MeshError {
         /// Highest corner of its box, mm.
         high_mm: [f64; 3],
     },
-    /// So little is enclosed that it is rounding.
+    /// The enclosed volume is so small that it is rounding.
     #[error(
         "{file}: found an enclosed volume of {volume_mm3:.1e} mm3 between {} and {} mm, which is flat, expected a solid",
         Place(*low_mm), Place(*high_mm)
     )]
     Flat {
-        /// Which mesh.
+        /// Name of the mesh.
         file: String,
         /// The signed volume, cubic millimetres.
         volume_mm3: f64,
@@ -197,7 +195,7 @@ impl fmt::Display for Piece {
     }
 }
 
-/// The way to close a scan without a base, where there is one hole alone.
+/// Returns the advice to close a scan without a base, if there is exactly one hole.
 fn base_advice(openings: &[Opening]) -> &'static str {
     match openings {
         [_] => {
@@ -214,18 +212,18 @@ fn counted(count: usize, what: &str) -> String {
     }
 }
 
-/// Checks a mesh; `file` is how messages call it.
+/// Checks a mesh. Messages name it as `file`.
 ///
 /// # Errors
-/// The first thing that makes it unusable, with what was found and what was expected.
+/// [`MeshError`] with the first fault, the value found and the value expected.
 pub fn check(mesh: &TriMesh, file: &str) -> Result<MeshReport, MeshError> {
     check_as(mesh, file, Size::Any, None)
 }
 
-/// The same for a mesh of a kind that was read in a unit.
+/// Checks a mesh of a kind that was read in a unit.
 ///
 /// # Errors
-/// As [`check`], and if the size is implausible for the kind.
+/// Errors of [`check`], and an implausible size for the kind.
 pub fn check_as(
     mesh: &TriMesh,
     file: &str,
@@ -282,7 +280,8 @@ pub fn check_as(
             at_mm: middle(&first),
         });
     }
-    // After the edges with too many triangles: a triangle that stands on a surface has two open edges, and is no hole.
+    // This check follows that of edges with too many triangles: a triangle on a surface has two open edges, but is no
+    // hole.
     let open = open_sides(&sides);
     if !open.is_empty() {
         return Err(MeshError::Open {
@@ -369,7 +368,7 @@ impl Edges {
     }
 }
 
-/// Vertices whose triangles form more than one fan. Needs an oriented closed surface.
+/// Returns the vertices whose triangles form more than one fan. The surface must be oriented and closed.
 fn pinched(mesh: &TriMesh) -> Vec<u32> {
     // Around a vertex v each triangle leads from one neighbour to the next: (v, from) -> to.
     let mut steps: Vec<(u32, u32, u32)> = Vec::with_capacity(mesh.triangles.len() * 3);

@@ -1,5 +1,7 @@
-//! True signed distance to a closed mesh: a tree of boxes for the nearest triangle, the
-//! angle-weighted pseudonormal (Baerentzen and Aanaes 2005) of the nearest feature for the sign.
+//! True signed distance to a closed mesh.
+//!
+//! A tree of boxes finds the nearest triangle. The sign is that of the angle-weighted pseudonormal of the nearest
+//! feature (Baerentzen and Aanaes 2005).
 
 use sulcus_core::Vec3;
 
@@ -19,7 +21,7 @@ pub struct Nearest {
     pub triangle: u32,
 }
 
-/// Answers distance queries about one mesh, which it keeps.
+/// Distance queries about one mesh. The mesh is part of it.
 #[derive(Clone, Debug)]
 pub struct MeshDistance {
     mesh: TriMesh,
@@ -43,7 +45,7 @@ struct Box3 {
 }
 
 impl MeshDistance {
-    /// Prepares the queries. The mesh should have passed [`crate::mesh::check::check`].
+    /// Prepares the queries. The mesh must have passed [`crate::mesh::check::check`].
     pub fn new(mesh: TriMesh) -> Self {
         let corners: Vec<_> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
         let mut order: Vec<u32> = (0..corners.len() as u32).collect();
@@ -116,7 +118,7 @@ impl MeshDistance {
                 self.boxes[left as usize].squared(point),
                 self.boxes[right as usize].squared(point),
             );
-            // The nearer child is looked at first.
+            // The nearer child is examined first.
             let (near, far) = if dl <= dr {
                 ((left, dl), (right, dr))
             } else {
@@ -160,7 +162,7 @@ impl Box3 {
     }
 }
 
-/// Boxes of `order` (whose first element is leaf position `first`), the box itself first.
+/// Returns the boxes of `order`, the box itself first. The first element of `order` has the leaf position `first`.
 fn build(corners: &[[Vec3; 3]], order: &mut [u32], first: usize, boxes: &mut Vec<Box3>) {
     let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     for corner in order.iter().flat_map(|&t| &corners[t as usize]) {

@@ -1,5 +1,4 @@
-//! Which triangles share which edges: sorted lists instead of hash maps, so that every order is a
-//! function of the mesh alone.
+//! Edges shared by triangles. Sorted lists replace hash maps, so every order is a function of the mesh alone.
 
 use std::collections::BTreeMap;
 
@@ -16,12 +15,12 @@ pub(crate) struct Side {
     pub high: u32,
     /// The triangle.
     pub triangle: u32,
-    /// Whether the triangle walks the edge from `low` to `high`.
+    /// Whether the triangle traverses the edge from `low` to `high`.
     pub forward: bool,
 }
 
 impl Side {
-    /// Start and end as the triangle walks them.
+    /// Returns start and end in the triangle's direction.
     pub(crate) fn walked(&self) -> [u32; 2] {
         if self.forward {
             [self.low, self.high]
@@ -61,11 +60,11 @@ pub(crate) fn open_sides(sides: &[Side]) -> Vec<Side> {
         .collect()
 }
 
-/// Disjoint sets of vertices; the name of a set is its lowest vertex.
+/// Disjoint sets of vertices. The lowest vertex is the name of its set.
 pub(crate) struct Sets(Vec<u32>);
 
 impl Sets {
-    /// Every vertex for itself.
+    /// Returns sets of one vertex each.
     pub(crate) fn new(vertices: usize) -> Self {
         Self((0..vertices as u32).collect())
     }
@@ -79,7 +78,7 @@ impl Sets {
         v
     }
 
-    /// Makes two sets one.
+    /// Joins two sets.
     pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
         self.0[a.max(b) as usize] = a.min(b);
@@ -91,8 +90,8 @@ impl Sets {
 pub struct Opening {
     /// Open edges around it.
     pub edges: usize,
-    /// Largest distance between two of its vertices, mm (the diagonal of its box where it has
-    /// more than a few hundred).
+    /// Largest distance between two of its vertices, mm. With more than a few hundred vertices it is the diagonal of
+    /// its box.
     pub diameter_mm: f64,
     /// Mean of its vertices, mm, in the mesh's frame.
     pub at_mm: [f64; 3],
@@ -145,7 +144,7 @@ pub(crate) fn diameter(points: &[Vec3]) -> f64 {
     largest
 }
 
-/// The openings of a mesh, widest first; triangles need not agree about their orientation.
+/// Returns the openings of a mesh, widest first. Triangles may disagree about their orientation.
 pub(crate) fn openings(mesh: &TriMesh, open: &[Side]) -> Vec<Opening> {
     let mut sets = Sets::new(mesh.vertices.len());
     for side in open {
@@ -169,7 +168,7 @@ pub(crate) fn openings(mesh: &TriMesh, open: &[Side]) -> Vec<Opening> {
     openings
 }
 
-/// Three decimals, for reading; small numbers keep theirs.
+/// Returns a number with three decimals for messages. Small numbers keep their digits.
 pub(crate) fn rounded(x: f64) -> f64 {
     if x.abs() < 1e-3 {
         x
@@ -178,7 +177,7 @@ pub(crate) fn rounded(x: f64) -> f64 {
     }
 }
 
-/// A length for reading, mm with three decimals, or two digits where those would be zeros.
+/// A length for messages: mm with three decimals, or two digits where those would be zeros.
 pub(crate) struct Length(pub f64);
 
 impl std::fmt::Display for Length {
@@ -191,18 +190,18 @@ impl std::fmt::Display for Length {
     }
 }
 
-/// A place for reading, mm with three decimals.
+/// A place for messages, mm with three decimals.
 pub(crate) struct Place(pub [f64; 3]);
 
 impl std::fmt::Display for Place {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // Adding zero makes -0 a 0.
+        // The added zero turns -0 into 0.
         let [x, y, z] = self.0.map(|x| (x * 1e3).round() / 1e3 + 0.0);
         write!(f, "({x}, {y}, {z})")
     }
 }
 
-/// The first few of a list and how many more there are, for a sentence.
+/// Returns the first few items of a list and the number of the others, for a sentence.
 pub(crate) fn first_few(items: &[impl ToString]) -> String {
     const FEW: usize = 5;
     let mut said: Vec<String> = items.iter().take(FEW).map(ToString::to_string).collect();

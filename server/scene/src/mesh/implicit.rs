@@ -1,30 +1,30 @@
-//! Small functions that implicit shapes are made of. Only `+ - * /`, square root and `libm`, so a
-//! shape is the same bits on every platform.
+//! Functions for implicit shapes. They use `+ - * /`, square root and `libm` only, so a shape has the same bits on
+//! every platform.
 
-/// Smooth minimum: a union whose seam is a fillet of about `k` (Quilez' polynomial form).
+/// Returns the smooth minimum: a union whose seam is a fillet of about `k` (Quilez' polynomial form).
 pub(crate) fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
     let near = sulcus_core::math::fmax(k - (a - b).abs(), 0.0) / k;
     sulcus_core::math::fmin(a, b) - near * near * k * 0.25
 }
 
-/// Smooth maximum: an intersection whose edge is rounded by about `k`.
+/// Returns the smooth maximum: an intersection whose edge is rounded by about `k`.
 pub(crate) fn smooth_max(a: f64, b: f64, k: f64) -> f64 {
     -smooth_min(-a, -b, k)
 }
 
-/// 0 below `from`, 1 above `to`, smooth between.
+/// Returns 0 below `from`, 1 above `to`, and a smooth ramp between.
 pub(crate) fn ramp(x: f64, from: f64, to: f64) -> f64 {
     let t = sulcus_core::math::fclamp((x - from) / (to - from), 0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A bell of height 1 and given width.
+/// Returns a bell of height 1 and given width.
 pub(crate) fn bell(x: f64, width: f64) -> f64 {
     let t = x / width;
     libm::exp(-t * t)
 }
 
-/// A smooth curve through `(knots[i], values[i])` (cubic Hermite, central slopes), constant beyond its ends.
+/// Returns a smooth curve through `(knots[i], values[i])`: cubic Hermite, central slopes, constant beyond its ends.
 pub(crate) fn through<const N: usize>(knots: &[f64; N], values: &[f64; N], x: f64) -> f64 {
     if x <= knots[0] {
         return values[0];

@@ -1,12 +1,19 @@
-//! Mesh files into memory: STL, OBJ and PLY, text and binary.
+//! Reading of mesh files: STL, OBJ and PLY, text and binary.
 //!
-//! None of the three names its unit: whoever names the file names the unit. The content decides
-//! which format it is, because extensions lie; the extension decides only what a message speaks of
-//! when the content is not recognised. Bytes may be anything: they never cause a panic, and memory
-//! stays in proportion to the size of the file, whatever its header announces.
+//! The formats do not name their unit; the caller names it.
 //!
-//! Nothing is mended here ([`crate::mesh::repair`]) and nothing is judged ([`crate::mesh::check`]); faces with many corners are
-//! triangulated ([`crate::mesh::polygon`]), and a face that has no triangulation is refused.
+//! The content decides the format, because extensions are often wrong. The extension is used only in the message
+//! about unknown content.
+//!
+//! Any bytes are allowed. They never cause a panic, and memory is proportional to the size of the file, whatever its
+//! header announces.
+//!
+//! The readers of the formats and this module depend on each other: the formats return this module's `Loaded` and
+//! `Malformed`, and this module selects the format.
+//!
+//! This module neither repairs ([`crate::mesh::repair`]) nor checks ([`crate::mesh::check`]) a mesh.
+//!
+//! Faces with many corners are triangulated ([`crate::mesh::polygon`]). A face without a triangulation is refused.
 
 mod lines;
 mod obj;
@@ -25,13 +32,13 @@ pub use obj::to_obj;
 pub use stl::to_stl;
 pub use unit::Unit;
 
-/// Largest file that is read, bytes: some twenty million triangles of binary STL.
+/// Largest file that is read, bytes: about twenty million triangles of binary STL.
 pub const LARGEST_FILE: u64 = 1 << 30;
 
-/// What some editors put before text.
+/// Mark that some editors write before text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Why a mesh file could not be read.
+/// Reason why a mesh file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file cannot be opened or read.
@@ -39,7 +46,7 @@ pub enum LoadError {
     Read {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The file is larger than [`LARGEST_FILE`].
@@ -48,19 +55,19 @@ pub enum LoadError {
         /// The file.
         file: PathBuf,
     },
-    /// The file is not a mesh in a format that is known.
+    /// The file is not a mesh in a known format.
     #[error("{}: found {found}, expected {expected}", file.shown())]
     Format {
         /// The file.
         file: PathBuf,
-        /// What is in it, and where.
+        /// Content found, and its place.
         found: String,
-        /// What should be there.
+        /// Content expected.
         expected: &'static str,
     },
 }
 
-/// What was found where something else should be.
+/// Content found in place of the expected content.
 #[derive(Debug, PartialEq)]
 struct Malformed {
     found: String,
@@ -81,7 +88,7 @@ impl Malformed {
 pub struct Loaded {
     /// The mesh, metres, in the file's own frame.
     pub mesh: TriMesh,
-    /// Parts of the file that were not read, a sentence each; users are to be told.
+    /// Parts of the file that were not read, a sentence each, for the user.
     pub notes: Vec<String>,
 }
 
@@ -94,13 +101,13 @@ impl From<TriMesh> for Loaded {
     }
 }
 
-/// Reads an STL, OBJ or PLY file. Metres, in the file's own frame; polygons become triangles, groups and objects become
-/// one mesh. STL repeats every corner, so corners with equal
-/// coordinates become one vertex; OBJ and PLY have indices, which stay as they are.
+/// Reads an STL, OBJ or PLY file. The result is in metres, in the file's own frame. Polygons become triangles; groups
+/// and objects become one mesh.
+///
+/// STL repeats every corner, so corners with equal coordinates become one vertex. Indices of OBJ and PLY stay.
 ///
 /// # Errors
-/// If the file cannot be read or is not a mesh file, in one sentence. Whether the mesh is usable is
-/// not looked at here.
+/// [`LoadError`] if the file cannot be read or is not a mesh file. Whether the mesh is a solid is not checked.
 pub fn load_mesh(file: &Path, unit: Unit) -> Result<Loaded, LoadError> {
     let read = |source| LoadError::Read {
         file: file.to_owned(),
@@ -120,10 +127,10 @@ pub fn load_mesh(file: &Path, unit: Unit) -> Result<Loaded, LoadError> {
     parse_mesh(bytes, file, unit)
 }
 
-/// The same from bytes; `file` is how messages call them, its extension as in [`load_mesh`].
+/// Reads a mesh from bytes. Messages name it as `file`; its extension has the effect of [`load_mesh`].
 ///
 /// # Errors
-/// If the bytes are not a mesh, in one sentence.
+/// [`LoadError`] if the bytes are not a mesh.
 pub fn parse_mesh(mut bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<Loaded, LoadError> {
     if bytes.starts_with(BYTE_ORDER_MARK) && !stl::is_exactly_binary(&bytes) {
         bytes.drain(..BYTE_ORDER_MARK.len());
@@ -133,7 +140,7 @@ pub fn parse_mesh(mut bytes: Vec<u8>, file: &Path, unit: Unit) -> Result<Loaded,
         Some(Format::Obj) => obj::parse(&bytes).map(Loaded::from),
         Some(Format::Ply) => ply::parse(bytes),
         None => Err(Malformed::new(
-            format!("{} bytes of something else", bytes.len()),
+            format!("{} bytes of another format", bytes.len()),
             "a mesh as STL, OBJ or PLY",
         )),
     };
@@ -167,7 +174,7 @@ fn named(file: &Path) -> Option<Format> {
     .map(|(_, format)| format)
 }
 
-/// What the content says that it is, where it says so clearly.
+/// Returns the format of the content, if the content is unambiguous.
 fn sniff(bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         return Some(Format::Ply);
@@ -175,7 +182,7 @@ fn sniff(bytes: &[u8]) -> Option<Format> {
     if stl::is_exactly_binary(bytes) || stl::is_text(bytes) || stl::seems_binary(bytes) {
         return Some(Format::Stl);
     }
-    // An OBJ file is text whose first line that is no comment and no name begins with a known word.
+    // An OBJ file is text. Its first line that is neither a comment nor a name begins with a known word.
     let start = &bytes[..bytes.len().min(1 << 16)];
     if start.contains(&0) {
         return None;
@@ -195,7 +202,7 @@ fn sniff(bytes: &[u8]) -> Option<Format> {
         .then_some(Format::Obj)
 }
 
-/// Text out of a file or a crate for a message: one line, not long.
+/// Returns text of a file or a crate for a message: one short line.
 fn brief(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     let line = words.join(" ");

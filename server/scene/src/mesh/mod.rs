@@ -1,4 +1,5 @@
-//! Triangle meshes: the raw material of every shape. Metres, right-handed, outward by the right hand.
+//! Triangle meshes, the base of every shape. Metres, right-handed; triangles are counter-clockwise as seen from
+//! outside.
 
 pub mod check;
 pub mod distance;
@@ -16,12 +17,12 @@ pub mod turned;
 
 use sulcus_core::{DisplayMesh, Vec3};
 
-/// A triangle mesh. Anything may be in it; [`crate::mesh::check::check`] says whether it is a solid.
+/// A triangle mesh with any content. [`crate::mesh::check::check`] decides whether it is a solid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriMesh {
     /// Vertices, metres.
     pub vertices: Vec<Vec3>,
-    /// Triangles as vertex indices, counter-clockwise seen from outside.
+    /// Triangles as vertex indices, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -50,9 +51,9 @@ impl TriMesh {
         (low, high)
     }
 
-    /// Volume enclosed, cubic metres; negative when the triangles face inwards.
+    /// Returns the enclosed volume, cubic metres; negative if the triangles face inwards.
     pub fn signed_volume(&self) -> f64 {
-        // About the first vertex, so that a mesh far from the origin keeps its digits.
+        // The first vertex is the reference, so a mesh far from the origin keeps its digits.
         let Some(&origin) = self.vertices.first() else {
             return 0.0;
         };
@@ -71,7 +72,7 @@ impl TriMesh {
             .sum()
     }
 
-    /// The same mesh, vertices multiplied by `factor` and then moved by `offset` (metres).
+    /// Returns the mesh with vertices multiplied by `factor` and then moved by `offset` (metres).
     pub fn placed(mut self, factor: f64, offset: Vec3) -> Self {
         for vertex in &mut self.vertices {
             *vertex = *vertex * factor + offset;
@@ -79,7 +80,7 @@ impl TriMesh {
         self
     }
 
-    /// The mesh to look at: single precision, metres, one colour (sRGB with alpha).
+    /// Returns the mesh for display: single precision, metres, one colour (sRGB with alpha).
     pub fn to_display(&self, colour: [u8; 4]) -> DisplayMesh {
         DisplayMesh {
             vertices: self
@@ -93,7 +94,7 @@ impl TriMesh {
         }
     }
 
-    /// Feeds every bit of the mesh into a hash.
+    /// Adds every bit of the mesh to a hash.
     pub fn hash_into(&self, hasher: &mut blake3::Hasher) {
         hasher.update(&(self.vertices.len() as u64).to_le_bytes());
         for vertex in &self.vertices {

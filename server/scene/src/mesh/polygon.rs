@@ -1,9 +1,12 @@
-//! Faces with more than three corners as triangles that fill the face and nothing else.
+//! Faces with more than three corners as triangles that fill exactly the face.
 //!
-//! A fan from the first corner fills a face only where every corner is seen from the first one: of a horseshoe it also
-//! covers the open side. Quadrilaterals are cut along a diagonal that lies inside; all other faces are triangulated in
-//! the coordinate plane that faces them most (constrained Delaunay, exact predicates), so that every corner is a
-//! corner of triangles, corners on a straight edge too. Edges that cross or touch are found there.
+//! A fan from the first corner fills a face only if every corner is visible from the first. For a horseshoe it also
+//! covers the open side.
+//!
+//! - Quadrilaterals are cut along a diagonal that lies inside.
+//! - Other faces are triangulated in the coordinate plane that faces them most, by constrained Delaunay with exact
+//!   predicates. Every corner becomes a corner of triangles, also on a straight edge. Edges that cross or touch are
+//!   detected.
 
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -13,19 +16,21 @@ use sulcus_core::math::fmax;
 /// Largest distance of a corner from the best plane of a face of five corners or more, as a share of the diagonal of
 /// the face's box.
 pub const FLAT_SHARE: f64 = 0.05;
-/// The same for quadrilaterals: their two triangles follow a bent surface, as meshes of quadrilaterals have it.
+/// The same for quadrilaterals. Their two triangles follow a bent surface, as usual in meshes of quadrilaterals.
 pub const FLAT_SHARE_OF_FOUR: f64 = 0.1;
-/// Most corners of a face.
+/// Largest number of corners of a face.
 pub const MOST_CORNERS: usize = 100_000;
 /// Areas below this share of the square of the face's size are rounding.
 const NO_AREA: f64 = 1e-12;
 
-/// The kind of face that is expected, for messages.
+/// The kind of face expected, for messages.
 pub(crate) const FACE: &str =
     "a flat face of different corners whose edges meet nowhere but at the corners";
 
-/// Appends the triangles of a face, walked as its corners are. Of three corners the face is the triangle, whatever its
-/// shape; a convex quadrilateral is cut from its first corner to its third.
+/// Appends the triangles of a face in the direction of its corners.
+///
+/// A face of three corners is the triangle of any shape. A convex quadrilateral is cut from its first corner to its
+/// third.
 ///
 /// # Errors
 /// The fault of the face, in a few words.
@@ -41,10 +46,10 @@ pub(crate) fn triangulate(
     triangulate_within(corners, vertices, most, triangles)
 }
 
-/// The same for a face whose corners may be off its best plane by a share `most` of its size.
+/// Appends the triangles of a face whose corners may be off its best plane by a share `most` of its size.
 ///
 /// # Errors
-/// As [`triangulate`].
+/// Errors of [`triangulate`].
 pub(crate) fn triangulate_within(
     corners: &[u32],
     vertices: &[Vec3],
@@ -80,7 +85,7 @@ pub(crate) fn triangulate_within(
     Ok(())
 }
 
-/// Numbers, from 1, of the first two corners that are one vertex.
+/// Returns the numbers, from 1, of the first two corners that are one vertex.
 fn repeated(corners: &[u32]) -> Option<(usize, usize)> {
     let mut order: Vec<(u32, usize)> = corners.iter().copied().zip(1..).collect();
     order.sort_unstable();
@@ -99,7 +104,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// The plane through the mean of the corners whose normal is Newell's.
+    /// Returns the plane through the mean of the corners with Newell's normal.
     pub(crate) fn through(points: &[Vec3]) -> Self {
         let mean = points.iter().sum::<Vec3>() / points.len() as f64;
         let mut area = Vec3::zeros();
@@ -122,7 +127,7 @@ impl Plane {
         Self { normal, size, off }
     }
 
-    /// The same for a face that must be flat.
+    /// Returns the plane of a face that must be flat.
     fn of(points: &[Vec3], most: f64) -> Result<Self, String> {
         if !points.iter().flatten().all(|x| x.is_finite()) {
             return Err("a face with a corner whose place is not a number".to_owned());
@@ -150,7 +155,7 @@ fn quadrilateral(points: &[Vec3], plane: &Plane) -> Result<[[usize; 3]; 2], Stri
             return Ok(pair);
         }
     }
-    // On one line there is no area to fill, and none to fill wrongly.
+    // Points on one line have no area to fill.
     let line = halves.iter().flatten().all(|&t| cross(t).norm() <= least);
     if line && plane.size > 0.0 {
         return Ok(halves[0]);
@@ -158,7 +163,7 @@ fn quadrilateral(points: &[Vec3], plane: &Plane) -> Result<[[usize; 3]; 2], Stri
     Err("a face of 4 corners that crosses or touches itself".to_owned())
 }
 
-/// The triangles of a face, each from its first corner, in order.
+/// Returns the triangles of a face, each from its first corner, in order.
 fn delaunay(points: &[Vec3], plane: &Plane) -> Result<Vec<[usize; 3]>, String> {
     let count = points.len();
     if plane.normal == Vec3::zeros() {
@@ -170,7 +175,7 @@ fn delaunay(points: &[Vec3], plane: &Plane) -> Result<Vec<[usize; 3]>, String> {
         let handle = net
             .insert(flat(p, &plane.normal))
             .map_err(|error| format!("a face whose corner {} is out of range ({error})", k + 1))?;
-        // Vertices are numbered as they come; a place that is taken gives the earlier number.
+        // Vertices are numbered in their order. An occupied place returns the earlier number.
         if handle.index() != k {
             return Err(format!(
                 "a face whose corners {} and {} are in one place",
@@ -215,7 +220,7 @@ fn delaunay(points: &[Vec3], plane: &Plane) -> Result<Vec<[usize; 3]>, String> {
             }
         }
     }
-    // The angles of a simple polygon add up to those of so many triangles.
+    // The angles of a simple polygon add up to those of this number of triangles.
     if filled.len() != count - 2 {
         return Err(format!(
             "a face of {count} corners that has no triangulation ({} triangles)",
@@ -226,12 +231,12 @@ fn delaunay(points: &[Vec3], plane: &Plane) -> Result<Vec<[usize; 3]>, String> {
     Ok(filled)
 }
 
-/// A place in the coordinate plane that faces `normal` most, seen from where the normal points.
+/// Returns the place in the coordinate plane that faces `normal` most, as seen from the tip of the normal.
 fn flat(p: &Vec3, normal: &Vec3) -> Point2<f64> {
     let w = normal.iamax();
     let (u, v) = ((w + 1) % 3, (w + 2) % 3);
     let (u, v) = if normal[w] < 0.0 { (v, u) } else { (u, v) };
-    // Numbers below what the predicates can take are zeros.
+    // Numbers too small for the predicates are zeros.
     let part = |x: f64| if x.abs() < 1e-40 { 0.0 } else { x };
     Point2::new(part(p[u]), part(p[v]))
 }

@@ -1,12 +1,14 @@
-//! From an implicit function to a closed mesh: naive surface nets (Gibson 1998) on a regular grid,
-//! every vertex then moved onto the zero set along the gradient.
+//! Closed mesh of an implicit function: naive surface nets (Gibson 1998) on a regular grid.
+//!
+//! Every vertex is then moved onto the zero set along the gradient.
 
 use sulcus_core::Vec3;
 
 use crate::mesh::TriMesh;
 
-/// Meshes `{f = 0}` inside the box `low..high` with grid edge `cell`; `f` is negative inside and
-/// must be positive on the whole border of the box. Any unit of length.
+/// Meshes `{f = 0}` inside the box `low..high` with grid edge `cell`, in any unit of length.
+///
+/// `f` must be negative inside, and positive on the whole border of the box.
 pub fn polygonise(f: &(dyn Fn(&Vec3) -> f64 + Sync), low: Vec3, high: Vec3, cell: f64) -> TriMesh {
     let n: [usize; 3] =
         std::array::from_fn(|axis| ((high[axis] - low[axis]) / cell).ceil() as usize + 1);
@@ -60,7 +62,7 @@ pub fn polygonise(f: &(dyn Fn(&Vec3) -> f64 + Sync), low: Vec3, high: Vec3, cell
     mesh
 }
 
-/// Mean of the crossings on the edges of a cell, in cell coordinates; none without a crossing.
+/// Returns the mean of the crossings on the edges of a cell, in cell coordinates; `None` without a crossing.
 fn cell_vertex(values: &[f64], corner: usize, stride: &[usize; 3]) -> Option<Vec3> {
     let offset =
         |c: usize| (c & 1) * stride[0] + (c >> 1 & 1) * stride[1] + (c >> 2 & 1) * stride[2];
@@ -80,7 +82,7 @@ fn cell_vertex(values: &[f64], corner: usize, stride: &[usize; 3]) -> Option<Vec
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// A few Newton steps onto the zero set, none longer than half a cell.
+/// Newton steps onto the zero set, each at most half a cell.
 fn project(f: &dyn Fn(&Vec3) -> f64, start: Vec3, cell: f64) -> Vec3 {
     let step = cell * 1e-3;
     let mut p = start;
@@ -101,7 +103,7 @@ fn project(f: &dyn Fn(&Vec3) -> f64, start: Vec3, cell: f64) -> Vec3 {
         }
         p += newton;
     }
-    // Beyond its own neighbourhood a vertex would fold the mesh.
+    // Outside of its own neighbourhood a vertex would fold the mesh.
     if (p - start).norm() > 0.6 * cell {
         start
     } else {
@@ -109,7 +111,7 @@ fn project(f: &dyn Fn(&Vec3) -> f64, start: Vec3, cell: f64) -> Vec3 {
     }
 }
 
-/// Two triangles, cut along the shorter diagonal.
+/// Adds two triangles, cut along the shorter diagonal.
 fn add_quad(mesh: &mut TriMesh, quad: [u32; 4]) {
     let [a, b, c, d] = quad;
     let p = quad.map(|v| mesh.vertices[v as usize]);

@@ -1,18 +1,25 @@
-//! Mends what has one right answer, and says what it did: [`Repairs`] counts and places everything.
+//! Repair of faults that have one right repair. [`Repairs`] counts and locates all of them.
 //!
-//! In this order: vertices that no triangle uses are dropped; vertices in one place are joined
-//! where an edge is open or a triangle has no length; then vertices that are nearly in one place
-//! ([`WELD_SHARE`]), only where that closes open edges; degenerate and duplicate triangles are
-//! dropped; triangles are turned to agree with the majority of their neighbours; small holes
-//! ([`SMALL_HOLE_SHARE`], [`MISSING_TRIANGLE_SHARE`], [`LONGEST_RIM`]) are closed; a closed surface
-//! that faces inwards is turned outward.
+//! The modules of this folder and this file depend on each other: this file runs their steps in order, and they use
+//! its limits and its `drop_unused`.
 //!
-//! On request alone ([`Asked`]) all pieces but the largest are dropped, and the one opening of a scan without base is
-//! closed by a flat lid.
+//! Repairs are made in this order.
 //!
-//! Faults without one right answer stay as they are, for [`crate::mesh::check`] to refuse: large holes,
-//! edges with more than two triangles, surfaces that touch themselves, several pieces, nothing
-//! enclosed. A mesh that needs no repair comes back bit by bit as it was.
+//! - Vertices of no triangle are dropped.
+//! - Vertices in one place are joined where an edge is open or a triangle has no length.
+//! - Vertices nearly in one place ([`WELD_SHARE`]) are joined where that closes open edges.
+//! - Degenerate and duplicate triangles are dropped.
+//! - Triangles are turned to agree with the majority of their neighbours.
+//! - Small holes ([`SMALL_HOLE_SHARE`], [`MISSING_TRIANGLE_SHARE`], [`LONGEST_RIM`]) are closed.
+//! - A closed surface that faces inwards is turned outward.
+//!
+//! Two repairs are made on request only ([`Asked`]): all pieces except the largest are dropped, and the one opening
+//! of a scan without base is closed by a flat lid.
+//!
+//! Other faults stay, and [`crate::mesh::check`] refuses them: large holes, edges with more than two triangles,
+//! surfaces that touch themselves, several pieces, no enclosed volume.
+//!
+//! A mesh without faults is returned bit by bit.
 
 mod base;
 mod fill;
@@ -33,31 +40,35 @@ pub use base::{BASE_FLAT_SHARE, ClosedBase};
 pub use pieces::DroppedPieces;
 pub(crate) use weld::join_equal;
 
-/// Two vertices on open edges count as one place if they are nearer than this share of the diagonal
-/// of the mesh's box: 0.25 um for a tooth, above the noise of single precision and far below
-/// anything that a scanner sees. Edges are never collapsed, however short.
+/// Largest distance between two vertices on open edges that count as one place, as a share of the diagonal of the
+/// mesh's box.
+///
+/// For a tooth the distance is 0.25 um: above the noise of single precision, far below the resolution of a scanner.
+/// Edges are never collapsed.
 pub const WELD_SHARE: f64 = 1e-5;
 
-/// A hole is small, and is closed, if it is no wider than this share of the diagonal of the mesh's
-/// box: about 1.2 mm for a tooth. Wider ones may be meant, or hide a surface that nobody can guess.
+/// Largest width of a small hole, which is closed, as a share of the diagonal of the mesh's box: about 1.2 mm for a
+/// tooth.
+///
+/// Wider holes may be intended, or hide a surface of unknown shape.
 pub const SMALL_HOLE_SHARE: f64 = 0.05;
 
-/// A hole with three edges is one missing triangle, which has one answer; it may be this wide.
+/// Largest width of a hole with three edges. It is one missing triangle, which has one right repair.
 pub const MISSING_TRIANGLE_SHARE: f64 = 0.2;
 
-/// A small hole has no more edges than this.
+/// Largest number of edges of a small hole.
 pub const LONGEST_RIM: usize = 64;
 
-/// Repairs that change what was drawn, made only where they are asked for.
+/// Repairs that change the drawn shape, made on request only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
-    /// Whether the piece with the largest area is kept and all others are dropped.
+    /// Keeps the piece with the largest area and drops all others.
     pub keep_largest: bool,
-    /// Whether the one opening that is left, if its rim is nearly flat, is closed by a lid.
+    /// Closes the one remaining opening by a lid, if its rim is nearly flat.
     pub close_base: bool,
 }
 
-/// What was mended. All zero for a mesh that needed nothing.
+/// Repairs made. All are zero for a mesh without faults.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Repairs {
     /// Vertices that no triangle used, dropped.
@@ -80,11 +91,11 @@ pub struct Repairs {
     pub holes: Vec<ClosedHole>,
     /// Whether the surface was inside out as a whole and was turned.
     pub turned_outward: bool,
-    /// Pieces that were dropped because that was asked for.
+    /// Pieces that were dropped on request.
     pub dropped: Option<DroppedPieces>,
-    /// The base that was closed because that was asked for.
+    /// The base that was closed on request.
     pub base: Option<ClosedBase>,
-    /// The openings that were found where a base was to be closed and could not be.
+    /// The openings of a mesh whose base could not be closed as requested.
     pub base_refused: Option<String>,
 }
 
@@ -117,12 +128,12 @@ impl fmt::Display for ClosedHole {
 }
 
 impl Repairs {
-    /// Whether nothing was needed.
+    /// Returns whether no repair was made.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// One sentence for each kind of repair, numbers and places in mm.
+    /// Returns one sentence for each kind of repair, with numbers and places in mm.
     pub fn sentences(&self) -> Vec<String> {
         let counted = |count: usize, one: &str, many: &str| match count {
             1 => format!("1 {one} was"),
@@ -133,7 +144,7 @@ impl Repairs {
         let mut said = Vec::new();
         if let Some(dropped) = &self.dropped {
             said.push(format!(
-                "{} dropped because only the largest piece was asked for: {} triangles, the largest {} mm across; {} triangles with {} mm2 were kept",
+                "{} dropped because only the largest piece was requested: {} triangles, the largest {} mm across; {} triangles with {} mm2 were kept",
                 counted(dropped.pieces, "piece", "pieces"),
                 dropped.triangles,
                 Length(dropped.largest_mm),
@@ -142,7 +153,7 @@ impl Repairs {
             ));
         }
         if let Some(base) = &self.base {
-            said.push(format!("the open base was closed as asked: {base}"));
+            said.push(format!("the open base was closed on request: {base}"));
         }
         if let Some(found) = &self.base_refused {
             said.push(format!("the open base was not closed: found {found}"));
@@ -204,13 +215,15 @@ impl fmt::Display for Repairs {
     }
 }
 
-/// Mends a mesh as far as there is one right answer. Anything may be in the mesh: one that names
-/// vertices that are not there, or whose places are not numbers, comes back as it was.
+/// Repairs a mesh.
+///
+/// The mesh may have any content. If it names vertices that do not exist, or has coordinates that are not finite, it
+/// is returned unchanged.
 pub fn repair(mesh: TriMesh) -> (TriMesh, Repairs) {
     repair_as(mesh, &Asked::default())
 }
 
-/// The same, and what was asked for besides.
+/// Repairs a mesh, and makes the requested repairs.
 pub fn repair_as(mut mesh: TriMesh, asked: &Asked) -> (TriMesh, Repairs) {
     let mut done = Repairs::default();
     let vertices = mesh.vertices.len() as u64;
@@ -225,7 +238,7 @@ pub fn repair_as(mut mesh: TriMesh, asked: &Asked) -> (TriMesh, Repairs) {
     done.unused_vertices = drop_unused(&mut mesh);
     let (low, high) = mesh.bounds();
     let mut size = (high - low).norm();
-    // Also false where a coordinate or the size is not finite.
+    // The test also fails if a coordinate or the size is not finite.
     if !(size > 0.0 && size.is_finite() && mesh.vertices.iter().flatten().all(|x| x.is_finite())) {
         return (mesh, done);
     }
@@ -258,14 +271,14 @@ pub fn repair_as(mut mesh: TriMesh, asked: &Asked) -> (TriMesh, Repairs) {
     (mesh, done)
 }
 
-/// Drops vertices that no triangle uses; the others keep their order. Returns how many.
+/// Drops vertices of no triangle; the others keep their order. Returns their number.
 pub(crate) fn drop_unused(mesh: &mut TriMesh) -> usize {
     let mut used = vec![false; mesh.vertices.len()];
     for &v in mesh.triangles.iter().flatten() {
         used[v as usize] = true;
     }
     let unused = used.iter().filter(|used| !**used).count();
-    // An empty mesh is left to the check, vertices and all.
+    // An empty mesh is left to the check, with its vertices.
     if unused == 0 || mesh.triangles.is_empty() {
         return 0;
     }
@@ -289,8 +302,8 @@ pub(crate) fn drop_unused(mesh: &mut TriMesh) -> usize {
     unused
 }
 
-/// Drops triangles with two equal corners, and all but the first of those with the same corners in
-/// whatever order. Returns how many of each.
+/// Drops triangles with two equal corners, and all but the first of those with the same corners in any order. Returns
+/// both numbers.
 fn drop_useless(mesh: &mut TriMesh) -> (usize, usize) {
     let before = mesh.triangles.len();
     mesh.triangles
@@ -319,7 +332,7 @@ fn drop_useless(mesh: &mut TriMesh) -> (usize, usize) {
     (degenerate, double.iter().filter(|double| **double).count())
 }
 
-/// Whether every edge has two triangles that walk it in opposite directions.
+/// Returns whether every edge has two triangles in opposite directions.
 fn closed(mesh: &TriMesh) -> bool {
     let sides = sides(mesh);
     open_sides(&sides).is_empty()

@@ -1,4 +1,4 @@
-//! Points spread evenly over a mesh: by area, without randomness.
+//! Points distributed evenly over a mesh by area, without randomness.
 
 use sulcus_core::{Sphere, Vec3};
 
@@ -7,16 +7,16 @@ use crate::mesh::distance::MeshDistance;
 /// A point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Where, metres.
+    /// Place, metres.
     pub point: Vec3,
-    /// Unit normal, outward; smooth across gentle edges, the face's at sharp ones.
+    /// Unit normal, outward. It is smooth across gentle edges, and the face's at sharp ones.
     pub normal: Vec3,
 }
 
-/// Above this angle between a corner's normal and the face's, the edge is meant to be sharp.
+/// Cosine of the smallest angle between a corner's normal and the face's at a sharp edge.
 const SHARP_COS: f64 = 0.8;
 
-/// `count` points, one per equal share of the area. `phase` in `[0, 1)` picks another such set.
+/// Returns `count` points, one for each equal share of the area. `phase` in `[0, 1)` selects another set.
 pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample> {
     let mesh = distance.mesh();
     let share = mesh.area() / count as f64;
@@ -27,7 +27,7 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
         let corners = mesh.corners(t);
         let face = distance.face_normal(t as u32);
         while samples.len() < count && (samples.len() as f64 + 0.5) * share <= passed {
-            // The R2 sequence (Roberts) fills a unit square evenly in any order of use.
+            // The R2 sequence (Roberts) fills a unit square evenly, whatever part of it is used.
             let k = samples.len() as f64 + phase;
             let (mut u, mut v) = (
                 (0.5 + k * 0.754_877_666_246_692_7).fract(),
@@ -57,8 +57,10 @@ pub fn surface(distance: &MeshDistance, count: usize, phase: f64) -> Vec<Sample>
     samples
 }
 
-/// Points along the sharp edges, `spacing` metres apart or farther so that they are at most about `most`,
-/// corners included: places of no area that samples of the surface miss, and where the error is largest.
+/// Returns points along the sharp edges, corners included, at a distance of `spacing` metres; more if there would be
+/// over about `most`.
+///
+/// Edges have no area, so samples of the surface miss them, and the error is largest there.
 pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64, most: usize) -> Vec<Sample> {
     let mesh = distance.mesh();
     let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(mesh.triangles.len() * 3);
@@ -86,7 +88,7 @@ pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64, most: usize) ->
     let corners = 2 * sharp.len() <= most;
     let (mut samples, mut due, mut last) = (Vec::new(), 0.5, u32::MAX);
     for (corner, from, to, normal) in sharp {
-        // Edges come sorted by their lower corner: each corner once.
+        // Edges are sorted by their lower corner, so each corner occurs once.
         if corners && corner != last {
             samples.push(Sample {
                 point: from,
@@ -111,7 +113,7 @@ pub(crate) fn sharp_edges(distance: &MeshDistance, spacing: f64, most: usize) ->
     samples
 }
 
-/// Points spread evenly over a ball's surface (Fibonacci's spiral).
+/// Returns points distributed evenly over a ball's surface (Fibonacci's spiral).
 pub(crate) fn ball_points(sphere: &Sphere, count: usize) -> impl Iterator<Item = Vec3> {
     let (centre, radius) = (sphere.centre, sphere.radius);
     (0..count).map(move |k| {

@@ -1,4 +1,4 @@
-//! Plain solids with a known answer, for tests and benches: metres, closed, outward.
+//! Simple solids with a known answer, for tests and benches: metres, closed, outward.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use sulcus_core::Vec3;
 
 use crate::mesh::TriMesh;
 
-/// A sphere about the origin: an icosahedron whose triangles were cut in four `cuts` times.
+/// Returns a sphere about the origin: an icosahedron whose triangles were cut in four `cuts` times.
 pub fn icosphere(radius: f64, cuts: u32) -> TriMesh {
     let g = (1.0 + 5.0_f64.sqrt()) * 0.5;
     let corners = [
@@ -71,7 +71,7 @@ pub fn icosphere(radius: f64, cuts: u32) -> TriMesh {
     mesh
 }
 
-/// An ellipsoid about the origin with the given semi-axes (metres), as fine as [`icosphere`].
+/// Returns an ellipsoid about the origin with the given semi-axes (metres), as fine as [`icosphere`].
 pub fn ellipsoid(semi_axes: Vec3, cuts: u32) -> TriMesh {
     let mut mesh = icosphere(1.0, cuts);
     for vertex in &mut mesh.vertices {
@@ -80,7 +80,7 @@ pub fn ellipsoid(semi_axes: Vec3, cuts: u32) -> TriMesh {
     mesh
 }
 
-/// A box about the origin with the given half edges (metres): twelve triangles, sharp edges.
+/// Returns a box about the origin with the given half edges (metres): twelve triangles, sharp edges.
 pub fn cuboid(half: Vec3) -> TriMesh {
     let sign = |bit: bool| if bit { 1.0 } else { -1.0 };
     TriMesh {

@@ -1,12 +1,14 @@
-//! Plausible sizes: mesh files name no unit, and a wrong one shows in the size alone.
+//! Plausible sizes. Mesh files name no unit, and a wrong unit is visible in the size only.
 
 use serde::{Deserialize, Serialize};
 
-use crate::mesh::check::PLAUSIBLE_SIZE_M;
 use crate::mesh::edges::Length;
 use crate::mesh::load::Unit;
 
-/// The kind of thing that a mesh is of, which says how large it can be.
+/// Smallest and largest plausible overall size, metres: longest edge of the bounding box.
+pub const PLAUSIBLE_SIZE_M: (f64, f64) = (0.5e-3, 0.5);
+
+/// Kind of object in a mesh. It decides the plausible size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Size {
@@ -16,17 +18,17 @@ pub enum Size {
     Tongue,
     /// A jaw, or a gingiva of several teeth.
     Arch,
-    /// An instrument, or the part of it that touches.
+    /// An instrument, or its touching part.
     Instrument,
-    /// Anything in a mouth.
+    /// Any object in a mouth.
     #[default]
     Mouth,
-    /// Anything at all: only what the computation cannot cope with is refused.
+    /// Any size with which the computation is possible.
     Any,
 }
 
 impl Size {
-    /// All kinds, in the order in which messages name them.
+    /// All kinds, in the order of messages.
     pub const ALL: [Size; 6] = [
         Size::Tooth,
         Size::Tongue,
@@ -36,9 +38,10 @@ impl Size {
         Size::Any,
     ];
 
-    /// Smallest and largest plausible length of the longest edge of the bounding box, mm. A human tooth is 17 to 30 mm
-    /// long and a scanned crown at least 5 mm; a tongue is 70 mm long, a mandible 100 mm, a probe 170 mm, and the working end
-    /// of an instrument a few millimetres.
+    /// Returns the smallest and largest plausible length of the longest edge of the bounding box, mm.
+    ///
+    /// A human tooth is 17 to 30 mm long, a scanned crown at least 5 mm. A tongue is 70 mm long, a mandible 100 mm, a
+    /// probe 170 mm, and the working end of an instrument a few millimetres.
     pub fn range_mm(self) -> (f64, f64) {
         match self {
             Size::Tooth => (4.0, 45.0),
@@ -50,7 +53,7 @@ impl Size {
         }
     }
 
-    /// The kind in scene files and on the command line.
+    /// Returns the kind in scene files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Size::Tooth => "tooth",
@@ -62,22 +65,22 @@ impl Size {
         }
     }
 
-    /// The kind in a sentence.
+    /// Returns the kind in a sentence.
     fn described(self) -> &'static str {
         match self {
             Size::Tooth => "a tooth",
             Size::Tongue => "a tongue",
             Size::Arch => "a jaw or gingiva",
             Size::Instrument => "an instrument",
-            Size::Mouth => "anything in a mouth",
+            Size::Mouth => "any object in a mouth",
             Size::Any => "a mesh",
         }
     }
 
-    /// Whether this size of a bounding box (mm) is plausible.
+    /// Returns whether this size of a bounding box (mm) is plausible.
     pub fn holds(self, size_mm: f64) -> bool {
         let (low, high) = self.range_mm();
-        // The edge of a box that was scaled from its limit is still within.
+        // The tolerance includes the edge of a box that was scaled to its limit.
         (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&size_mm)
     }
 }
@@ -95,7 +98,7 @@ impl std::str::FromStr for Size {
     }
 }
 
-/// The range that was expected, for a message.
+/// Returns the expected range, for a message.
 pub(crate) fn expected(size: Size) -> String {
     let (low, high) = size.range_mm();
     match size {
@@ -104,9 +107,9 @@ pub(crate) fn expected(size: Size) -> String {
     }
 }
 
-/// The units that would make a size plausible, for a message; `read_in` is none for a mesh that is from no file.
+/// Returns the units that would make a size plausible, for a message. `read_in` is `None` for a mesh from no file.
 pub(crate) fn advice(size_mm: f64, size: Size, read_in: Option<Unit>) -> String {
-    // The numbers of a mesh that is from no file may be anything: millimetres taken for metres, or the other way round.
+    // The numbers of a mesh from no file may be millimetres used as metres, or the other way round.
     let read = |unit: Unit| {
         read_in.unwrap_or(match unit {
             Unit::Millimetre => Unit::Metre,
@@ -122,7 +125,7 @@ pub(crate) fn advice(size_mm: f64, size: Size, read_in: Option<Unit>) -> String 
         let names: Vec<&str> = Unit::ALL.iter().map(|unit| unit.plural()).collect();
         let (last, first) = names.split_last().unwrap_or((&"", &[]));
         format!(
-            "neither {} nor {last} make a plausible size of it{}",
+            "neither {} nor {last} gives a plausible size{}",
             first.join(", "),
             read_in.map_or(String::new(), |unit| format!(
                 " (it was read in {})",
@@ -133,7 +136,7 @@ pub(crate) fn advice(size_mm: f64, size: Size, read_in: Option<Unit>) -> String 
         let each = fits.iter().map(|(unit, mm)| {
             let (name, symbol) = (unit.plural(), unit.symbol());
             format!(
-                "in {name} it would be {} mm, so say `unit = \"{symbol}\"` in a scene file or `--unit {symbol}` on the command line",
+                "in {name} it would be {} mm, so write `unit = \"{symbol}\"` in a scene file or `--unit {symbol}` on the command line",
                 Length(*mm)
             )
         });
@@ -141,7 +144,7 @@ pub(crate) fn advice(size_mm: f64, size: Size, read_in: Option<Unit>) -> String 
     };
     if size != Size::Any && Size::Any.holds(size_mm) {
         said.push_str(
-            "; if the size is meant, say `size = \"any\"` in a scene file or `--size any` on the command line",
+            "; if the size is right, write `size = \"any\"` in a scene file or `--size any` on the command line",
         );
     }
     said

@@ -1,4 +1,4 @@
-//! From a mesh file to a solid that can be touched: read, repair, check.
+//! Mesh file to solid: read, repair, check.
 
 use std::path::{Path, PathBuf};
 
@@ -10,19 +10,19 @@ use crate::mesh::load::{LoadError, Unit, load_mesh};
 use crate::mesh::repair::{Asked, Repairs, repair_as};
 use crate::mesh::size::Size;
 
-/// How a mesh file is to be read.
+/// Options for reading a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Its unit.
     pub unit: Unit,
-    /// The kind of thing that it is of: a size that is implausible for that is refused.
+    /// Kind of object. A size that is implausible for it is refused.
     pub size: Size,
-    /// Repairs that are made only where they are asked for.
+    /// Repairs that are made on request only.
     pub asked: Asked,
 }
 
 impl From<Unit> for Reading {
-    /// Anything in a mouth, and no repair but those with one right answer.
+    /// Any object in a mouth, without requested repairs.
     fn from(unit: Unit) -> Self {
         Self {
             unit,
@@ -37,24 +37,24 @@ impl From<Unit> for Reading {
 pub struct Solid {
     /// The mesh as repaired, metres, in the file's own frame.
     pub mesh: TriMesh,
-    /// What it is like.
+    /// Measures of the mesh.
     pub report: MeshReport,
-    /// What had to be repaired; users are to be told.
+    /// Repairs made, for the user.
     pub repairs: Repairs,
-    /// Parts of the file that were not read, and requests that changed nothing, a sentence each; users are to be told.
+    /// Parts of the file that were not read, and requests without effect, a sentence each, for the user.
     pub notes: Vec<String>,
 }
 
-/// Why a mesh file gives no solid. One sentence, with the file.
+/// Reason why a mesh file gives no solid, in one sentence with the file.
 #[derive(Debug, thiserror::Error)]
 pub enum SolidError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// What is in it is not a solid, even repaired.
+    /// The mesh is not a solid, even after repairs.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// Its base was to be closed and cannot be.
+    /// The base was to be closed, but cannot be.
     #[error(
         "{}: cannot close the base: found {found}, expected one opening whose rim is nearly flat and does not cross itself",
         file.display()
@@ -62,17 +62,19 @@ pub enum SolidError {
     Base {
         /// The file.
         file: PathBuf,
-        /// The openings that were found instead.
+        /// Openings found.
         found: String,
     },
 }
 
-/// Reads a mesh file ([`load_mesh`]), mends what has one right answer and what was asked for ([`repair_as`]), and makes
-/// sure that the result is a solid of plausible size ([`check_as`]). A [`Unit`] alone is a [`Reading`], too.
+/// Reads a mesh file ([`load_mesh`]), makes the automatic and the requested repairs ([`repair_as`]), and checks the
+/// result ([`check_as`]).
+///
+/// A [`Unit`] is also a [`Reading`].
 ///
 /// # Errors
-/// If the file cannot be read, or what is in it is not a solid: what was found, where (mm, in the
-/// file's frame), what was expected.
+/// [`SolidError`] if the file cannot be read or its mesh is not a solid. It has the value found, its place (mm, in
+/// the file's frame), and the value expected.
 pub fn read_solid(file: &Path, reading: impl Into<Reading>) -> Result<Solid, SolidError> {
     let reading: Reading = reading.into();
     let loaded = load_mesh(file, reading.unit)?;
@@ -94,7 +96,7 @@ pub fn read_solid(file: &Path, reading: impl Into<Reading>) -> Result<Solid, Sol
         (checked, _) => checked?,
     };
     if reading.asked.keep_largest && repairs.dropped.is_none() {
-        notes.push("there is one piece alone, so none was dropped".to_owned());
+        notes.push("there is only one piece, so none was dropped".to_owned());
     }
     if reading.asked.close_base && repairs.base.is_none() {
         notes.push("nothing is open, so no base was closed".to_owned());

@@ -1,13 +1,15 @@
-//! Whether a surface that was deformed still looks outwards everywhere.
+//! Check that a deformed surface still faces outwards everywhere.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::Mat3;
 
 use crate::mesh::TriMesh;
 
-/// Triangles of `mesh` that look against where the surface about them was turned when its vertices went `moved` (metres), and the least
-/// area of any triangle over that at rest. The turn is the rotation that fits the vertices of all triangles around best (Kabsch
-/// 1976, doi:10.1107/S0567739476001873).
+/// Returns the number of inverted triangles of `mesh` after its vertices moved by `moved` (metres), and the least
+/// ratio of an area to its area at rest.
+///
+/// A triangle is inverted if it faces against the rotated surface around it. The rotation is the best fit to the
+/// vertices of all triangles around it (Kabsch 1976, doi:10.1107/S0567739476001873).
 pub fn turned(mesh: &TriMesh, moved: &[Vec3]) -> (usize, f64) {
     let mut after = mesh.clone();
     for (vertex, by) in after.vertices.iter_mut().zip(moved) {
@@ -61,7 +63,7 @@ mod tests {
         let (count, least) = turned(&ball, &moved);
         assert_eq!(count, 0);
         assert!((least - 1.0).abs() < 1e-12);
-        // To the other side of a neighbour.
+        // The vertex moves to the other side of a neighbour.
         let [a, b, _] = ball.triangles[7].map(|v| v as usize);
         moved[a] = turn * (ball.vertices[b] * 2.0 - ball.vertices[a]) - ball.vertices[a];
         assert!(turned(&ball, &moved).0 > 0);

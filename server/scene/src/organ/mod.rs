@@ -1,5 +1,7 @@
-//! From a closed surface to an organ by finite elements: tetrahedra, what of them is held, condensation (kept in the
-//! cache), and who carries the spheres of its tree.
+//! Organ by finite elements from a closed surface: tetrahedra, held nodes, condensation, carriers of the tree's
+//! spheres.
+//!
+//! Condensations are cached.
 
 pub mod skeleton;
 pub mod springs;
@@ -24,33 +26,35 @@ use crate::organ::tetrahedra::{TetraError, hold, tetrahedra};
 use crate::parallel;
 use crate::tree::carry::{carried, carriers};
 
-/// How an organ is made of finite elements: `[object.surface]`.
+/// `[object.surface]`: options of an organ by finite elements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SurfaceOptions {
-    /// Tetrahedra in the frame of the object's surface, relative to the scene file: a Gmsh file (`.msh`; what its group `fixed`
-    /// names is held, without one the shares below) or a folder of tables (in mm, with what is held). Without it the elements are
+    /// Tetrahedra in the frame of the object's surface, relative to the scene file. Without this key the elements are
     /// made from the surface.
+    ///
+    /// A Gmsh file `.msh` holds the nodes of its group `fixed`, or without such a group the shares below. A folder of
+    /// tables, in mm, has its own held nodes.
     pub elements: Option<PathBuf>,
-    /// Unit of a Gmsh file; mm unless said otherwise.
+    /// Unit of a Gmsh file; mm by default.
     pub elements_unit: Option<Unit>,
-    /// Edge of the lattice from which elements are made, mm.
+    /// Edge of the lattice of the elements, mm.
     pub element_mm: f64,
-    /// Masters that move, at most.
+    /// Largest number of moving masters.
     pub masters: usize,
-    /// Cells of the large-displacement term; 0 leaves it out.
+    /// Number of cells of the large-displacement term; 0 omits the term.
     pub cells: usize,
     /// Young's modulus, kPa.
     pub young_kpa: f64,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Time constant with which it follows a load, ms.
+    /// Time constant of the response to a load, ms.
     pub relaxation_ms: f64,
-    /// Share of the length, from the hindmost end, that is held: the root. (Tables say themselves what is held.)
+    /// Held share of the length, from the hindmost end: the root. Tables have their own held nodes.
     pub fixed_root: f64,
-    /// Share of the height, from below, that is held: the bottom layer.
+    /// Held share of the height, from below: the bottom layer.
     pub fixed_bottom: f64,
-    /// Share of the length, from the foremost end, whose bottom is free all the same: the tip.
+    /// Share of the length, from the foremost end, with a free bottom: the tip.
     pub free_tip: f64,
 }
 
@@ -75,7 +79,7 @@ impl Default for SurfaceOptions {
 }
 
 impl SurfaceOptions {
-    /// Parameters of the model in the tick.
+    /// Returns the parameters of the model in the tick.
     pub fn params(&self) -> SurfaceParams {
         SurfaceParams {
             young: self.young_kpa * 1e3,
@@ -86,7 +90,7 @@ impl SurfaceOptions {
     }
 }
 
-/// Why there is no organ.
+/// Reason why an organ cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum OrganError {
     /// The surface cannot be filled with finite elements.
@@ -95,28 +99,28 @@ pub enum OrganError {
     /// The finite elements cannot be read or solved.
     #[error(transparent)]
     Elements(#[from] FemError),
-    /// They are of something else.
+    /// The finite elements belong to another surface.
     #[error(
-        "a corner of the finite elements' surface is {found_mm:.1} mm away from the object's surface, expected at most {most_mm:.1} mm: another frame or unit?"
+        "a corner of the finite elements' surface is {found_mm:.1} mm away from the object's surface, expected at most {most_mm:.1} mm: check the frame and the unit of the elements"
     )]
     Elsewhere {
-        /// How far, mm.
+        /// Distance found, mm.
         found_mm: f64,
-        /// How far it may be, mm.
+        /// Largest distance allowed, mm.
         most_mm: f64,
     },
 }
 
-/// How far corners of the elements' surface may be from the object's, as a share of the object's diagonal: elements are
-/// coarser than what is seen.
+/// Largest distance of the corners of the elements' surface from the object's, as a share of the object's diagonal.
+/// Elements are coarser than the displayed surface.
 const FITS: f64 = 0.05;
-/// Raised when the same input condenses to something else.
+/// Version of the condensation. It is raised if the same input gives another result.
 const VERSION: u32 = 1;
 
-/// The organ with this surface, whose spheres are `tree`.
+/// Makes the organ with this surface and the spheres of `tree`.
 ///
 /// # Errors
-/// When there are no sound elements that fit the surface.
+/// [`OrganError`] if no valid elements fit the surface.
 pub fn organ(
     tree: &SphereTree,
     surface: &TriMesh,
@@ -137,10 +141,10 @@ pub fn organ(
     Ok(condensed.model(skin, options.params()))
 }
 
-/// The tetrahedra of an organ with this surface, and what of them is held.
+/// Makes or reads the tetrahedra of an organ with this surface, with their held nodes.
 ///
 /// # Errors
-/// When the surface cannot be filled with any, or the file of them cannot be read.
+/// [`OrganError`] if the surface cannot be filled, or the file cannot be read.
 pub fn elements(
     surface: &MeshDistance,
     options: &SurfaceOptions,
@@ -194,10 +198,10 @@ fn fits(elements: &TetMesh, surface: &MeshDistance) -> Result<(), OrganError> {
     Ok(())
 }
 
-/// Condenses, or takes from the cache what was condensed from the same elements.
+/// Condenses elements, or takes the result from the cache.
 ///
 /// # Errors
-/// When the elements cannot be solved.
+/// [`OrganError`] if the elements cannot be solved.
 pub fn condensed(
     elements: &TetMesh,
     poisson: f64,
@@ -232,20 +236,23 @@ pub fn condensed(
     if let Some(dir) = kept
         && let Ok(bytes) = condensed.to_bytes()
     {
-        // What cannot be kept is condensed again next time; trees, which go to the same folder, say so.
+        // A result that cannot be cached is computed again next time. A failure to cache trees, in the same folder,
+        // causes a warning.
         let _ = cache::store_bytes(dir, "organ", &key, &bytes);
     }
     Ok(condensed)
 }
 
-/// How much farther than the nearest free vertex a sphere looks that makes no free surface of its own, in its radii.
+/// Search distance of a sphere without a free surface of its own, beyond its nearest free vertex, in its radii.
 const FOLLOWS: f64 = 0.25;
-/// Share of what a sphere makes of the surface that must be free, or it is said to make none.
+/// Least free share of a sphere's own surface. Below it the sphere counts as one without a free surface.
 const FREE: f64 = 0.05;
 
-/// Who carries each node of a tree: the mean over the vertices of the surface that the sphere makes, or where it makes none that
-/// is free to move, that are nearest to it. A vertex counts by how far it is free: a thick organ is made of spheres that
-/// reach from its back to its underside, and where that is held it is the back that is pressed.
+/// Returns the carriers of each node of a tree: the mean over the vertices of the sphere's own surface. A sphere
+/// without a free surface uses the nearest free vertices.
+///
+/// Vertices are weighted by their freedom. The spheres of a thick organ reach from its back to its underside. If the
+/// underside is held, the back is the part that tools press.
 pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec<SurfaceSkin> {
     let (nodes, vertices) = (tree.nodes(), &surface.mesh().vertices);
     let moving = organ.masters().moving();
@@ -286,7 +293,7 @@ pub fn skin(tree: &SphereTree, surface: &MeshDistance, organ: &Condensed) -> Vec
                 *sum.entry(master).or_insert(0.0) += free[v] * near * weight;
             }
         }
-        // The largest count.
+        // The largest weights are kept.
         let mut sum: Vec<(usize, f64)> = sum.into_iter().collect();
         sum.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         sum.truncate(SURFACE_CARRIERS);
@@ -336,7 +343,7 @@ mod tests {
         assert!((volume - 15e-3 * 8e-3 * 6e-3).abs() < 1e-12, "{volume}");
         let model = TissueModel::Surface(Box::new(model));
         model.validate(&tree, 1e-3).expect("stands");
-        // The wrong unit, and another place.
+        // A wrong unit, and another place.
         let metres = SurfaceOptions {
             elements_unit: Some(Unit::Metre),
             ..options.clone()

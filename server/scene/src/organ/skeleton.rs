@@ -1,5 +1,6 @@
-//! From a tree to the skeleton under it: nodes, neighbours, what is fixed, stiffness by region and direction,
-//! skin weights, and the stiffness of the fine level that feels like the coarse one.
+//! Skeleton of a tree: nodes, neighbours, fixed nodes, stiffness by region and direction, skin weights.
+//!
+//! The stiffness of the fine level is matched to that of the coarse one.
 
 mod graph;
 mod skin;
@@ -17,23 +18,24 @@ use crate::mesh::implicit::ramp;
 
 pub use statics::pressed;
 
-/// Level of the tree whose spheres are the coarse skeleton, and that of the fine one.
+/// Level of the tree for the coarse skeleton, then for the fine one.
 const COARSE: u8 = 2;
 const FINE: u8 = 3;
 
-/// How an organ deforms as a whole. Stiffness and damping are those of the coarse skeleton (up to 64
-/// nodes); the fine one's follow.
+/// `[object.skeleton]`: deformation of an organ as a whole.
+///
+/// Stiffness and damping are those of the coarse skeleton with up to 64 nodes. The fine skeleton follows from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SkeletonOptions {
-    /// Stiffness of a spring along x (longitudinal), y (transverse) and z (vertical), N/mm. The default gives way
-    /// 10 mm to a mouth mirror at 1 to 2 N.
+    /// Stiffness of a spring along x (longitudinal), y (transverse) and z (vertical), N/mm. With the default, a mouth
+    /// mirror at 1 to 2 N moves 10 mm.
     pub stiffness_n_per_mm: [f64; 3],
-    /// Factor on it at the root (the hindmost fifth), falling smoothly to 1 in the middle.
+    /// Factor of the stiffness at the root, the hindmost fifth. It falls smoothly to 1 in the middle.
     pub root_factor: f64,
-    /// Factor on it at the tip (the foremost fifth), from 1 in the middle.
+    /// Factor of the stiffness at the tip, the foremost fifth, from 1 in the middle.
     pub tip_factor: f64,
-    /// Stiffness of a very much stretched spring over that at rest.
+    /// Ratio of the stiffness of a strongly stretched spring to that at rest.
     pub stretch_limit: f64,
     /// Stretch, in rest lengths, at which half of that growth is reached.
     pub stretch_half: f64,
@@ -45,14 +47,15 @@ pub struct SkeletonOptions {
     pub fixed_root: f64,
     /// Share of the height, from below, whose nodes are fixed: the bottom layer.
     pub fixed_bottom: f64,
-    /// Share of the length, from the foremost end, whose bottom is free all the same: the tip.
+    /// Share of the length, from the foremost end, with a free bottom: the tip.
     pub free_tip: f64,
-    /// Whether there is a fine skeleton too.
+    /// Whether there is also a fine skeleton.
     pub fine: bool,
-    /// Springs that `sulcus-server tissue fit` fitted to this surface, relative to the scene file, and what it holds: both instead of
-    /// what is said above. There is no fine skeleton then.
+    /// File of springs that `sulcus-server tissue fit` fitted to this surface, relative to the scene file.
+    ///
+    /// Its springs and held nodes replace the values above. Then there is no fine skeleton.
     pub springs_file: Option<PathBuf>,
-    /// Young's modulus of this tissue, kPa: the fitted stiffness goes with it.
+    /// Young's modulus of this tissue, kPa. The fitted stiffness is proportional to it.
     pub springs_young_kpa: f64,
 }
 
@@ -77,10 +80,10 @@ impl Default for SkeletonOptions {
     }
 }
 
-/// Why there is no skeleton.
+/// Reason why a skeleton cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SkeletonError {
-    /// Nothing is fixed, or nothing is free.
+    /// No node is fixed, or none is free.
     #[error(
         "found {fixed} fixed of {nodes} skeleton nodes, expected at least one and not all: see `fixed_root`, `fixed_bottom`"
     )]
@@ -90,9 +93,9 @@ pub enum SkeletonError {
         /// All nodes.
         nodes: usize,
     },
-    /// A node hangs on nothing that is fixed.
+    /// A node is connected to no fixed node.
     #[error(
-        "skeleton node {node} at ({:.1}, {:.1}, {:.1}) mm of level {level} has no way to a fixed node through the springs",
+        "skeleton node {node} at ({:.1}, {:.1}, {:.1}) mm of level {level} is connected to no fixed node, expected a chain of springs to one",
         at_mm[0], at_mm[1], at_mm[2]
     )]
     Isolated {
@@ -100,19 +103,19 @@ pub enum SkeletonError {
         level: u8,
         /// Index of the node in the skeleton.
         node: usize,
-        /// Where it is, in the mesh's frame.
+        /// Place of the node, in the mesh's frame.
         at_mm: [f64; 3],
     },
 }
 
-/// What of an organ is held, as shares of its box.
+/// Held parts of an organ, as shares of its box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Holds {
-    /// Of the length, from the hindmost end: the root.
+    /// Share of the length, from the hindmost end: the root.
     pub root: f64,
-    /// Of the height, from below: the bottom layer.
+    /// Share of the height, from below: the bottom layer.
     pub bottom: f64,
-    /// Of the length, from the foremost end, where the bottom is free all the same: the tip.
+    /// Share of the length, from the foremost end, with a free bottom: the tip.
     pub free_tip: f64,
 }
 
@@ -127,20 +130,20 @@ impl Default for Holds {
 }
 
 impl Holds {
-    /// Whether a place is held.
+    /// Returns whether a place is held.
     pub fn is_fixed(&self, share: &Vec3) -> bool {
         share.x < self.root || (share.z < self.bottom && share.x < 1.0 - self.free_tip)
     }
 }
 
-/// Where a point lies in the box of the organ, 0 to 1 along each axis.
+/// Box of an organ, for the place of a point in it, 0 to 1 along each axis.
 pub(crate) struct Frame {
     low: Vec3,
     size: Vec3,
 }
 
 impl Frame {
-    /// The box between two corners.
+    /// Returns the box between two corners.
     pub fn new(low: Vec3, high: Vec3) -> Self {
         Self {
             low,
@@ -169,11 +172,11 @@ impl SkeletonOptions {
     }
 }
 
-/// The skeleton of a tree that was built volumetric from `mesh`. There is a fine level where the options ask
-/// for it and the tree is deep enough.
+/// Makes the skeleton of a volumetric tree of `mesh`. It has a fine level if the options request it and the tree is
+/// deep enough.
 ///
 /// # Errors
-/// If nothing is fixed or free, or a node hangs on nothing: it says which.
+/// [`SkeletonError`] with the level or node, if no node is fixed or free, or a node is connected to no fixed node.
 pub fn skeleton(
     tree: &SphereTree,
     mesh: &TriMesh,
@@ -184,10 +187,12 @@ pub fn skeleton(
     })
 }
 
-/// As [`skeleton`], but fixed is a node for whose place (metres; and as shares of the mesh's box, 0 to 1) `held` says so.
+/// Makes a skeleton as [`skeleton`] does, with the fixed nodes of `held`.
+///
+/// `held` receives a place in metres, and as shares of the mesh's box, 0 to 1.
 ///
 /// # Errors
-/// If nothing is fixed or free, or a node hangs on nothing: it says which.
+/// [`SkeletonError`] as for [`skeleton`].
 pub fn skeleton_held(
     tree: &SphereTree,
     mesh: &TriMesh,
@@ -201,10 +206,10 @@ pub fn skeleton_held(
         return Ok(Skeleton { coarse, fine: None });
     }
     let mut fine = level(FINE)?;
-    // The same organ: as much damping in all, and as far under a mirror.
+    // The organ stays the same: equal damping in all, and equal displacement under a mirror.
     fine.params.damping *= coarse.free() as f64 / fine.free() as f64;
     let (soft, stiff) = (pressed(&coarse, tree), pressed(&fine, tree));
-    // What has nothing under the discs cannot be matched and keeps its own.
+    // A level without spheres under the discs cannot be matched and keeps its own stiffness.
     let factor = if soft > 0.0 && stiff > 0.0 {
         soft / stiff
     } else {
@@ -227,7 +232,7 @@ fn level(
     level: u8,
 ) -> Result<SkeletonLevel, SkeletonError> {
     let all = tree.nodes();
-    // Fitted spheres of level 3 line the surface; those of level 2 under them fill what they leave.
+    // Fitted spheres of level 3 line the surface. Those of level 2 below fill the remaining volume.
     let nodes: Vec<u32> = (0..all.len() as u32)
         .filter(|&k| {
             let node = &all[k as usize];

@@ -1,6 +1,7 @@
-//! Springs of a skeleton that were fitted elsewhere, as a file: read, written, put into a skeleton.
+//! File of fitted springs of a skeleton: read, written, put into a skeleton.
 //!
-//! A file belongs to one tree: it lists the places of the skeleton's nodes, and a skeleton with other nodes refuses it.
+//! A file belongs to one tree. It lists the places of the skeleton's nodes, and a skeleton with other nodes is
+//! refused.
 
 use std::path::{Path, PathBuf};
 
@@ -9,20 +10,20 @@ use sulcus_core::tissue::skeleton::{Skeleton, SkeletonLevel, Spring, StretchLaw}
 use sulcus_core::{SphereTree, Vec3};
 use sulcus_program::PathText;
 
-use crate::file::{FileError, from_toml};
+use crate::hand_written::{FileError, from_toml};
 
-/// Farthest that a node may lie from the file's, mm.
+/// Largest distance of a node from its place in the file, mm.
 const SAME_MM: f64 = 1e-3;
 
-/// Fitted springs of a coarse skeleton. They are as stiff at any stretch.
+/// Fitted springs of a coarse skeleton. Their stiffness does not depend on the stretch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedSprings {
-    /// What was fitted, for people.
+    /// Description of the fit, for people.
     pub fitted: String,
-    /// Young's modulus of the tissue that they were fitted to, kPa; stiffness goes with it.
+    /// Young's modulus of the fitted tissue, kPa. The stiffness is proportional to it.
     pub young_kpa: f64,
-    /// Poisson's ratio of it.
+    /// Poisson's ratio of the fitted tissue.
     pub poisson: f64,
     /// Places of the nodes, mm, in the frame of the mesh.
     pub nodes_mm: Vec<[f64; 3]>,
@@ -32,7 +33,7 @@ pub struct FittedSprings {
     pub spring: Vec<FittedSpring>,
 }
 
-/// One of them.
+/// A fitted spring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedSpring {
@@ -44,36 +45,36 @@ pub struct FittedSpring {
     pub n_per_mm: [f64; 6],
 }
 
-/// Why a file of springs cannot be used. One sentence each.
+/// Reason why a file of springs cannot be used, in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum SpringsError {
-    /// It cannot be read or written.
+    /// The file cannot be read or written.
     #[error("{}: {source}", file.shown())]
     File {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// It is not what such a file is.
+    /// The file is no valid file of springs.
     #[error(transparent)]
     Syntax(#[from] FileError),
-    /// It has no text.
+    /// The springs have no TOML form.
     #[error("{}: {message}", file.shown())]
     Unwritable {
         /// The file.
         file: PathBuf,
-        /// What is wrong.
+        /// Fault.
         message: String,
     },
-    /// It does not fit the skeleton, or a value cannot stand.
+    /// The springs do not fit the skeleton, or a value is invalid.
     #[error("{field} is {found}, expected {expected}")]
     Field {
         /// Field.
         field: &'static str,
         /// Value found.
         found: String,
-        /// What it must be.
+        /// Value expected.
         expected: String,
     },
 }
@@ -92,7 +93,7 @@ fn places_mm(level: &SkeletonLevel, tree: &SphereTree) -> Vec<[f64; 3]> {
 }
 
 impl FittedSprings {
-    /// The springs of a level, at the modulus that they were fitted to.
+    /// Returns the springs of a level, at the modulus of the fit.
     pub fn of(
         level: &SkeletonLevel,
         tree: &SphereTree,
@@ -121,7 +122,7 @@ impl FittedSprings {
     /// Reads a file.
     ///
     /// # Errors
-    /// Names the file and what is wrong in it.
+    /// [`SpringsError`] with the file and its fault.
     pub fn read(file: &Path) -> Result<Self, SpringsError> {
         let text = std::fs::read_to_string(file).map_err(|source| SpringsError::File {
             file: file.to_owned(),
@@ -133,7 +134,7 @@ impl FittedSprings {
     /// Writes a file.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// [`SpringsError`] if the file cannot be written.
     pub fn write(&self, file: &Path) -> Result<(), SpringsError> {
         let text = toml::to_string(self).map_err(|error| SpringsError::Unwritable {
             file: file.to_owned(),
@@ -146,11 +147,12 @@ impl FittedSprings {
         })
     }
 
-    /// Puts the springs into a skeleton of the same nodes, for tissue of a modulus (kPa). The fine level goes: nothing is known
-    /// of it.
+    /// Puts the springs into a skeleton of the same nodes, for tissue of a modulus (kPa).
+    ///
+    /// The fine level is removed, because it was not fitted.
     ///
     /// # Errors
-    /// If the nodes are others or a value cannot stand.
+    /// [`SpringsError`] if the nodes differ or a value is invalid.
     pub fn put_into(
         &self,
         skeleton: &mut Skeleton,

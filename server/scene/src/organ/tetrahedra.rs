@@ -1,17 +1,22 @@
-//! Tetrahedra for a closed surface by isosurface stuffing (Labelle and Shewchuk 2007, doi:10.1145/1276377.1276448): what
-//! finite elements of an organ need, without an outside mesher.
+//! Tetrahedra for a closed surface by isosurface stuffing, for the finite elements of an organ.
 //!
-//! Space is filled with the tetrahedra of a body-centred cubic lattice, whose dihedral angles are 60 and 90 degrees. Where an
-//! edge crosses the surface its cut point is found on the true signed distance. A lattice node that a cut point comes too
-//! near to is moved onto it; the tetrahedra that still cross are cut and their outer parts dropped. Where that would let two
-//! sides of a narrow gap touch, the node stays and the cut point is moved.
+//! Source: Labelle and Shewchuk 2007, doi:10.1145/1276377.1276448.
 //!
-//! Whatever the surface is, no tetrahedron turns inside out and every dihedral angle stays over 10.5 and under 163.8 degrees:
-//! so a test measures over all ways to be cut; the paper proves 10.7 and 164.8 for its own constants. Only how well the
-//! surface is followed depends on it.
+//! The tetrahedra of a body-centred cubic lattice fill space. Their dihedral angles are 60 and 90 degrees.
 //!
-//! What is smaller than an edge (a thin wall, a narrow gap, a sharp edge) is smoothed away or missed.
+//! The cut point of an edge that crosses the surface is found on the true signed distance. A lattice node too near to
+//! a cut point is moved onto it. Tetrahedra that still cross are cut, and their outer parts dropped.
+//!
+//! If a moved node would make two sides of a narrow gap touch, the node stays and the cut point is moved.
+//!
+//! For every surface, no tetrahedron turns inside out, and every dihedral angle is between 10.5 and 163.8 degrees. A
+//! test measures these limits over all cuts. The paper proves 10.7 and 164.8 for its own constants.
+//!
+//! The surface affects only how closely it is followed.
+//!
+//! Details smaller than an edge are smoothed away or missed: a thin wall, a narrow gap, a sharp edge.
 
+mod error;
 mod lattice;
 mod pieces;
 mod stencil;
@@ -19,73 +24,44 @@ mod stencil;
 use std::collections::BTreeSet;
 
 use sulcus_core::Vec3;
-use sulcus_fem::{FemError, TetMesh};
+use sulcus_fem::TetMesh;
 
 use crate::mesh::TriMesh;
-use crate::mesh::check::{MeshError, check};
+use crate::mesh::check::check;
 use crate::mesh::distance::MeshDistance;
 use crate::parallel;
 use lattice::{Filled, Lattice};
 use pieces::Piece;
 
-/// Most nodes of the lattice around the surface; what is inside has six tetrahedra for each.
-pub const MOST_NODES: f64 = 2e6;
+pub use error::TetraError;
+pub use lattice::MOST_NODES;
+pub use pieces::MOST_APART;
 
-/// Largest share of the volume that may hang apart from the largest piece; it is left out.
-pub const MOST_APART: f64 = 0.01;
-
-/// Most times that nodes are fixed where the boundary touches itself. More are each time, and between fixed ones it cannot.
+/// Largest number of rounds in which nodes are fixed where the boundary touches itself.
+///
+/// Each round fixes more nodes, and the boundary cannot touch itself between fixed ones.
 const ROUNDS: usize = 32;
 
-/// Why a surface cannot be filled.
-#[derive(Debug, thiserror::Error)]
-pub enum TetraError {
-    /// A number is out of range.
-    #[error("{field} is {found}, expected {expected}")]
-    Field {
-        /// What it is.
-        field: &'static str,
-        /// What it was.
-        found: String,
-        /// What it may be.
-        expected: String,
-    },
-    /// The surface is not a solid.
-    #[error(transparent)]
-    Surface(MeshError),
-    /// The boundary of the tetrahedra is not that of a solid.
-    #[error("lattice of {mm} mm: {error}; choose a smaller size")]
-    Boundary {
-        /// Edge of the lattice's cubes, mm.
-        mm: f64,
-        /// What is wrong with the boundary.
-        error: MeshError,
-    },
-    /// The tetrahedra are not what finite elements need.
-    #[error(transparent)]
-    Mesh(FemError),
-}
-
-impl TetraError {
-    fn field(field: &'static str, found: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self::Field {
-            field,
-            found: found.into(),
-            expected: expected.into(),
-        }
-    }
-}
-
-/// Fills a closed surface with quadratic tetrahedra, middle nodes on straight edges, nothing held. `size` is the edge of the
-/// lattice's cubes, metres; its other edges are 0.87 of it. `progress` gets how much is done, up to 1.
+/// Fills a closed surface with quadratic tetrahedra, middle nodes on straight edges, nothing held.
 ///
-/// The corners on the boundary lie on the surface, within a billionth of `size`, but for a few where two sides of the surface
-/// are nearer to each other than an edge: they may be up to 0.35 of `size` off, so that the sides do not touch. The
-/// result is a function of the arguments alone, whatever the number of threads.
+/// `size` is the edge of the lattice's cubes, metres; its other edges are 0.87 of it. `progress` receives the share
+/// that is done, up to 1.
+///
+/// Corners on the boundary lie on the surface, within a billionth of `size`.
+///
+/// If two sides of the surface are nearer than an edge, a few corners may be up to 0.35 of `size` off, so that the
+/// sides do not touch.
+///
+/// The result is a function of the arguments alone, for any number of threads.
 ///
 /// # Errors
-/// When the surface is no solid, `size` is not a length or would take more than [`MOST_NODES`], nothing is inside, more than
-/// [`MOST_APART`] of the volume hangs apart, or the boundary is not that of a solid.
+/// [`TetraError`] in these cases.
+///
+/// - The surface is no solid.
+/// - `size` is not a length, or would need more nodes than [`MOST_NODES`].
+/// - No tetrahedron is inside.
+/// - More than [`MOST_APART`] of the volume is disconnected.
+/// - The boundary is not that of a solid.
 pub fn tetrahedra(
     surface: &MeshDistance,
     size: f64,
@@ -129,7 +105,7 @@ fn tetrahedra_on(
     Ok(mesh)
 }
 
-/// The largest piece.
+/// Returns the largest piece.
 fn largest(filled: &Filled, size: f64) -> Result<Piece, TetraError> {
     let mm = size * 1e3;
     pieces::largest(filled).map_err(|apart| match apart {
@@ -149,7 +125,7 @@ fn largest(filled: &Filled, size: f64) -> Result<Piece, TetraError> {
     })
 }
 
-/// Holds the nodes whose place says so along all axes; how many they are.
+/// Holds the nodes at which `is_held` returns true, along all axes. Returns their number.
 pub fn hold(mesh: &mut TetMesh, is_held: impl Fn(&Vec3) -> bool) -> usize {
     let mut count = 0;
     for (node, held) in mesh.nodes.iter().zip(&mut mesh.held) {
@@ -161,7 +137,7 @@ pub fn hold(mesh: &mut TetMesh, is_held: impl Fn(&Vec3) -> bool) -> usize {
     count
 }
 
-/// The surface of a mesh, outward: triangles between the corners of its tetrahedra, metres.
+/// Returns the surface of a mesh, outward: triangles between the corners of its tetrahedra, metres.
 pub fn boundary(mesh: &TetMesh) -> TriMesh {
     let mut surface = TriMesh::default();
     let mut new = vec![u32::MAX; mesh.nodes.len()];
@@ -178,7 +154,7 @@ pub fn boundary(mesh: &TetMesh) -> TriMesh {
     surface
 }
 
-/// Smallest and largest angle between two faces of a tetrahedron of the mesh, degrees, as their corners have it.
+/// Returns the smallest and largest angle between two faces of a tetrahedron of the mesh, degrees, from the corners.
 pub fn dihedral_angles(mesh: &TetMesh) -> [f64; 2] {
     let degrees = 180.0 / std::f64::consts::PI;
     let mut cosines = [1.0_f64, -1.0];

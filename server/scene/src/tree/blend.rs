@@ -1,16 +1,21 @@
-//! Calibrates a sphere tree for contact with its blended surface ([`sulcus_core::blend`]): a blend
-//! length for each level, an inset for each sphere.
+//! Calibration of a sphere tree for contact with its blended surface ([`sulcus_core::blend`]): a blend length for
+//! each level, an inset for each sphere.
 //!
-//! A union of spheres fitted with zero mean error crosses the mesh: its bumps stand out, its valleys
-//! lie below. Any smooth surface without bias must pass through the bumps, so the spheres that are
-//! blended are smaller than those that are touched hard, by the inset. For a lattice of pitch `s` whose
-//! spheres are more curved than the surface by `K`, the bumps are `K s^2 / 8` high, the exponential blend
-//! weighs the spheres as a Gaussian of variance `kappa / K` along the surface would, and what remains of the
-//! bumps falls as `exp(-2 pi^2 kappa / (K s^2))`: a few per cent at `kappa` of twice their height.
-//! (Theory for the choice; the insets are found from the mesh.)
+//! A union of spheres with zero mean error crosses the mesh: its bumps are outside, its valleys inside. A smooth
+//! surface without bias must pass through the bumps. Blended spheres are therefore smaller than hard ones, by the
+//! inset.
 //!
-//! The insets minimise the sum of squared blended gaps of a probing sphere rolled over the mesh:
-//! Gauss-Newton, each step by conjugate gradients on the sparse normal equations.
+//! The choice of lengths follows this theory of a lattice of pitch `s` whose spheres are more curved than the surface
+//! by `K`.
+//!
+//! - The bumps are `K s^2 / 8` high.
+//! - The exponential blend weighs the spheres like a Gaussian of variance `kappa / K` along the surface.
+//! - The remaining bumps fall as `exp(-2 pi^2 kappa / (K s^2))`: a few per cent at `kappa` of twice their height.
+//!
+//! The insets are found from the mesh. They minimise the sum of squared blended gaps of a probing sphere rolled over
+//! the mesh.
+//!
+//! The method is Gauss-Newton, each step by conjugate gradients on the sparse normal equations.
 
 use serde::Serialize;
 use sulcus_core::blend::compatibility;
@@ -20,21 +25,23 @@ use crate::mesh::distance::MeshDistance;
 use crate::mesh::sample;
 use crate::parallel;
 
-/// How a tree is calibrated.
+/// Options of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlendOptions {
-    /// Blend length per mean absolute error of the hard spheres. Default 4 (the bump height of a regular
-    /// lattice, whose mean absolute error is a quarter of it), range 1 to 30. Larger: smoother,
-    /// but cores lie deeper below the surface, more spheres are in each row, and corners get rounder.
+    /// Blend length per mean absolute error of the hard spheres, 1 to 30. Default 4: the bump height of a regular
+    /// lattice, whose mean absolute error is a quarter of it.
+    ///
+    /// A larger length is smoother. Then cores lie deeper below the surface, rows have more spheres, and corners are
+    /// rounder.
     pub blend_per_error: f64,
     /// Radius of the sphere that probes the surface, metres. Default 2.5e-4, a periodontal probe's tip.
     pub probe_radius: f64,
-    /// Places where the surface is probed, for each sphere of a level. Default 30.
+    /// Probed places for each sphere of a level. Default 30.
     pub samples_per_sphere: usize,
-    /// Coarsest level that is blended; the levels above it serve culling only. Default 2.
+    /// Coarsest level that is blended. Default 2: the levels above it serve culling only.
     pub coarsest: u8,
-    /// Finest level that is blended. Default 4: the spheres of level 5 stand out by a micrometre, which no hand
-    /// feels, and touched as they are they cost less.
+    /// Finest level that is blended. Default 4: spheres of level 5 stand out by a micrometre, which is imperceptible,
+    /// and cost less if they are hard.
     pub finest: u8,
 }
 
@@ -54,19 +61,19 @@ impl Default for BlendOptions {
 const ROUNDS: usize = 8;
 /// Conjugate-gradient steps in each.
 const STEPS: usize = 30;
-/// Weight of the insets' own change against the sum of squares, per probed place.
+/// Weight of the change of the insets against the sum of squares, for each probed place.
 const DAMPING: f64 = 3e-3;
-/// Blend lengths around a probed place within which spheres are looked at: insets come to 3, and beyond 8 more a
-/// sphere weighs nothing.
+/// Search radius around a probed place, in blend lengths. Insets reach 3, and a sphere more than 8 beyond has no
+/// weight.
 const AROUND: f64 = 11.0;
-/// Largest share of a sphere's radius that its inset may take.
+/// Largest inset of a sphere as a share of its radius.
 const MOST_OF_RADIUS: f64 = 0.8;
-/// Fewest places probed at a level.
+/// Least number of probed places of a level.
 const FEWEST_SAMPLES: usize = 4000;
 
-/// A place where the surface is probed, and the spheres near it.
+/// A probed place of the surface, with the spheres near it.
 struct Place {
-    /// Gap that a probing sphere there should have, metres: 0 where the normal leads straight out.
+    /// Target gap of a probing sphere there, metres: 0 if the normal leads straight out.
     target: f64,
     near: Vec<Near>,
 }
@@ -74,17 +81,17 @@ struct Place {
 #[derive(Clone, Copy)]
 struct Near {
     sphere: u32,
-    /// From the probing sphere's centre, metres.
+    /// Distance from the probing sphere's centre, metres.
     distance: f64,
-    /// Towards it.
+    /// Direction towards it.
     normal: Vec3,
 }
 
-/// `tree` with blend lengths and insets for the mesh in `distance` (same frame). A function of its
-/// input alone.
+/// Returns `tree` with blend lengths and insets for the mesh in `distance`, in the same frame. The result is a
+/// function of the input alone.
 ///
 /// # Errors
-/// Only if an option is not a number.
+/// [`TreeError`] if an option is not a number.
 pub fn calibrate(
     tree: &SphereTree,
     distance: &MeshDistance,
@@ -114,7 +121,7 @@ pub fn calibrate(
         for &id in &ids {
             let node = &tree.nodes()[id as usize];
             own[id as usize] = node.level == level;
-            // A leaf from above brings its inset along, shrunk as its blend length.
+            // A leaf from above keeps its inset, reduced like its blend length.
             let above = blending.lengths[usize::from(node.level)];
             if node.level < level && above > 0.0 {
                 insets[id as usize] = blending.insets[id as usize] * (blend / above).min(1.0);
@@ -132,14 +139,14 @@ pub fn calibrate(
             blending.insets[id] = insets[id];
         }
     }
-    // Where no level is blended the tree is a plain one, as it is when it comes from the cache.
+    // A tree without blended levels is a plain one, as it is when it comes from the cache.
     if blending.lengths.iter().all(|length| *length == 0.0) {
         return Ok(tree.clone());
     }
     tree.clone().with_blending(blending)
 }
 
-/// Distance from the union of the hard spheres of a level.
+/// Returns the distance from the union of the hard spheres of a level.
 fn hard_gap(tree: &SphereTree, level: u8, point: &Vec3) -> f64 {
     let nodes = tree.nodes();
     let mut least = f64::INFINITY;
@@ -156,7 +163,7 @@ fn hard_gap(tree: &SphereTree, level: u8, point: &Vec3) -> f64 {
     least
 }
 
-/// Spheres of a level whose surface is within `within` of `point`, by index.
+/// Returns the spheres of a level whose surface is within `within` of `point`, by index.
 fn near(tree: &SphereTree, level: u8, point: &Vec3, within: f64) -> Vec<Near> {
     let nodes = tree.nodes();
     let mut found = Vec::new();
@@ -202,7 +209,7 @@ fn places(
     .collect()
 }
 
-/// Blended gap of a probing sphere, seen from its nearest sphere, and the weight of each of `near`.
+/// Returns the blended gap of a probing sphere from its nearest sphere, and the weight of each of `near`.
 fn blended(
     tree: &SphereTree,
     blend: f64,
@@ -237,7 +244,7 @@ fn blended(
     (gaps[nearest] - blend * libm::log(sum), weights)
 }
 
-/// Insets that bring the blended gap at every place to its target, as nearly as may be.
+/// Returns the insets that bring the blended gap at every place closest to its target.
 fn fit(
     tree: &SphereTree,
     blend: f64,
@@ -260,7 +267,7 @@ fn fit(
                 .collect();
             (place.target - gap, kept)
         });
-        // Places per sphere of the level, so that the damping does not depend on their number.
+        // Number of places per sphere of the level; the damping must not depend on it.
         let spheres = own.iter().filter(|own| **own).count().max(1);
         let damping = DAMPING * places.len() as f64 / spheres as f64;
         let times = |x: &[f64]| {
@@ -289,7 +296,7 @@ fn fit(
     }
 }
 
-/// Solves `times(x) = right` for a symmetric positive definite `times`, from 0.
+/// Solves `times(x) = right` for a symmetric positive definite `times`, starting at 0.
 fn conjugate_gradients(times: impl Fn(&[f64]) -> Vec<f64>, right: Vec<f64>) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut x = vec![0.0; right.len()];
@@ -325,7 +332,7 @@ pub struct BlendError {
     pub blend: f64,
     /// Mean inset.
     pub inset: f64,
-    /// Mean of the blended gap of a probing sphere that touches the mesh: the bias.
+    /// Bias: mean of the blended gap of a probing sphere that touches the mesh.
     pub bias: f64,
     /// Mean absolute blended gap.
     pub mean: f64,
@@ -337,8 +344,9 @@ pub struct BlendError {
     pub max: f64,
 }
 
-/// Measures the blended surface of one level against the mesh in `distance` with a sphere of
-/// `radius` (metres) rolled over the outside: at places that the calibration did not use.
+/// Measures the blended surface of one level against the mesh in `distance`.
+///
+/// A sphere of `radius` (metres) is rolled over the outside, at places that the calibration did not use.
 pub fn blend_error(
     tree: &SphereTree,
     level: u8,
@@ -350,7 +358,7 @@ pub fn blend_error(
     let samples = sample::surface(distance, PLACES, 0.6);
     let inset = |id: u32| tree.nodes()[id as usize].contact_radius - tree.core_radius(id, level);
     let insets: Vec<f64> = tree.shape_at(level).map(|(id, _)| inset(id)).collect();
-    // Hard spheres: those within a few of their errors.
+    // Hard spheres within a few of their errors.
     let around = if blend > 0.0 { blend } else { 1e-4 };
     let places = places(tree, level, around, &samples, distance, radius);
     let gaps = parallel::map(places.len(), |p| {
@@ -426,7 +434,7 @@ mod tests {
             assert!(after.bias.abs() < 0.1 * before.mean, "{before:?} {after:?}");
             assert!(after.mean < 0.8 * before.mean, "{before:?} {after:?}");
         }
-        // The levels above serve culling only.
+        // Levels above serve culling only.
         assert_eq!(blended.blend_at(1), 0.0);
         assert_eq!(blended.blending().insets[0], 0.0);
     }

@@ -1,10 +1,15 @@
-//! From a closed mesh to a sphere tree, top down.
+//! Builder of sphere trees from a closed mesh, top down.
 //!
-//! A node owns a share of the surface samples. Its children share them out by `cluster`, each child is
-//! one ball fitted to its share by `fit`, and then the whole level is fitted at once by `level`, across
-//! families. Of a thing that deforms as a whole the two coarsest levels come from its `volume`. Distances
-//! are true distances to the mesh. The result is a function of mesh and options alone: seeds are
-//! fixed per node, and threads only ever compute whole nodes.
+//! A node owns a share of the surface samples. `cluster` distributes them to its children, `fit` fits one ball to
+//! each share, and `level` then fits the whole level across families.
+//!
+//! For an object that deforms as a whole, `volume` makes the two coarsest levels.
+//!
+//! Distances are true distances to the mesh. The result is a function of mesh and options alone: seeds are fixed for
+//! each node, and threads compute whole nodes only.
+//!
+//! This module and `filled` depend on each other: `filled` uses the options and errors, and the builder checks its
+//! tree with `filled`.
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::{Node, Sphere, SphereTree, TreeError, Vec3};
@@ -26,42 +31,47 @@ use crate::tree::samples::{Samples, weighted_samples};
 use crate::tree::tighten::tighten;
 use crate::tree::volume;
 
-/// Changes whenever the same input gives another tree: part of the key of the trees that the program brings along. The
-/// files of the cache are named by the sources of the builder besides.
+/// Version of the builder. It must change if the same input gives another tree.
+///
+/// The version is part of the key of the trees in `family.bin`. File names of the cache also contain a hash of the
+/// builder's sources.
 pub const BUILDER_VERSION: u32 = 7;
 
-/// Weights of place against inscribed-ball centre that are tried when samples are shared out: rods are
-/// cut along their axis by the centres, discs and bulky things by both.
+/// Weights of place against inscribed-ball centre that are compared in the distribution of samples.
+///
+/// Centres cut rods along their axis; both cut discs and compact shapes.
 const ALPHAS: [f64; 4] = [0.4, 0.02, 0.2, 0.7];
-/// Times that samples then move to the ball that they fit best.
+/// Rounds in which samples move to the ball of the best fit.
 const ROUNDS: usize = 3;
-/// Samples for each sphere that a level may have, level by level.
+/// Samples for each sphere of a level, level by level.
 const SAMPLES_PER_SPHERE: [usize; 7] = [500, 500, 200, 100, 30, 12, 10];
-/// How much denser the errors between the samples are looked for than samples lie.
+/// Density of the search for errors between the samples, relative to the samples.
 const DENSER: usize = 8;
-/// Share of the largest error at the samples from which a place between them is one that was missed.
+/// Least error of a missed place between samples, as a share of the largest error at the samples.
 const MISSED: f64 = 0.9;
-/// Cost of a sample that no sphere was found for, in squares of the smallest radius: a hundredth of the size.
+/// Cost of a sample without a sphere, in squares of the smallest radius. Its root is a hundredth of the size.
 const UNFIT: f64 = 1e8;
-/// Fewest samples of a level.
+/// Least number of samples of a level.
 const FEWEST_SAMPLES: usize = 6000;
-/// Samples that a node must own to be split.
+/// Least number of samples of a node that is split.
 const LEAST_SAMPLES: usize = 8;
 
-/// How a tree is built.
+/// Options of the builder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
-    /// Finest level, 1 to 6. Level L holds at most 8^L spheres.
+    /// Finest level, 1 to 6. Level L has at most 8^L spheres.
     pub levels: u8,
-    /// Most samples of the surface that any level is fitted to, sharp edges apart; coarse levels need fewer.
-    /// Level 6 gets hardly two for each sphere of the default: few of its spheres are made.
+    /// Largest number of surface samples of any level, without sharp edges. Coarse levels need fewer.
+    ///
+    /// By default level 6 has hardly two for each sphere; only few of its spheres are made.
     pub samples: usize,
-    /// A node that fits its samples better than this is not split, metres.
+    /// Error below which a node is not split, metres.
     pub good_enough: f64,
-    /// Whether levels 1 and 2 share out the volume instead of following the surface: for things that
-    /// deform as a whole, whose skeleton needs inner nodes and a bottom layer.
+    /// Whether levels 1 and 2 divide the volume instead of following the surface.
+    ///
+    /// Objects that deform as a whole need it: their skeleton needs inner nodes and a bottom layer.
     pub volumetric: bool,
-    /// Whether the tree is calibrated for contact with its blended surface: for rigid objects.
+    /// Whether the tree is calibrated for contact with its blended surface, for rigid objects.
     pub blended: bool,
 }
 
@@ -77,20 +87,20 @@ impl Default for TreeOptions {
     }
 }
 
-/// Options with which no tree can be built.
+/// Reason why a tree cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TreeBuildError {
     /// An option is out of range.
     #[error("{field} is {found}, expected {expected}")]
     Option {
-        /// Which option.
+        /// Name of the option.
         field: &'static str,
         /// Its value.
         found: f64,
-        /// What it must be.
+        /// Value expected.
         expected: &'static str,
     },
-    /// The solid is thinner than what its size lets anyone tell inside from outside.
+    /// The solid is so thin relative to its size that rounding hides its inside.
     #[error(
         "found no place inside the solid for a sphere, expected one that is thicker than a millionth of its size"
     )]
@@ -107,13 +117,13 @@ pub enum TreeBuildError {
         mesh_mm3: f64,
         /// The finest level.
         level: u8,
-        /// How much less the spheres may fill, percent of the mesh's volume.
+        /// Tolerance below the mesh's volume, percent.
         less_percent: f64,
-        /// How much more.
+        /// Tolerance above it.
         more_percent: f64,
     },
-    /// The fitted spheres do not form a tree. A defect of the builder.
-    #[error("the fitted spheres are not a tree: {0}")]
+    /// The fitted spheres do not form a tree: a defect of the builder.
+    #[error("the fitted spheres do not form a tree: {0}")]
     Tree(#[from] TreeError),
 }
 
@@ -122,7 +132,7 @@ struct Share {
     /// Children in the next level.
     first_child: u32,
     children: u8,
-    /// Whether it lies inside and never gets children.
+    /// Whether it lies inside and never has children.
     inner: bool,
 }
 
@@ -137,11 +147,11 @@ impl Share {
     }
 }
 
-/// Builds the tree of a mesh that passed [`crate::mesh::check::check`]. `progress` gets a stage and how
-/// much of the whole is done, 0 to 1.
+/// Builds the tree of a mesh that passed [`crate::mesh::check::check`]. `progress` receives a stage and the share
+/// that is done, 0 to 1.
 ///
 /// # Errors
-/// If an option is out of range, or the tree fills a volume that differs from the mesh's by more than
+/// [`TreeBuildError`] if an option is out of range, or the volume of the tree differs from the mesh's by more than
 /// [`crate::tree::filled::tolerance`].
 pub fn build_tree(
     mesh: &TriMesh,
@@ -151,11 +161,11 @@ pub fn build_tree(
     build_weighted(mesh, options, &|_| 1.0, progress)
 }
 
-/// Builds the tree of a mesh, with more spheres where `importance` (of a surface point, metres; 1 is
-/// ordinary) is higher.
+/// Builds the tree of a mesh with more spheres where `importance` is higher. It receives a surface point in metres; 1
+/// is ordinary.
 ///
 /// # Errors
-/// As [`build_tree`].
+/// Errors of [`build_tree`].
 pub fn build_weighted(
     mesh: &TriMesh,
     options: &TreeOptions,
@@ -208,7 +218,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Samples of the surface that a level is fitted to.
+    /// Returns the number of surface samples of a level.
     fn count(&self, level: u8) -> usize {
         let wanted = SAMPLES_PER_SPHERE[usize::from(level)] * 8_usize.pow(u32::from(level));
         wanted.max(FEWEST_SAMPLES).min(self.options.samples)
@@ -229,7 +239,7 @@ impl Builder<'_> {
         if self.options.volumetric && self.options.levels >= 2 {
             volumetric(self.distance, &samples.samples, &mut levels);
         }
-        // The work of a level grows about fivefold from one to the next.
+        // The work grows about fivefold from one level to the next.
         let done = |level: u8| libm::pow(5.0, f64::from(level) - f64::from(self.options.levels));
         while levels.len() <= usize::from(self.options.levels) {
             let level = levels.len() as u8;
@@ -241,8 +251,8 @@ impl Builder<'_> {
         Ok(levels)
     }
 
-    /// Splits the nodes of the finest level, fits the children as a whole and appends them. False when
-    /// every node is good enough as it is.
+    /// Splits the nodes of the finest level, fits the children as a whole and appends them. Returns false if every
+    /// node is already good enough.
     fn add_level(&self, levels: &mut Vec<Vec<Share>>, mut samples: Samples) -> bool {
         let depth = levels.len() as u8;
         let surface = samples.surface(self.distance);
@@ -250,7 +260,7 @@ impl Builder<'_> {
             return false;
         };
         let childless = above.iter().flatten().filter(|share| share.children == 0);
-        // Inner nodes of a volumetric level are the shape below, but nobody's parents.
+        // Inner nodes of a volumetric level belong to the shape below, but have no children.
         let shape: Vec<Sphere> = parents
             .iter()
             .chain(childless)
@@ -320,8 +330,9 @@ impl Builder<'_> {
         true
     }
 
-    /// Places between the samples where the error is nearly as large as anywhere: what a fit to samples
-    /// alone leaves deepest lies between them (the exchange of Remez, on a surface).
+    /// Returns places between the samples with an error nearly as large as the largest.
+    ///
+    /// A fit to samples has its largest errors between them: the exchange of Remez, on a surface.
     fn missed(
         &self,
         level: u8,
@@ -368,7 +379,7 @@ impl Builder<'_> {
         )
     }
 
-    /// First guess of a node's children; none where the node itself is good enough.
+    /// Returns the first guess of a node's children; none if the node is good enough.
     fn family(
         &self,
         all: &Samples,
@@ -386,7 +397,7 @@ impl Builder<'_> {
         }
         let mut random = Random::new((u64::from(level) << 32) | index as u64);
         let weights: Vec<f64> = members.iter().map(|&m| all.weights[m as usize]).collect();
-        // The best of a few ways to share out; below level 3 the shape is fine enough for fewer to do.
+        // The best of several distributions. Below level 3 the shape is so fine that fewer suffice.
         let (tries, rounds) = if level > 3 { (2, 1) } else { (4, ROUNDS) };
         let mut best = (f64::INFINITY, Vec::new());
         for alpha in &ALPHAS[..tries] {
@@ -409,7 +420,7 @@ impl Builder<'_> {
                 for (part, start) in parts {
                     let (own, sphere) = self.fitted(all, &part, start, &mut random);
                     if !own.is_finite() {
-                        // No centre inside the solid: its samples go to the others.
+                        // No centre lies inside the solid: its samples go to the other parts.
                         cost += UNFIT * all.smallest * all.smallest * part.len() as f64;
                         continue;
                     }
@@ -431,7 +442,7 @@ impl Builder<'_> {
     }
 }
 
-/// Levels 1 and 2 by volume, where the solid is thick enough for that.
+/// Makes levels 1 and 2 by volume, if the solid is thick enough.
 fn volumetric(distance: &MeshDistance, samples: &[Sample], levels: &mut Vec<Vec<Share>>) {
     let families = volume::cells(distance, samples);
     if families.is_empty() {
@@ -454,7 +465,7 @@ fn volumetric(distance: &MeshDistance, samples: &[Sample], levels: &mut Vec<Vec<
     levels.push(second);
 }
 
-/// Gives each sample to the ball of the family whose surface is nearest.
+/// Gives each sample to the ball of the family with the nearest surface.
 fn reshared(family: &[(Vec<u32>, Sphere)], samples: &[Sample]) -> Vec<(Vec<u32>, Option<Sphere>)> {
     let mut parts: Vec<_> = family
         .iter()
@@ -475,7 +486,7 @@ fn reshared(family: &[(Vec<u32>, Sphere)], samples: &[Sample]) -> Vec<(Vec<u32>,
     parts
 }
 
-/// Largest distance of a sample from the ball's surface, metres.
+/// Returns the largest distance of a sample from the ball's surface, metres.
 fn worst(members: &[u32], sphere: &Sphere, samples: &[Sample]) -> f64 {
     members.iter().fold(0.0, |worst, &m| {
         let off = ((samples[m as usize].point - sphere.centre).norm() - sphere.radius).abs();

@@ -1,12 +1,12 @@
-//! Which leaf carries which vertices of the skin: what moves with a sphere when it moves.
+//! Carriers of the skin: the leaf with which each vertex moves.
 
 use sulcus_core::{Sphere, SphereTree, Vec3};
 
 use crate::parallel;
 use crate::tree::nearest_sphere::NearestSphere;
 
-/// The finest sphere of `tree` whose surface is nearest to each of `vertices` (metres, the tree's
-/// frame), as the index of its node.
+/// Returns the finest sphere of `tree` whose surface is nearest to each of `vertices` (metres, the tree's frame), as
+/// the index of its node.
 pub fn carriers(tree: &SphereTree, vertices: &[Vec3]) -> Vec<u32> {
     let (ids, spheres): (Vec<u32>, Vec<Sphere>) = tree
         .shape_at(tree.depth())
@@ -14,13 +14,12 @@ pub fn carriers(tree: &SphereTree, vertices: &[Vec3]) -> Vec<u32> {
         .unzip();
     let index = NearestSphere::new(&spheres);
     parallel::map(vertices.len(), |v| {
-        // Inside or outside, the surface that is nearest: the deepest sphere is not always it, but the
-        // one that makes the surface there.
+        // The nearest surface decides, also inside: the deepest sphere does not always make the surface there.
         ids[index.nearest(&vertices[v], None).1 as usize]
     })
 }
 
-/// The vertices of each node, from the carrier of each vertex: `vertices[first[node]..first[node + 1]]`,
+/// Returns the vertices of each node, from the carrier of each vertex: `vertices[first[node]..first[node + 1]]`,
 /// ascending.
 pub fn carried(carriers: &[u32], nodes: usize) -> (Vec<u32>, Vec<u32>) {
     let mut first = vec![0_u32; nodes + 1];
@@ -67,7 +66,7 @@ mod tests {
                 assert_eq!(carriers[vertex as usize] as usize, node);
             }
         }
-        // Every leaf lies at the surface of this solid, and has some of it.
+        // Every leaf lies at the surface of this solid and carries a part of it.
         let leaves = tree.shape_at(2).count();
         let with = (0..nodes.len())
             .filter(|&n| first[n + 1] > first[n])

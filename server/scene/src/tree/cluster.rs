@@ -1,6 +1,6 @@
-//! Splitting a set of surface samples into at most eight parts: k-means++ seeds and balanced Lloyd
-//! steps in six dimensions, place and inscribed-ball centre, so that a part is a piece of surface
-//! that one ball can follow.
+//! Division of surface samples into at most eight parts. Each part is a piece of surface that one ball can follow.
+//!
+//! The method is k-means++ seeds and balanced Lloyd steps in six dimensions: place and inscribed-ball centre.
 
 use sulcus_core::tree::MAX_CHILDREN;
 
@@ -10,10 +10,10 @@ use crate::random::Random;
 pub(crate) type Feature = [f64; 6];
 
 const LLOYD_STEPS: usize = 14;
-/// How strongly a part that is larger than its share is made to look farther away.
+/// Strength of the balance: a part larger than its share appears farther away.
 const BALANCE: f64 = 0.35;
 
-/// Splits `0..features.len()` into at most `parts` whose weights are about the same; none is empty.
+/// Divides `0..features.len()` into at most `parts` of about the same weight; none is empty.
 pub(crate) fn split(
     features: &[Feature],
     weights: &[f64],
@@ -51,7 +51,7 @@ pub(crate) fn split(
                 centres[k] = sums[k].map(|sum| sum / held[k]);
             }
             let wanted = libm::pow((held[k] / share).max(0.05), BALANCE);
-            // Half-way each time, or parts swap samples for ever.
+            // Half of the correction each time; otherwise parts exchange samples forever.
             handicap[k] = 0.5 * (handicap[k] + handicap[k] * wanted).clamp(0.05, 40.0);
         }
     }

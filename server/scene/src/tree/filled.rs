@@ -1,27 +1,35 @@
-//! Whether a tree fills the volume of its mesh. A surface that folds onto or crosses itself passes every check of its
-//! edges; the spheres of its tree fill what the folds span, many times the volume that the surface encloses.
+//! Check that a tree fills the volume of its mesh.
+//!
+//! A surface that folds onto or crosses itself passes every check of its edges. The spheres of its tree fill the span
+//! of the folds, many times the enclosed volume.
+//!
+//! Users: the builder, for every tree, and the cache, for every tree that it reads.
 
 use sulcus_core::{Sphere, SphereTree};
 
-use crate::error::union_volume;
 use crate::mesh::TriMesh;
 use crate::tree::build::{TreeBuildError, TreeOptions};
+use crate::tree::rays::union_volume;
 
-/// Rays along which the spheres are cut: the volume is known to half a percent.
+/// Number of rays through the spheres. They give the volume to half a percent.
 const RAYS: usize = 10_000;
-/// Most cuts of rays through spheres. Deep trees get fewer rays, so that the check takes milliseconds.
+/// Largest number of cuts of rays through spheres. Deep trees get fewer rays, so the check takes milliseconds.
 const MOST_CUTS: f64 = 1e6;
 
-/// How much less and more than its mesh a tree may fill, shares of the mesh's volume, by the number of its finest level:
-/// trees of real teeth, tongues, jaws and instruments are within 0.005 from level 3 on, within 0.1 at level 2, and at
-/// level 1 within 0.3 but for a probe 170 times as long as thick, of which eight spheres are no shape.
+/// Tolerances below and above the mesh's volume, as shares of it, by the finest level.
+///
+/// Trees of real teeth, tongues, jaws and instruments are within 0.005 from level 3 on, within 0.1 at level 2, and
+/// within 0.3 at level 1.
+///
+/// The exception at level 1 is a probe 170 times as long as thick, which eight spheres cannot represent.
 const TOLERANCES: [(f64, f64); 4] = [(0.75, 4.0), (0.6, 1.0), (0.3, 0.3), (0.1, 0.1)];
-/// The same where places count differently: far from what counts, few spheres are left.
+/// The same for weighted places: only few spheres are far from the weighty ones.
 const WEIGHTED: (f64, f64) = (0.5, 0.5);
-/// How much less the second level of a volumetric tree may fill: its inner spheres stand for cells, and do not overlap.
+/// Tolerance below the volume for the second level of a volumetric tree. Its inner spheres represent cells and do not
+/// overlap.
 const VOLUMETRIC_LESS: f64 = 0.9;
 
-/// Volume of the spheres of a tree's finest level, cubic metres.
+/// Returns the volume of the spheres of a tree's finest level, cubic metres.
 pub fn filled(tree: &SphereTree) -> f64 {
     let spheres: Vec<Sphere> = tree
         .shape_at(tree.depth())
@@ -30,7 +38,7 @@ pub fn filled(tree: &SphereTree) -> f64 {
     union_volume(&spheres, RAYS, MOST_CUTS)
 }
 
-/// How much less and more than its mesh the tree of these options may fill, shares of the mesh's volume. `depth` is the
+/// Returns the tolerances below and above the mesh's volume for a tree of these options, as shares. `depth` is the
 /// finest level of the tree.
 pub fn tolerance(depth: u8, options: &TreeOptions, weighted: bool) -> (f64, f64) {
     let (mut less, mut more) = TOLERANCES[usize::from(depth).min(TOLERANCES.len() - 1)];
@@ -43,10 +51,10 @@ pub fn tolerance(depth: u8, options: &TreeOptions, weighted: bool) -> (f64, f64)
     (less, more)
 }
 
-/// Makes sure that the finest level of a tree fills about the volume that its mesh encloses.
+/// Checks that the finest level of a tree fills about the volume that its mesh encloses.
 ///
 /// # Errors
-/// Both volumes and the tolerance.
+/// [`TreeBuildError::Volume`] with both volumes and the tolerance.
 pub(crate) fn check_filled(
     tree: &SphereTree,
     mesh: &TriMesh,
@@ -57,7 +65,7 @@ pub(crate) fn check_filled(
     let depth = tree.depth();
     let (less, more) = tolerance(depth, options, weighted);
     let share = of_tree / of_mesh;
-    // Written so that NaN fails.
+    // The comparison fails for a NaN.
     if share >= 1.0 - less && share <= 1.0 + more {
         return Ok(());
     }

@@ -1,5 +1,7 @@
-//! One ball for a set of surface samples: candidates on the lines from the surface to the inscribed
-//! balls' centres, then a random descent with a fixed seed.
+//! One ball for a set of surface samples.
+//!
+//! Candidates lie on the lines from the surface to the inscribed balls' centres. A random descent with a fixed seed
+//! follows.
 
 use sulcus_core::{Sphere, Vec3};
 
@@ -7,14 +9,15 @@ use crate::mesh::distance::MeshDistance;
 use crate::mesh::sample::Sample;
 use crate::random::Random;
 
-/// Samples that a fit looks at; more change nothing but the time.
+/// Number of samples of a fit. More samples change only the time.
 const LOOKED_AT: usize = 240;
 const LINES: usize = 10;
 const STATIONS: [f64; 6] = [0.2, 0.4, 0.6, 0.75, 0.9, 1.0];
 const REFINEMENTS: usize = 80;
 
-/// Fits a ball to `members` (indices into `samples`, whose inscribed-ball centres are `centres`);
-/// also gives its cost, square metres. A `start` saves most of the search.
+/// Fits a ball to `members`; also returns its cost, square metres. A `start` saves most of the search.
+///
+/// `members` are indices into `samples`, whose inscribed-ball centres are `centres`.
 pub(crate) fn fit(
     distance: &MeshDistance,
     samples: &[Sample],
@@ -40,7 +43,7 @@ pub(crate) fn fit(
     if let Some(start) = start {
         consider(distance, &points, start.centre, smallest, &mut best);
     }
-    // Without a start, or if that lies outside the solid now, look along lines to the medial centres.
+    // Without a start inside the solid, the lines to the medial centres are searched.
     let lines = if best.0.is_finite() {
         0
     } else {
@@ -59,7 +62,7 @@ pub(crate) fn fit(
             );
         }
     }
-    // Shrinking steps around the best so far.
+    // Decreasing steps around the best ball so far.
     let (mut reach, steps) = if lines == 0 {
         (0.2, REFINEMENTS / 2)
     } else {
@@ -81,7 +84,7 @@ pub(crate) fn fit(
     best
 }
 
-/// Tries a few radii about one centre.
+/// Tests several radii about one centre.
 fn consider(
     distance: &MeshDistance,
     points: &[Vec3],
@@ -99,7 +102,7 @@ fn consider(
     }
     let count = points.len() as f64;
     let mean = sum / count;
-    // No radius does better than the spread of the distances: most centres need no distance query.
+    // No radius is better than the spread of the distances, so most centres need no distance query.
     if squares / count - mean * mean >= best.0 {
         return;
     }
@@ -107,8 +110,8 @@ fn consider(
     if depth <= 0.0 {
         return;
     }
-    // The cost is a parabola in the radius between a few kinks: its terms are
-    // mean((d - r)^2) + protrusion^2 + 0.15 gap^2.
+    // The cost is a parabola in the radius between a few kinks. Its terms are mean((d - r)^2) + protrusion^2 + 0.15
+    // gap^2.
     for radius in [
         mean,
         depth,

@@ -1,14 +1,16 @@
-//! One level of spheres fitted as a whole: polishing and relocation in turns.
+//! Fit of one level of spheres as a whole, by polishing and relocation in turns.
+//!
+//! This module and `relocate` depend on each other: both change a `Level`, and this module calls the relocations.
 
 use sulcus_core::{Sphere, Vec3};
 
 use crate::tree::polish::{Norm, Owned, PolishOptions, Surface, assign, polish, rms_of};
 use crate::tree::relocate::{Move, plug, relocate};
 
-/// The spheres of a level with their families, that is, their parents' indices.
+/// The spheres of a level with their families, the indices of their parents.
 #[derive(Clone)]
 pub(crate) struct Level {
-    /// First the level's own spheres, then childless ones of coarser levels, which stay.
+    /// The level's own spheres first, then childless ones of coarser levels, which do not move.
     pub spheres: Vec<Sphere>,
     /// Parent of each of the level's own spheres.
     pub families: Vec<u32>,
@@ -16,26 +18,26 @@ pub(crate) struct Level {
     pub parents: usize,
 }
 
-/// How much work a level is worth: the coarse ones only serve culling, the finest are many.
+/// Effort for a level. Coarse levels only serve culling; the finest have many spheres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effort {
-    /// Error, as a multiple of the level's rms error, above which the high power rules: one phase each.
+    /// Error above which the high power dominates, as a multiple of the level's rms error, for each phase.
     pub knees: &'static [f64],
-    /// Most relocations in a phase.
+    /// Largest number of relocations in a phase.
     pub relocations: usize,
     /// Rounds of polishing after a relocation.
     pub rounds: usize,
     /// Rounds of polishing at the end.
     pub last_rounds: usize,
-    /// Most tries at the largest error after that.
+    /// Largest number of attempts at the largest error after that.
     pub plugs: usize,
-    /// Failed ones after which the tries end; after a failure the next largest error is tried.
+    /// Failed attempts after which they end. After a failure the next largest error follows.
     pub failures: usize,
-    /// Times that the places where the error is largest between the samples are made samples.
+    /// Rounds in which the places of the largest errors between samples become samples.
     pub exchanges: usize,
-    /// Times that the largest error of the more important places is brought down after all that.
+    /// Rounds after all others that reduce the largest error of more important places.
     pub tightenings: usize,
-    /// Points on a sphere that are looked at for its exposed part.
+    /// Points on a sphere that are tested for its exposed part.
     pub ball_points: usize,
 }
 
@@ -61,18 +63,19 @@ impl Effort {
     }
 }
 
-/// Power of the error while spheres are relocated, and at the end, where the largest error counts.
+/// Power of the error during relocations, and at the end, where the largest error counts.
 const POWER: i32 = 8;
 const LAST_POWER: i32 = 16;
-/// Error, as a multiple of the level's rms error, above which that power rules.
+/// Error above which that power dominates, as a multiple of the level's rms error.
 const LAST_KNEE: f64 = 3.0;
-/// A relocation that saves less than this share is the last of its phase.
+/// Least relative saving of a relocation; a smaller one is the last of its phase.
 const LEAST_GAIN: f64 = 0.02;
-/// How much of what a sphere's loss would cost at once is believed, at first and at last: its neighbours
-/// close up afterwards, by how much only a try can tell.
+/// Estimated share of the immediate cost of a sphere's loss, at first and at last.
+///
+/// Its neighbours move closer afterwards. Only an attempt shows by how much.
 const BELIEF: (f64, f64) = (0.15, 1e-3);
 
-/// Fits `level` to the surface. `inscribed` holds each sample's inscribed-ball centre.
+/// Fits `level` to the surface. `inscribed` has each sample's inscribed-ball centre.
 pub(crate) fn fit_level(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
@@ -87,7 +90,7 @@ pub(crate) fn fit_level(
     };
     let mut owned = assign(surface, &level.spheres, None);
     for (phase, knee) in effort.knees.iter().enumerate() {
-        // Fixed within a phase, so that costs compare.
+        // The norm is fixed within a phase, so that costs can be compared.
         let norm = Norm {
             knee: knee * rms_of(surface, &owned),
             power: POWER,
@@ -129,7 +132,7 @@ pub(crate) fn fit_level(
             );
 
             if tried_cost >= cost {
-                // Fewer at once may still help, or others.
+                // A smaller number at once, or other spheres, may still help.
                 most = (moved / 4).max(1);
                 if moved < 4 {
                     barred.extend(helped);
@@ -145,8 +148,8 @@ pub(crate) fn fit_level(
     }
 }
 
-/// Brings down the largest error: polishing with a high power, then spheres for the worst places. Returns the
-/// distance to and index of the nearest sphere, per sample.
+/// Reduces the largest error: polishing with a high power, then spheres for the worst places. Returns the distance to
+/// and index of the nearest sphere, per sample.
 pub(crate) fn finish_level(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
@@ -162,7 +165,7 @@ pub(crate) fn finish_level(
     lower(surface, inscribed, level, effort, norm, seed)
 }
 
-/// Polishes and plugs by a given norm.
+/// Polishes and plugs with a given norm.
 pub(crate) fn lower(
     surface: &Surface<'_>,
     inscribed: &[Vec3],

@@ -5,11 +5,11 @@ use sulcus_core::Vec3;
 use crate::mesh::distance::MeshDistance;
 use crate::mesh::sample::Sample;
 
-/// Cosine of the smallest angle at the centre between the two touching points that is believed; a
-/// smaller one is the mesh's facets, not the shape.
+/// Cosine of the smallest valid angle at the centre between the two touching points. A smaller angle comes from the
+/// mesh's facets, not from the shape.
 const NOISE_COS: f64 = 0.94;
 
-/// Centre of the largest ball inside the surface that touches it at `sample`.
+/// Returns the centre of the largest ball inside the surface that touches it at `sample`.
 pub fn inscribed_centre(distance: &MeshDistance, sample: &Sample, largest: f64) -> Vec3 {
     let (p, n) = (sample.point, sample.normal);
     let mut radius = largest;

@@ -10,6 +10,7 @@ mod level;
 pub mod medial;
 pub(crate) mod nearest_sphere;
 mod polish;
+pub(crate) mod rays;
 mod relocate;
 mod samples;
 mod tighten;

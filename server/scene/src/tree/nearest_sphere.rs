@@ -5,7 +5,7 @@ use sulcus_core::{Sphere, Vec3};
 /// Spheres in a leaf box.
 const LEAF: usize = 6;
 
-/// Answers `min_i (|p - c_i| - r_i)` and where it is attained.
+/// Queries of `min_i (|p - c_i| - r_i)` and its sphere.
 pub(crate) struct NearestSphere<'a> {
     spheres: &'a [Sphere],
     boxes: Vec<Box3>,
@@ -24,7 +24,7 @@ struct Box3 {
 }
 
 impl Box3 {
-    /// No sphere inside comes nearer than this.
+    /// Returns a lower bound of the distance to the spheres inside.
     fn bound(&self, p: &Vec3) -> f64 {
         let mut squared = 0.0;
         for axis in 0..3 {
@@ -51,7 +51,7 @@ impl<'a> NearestSphere<'a> {
         }
     }
 
-    /// Distance to the nearest sphere's surface (negative inside) and that sphere's index. `guess` is a
+    /// Returns the distance to the nearest sphere's surface (negative inside) and the sphere's index. `guess` is a
     /// sphere that is probably near.
     pub fn nearest(&self, p: &Vec3, guess: Option<u32>) -> (f64, u32) {
         let apart = |k: u32| {
@@ -86,7 +86,7 @@ impl<'a> NearestSphere<'a> {
                         continue;
                     }
                     let found = apart(k);
-                    // Ties go to the lower index, whatever the order of the visit.
+                    // Ties go to the lower index, in any order of visits.
                     if found < best.0 || (found == best.0 && k < best.1) {
                         best = (found, k);
                     }
@@ -110,17 +110,17 @@ impl<'a> NearestSphere<'a> {
         best
     }
 
-    /// Distance to the nearest surface of all spheres but `own`.
+    /// Returns the distance to the nearest surface of all spheres except `own`.
     pub fn nearest_but(&self, p: &Vec3, own: u32) -> f64 {
         self.search(p, (f64::INFINITY, 0), own).0
     }
 
-    /// The nearest of all spheres but `own`.
+    /// Returns the nearest of all spheres except `own`.
     pub fn nearest_other(&self, p: &Vec3, own: u32) -> u32 {
         self.search(p, (f64::INFINITY, 0), own).1
     }
 
-    /// Whether `p` lies inside a sphere other than `own`.
+    /// Returns whether `p` lies inside a sphere other than `own`.
     pub fn covered(&self, p: &Vec3, own: u32) -> bool {
         let mut stack = [0_u32; 64];
         let mut top = usize::from(!self.boxes.is_empty());

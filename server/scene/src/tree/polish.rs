@@ -1,10 +1,13 @@
-//! All spheres of a level moved together until the union fits the surface both ways.
+//! Motion of all spheres of a level together until the union fits the surface in both directions.
 //!
-//! A family of eight fits its own share of the surface; what its neighbours do there it does not
-//! know. Here each sample belongs to the sphere whose surface is nearest, whoever its parent is, and
-//! each sphere takes one damped Gauss-Newton step on the samples it owns and on the part of its own
-//! surface that no other sphere covers. Errors count by a mixed norm: squares for the mean, a high
-//! power for the largest (iteratively reweighted least squares).
+//! A family of eight fits its own share of the surface without regard to its neighbours. Here each sample belongs to
+//! the sphere with the nearest surface, whatever its parent.
+//!
+//! Each sphere takes one damped Gauss-Newton step. The step uses the samples of the sphere and the part of its own
+//! surface that no other sphere covers.
+//!
+//! Errors count by a mixed norm: squares for the mean, a high power for the largest (iteratively reweighted least
+//! squares).
 
 use nalgebra::{Matrix4, Vector4};
 use sulcus_core::{Sphere, Vec3};
@@ -14,20 +17,22 @@ use crate::mesh::sample::{Sample, ball_points};
 use crate::parallel;
 use crate::tree::nearest_sphere::NearestSphere;
 
-/// What is fitted.
+/// The surface of a fit.
 pub(crate) struct Surface<'a> {
     pub distance: &'a MeshDistance,
     pub samples: &'a [Sample],
-    /// Importance of each sample, 1 where nothing was asked for.
+    /// Importance of each sample, 1 by default.
     pub importance: &'a [f64],
-    /// How much sooner than elsewhere the high power rules the error of each sample: a knee is divided by it.
+    /// Strictness of each sample: its knee is divided by it, so the high power dominates earlier.
     pub strictness: &'a [f64],
     /// Smallest radius, metres.
     pub smallest: f64,
 }
 
-/// What an error costs: `e^2 (1 + (e / knee)^(power - 2))`. Squares rule below the knee and
-/// bring down the mean, the high power rules above it and brings down the largest.
+/// Cost of an error: `e^2 (1 + (e / knee)^(power - 2))`.
+///
+/// Below the knee squares dominate and reduce the mean. Above it the high power dominates and reduces the largest
+/// error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Norm {
     /// Error at which both terms are equal, metres.
@@ -40,7 +45,7 @@ impl Norm {
         error * error * (1.0 + (error / self.knee).powi(self.power - 2))
     }
 
-    /// The norm for errors whose knee is so many times lower.
+    /// Returns the norm for errors whose knee is lower by this factor.
     fn stricter(self, strictness: f64) -> Self {
         Self {
             knee: self.knee / strictness,
@@ -48,21 +53,21 @@ impl Norm {
         }
     }
 
-    /// Weight of a residual such that weighted squares have the norm's gradient.
+    /// Returns the weight of a residual with which weighted squares have the norm's gradient.
     fn weight(self, error: f64) -> f64 {
         1.0 + 0.5 * f64::from(self.power) * (error / self.knee).powi(self.power - 2)
     }
 }
 
 impl Surface<'_> {
-    /// What an error at a sample costs.
+    /// Returns the cost of an error at a sample.
     pub fn cost(&self, norm: Norm, sample: u32, error: f64) -> f64 {
         let s = sample as usize;
         self.importance[s] * norm.stricter(self.strictness[s]).of(error)
     }
 }
 
-/// How long and how hard.
+/// Effort of a polish.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PolishOptions {
     pub rounds: usize,
@@ -72,11 +77,11 @@ pub(crate) struct PolishOptions {
 
 /// Weight of the exposed part of a sphere against the samples that it owns.
 const EXPOSED: f64 = 1.0;
-/// Longest step of a sphere in one round, of its radius.
+/// Longest step of a sphere in one round, as a share of its radius.
 const LONGEST: f64 = 0.25;
 
-/// Moves `spheres[..movable]`; the rest take part but stay. Gives the best state's cost and, per sample,
-/// distance to and index of the nearest sphere.
+/// Moves `spheres[..movable]`; the others take part but do not move. Returns the cost of the best state and, per
+/// sample, distance to and index of the nearest sphere.
 pub(crate) fn polish(
     surface: &Surface<'_>,
     spheres: &mut [Sphere],
@@ -109,7 +114,7 @@ pub(crate) fn polish(
 /// Distance to the nearest sphere's surface and that sphere, per sample.
 pub(crate) type Owned = Vec<(f64, u32)>;
 
-/// Distance to and index of the nearest sphere, per sample.
+/// Returns the distance to and index of the nearest sphere, per sample.
 pub(crate) fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&Owned>) -> Owned {
     let index = NearestSphere::new(spheres);
     parallel::map(surface.samples.len(), |s| {
@@ -117,7 +122,7 @@ pub(crate) fn assign(surface: &Surface<'_>, spheres: &[Sphere], before: Option<&
     })
 }
 
-/// Samples of each sphere.
+/// Returns the samples of each sphere.
 pub(crate) fn shares(owned: &[(f64, u32)], spheres: usize) -> Vec<Vec<u32>> {
     let mut mine = vec![Vec::new(); spheres];
     for (sample, (_, k)) in owned.iter().enumerate() {
@@ -126,7 +131,7 @@ pub(crate) fn shares(owned: &[(f64, u32)], spheres: usize) -> Vec<Vec<u32>> {
     mine
 }
 
-/// Root mean square of the error, metres.
+/// Returns the root mean square of the error, metres.
 pub(crate) fn rms_of(surface: &Surface<'_>, owned: &[(f64, u32)]) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for ((gap, _), w) in owned.iter().zip(surface.importance) {
@@ -176,7 +181,7 @@ fn exposed(
         ball_points(sphere, points)
             .filter(|p| !index.covered(p, k as u32))
             .map(|p| (p, surface.distance.nearest(&p)))
-            // Deeper ones line a cavity inside, where nothing can touch them.
+            // Deeper points line a cavity inside, which no tool can touch.
             .filter(|(_, near)| near.signed > -deepest)
             .map(|(p, near)| {
                 let off = near.signed;
@@ -196,7 +201,7 @@ fn exposed(
     })
 }
 
-/// One damped Gauss-Newton step of one sphere, halved until it helps.
+/// Makes one damped Gauss-Newton step of one sphere, halved until the cost falls.
 fn step(
     surface: &Surface<'_>,
     sphere: &Sphere,

@@ -1,9 +1,10 @@
-//! Spheres moved from where they are hardly needed to where the fit is worst.
+//! Relocation of spheres from places of little need to the places of the worst fit.
 //!
-//! Polishing moves spheres little by little; it cannot bring one from a flat cheek to a sharp cusp. Here the
-//! sphere whose loss costs least takes half of the samples of the one that fits worst. A tree node
-//! has at most eight children: where the family at the new place is full, neighbours are handed on
-//! from family to family until one has room.
+//! Polishing moves spheres a little; it cannot bring one from a flat cheek to a sharp cusp. Here the sphere whose
+//! loss costs least takes half of the samples of the one with the worst fit.
+//!
+//! A tree node has at most eight children. If the family at the new place is full, neighbours pass from family to
+//! family until one has room.
 
 use std::collections::VecDeque;
 
@@ -18,29 +19,30 @@ use crate::tree::level::Level;
 use crate::tree::nearest_sphere::NearestSphere;
 use crate::tree::polish::{Norm, Surface, shares};
 
-/// Share of its cost that a sphere saves by being halved: the error falls to a half, its square to a
-/// quarter; less is promised.
+/// Share of its cost that a sphere saves by being halved. The error falls to a half, its square to a quarter; the
+/// estimate is lower.
 const SAVED: f64 = 0.6;
-/// Families looked at as neighbours.
+/// Number of families that count as neighbours.
 const NEIGHBOURS: usize = 10;
 
-/// What is wished for.
+/// Request for relocations.
 pub(crate) struct Move<'a> {
-    /// What errors cost.
+    /// Cost of errors.
     pub norm: Norm,
-    /// Most spheres that move.
+    /// Largest number of spheres that move.
     pub most: usize,
-    /// Share of what a sphere's loss would cost at once that is believed.
+    /// Estimated share of the immediate cost of a sphere's loss.
     pub belief: f64,
-    /// Spheres that were helped in vain.
+    /// Spheres that were helped without success.
     pub barred: &'a [u32],
-    /// Of the random tries.
+    /// Seed of the random attempts.
     pub seed: u64,
 }
 
-/// Moves the level's own spheres, whose families change with them. `owned` is the distance to the
-/// nearest sphere and its index, per sample. Returns the spheres that were
-/// given half of their share of.
+/// Moves the level's own spheres, and changes their families. Returns the spheres that received half of their share
+/// of samples.
+///
+/// `owned` has the distance to the nearest sphere and its index, per sample.
 pub(crate) fn relocate(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
@@ -53,7 +55,7 @@ pub(crate) fn relocate(
     let spheres = &mut level.spheres;
     let mine = shares(owned, spheres.len());
     let index = NearestSphere::new(&*spheres);
-    // What each sphere costs now, and what would be added without it.
+    // Cost of each sphere now, and the additional cost without it.
     let costs: Vec<(f64, f64)> = parallel::map(movable, |k| {
         let (mut cost, mut loss) = (0.0, 0.0);
         for &s in &mine[k] {
@@ -73,7 +75,7 @@ pub(crate) fn relocate(
 
     let place = |k: usize| centroid(surface, &mine[k]).unwrap_or(spheres[k].centre);
     let places: Vec<Vec3> = (0..movable).map(place).collect();
-    // A victim's neighbours take over what it held: none of them may be touched in the same round.
+    // A victim's neighbours take over its samples, so none of them may be touched in the same round.
     let mut locked = vec![false; movable];
     let (mut moves, mut next) = (Vec::new(), 0);
     for &target in &targets {
@@ -122,8 +124,8 @@ pub(crate) fn relocate(
     helped
 }
 
-/// Brings the least needed sphere to the place of the largest error, between those that leave it open. The
-/// rest is as for [`relocate`].
+/// Brings the least needed sphere to the place of the largest error, between the spheres that leave it open. Other
+/// arguments are those of [`relocate`].
 pub(crate) fn plug(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
@@ -141,7 +143,7 @@ pub(crate) fn plug(
     if owner as usize >= movable {
         return None;
     }
-    // What is as badly fitted near by.
+    // Samples nearby with an equally bad fit.
     let mine = shares(owned, level.spheres.len());
     let at = surface.samples[worst].point;
     let reach = mine[owner as usize].iter().fold(0.0_f64, |reach, &s| {
@@ -193,7 +195,7 @@ fn centroid(surface: &Surface<'_>, members: &[u32]) -> Option<Vec3> {
     (!members.is_empty()).then(|| sum / members.len() as f64)
 }
 
-/// Two spheres for the samples of one.
+/// Returns two spheres for the samples of one.
 fn halved(
     surface: &Surface<'_>,
     inscribed: &[Vec3],
@@ -237,7 +239,7 @@ fn halved(
     best.1
 }
 
-/// Who belongs to whom, with room for at most eight each.
+/// Families of the spheres, with room for at most eight each.
 struct Families<'a> {
     of: &'a mut [u32],
     counts: Vec<usize>,
@@ -264,15 +266,15 @@ impl<'a> Families<'a> {
         }
     }
 
-    /// Brings child `one` into the family of `other`; where that is full, neighbours are handed on. False
-    /// (and nothing changed) when no family within reach has room.
+    /// Brings child `one` into the family of `other`. If that is full, neighbours pass on. Returns false, without any
+    /// change, if no family within reach has room.
     fn join(&mut self, one: usize, other: usize, places: &[Vec3]) -> bool {
         let (from, wanted) = (self.of[one], self.of[other]);
-        // A parent without children would be the shape itself again.
+        // A parent without children would be part of the shape again.
         if self.counts[from as usize] == 1 && from != wanted {
             return false;
         }
-        // The place that it leaves is room, too.
+        // The place that it leaves is also room.
         self.of[one] = u32::MAX;
         self.counts[from as usize] -= 1;
         let Some(chain) = self.chain_to_room(wanted) else {
@@ -288,7 +290,7 @@ impl<'a> Families<'a> {
         true
     }
 
-    /// From family to neighbouring family, `wanted` first, to the nearest with room.
+    /// Returns the chain of neighbouring families from `wanted` to the nearest one with room.
     fn chain_to_room(&self, wanted: u32) -> Option<Vec<u32>> {
         let mut reached_from = vec![u32::MAX; self.counts.len()];
         reached_from[wanted as usize] = wanted;
@@ -314,7 +316,7 @@ impl<'a> Families<'a> {
         None
     }
 
-    /// The nearest families with children, nearest first.
+    /// Returns the nearest families with children, nearest first.
     fn neighbours(&self, here: u32) -> Vec<u32> {
         let mut near: Vec<(f64, u32)> = Vec::with_capacity(NEIGHBOURS + 1);
         for f in (0..self.counts.len() as u32).filter(|&f| f != here) {

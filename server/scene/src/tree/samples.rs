@@ -1,4 +1,4 @@
-//! What a level is fitted to: samples of the surface, more of them and heavier ones where it matters more.
+//! Samples of a level's fit. Important places have more and heavier samples.
 
 use sulcus_core::Vec3;
 
@@ -8,15 +8,15 @@ use crate::parallel;
 use crate::tree::medial::inscribed_centre;
 use crate::tree::polish::Surface;
 
-/// Importance of a sample on a sharp edge: edges have no area, but they are what a tool catches on.
+/// Importance of a sample on a sharp edge. Edges have no area, but tools catch on them.
 const EDGE_IMPORTANCE: f64 = 2.0;
 
-/// What a level is fitted to.
+/// Samples of a level's fit.
 pub(crate) struct Samples {
     pub samples: Vec<Sample>,
-    /// How much each counts.
+    /// Weight of each sample.
     pub weights: Vec<f64>,
-    /// As that of [`Surface`]; 1 unless it is set.
+    /// Strictness as in [`Surface`], 1 by default.
     pub strictness: Vec<f64>,
     /// Inscribed-ball centre of each.
     pub inscribed: Vec<Vec3>,
@@ -67,11 +67,13 @@ impl Samples {
     }
 }
 
-/// Candidates for each sample that is kept, where importance differs.
+/// Candidates for each sample that is kept, if importance varies.
 const CANDIDATES: usize = 8;
 
-/// Samples of the surface and its sharp edges with their weights. Where importance is higher, samples are
-/// both denser and heavier, by its square root each: a sphere needs samples enough to be fitted to.
+/// Returns samples of the surface and its sharp edges with their weights.
+///
+/// Higher importance makes samples both denser and heavier, each by its square root: a fitted sphere needs enough
+/// samples.
 pub(crate) fn weighted_samples(
     distance: &MeshDistance,
     count: usize,

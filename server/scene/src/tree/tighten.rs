@@ -1,10 +1,13 @@
-//! The largest error where importance is higher, brought down at the cost of the rest.
+//! Reduction of the largest error in important places, at the cost of the rest.
 //!
-//! Importance alone hardly moves the largest error: it multiplies a cost whose power is high, and squares
-//! rule until an error passes the knee, which is common to all places. Here knees are lower where importance
-//! is higher, so that gaps and bulges level out there, and spheres come in from elsewhere until the largest
-//! errors stand in a fixed ratio. Between two fits each large error is followed uphill along the surface to its
-//! peak, which becomes a sample itself: the peaks, between three spheres, are sharper than samples are dense.
+//! Importance alone hardly reduces the largest error. It multiplies a cost with a high power, and squares dominate
+//! until an error passes the knee, which is common to all places.
+//!
+//! Here knees are lower where importance is higher, so gaps and bulges even out there. Spheres are brought in until
+//! the largest errors have a fixed ratio.
+//!
+//! Between two fits each large error is followed uphill along the surface to its peak, which becomes a sample. The
+//! peaks between three spheres are sharper than the samples are dense.
 
 use sulcus_core::{Sphere, Vec3};
 
@@ -16,23 +19,25 @@ use crate::tree::nearest_sphere::NearestSphere;
 use crate::tree::polish::{Norm, Owned, assign};
 use crate::tree::samples::Samples;
 
-/// Errors are held to a share of those elsewhere: one over this root of the importance.
+/// Root of the importance by which errors are reduced relative to other places.
 const ROOT: f64 = 6.0;
 /// Power of the error.
 const POWER: i32 = 24;
-/// Knee, of the largest error at the start: what is far above it is all that counts.
+/// Knee, as a share of the largest error at the start. Only errors far above it count.
 const KNEE: f64 = 0.4;
-/// Share of the largest error from which one is followed to its peak.
+/// Least error that is followed to its peak, as a share of the largest.
 const FOLLOWED: f64 = 0.65;
-/// Tries to go uphill, to six sides each; one that fails halves the step.
+/// Number of steps uphill, in six directions each. A failed step halves the length.
 const CLIMBS: usize = 16;
-/// First step uphill, of the mean distance between samples.
+/// First step uphill, in mean distances between samples.
 const FIRST_STEP: f64 = 0.25;
-/// Peaks nearer to each other than this are one, of the mean distance between samples.
+/// Distance below which two peaks are one, in mean distances between samples.
 const APART: f64 = 0.25;
 
-/// Lowers the largest error of `level` where `importance` is higher, in rounds of which the best is kept;
-/// nothing happens where it is the same everywhere. Peaks are added to `samples`.
+/// Reduces the largest error of `level` where `importance` is higher, in rounds; the best round is kept. Uniform
+/// importance changes nothing.
+///
+/// Peaks are added to `samples`.
 pub(crate) fn tighten(
     distance: &MeshDistance,
     importance: &(dyn Fn(&Vec3) -> f64 + Sync),
@@ -76,7 +81,7 @@ pub(crate) fn tighten(
         let mut more = Samples::with(distance, found.collect(), weights.collect());
         more.strictness = peaks.iter().map(|peak| strict(&peak.point)).collect();
         samples.append(more);
-        // New spheres leave new peaks: the last rounds bring none.
+        // New spheres leave new peaks, so the last rounds add none.
         let plugs = if 2 * round < effort.tightenings {
             effort.plugs
         } else {
@@ -94,16 +99,16 @@ pub(crate) fn tighten(
     *level = best.1;
 }
 
-/// A place where the error is larger than all round it.
+/// A place with an error larger than all around it.
 struct Peak {
     /// Error times strictness, metres.
     felt: f64,
     point: Vec3,
-    /// The sample from which it was found.
+    /// The sample at which its search began.
     from: usize,
 }
 
-/// The highest peaks, highest first.
+/// Returns the highest peaks, highest first.
 fn peaks(
     distance: &MeshDistance,
     samples: &Samples,

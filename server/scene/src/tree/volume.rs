@@ -1,8 +1,9 @@
-//! The two coarsest levels of a thing that deforms as a whole.
+//! The two coarsest levels of an object that deforms as a whole.
 //!
-//! Balls fitted to a surface have their centres near its medial sheet: of an ellipsoid, on its middle plane.
-//! A skeleton of springs needs nodes through the depth and a layer at the bottom to hold on to. So
-//! levels 1 and 2 share out the *volume*; the finer ones are fitted to the surface below them.
+//! Balls fitted to a surface have their centres near its medial sheet, for an ellipsoid on its middle plane. A
+//! skeleton of springs needs nodes through the depth and a bottom layer to be fixed.
+//!
+//! Levels 1 and 2 therefore divide the *volume*. The finer levels are fitted to the surface below them.
 
 use sulcus_core::{Sphere, Vec3};
 
@@ -13,16 +14,16 @@ use crate::random::Random;
 use crate::tree::cluster::{Feature, split};
 use crate::tree::nearest_sphere::NearestSphere;
 
-/// Points of the grid that fills the solid, about.
+/// Approximate number of points of the grid that fills the solid.
 const POINTS: f64 = 24_000.0;
-/// Most points of the box that are looked at: a solid that fills less of it is too thin for layers.
+/// Largest number of tested points of the box. A solid that fills less of it is too thin for layers.
 const MOST_POINTS: f64 = 4e6;
-/// Tries of sharing out a cell.
+/// Number of attempts at dividing a cell.
 const TRIES: u64 = 6;
-/// A cell with less than this share of the mean number of samples is inner: it gets no children.
+/// Share of the mean number of samples below which a cell is inner. Inner cells have no children.
 const INNER: f64 = 0.25;
 
-/// A cell: a ball of the cell's volume at its middle, within the solid.
+/// A cell: a ball of the cell's volume at its middle, inside the solid.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
     pub sphere: Sphere,
@@ -38,7 +39,7 @@ pub(crate) struct Family {
     pub cells: Vec<Cell>,
 }
 
-/// Points of a regular grid inside the solid, metres.
+/// Returns the points of a regular grid inside the solid, metres.
 pub(crate) fn inner_points(distance: &MeshDistance) -> Vec<Vec3> {
     let (low, high) = distance.mesh().bounds();
     let size: Vec3 = high - low;
@@ -61,7 +62,7 @@ pub(crate) fn inner_points(distance: &MeshDistance) -> Vec<Vec3> {
     (0..total).filter(|&k| inside[k]).map(at).collect()
 }
 
-/// Cells of level 1, each with its cells of level 2. Empty where the solid is too thin for a grid.
+/// Returns the cells of level 1, each with its cells of level 2; none if the solid is too thin for a grid.
 pub(crate) fn cells(distance: &MeshDistance, samples: &[Sample]) -> Vec<Family> {
     let points = inner_points(distance);
     if points.len() < 64 {
@@ -95,7 +96,7 @@ pub(crate) fn cells(distance: &MeshDistance, samples: &[Sample]) -> Vec<Family> 
     families
 }
 
-/// Up to eight cells of about the same volume.
+/// Returns up to eight cells of about the same volume.
 fn shared_out(
     distance: &MeshDistance,
     points: &[Vec3],
@@ -138,7 +139,7 @@ fn shared_out(
 
 fn ball_of(distance: &MeshDistance, points: &[Vec3], own: Vec<u32>, volume: f64) -> Cell {
     let mean = own.iter().map(|&k| points[k as usize]).sum::<Vec3>() / own.len() as f64;
-    // A bent cell's middle may lie outside: then the nearest of its points.
+    // The middle of a bent cell may lie outside. Then the nearest of its points is taken.
     let mut centre = points[own[0] as usize];
     if distance.signed(&mean) < 0.0 {
         centre = mean;

@@ -1,5 +1,6 @@
-//! A part of space that matters more than the rest: where a builder puts more samples and a report
-//! measures apart. The pocket walls of a gingiva are what lies near its tooth; a tip is a ball.
+//! A part of space with a higher weight: the builder puts more samples there, and a report measures it separately.
+//!
+//! Examples are the pocket walls of a gingiva, which lie near its tooth, and a tip, which is a ball.
 
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use sulcus_core::math::{fmax, fmin};
 
 use crate::mesh::distance::MeshDistance;
 
-/// A simple region, in the frame of the mesh that it is asked about; its border belongs to it.
+/// A simple region, in the frame of the mesh. Its border belongs to it.
 #[derive(Clone, Debug)]
 pub enum Region {
     /// A ball.
@@ -18,7 +19,7 @@ pub enum Region {
         /// Radius, metres.
         radius: f64,
     },
-    /// All that is at most this far from the *surface* of another mesh, inside of it or outside.
+    /// All points at most this far from the *surface* of another mesh, inside or outside.
     Near {
         /// The other mesh, in the same frame.
         mesh: Arc<MeshDistance>,
@@ -34,18 +35,20 @@ pub enum Region {
     },
 }
 
-/// Regions that hold together: a point is in the zone when it is in every one of them.
+/// An intersection of regions: a point is in the zone if it is in every region.
 #[derive(Clone, Debug)]
 pub struct Zone {
-    /// What the zone is called in reports.
+    /// Name of the zone in reports.
     pub name: String,
-    /// The regions; none at all means everywhere.
+    /// The regions; an empty list is all of space.
     pub regions: Vec<Region>,
 }
 
 impl Region {
-    /// A number, metres, that is at most 0 exactly inside the region and that changes by no more
-    /// than the way gone. So a ball about `p` whose radius is smaller than it holds no point of the region.
+    /// Returns a number, metres, that is at most 0 exactly inside the region.
+    ///
+    /// The number changes by no more than the distance moved. A ball about `p` with a smaller radius therefore contains
+    /// no point of the region.
     pub fn beyond(&self, p: &Vec3) -> f64 {
         match self {
             Region::Ball { centre, radius } => (p - centre).norm() - radius,
@@ -58,12 +61,12 @@ impl Region {
 }
 
 impl Zone {
-    /// Whether a point (metres) is in the zone.
+    /// Returns whether a point (metres) is in the zone.
     pub fn contains(&self, p: &Vec3) -> bool {
         self.regions.iter().all(|region| region.beyond(p) <= 0.0)
     }
 
-    /// As [`Region::beyond`], of all regions together.
+    /// Returns [`Region::beyond`] of all regions together.
     pub fn beyond(&self, p: &Vec3) -> f64 {
         self.regions.iter().fold(f64::NEG_INFINITY, |most, region| {
             fmax(most, region.beyond(p))
@@ -71,11 +74,11 @@ impl Zone {
     }
 }
 
-/// Beyond a zone its weight fades to 1 over this distance, metres: a border that cuts through a sphere's
-/// patch of surface would leave that sphere half good.
+/// Distance outside of a zone over which its weight fades to 1, metres. A sharp border through a sphere's patch of
+/// surface would leave half of that sphere poorly fitted.
 const FADE: f64 = 1e-3;
 
-/// How much a surface point (metres) counts when a tree is built: `weight` inside a zone, fading to 1
+/// Returns the weight of a surface point (metres) in the building of a tree: `weight` inside a zone, fading to 1
 /// around it.
 pub fn importance(zones: &[Zone], weight: f64, p: &Vec3) -> f64 {
     let nearest = zones

@@ -11,7 +11,7 @@ fn message(mesh: &TriMesh) -> String {
     check(mesh, "tooth.stl").expect_err("broken").to_string()
 }
 
-/// What a user is told about a file with this mesh.
+/// Message about a file with this mesh.
 fn told(mesh: &TriMesh, unit: Unit) -> String {
     let dir = tempfile::tempdir().expect("temporary directory");
     let file = dir.path().join("tooth.stl");
@@ -22,7 +22,7 @@ fn told(mesh: &TriMesh, unit: Unit) -> String {
     said[place.len() + 1..].to_owned()
 }
 
-/// Both meshes as one.
+/// Returns both meshes as one.
 fn beside(a: &TriMesh, b: &TriMesh) -> TriMesh {
     let mut both = a.clone();
     let first = both.vertices.len() as u32;
@@ -128,7 +128,7 @@ fn a_wrong_unit_is_computed_and_named() {
     let metres_for_mm = ball.clone().placed(1e-3, Vec3::zeros());
     let said = told(&metres_for_mm, Unit::Millimetre);
     assert!(
-        said.starts_with("tooth.stl: found an overall size of 0.01 mm, expected 4 to 300 mm for anything in a mouth"),
+        said.starts_with("tooth.stl: found an overall size of 0.01 mm, expected 4 to 300 mm for any object in a mouth"),
         "{said}"
     );
     assert!(
@@ -143,10 +143,10 @@ fn a_wrong_unit_is_computed_and_named() {
     assert!(said.contains("found an overall size of 10000 mm"), "{said}");
     assert!(said.contains("in millimetres it would be 10 mm"), "{said}");
     assert!(said.contains("`--unit mm`"), "{said}");
-    // No unit makes sense: micrometres read as millimetres must not be told to say mm.
+    // No unit makes sense: the message about micrometres read as millimetres must not recommend mm.
     let said = told(&ball.clone().placed(1e3, Vec3::zeros()), Unit::Millimetre);
     assert!(
-        said.contains("neither millimetres, metres nor inches make a plausible size of it (it was read in millimetres)"),
+        said.contains("neither millimetres, metres nor inches gives a plausible size (it was read in millimetres)"),
         "{said}"
     );
     // A mesh that is not from a file.

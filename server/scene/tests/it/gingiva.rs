@@ -1,4 +1,4 @@
-//! The gingiva of one molar: a solid with a pocket of the width and depths asked for, its tree, its scene file.
+//! The gingiva of one molar: a solid with a pocket of the requested width and depths, its tree, its scene file.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -7,8 +7,8 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Gingiva;
 use sulcus_core::{Object, Scene, Vec3};
 use sulcus_scene::BuiltIn;
-use sulcus_scene::anatomy::first_gingiva::SITES_DEG;
-use sulcus_scene::anatomy::{Collar, Molar, Pocket};
+use sulcus_scene::anatomy::molar_gingiva::SITES_DEG;
+use sulcus_scene::anatomy::{Molar, MolarCollar, Pocket};
 use sulcus_scene::file::{FileError, parse};
 use sulcus_scene::mesh::check::check;
 use sulcus_scene::mesh::distance::MeshDistance;
@@ -39,7 +39,7 @@ fn tooth() -> &'static MeshDistance {
 }
 
 /// A point in the middle of the pocket, `above` metres over the floor at `around`.
-fn in_pocket(collar: &Collar<'_>, width: f64, around: f64, above: f64) -> Vec3 {
+fn in_pocket(collar: &MolarCollar<'_>, width: f64, around: f64, above: f64) -> Vec3 {
     let height = collar.floor(around) + above;
     let at = |radius: f64| {
         Vec3::new(
@@ -67,7 +67,7 @@ fn the_collar_is_a_solid_with_a_pocket_of_the_width_asked_for() {
             width_mm,
             ..Pocket::default()
         };
-        let collar = Collar::new(&pocket, tooth(), 4.5e-4);
+        let collar = MolarCollar::new(&pocket, tooth(), 4.5e-4);
         let mesh = collar.mesh();
         let report = check(&mesh, "gingiva").expect("a solid");
         assert_eq!(report.genus, 1, "a ring: {report:?}");
@@ -77,13 +77,13 @@ fn the_collar_is_a_solid_with_a_pocket_of_the_width_asked_for() {
             for above in [5e-4, 8e-4] {
                 let p = in_pocket(&collar, width_mm * 1e-3, around, above);
                 let free = surface.signed(&p);
-                // (Half way out along the radius is a little less than half way across where the tooth bends.)
+                // Half way along the radius is slightly less than half way across where the tooth bends.
                 assert!(
                     (-2e-5..5e-5).contains(&(free - 0.5e-3 * width_mm)),
                     "{around}: {free:e} m at {above} m over the floor"
                 );
             }
-            // Under the floor there is tissue.
+            // Tissue lies under the floor.
             let under = in_pocket(&collar, width_mm * 1e-3, around, -3e-4);
             assert!(surface.signed(&under) < -2e-4, "{around}");
         }
@@ -96,7 +96,7 @@ fn depths_are_those_of_the_sites_and_run_smoothly_between() {
         depths_mm: [2.0, 3.0, 4.0, 5.0, 6.0, 7.0],
         ..Pocket::default()
     };
-    let collar = Collar::new(&pocket, tooth(), 4.5e-4);
+    let collar = MolarCollar::new(&pocket, tooth(), 4.5e-4);
     for (degrees, depth_mm) in SITES_DEG.iter().zip(&pocket.depths_mm) {
         assert!((collar.depth(degrees.to_radians()) * 1e3 - depth_mm).abs() < 1e-9);
         assert!((collar.depth((degrees - 360.0).to_radians()) * 1e3 - depth_mm).abs() < 1e-9);
@@ -118,7 +118,7 @@ fn the_model_knows_margin_floor_and_the_way_out() {
     let model = gingiva(object);
     let written = parse(BuiltIn::Pocket.text(), Path::new("pocket.toml")).expect("good");
     let pocket = written.objects[1].pocket.clone().expect("given");
-    let collar = Collar::new(&pocket, tooth(), model.params.sink());
+    let collar = MolarCollar::new(&pocket, tooth(), model.params.sink());
     for k in 0..360 {
         let around = f64::from(k).to_radians();
         // From the margin down to the floor at rest is the prescribed depth less the sink.
@@ -169,7 +169,7 @@ fn tooth_and_gingiva_do_not_overlap_in_the_open_pocket() {
     let mut least = f64::INFINITY;
     for (id, a) in collar.tree.shape_at(collar.level) {
         let place = &model.places[id as usize];
-        // What is attached overlaps its tooth.
+        // Attached tissue overlaps its tooth.
         if place.floor || place.height < 4e-4 {
             continue;
         }

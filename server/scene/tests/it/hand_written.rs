@@ -1,4 +1,4 @@
-//! Hand-written files of the kinds that people reported: lists of the wrong length, charts with third molars or of one side.
+//! Hand-written files as people reported them: lists of the wrong length, charts with third molars or of one side.
 
 use std::path::{Path, PathBuf};
 
@@ -98,9 +98,7 @@ fn third_molars_may_be_missing_and_upper_teeth_are_refused_by_name() {
     assert!(parsed("name = \"a\"\nmissing = [38, 38]").is_err());
     let said = patient("missing_both_jaws.toml").expect_err("the upper jaw");
     assert!(
-        said.ends_with(
-            "`missing` is 16 of the upper jaw, expected teeth of the lower jaw only so far"
-        ),
+        said.ends_with("`missing` is 16 of the upper jaw, expected teeth of the lower jaw"),
         "{said}"
     );
     for (missing, named) in [

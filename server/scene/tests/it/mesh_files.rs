@@ -1,4 +1,4 @@
-//! STL, OBJ and PLY files: read alike, refused in one sentence, never a panic whatever the bytes.
+//! STL, OBJ and PLY files give the same mesh, are refused in one sentence, and never cause a panic.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -108,7 +108,7 @@ fn ply(mesh: &TriMesh, order: Order) -> Vec<u8> {
     bytes
 }
 
-/// Every format, with a name for it.
+/// Returns every format with its name.
 fn files(mesh: &TriMesh) -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("binary.stl", to_stl(mesh)),
@@ -247,8 +247,8 @@ fn broken_obj_is_refused_with_the_line() {
     assert!(with("f 99999999999999999999 1 2").contains("in line 27"));
     assert!(refused("# nothing\nf 1 2 3\n", "a.obj").contains("vertex 3 named in line 2"));
     assert!(refused("vn 0 0 1\n", "a.obj").contains("no line that begins with `v`"));
-    assert!(refused("\u{1F9B7}", "a.txt").contains("4 bytes of something else"));
-    // Too few corners only in what is no surface, texture numbers that mean nothing.
+    assert!(refused("\u{1F9B7}", "a.txt").contains("4 bytes of another format"));
+    // Too few corners only in elements that are no surface, and meaningless texture numbers.
     assert_eq!(
         parse(format!("{good}l 1\nf 1/77/88 2/9 3//\n"), "a.obj")
             .expect("OBJ")
@@ -314,7 +314,7 @@ fn a_header_that_announces_more_than_the_file_holds_is_refused_before_memory_is_
     let mut bytes = text.as_bytes().to_vec();
     bytes.extend([255; 8]);
     assert!(refused(bytes, "a.ply").contains("`face` 0"));
-    // A binary STL file cannot announce what it does not hold either.
+    // A binary STL file cannot announce more than it has either.
     let mut stl = vec![0; 84];
     stl[80..].copy_from_slice(&u32::MAX.to_le_bytes());
     assert!(refused(stl, "a.stl").contains("announces 214748364834"));

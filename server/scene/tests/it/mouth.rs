@@ -1,4 +1,4 @@
-//! The whole mouth: that a patient's chart is what the gingivae say, for any seed, and that nobody waits for it.
+//! The whole mouth: gingivae match a patient's chart for any seed, and are made in a short time.
 
 use std::f64::consts::PI;
 
@@ -26,8 +26,9 @@ fn gingivae(scene: &Scene) -> impl Iterator<Item = (&Object, &Gingiva)> {
         })
 }
 
-/// Height over the tooth's origin at which a tip of 0.5 mm that comes down the pocket meets the floor at rest, metres: the
-/// lowest point of the tip.
+/// Returns the height over the tooth's origin at which a tip of 0.5 mm in the pocket meets the floor at rest, metres.
+///
+/// The value is the height of the lowest point of the tip.
 fn sounded(object: &Object, model: &Gingiva, around: f64) -> f64 {
     const TIP: f64 = 0.25e-3;
     let frame = &model.tooth;
@@ -94,7 +95,7 @@ fn fourteen_teeth_stand_in_their_gingivae_and_the_chart_is_in_the_scene() {
 
 #[test]
 fn the_floor_is_as_deep_as_prescribed_deepest_under_the_contact_and_nowhere_deeper() {
-    // (In the last one, places 3 mm deeper than what is beside them were filled from the side.)
+    // In the last seed, places 3 mm deeper than their neighbours were once filled from the side.
     for seed in [1, 2, 6] {
         let compiled = mouth(seed);
         for (object, model) in gingivae(&compiled.scene) {
@@ -147,7 +148,7 @@ fn upright_at_the_line_angle_there_is_less_than_under_the_contact() {
                 };
             let sink = model.params.sink() / model.params.firmness();
             let there = model.margin_at(around) - sounded(object, model, around) + sink;
-            // (The margin, too, is lower there.)
+            // The margin is also lower there.
             assert!(
                 there < deep - 0.5e-3,
                 "{} {}: {there}",
@@ -163,7 +164,7 @@ fn upright_at_the_line_angle_there_is_less_than_under_the_contact() {
 #[test]
 fn a_new_patient_needs_no_tree_to_be_built() {
     let empty = tempfile::tempdir().expect("temporary directory");
-    // One with all teeth: a healed ridge would be built.
+    // Seeds of patients with all teeth: others would need a healed ridge.
     let whole = |seed: &u64| generate(*seed, Condition::Periodontitis).missing.is_empty();
     let options = BuildOptions {
         cache: Some(empty.path().to_owned()),
@@ -231,7 +232,7 @@ fn a_sulcus_shallower_than_a_reading_sinks_is_refused_with_tooth_and_site() {
     let mut chart = sulcus_scene::anatomy::patient::ToothChart::healthy(33);
     chart.depth_mm.lingual[1] = 0.5;
     patient.teeth = vec![chart];
-    // As firm as healthy tissue it has a wall of 0.05 mm; inflamed none.
+    // Tissue as firm as a healthy one has a wall of 0.05 mm, inflamed tissue none.
     assert_eq!(sulcus_scene::anatomy::mouth::check(&patient), Ok(()));
     patient.teeth[0].inflammation = 1.0;
     let error = sulcus_scene::anatomy::mouth::check(&patient).expect_err("no wall");

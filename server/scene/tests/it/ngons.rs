@@ -1,4 +1,4 @@
-//! Faces with many corners: filled as drawn, or refused; and no tree of a surface that folds onto itself.
+//! Faces with many corners are filled as drawn, or refused. A surface that folds onto itself has no tree.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use sulcus_scene::read_solid;
 use sulcus_scene::tree::build::{TreeBuildError, TreeOptions, build_tree};
 use sulcus_scene::tree::filled::filled;
 
-/// A file of the inputs of `tests/inputs`.
+/// Returns a file of `tests/inputs`.
 pub(crate) fn input(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tests/inputs")
@@ -29,7 +29,7 @@ struct Faces {
 }
 
 impl Faces {
-    /// A prism over a polygon that is walked counter-clockwise; its lids are one face each, which begins at corner `start`.
+    /// Returns a prism over a counter-clockwise polygon. Its lids are one face each, beginning at corner `start`.
     fn prism(polygon: &[[f64; 2]], height: f64, start: usize) -> Self {
         let n = polygon.len();
         let mut vertices: Vec<Vec3> = Vec::new();
@@ -45,7 +45,7 @@ impl Faces {
         Self { vertices, faces }
     }
 
-    /// The same turned by a rotation vector and moved.
+    /// Returns the same faces, turned by a rotation vector and moved.
     fn placed(mut self, turn: Vec3, by: Vec3) -> Self {
         let turn = exp_rotation(&turn);
         for v in &mut self.vertices {
@@ -69,7 +69,7 @@ impl Faces {
         text.into_bytes()
     }
 
-    /// PLY: `a`scii, `l`ittle or `b`ig endian.
+    /// Returns a PLY file: `a`scii, `l`ittle or `b`ig endian.
     fn ply(&self, order: char) -> Vec<u8> {
         let format = match order {
             'a' => "ascii",
@@ -122,7 +122,7 @@ fn measures(polygon: &[[f64; 2]]) -> (f64, f64) {
     })
 }
 
-/// A horseshoe of so many corners.
+/// Returns a horseshoe with this number of corners.
 fn horseshoe(corners: usize, inner: f64, outer: f64) -> Vec<[f64; 2]> {
     let half = corners / 2;
     let at = |k: usize, r: f64| {

@@ -1,4 +1,4 @@
-//! The same tongue and the same gingiva by the printed method: named in the scene file, refused over its limit.
+//! The same tongue and the same gingiva by the printed method: named in the scene file, refused beyond its limit.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_scene::compile::compile_text;
 use sulcus_scene::{BuildOptions, BuiltIn};
 
-/// Builds a text, with the trees that the program brings along.
+/// Builds a text, with the trees of the program.
 fn build(text: &str) -> Result<Scene, String> {
     compile_text(
         text,

@@ -1,4 +1,4 @@
-//! What is mended, what is said about it, and what is left alone.
+//! Repairs, their messages, and faults that are not repaired.
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
@@ -240,7 +240,7 @@ fn duplicate_vertices_are_joined() {
 
 #[test]
 fn a_seam_of_duplicate_vertices_is_closed_and_nothing_else_touched() {
-    // As texture coordinates make it: the vertices of one half of a ball are there twice.
+    // Texture coordinates duplicate the vertices of one half of a ball.
     let whole = icosphere(0.004, 3);
     let mut mesh = whole.clone();
     let count = mesh.vertices.len() as u32;

@@ -1,4 +1,4 @@
-//! Scans: crumbs are dropped and an open base is closed where that is asked for, and what cannot be is refused by name.
+//! Scans: small pieces are dropped and an open base is closed on request. Impossible requests are refused by name.
 
 use std::path::Path;
 
@@ -170,8 +170,9 @@ fn a_base_is_closed_in_any_place_also_concave_also_bent_a_little() {
 
 #[test]
 fn a_jagged_rim_gets_a_lid_without_crowded_edges() {
-    // A tube of twelve sides with a tooth on each, which leans outwards a little: the triangle that the lid has above a
-    // tooth shares the tooth's foot, an edge with two triangles.
+    // A tube of twelve sides with a tooth on each, leaning outwards.
+    //
+    // The triangle of the lid above a tooth shares the tooth's foot, an edge with two triangles.
     let n = 12_u32;
     let at = |k: f64, r: f64, z: f64| {
         let angle = std::f64::consts::TAU * k / f64::from(n);

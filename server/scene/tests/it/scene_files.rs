@@ -1,7 +1,8 @@
-//! What people write by hand: understood, or refused in one sentence.
+//! Hand-written scene files: understood, or refused in one sentence.
 
 use std::path::Path;
 
+use sulcus_scene::compile::checked;
 use sulcus_scene::file::{FileError, parse};
 use sulcus_scene::instruments::{Marking, Probe};
 
@@ -10,7 +11,7 @@ fn good() -> &'static str {
 }
 
 fn message(text: &str) -> String {
-    let error: FileError = parse(text, Path::new("my.toml")).expect_err("refused");
+    let error: FileError = checked(text, Path::new("my.toml")).expect_err("refused");
     let message = error.to_string();
     assert!(
         message.starts_with("my.toml") && !message.contains('\n'),
@@ -84,8 +85,8 @@ fn a_tooth_is_named_by_its_number_and_its_sizes_are_checked() {
     for fdi in [31, 34, 37, 42, 46] {
         let text = tooth("kind = \"tooth\"\nsizes.crown_height_mm = 8.8")
             .replace("fdi = 36", &format!("fdi = {fdi}"));
-        let scene = parse(&text, Path::new("my.toml"));
-        // Too much only for the second molar, 7.0 mm on average.
+        let scene = checked(&text, Path::new("my.toml"));
+        // The length is too large for the second molar only, 7.0 mm on average.
         assert_eq!(scene.is_ok(), fdi != 37, "{scene:?}");
     }
     let said = message(&tooth("kind = \"tooth\"").replace("fdi = 36", "fdi = 38"));
@@ -135,7 +136,7 @@ fn a_mirror_is_understood_and_its_dimensions_are_checked() {
     assert!(with("touching_mm = 20.0").contains("is 20, expected disc_diameter_mm + neck_mm + 5"));
     assert!(with("disc_deg = nan").contains("`mirror.disc_deg` of tool `probe` is NaN"));
     assert!(with("diameter = 1.0").contains("unknown field `diameter`"));
-    // Dimensions of something else.
+    // Dimensions of another object.
     assert!(
         message(
             &mirror

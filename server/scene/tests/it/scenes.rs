@@ -1,4 +1,4 @@
-//! Scene files compiled: what comes out, what is refused, what the cache does.
+//! Compiled scene files: results, refusals, and the cache.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -73,7 +73,7 @@ fn the_default_scene_is_a_valid_molar_and_probe() {
         (0.02..0.03).contains(&tip.z),
         "the parked tip is above the crown: {tip:?}"
     );
-    // Only working end and shank touch, so levers stay short; the whole instrument is shown.
+    // Only working end and shank touch, so levers stay short. The whole instrument is displayed.
     assert!(tool.tree.lever_from(&tool.working_point) < 0.03);
     let highest = tool
         .mesh
@@ -171,7 +171,7 @@ fn broken_meshes_and_wrong_units_are_refused_by_file_name() {
     let dir = with_ball(&ball);
     let message = compile(dir.path(), &BALL.replace("\"mm\"", "\"m\"")).expect_err("refused");
     assert!(
-        message.contains("in millimetres it would be 4 mm, so say `unit = \"mm\"`"),
+        message.contains("in millimetres it would be 4 mm, so write `unit = \"mm\"`"),
         "{message}"
     );
     let message = compile(dir.path(), &BALL.replace("ball.stl", "bell.stl")).expect_err("refused");
@@ -203,7 +203,7 @@ fn a_tool_parked_inside_something_is_refused_and_an_empty_scene_is_remarked() {
     let alone = BALL.split("[[object]]").next().expect("tool").to_owned();
     let warnings = compile(dir.path(), &alone).expect("compiles").warnings;
     assert!(
-        warnings.len() == 1 && warnings[0].contains("nothing to touch"),
+        warnings.len() == 1 && warnings[0].contains("no object can be touched"),
         "{warnings:?}"
     );
 }
@@ -213,7 +213,7 @@ fn files(dir: &Path) -> Vec<PathBuf> {
     entries.map(|entry| entry.expect("entry").path()).collect()
 }
 
-/// The files among `files` whose names begin with `kind`.
+/// Returns the files among `files` whose names begin with `kind`.
 fn kept_as(files: &[PathBuf], kind: &str) -> Vec<PathBuf> {
     let name = |file: &&PathBuf| {
         file.file_name()
@@ -289,7 +289,7 @@ fn a_scene_from_the_cache_is_the_same_scene() {
     };
     assert_eq!(again().expect("compiles"), built);
     assert_eq!(*stages.borrow(), "done", "the scene was read whole");
-    // From the trees alone.
+    // The scene is compiled from the trees alone.
     fs::remove_file(&kept_as(&kept, "scene-")[0]).expect("removed");
     assert_eq!(again().expect("compiles"), built);
     assert!(
@@ -309,7 +309,7 @@ fn a_scene_from_the_cache_is_the_same_scene() {
         kept.iter()
             .all(|file| fs::metadata(file).expect("file").len() > 100)
     );
-    // A cache that cannot be written is a remark, not a failure.
+    // A cache that cannot be written is a warning, not a failure.
     let blocked = dir.path().join("file");
     fs::write(&blocked, b"").expect("written");
     let compiled = compile_default(
@@ -322,7 +322,7 @@ fn a_scene_from_the_cache_is_the_same_scene() {
     )
     .expect("compiles");
     assert!(
-        compiled.warnings[0].contains("cannot keep the built tree"),
+        compiled.warnings[0].contains("cannot cache the built tree"),
         "{:?}",
         compiled.warnings
     );
@@ -338,7 +338,7 @@ fn a_mirror_from_numbers_is_a_tool() {
     let scene = compile(dir.path(), &text).expect("compiles").scene;
     let tool = &scene.tools[0];
     assert!((tool.working_point.norm() - 0.09).abs() < 1e-12 && tool.bands.is_empty());
-    // Only disc and neck touch, the whole instrument is shown.
+    // Only disc and neck touch; the whole instrument is displayed.
     assert!(tool.tree.lever_from(&tool.working_point) < 0.035);
     let heights = tool.mesh.vertices.iter().map(|v| v[2]);
     assert!(heights.fold(f32::MIN, f32::max) > 0.06);

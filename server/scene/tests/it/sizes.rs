@@ -1,4 +1,4 @@
-//! Sizes and units: a mesh of implausible size is refused, and the message names the unit that would make sense.
+//! Sizes and units: a mesh of implausible size is refused, and the message names plausible units.
 
 use std::path::Path;
 
@@ -44,7 +44,7 @@ fn a_tooth_in_inches_is_refused_and_read_in_its_unit() {
         "{:?}",
         solid.report
     );
-    // As it is, where that is meant.
+    // A request for any size accepts it.
     read_solid(&file, reading(Unit::Millimetre, Size::Any)).expect("a grain");
 }
 
@@ -63,7 +63,7 @@ fn every_kind_is_taken_in_its_own_unit_and_refused_in_each_other() {
             let file = dir
                 .path()
                 .join(format!("{}-{}.stl", size.name(), drawn.symbol()));
-            // (To STL goes in millimetres.)
+            // STL is written in millimetres.
             let numbers = mesh.clone().placed(1e-3 / drawn.metres(), Vec3::zeros());
             std::fs::write(&file, to_stl(&numbers)).expect("written");
             for read in Unit::ALL {
@@ -110,7 +110,7 @@ fn units_and_kinds_are_read_as_they_are_written() {
     );
 }
 
-/// A scene with one object from `tooth.stl` of this size; `more` are further keys.
+/// Returns the warnings of a scene with one object from `tooth.stl` of this size; `more` are further keys.
 fn scene(folder: &Path, long_mm: f64, more: &str) -> Result<Vec<String>, String> {
     let mesh = ellipsoid(Vec3::new(0.3, 0.3, 0.5) * long_mm * 1e-3, 2);
     std::fs::write(
@@ -145,7 +145,7 @@ fn scene_files_judge_a_mesh_by_its_object_and_pass_on_notes() {
         said.contains("4 to 45 mm for a tooth") && said.contains("unit = \"in\""),
         "{said}"
     );
-    // A jaw for a tooth; without a number it is anything in a mouth.
+    // A jaw instead of a tooth; without a number it is any object in a mouth.
     let said = at(110.0, "unit = \"mm\"\nfdi = 36").expect_err("a jaw");
     assert!(said.contains("4 to 45 mm for a tooth"), "{said}");
     at(110.0, "unit = \"mm\"").expect("a jaw");

@@ -1,5 +1,5 @@
-//! No mesh causes a panic, however strange: heaps of random triangles, and closed surfaces that are
-//! thin as paper, cross themselves or have triangles without area.
+//! No mesh causes a panic: random triangles, and closed surfaces that are as thin as paper, cross themselves or have
+//! triangles without area.
 
 use proptest::prelude::*;
 use sulcus_core::Vec3;
@@ -10,7 +10,7 @@ use sulcus_scene::mesh::repair::repair;
 use sulcus_scene::mesh::shapes::{cuboid, icosphere};
 use sulcus_scene::tree::build::{TreeBuildError, TreeOptions, build_tree};
 
-/// Builds a small tree; that it does not panic is the test, that it is whole comes with it.
+/// Builds a small tree. The test is that it does not panic, and that a built tree is whole.
 fn build(mesh: &TriMesh, samples: usize) {
     let options = TreeOptions {
         levels: 2,
@@ -19,9 +19,9 @@ fn build(mesh: &TriMesh, samples: usize) {
     };
     let tree = match build_tree(mesh, &options, &|_, _| ()) {
         Ok(tree) => tree,
-        // Closed and not flat, but with no place inside that its own digits can tell from outside.
+        // Closed and not flat, but rounding hides its inside.
         Err(TreeBuildError::TooThin) => return,
-        // One that crosses itself, or that is thinner than so few spheres can follow.
+        // A surface that crosses itself, or is too thin for so few spheres.
         Err(TreeBuildError::Volume { .. }) => return,
         Err(error) => panic!("a tree for what passed the check: {error}"),
     };
@@ -30,7 +30,7 @@ fn build(mesh: &TriMesh, samples: usize) {
     }
 }
 
-/// Repairs, checks and, where that is passed, builds. Returns whether it was a solid.
+/// Repairs, checks and, if the mesh passes, builds. Returns whether it was a solid.
 fn survive(mesh: TriMesh, samples: usize) -> bool {
     let (mesh, repairs) = repair(mesh);
     assert_eq!(repairs.is_empty(), repairs.sentences().is_empty());
@@ -75,7 +75,7 @@ fn soup() -> impl Strategy<Value = TriMesh> {
     })
 }
 
-/// A closed surface that may be anything but nice: a ball whose vertices were moved, most flattened.
+/// A closed surface with faults: a ball whose vertices were moved, most of them flattened.
 fn ugly() -> impl Strategy<Value = TriMesh> {
     let scale = || {
         prop_oneof![
@@ -117,7 +117,7 @@ proptest! {
 
     #[test]
     fn heaps_of_random_triangles_never_panic(mesh in soup(), samples in 500_usize..1000) {
-        // As it is, as a file, and unrepaired.
+        // Unchanged, as a file, and unrepaired.
         let _ = check(&mesh, "soup");
         let bytes = to_stl(&mesh);
         survive(mesh, samples);
@@ -200,7 +200,7 @@ fn needles_caps_and_crossings_give_trees() {
     };
     let mut crossed = icosphere(4e-3, 2);
     for vertex in crossed.vertices.iter_mut().step_by(5) {
-        // Through the middle and out on the other side, some of the way.
+        // Through the middle to the other side.
         *vertex *= -0.3;
     }
     let far = icosphere(2e-3, 2).placed(1.0, Vec3::new(100.0, -70.0, 3.0));

@@ -1,4 +1,4 @@
-//! OBJ as programs really write it: comments anywhere, any end of a line, lines that go on.
+//! OBJ files of real programs: comments anywhere, any end of a line, continued lines.
 
 use std::path::Path;
 

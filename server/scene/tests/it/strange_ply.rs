@@ -1,4 +1,4 @@
-//! PLY as programs really write it: CR alone, strips of triangles, names that are there twice.
+//! PLY files of real programs: CR alone, strips of triangles, repeated names.
 
 use std::path::Path;
 
@@ -56,7 +56,8 @@ fn number(order: char, little: &[u8]) -> Vec<u8> {
     }
 }
 
-/// PLY of a mesh in mm, with more properties of a vertex before and behind the place, as uchar; lines end in `end`.
+/// Returns the PLY of a mesh in mm, with more properties of a vertex before and behind the place, as uchar. Lines end
+/// in `end`.
 fn ply(
     mesh: &TriMesh,
     order: char,
@@ -205,7 +206,7 @@ fn a_second_coordinate_list_of_corners_or_surface_is_refused_by_line() {
         "\nelement face 3\nproperty list uchar int vertex_indices\nend_header",
     );
     assert!(said.contains("`element face 3` a second time"), "{said}");
-    // The same text in two elements, or an element of no surface twice, is no fault.
+    // The same text in two elements, or two equal elements of no surface, is no fault.
     let twice = good.replacen(
         "\nend_header",
         "\nelement edge 0\nproperty int x\nelement edge 0\nproperty int x\nend_header",

@@ -1,4 +1,4 @@
-//! STL as programs really write it: bytes behind the triangles, headers that begin with `solid`, counts that lie.
+//! STL files of real programs: bytes behind the triangles, headers that begin with `solid`, wrong counts.
 
 use std::path::Path;
 
@@ -81,7 +81,7 @@ fn any_header_before_and_any_bytes_behind_are_read_alike() {
         );
         for bytes in behind {
             let file = [with_header(box_.clone(), header, fill), bytes.to_vec()].concat();
-            // Whatever it is called.
+            // The name of the file has no effect.
             for name in ["a.stl", "a", "a.obj", "a.txt"] {
                 let found =
                     parse_mesh(file.clone(), Path::new(name), Unit::Millimetre).expect(header);
@@ -218,7 +218,7 @@ fn a_fault_in_an_ascii_file_is_told_with_its_line_and_whatever_ends_the_lines() 
             assert!(said.contains(told), "{name}, line {line}: {said}");
         }
     }
-    // Normals are not needed, and of triangles without area they are often no numbers.
+    // Normals are not needed. For triangles without area they are often NaN.
     for normal in ["nan nan nan", "-nan(ind) 0 0", "inf 0 0"] {
         let odd = text.replace("normal 0 0 1", &format!("normal {normal}"));
         assert_eq!(

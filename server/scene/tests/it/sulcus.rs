@@ -1,24 +1,24 @@
-//! Gingivae that are meshes: the sulcus that sounding finds, and what a scene file may say of it.
+//! Gingivae that are meshes: the sounded sulcus, and its keys in a scene file.
 
 use std::fs;
 use std::path::Path;
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::Site;
-use sulcus_scene::anatomy::sulcus::{Sounded, Sulcus, SulcusError};
-use sulcus_scene::anatomy::{Collar, Molar, Pocket};
-use sulcus_scene::file::{FileError, parse};
+use sulcus_scene::anatomy::sulcus::{Sounded, SulcusError};
+use sulcus_scene::anatomy::{Molar, MolarCollar, Pocket};
+use sulcus_scene::file::{FileError, SulcusEntry, parse};
 use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::mesh::load::to_stl;
 use sulcus_scene::{BuildOptions, compile_file};
 
-/// How much higher than the prescribed depth a drawn floor lies, metres.
+/// Height of a drawn floor over the prescribed depth, metres.
 const SINK: f64 = 4.5e-4;
 
 fn drawn(pocket: &Pocket) -> (MeshDistance, TriMesh) {
     let tooth = MeshDistance::new(Molar::default().mesh());
-    let mesh = Collar::new(pocket, &tooth, SINK).mesh();
+    let mesh = MolarCollar::new(pocket, &tooth, SINK).mesh();
     (tooth, mesh)
 }
 
@@ -29,11 +29,11 @@ fn sounding_finds_the_floor_the_width_and_the_depths_that_were_drawn() {
         ..Pocket::default()
     };
     let (tooth, mesh) = drawn(&pocket);
-    let collar = Collar::new(&pocket, &tooth, SINK);
-    let given = Sulcus {
+    let collar = MolarCollar::new(&pocket, &tooth, SINK);
+    let given = SulcusEntry {
         origin_mm: Some([0.0; 3]),
         proximal_deg: 80.0,
-        ..Sulcus::default()
+        ..SulcusEntry::default()
     };
     let found = Sounded::new(&tooth, &MeshDistance::new(mesh.clone()), 36, &given).expect("found");
     let mut worst: f64 = 0.0;
@@ -52,7 +52,7 @@ fn sounding_finds_the_floor_the_width_and_the_depths_that_were_drawn() {
     let proximal = given.proximal_deg.to_radians();
     let sites = found.charted(proximal, SINK, false);
     for (site, charted) in Site::ALL.into_iter().zip(sites) {
-        // What was drawn is deepest in the site's zone somewhere, not always in its middle.
+        // The drawn floor is deepest somewhere in the site's zone, not always in its middle.
         let angles = (0..3600).map(|k| f64::from(k).to_radians() * 0.1);
         let zone = angles.filter(|around| Site::at(*around, proximal) == site);
         let drawn = zone.fold(0.0, |deep: f64, around| deep.max(collar.depth(around)));
@@ -64,8 +64,13 @@ fn sounding_finds_the_floor_the_width_and_the_depths_that_were_drawn() {
         );
         assert!((charted.depth - drawn).abs() < 0.1e-3);
     }
-    // Found as well where nothing is given, for the frame moves to the middle of the tooth and down from its margin.
-    let alone = Sounded::new(&tooth, &MeshDistance::new(mesh), 36, &Sulcus::default());
+    // Sounding also works without given values: the frame moves to the middle of the tooth and down from its margin.
+    let alone = Sounded::new(
+        &tooth,
+        &MeshDistance::new(mesh),
+        36,
+        &SulcusEntry::default(),
+    );
     let alone = alone.expect("found");
     assert!(alone.frame.origin.x.hypot(alone.frame.origin.y) < 1e-3);
     assert!(
@@ -83,11 +88,11 @@ fn sounding_finds_the_floor_the_width_and_the_depths_that_were_drawn() {
 fn frames_follow_the_quadrant() {
     let (tooth, mesh) = drawn(&Pocket::default());
     let mesh = MeshDistance::new(mesh);
-    let given = Sulcus {
+    let given = SulcusEntry {
         origin_mm: Some([0.0; 3]),
         floor_mm: Some(-2.0),
         width_mm: Some(0.4),
-        ..Sulcus::default()
+        ..SulcusEntry::default()
     };
     let frame = |fdi| {
         Sounded::new(&tooth, &mesh, fdi, &given)
@@ -110,7 +115,7 @@ fn what_has_no_sulcus_is_refused_in_words() {
         mesh.clone()
             .placed(1.0, sulcus_core::Vec3::new(0.1, 0.0, 0.0)),
     );
-    let error = Sounded::new(&tooth, &away, 36, &Sulcus::default()).expect_err("far away");
+    let error = Sounded::new(&tooth, &away, 36, &SulcusEntry::default()).expect_err("far away");
     assert!(matches!(error, SulcusError::NoMargin { .. }), "{error}");
     assert!(error.to_string().contains("no tissue within 1.5 mm"));
 }

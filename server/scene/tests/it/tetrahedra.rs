@@ -1,4 +1,4 @@
-//! Tetrahedra for closed surfaces: whether they are a mesh, follow the surface, keep their angles, and bear loads.
+//! Tetrahedra for closed surfaces: valid meshes that follow the surface, keep their angles, and bear loads.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use sulcus_scene::organ::tetrahedra::{TetraError, boundary, dihedral_angles, hol
 /// Over all ways to be cut; see the lattice's own test.
 const ANGLES: [f64; 2] = [10.5, 163.8];
 
-/// Checks everything that holds for any surface; the mesh and the share of volume that it has more than the surface.
+/// Checks all that holds for any surface. Returns the mesh and its excess of volume over the surface, as a share.
 fn filled(name: &str, surface: &TriMesh, size: f64) -> (TetMesh, f64) {
     let distance = MeshDistance::new(surface.clone());
     let started = std::time::Instant::now();
@@ -273,8 +273,10 @@ fn tetrahedra_of_real_organs() {
     }
 }
 
-/// Force (N) on each node from a load of 1 N along z, down on what faces up or up on what faces down, spread about `at` as a
-/// bell of `width`: quadratic triangles with their middle nodes as points of integration.
+/// Returns the force (N) on each node from a load of 1 N along z, on the faces towards it.
+///
+/// The load is down or up, spread about `at` as a bell of `width`. Quadratic triangles with their middle nodes as
+/// points of integration are used.
 fn load(mesh: &TetMesh, at: Vec3, width: f64, down: bool) -> Vec<Vec3> {
     let bits = |x: Vec3| [x.x, x.y, x.z].map(f64::to_bits);
     let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];
@@ -295,10 +297,13 @@ fn load(mesh: &TetMesh, at: Vec3, width: f64, down: bool) -> Vec<Vec3> {
     forces.iter().map(|f| f / whole).collect()
 }
 
-/// A load on the back of a tongue held by its root below, and a squeeze between back and underside; how far they move along
-/// their own direction. The squeeze tells of the tetrahedra: it is the same at any size. The load also tells which nodes
-/// happen to lie in the small region that is held, whose edge no lattice follows (at 3.5 and 3 mm it sinks by 95.3 and 95.4
-/// mm/N): the bound says how much that matters at these sizes.
+/// A load on the back of a tongue held by its root below, and a squeeze between back and underside; displacements
+/// along their own directions.
+///
+/// The squeeze tests the tetrahedra: it is the same at any size.
+///
+/// The load also depends on the nodes in the small held region, whose edge no lattice follows: at 3.5 and 3 mm it
+/// sinks by 95.3 and 95.4 mm/N. The bound covers this effect at these sizes.
 #[test]
 fn tetrahedra_of_the_tongue_bear_loads_alike_at_any_size() {
     let surface = Tongue::default().mesh();

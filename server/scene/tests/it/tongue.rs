@@ -1,4 +1,4 @@
-//! Tongues from scene files: what comes out, what is refused.
+//! Tongues from scene files: results and refusals.
 
 use std::fs;
 use std::path::Path;

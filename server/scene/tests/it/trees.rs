@@ -1,5 +1,5 @@
-//! Sphere trees against the meshes they stand for, measured by code that the builder does not use. Real teeth and
-//! tongues, instruments and importance are among the long proofs.
+//! Sphere trees against their meshes, measured by code that the builder does not use. Real teeth and tongues,
+//! instruments and importance are among the long proofs.
 
 use std::sync::Mutex;
 
@@ -60,8 +60,9 @@ fn a_ball_is_one_sphere() {
     assert!((tree.nodes()[0].contact_radius - 5e-3).abs() < 0.03e-3);
 }
 
-/// Builds a part and holds its finest level, and the ones above that are named, to bounds in millimetres:
-/// level; mesh to spheres mean and max; spheres to mesh max. Maxima are proven, not sampled.
+/// Builds a part and checks its finest level, and the named ones above, against bounds in millimetres.
+///
+/// A bound is a level, mesh to spheres mean and max, and spheres to mesh max. Maxima are proven, not sampled.
 pub fn assert_part(name: &str, levels: u8, bounds: &[(u8, f64, f64, f64)]) {
     let part = crate::meshes::part(name);
     let Some(mesh) = part.mesh() else { return };
@@ -93,7 +94,7 @@ fn a_skeleton_has_nodes_through_the_depth_and_children_at_the_surface_only() {
     assert!(low >= 10 && high >= 10, "{low} low, {high} high");
     let distance = MeshDistance::new(mesh.clone());
     for node in second.iter().filter(|n| n.children == 0) {
-        // What stays as it is at finer levels must not stick out.
+        // Spheres that stay at finer levels must not stick out.
         assert!(distance.signed(&node.centre) + node.contact_radius < 0.1e-3);
     }
     assert_within(&mesh, &tree, 3, 0.05, 0.4, 0.4);

@@ -1,6 +1,6 @@
 //! What the bench asks of an engine, and its times: thread CPU time around the one call that is a tick.
 
-use rustix::time::{ClockId, clock_gettime};
+use sulcus_cases::timing::cpu_ns;
 use sulcus_core::{Pose, Vec3};
 
 /// What an engine says after a tick.
@@ -55,12 +55,6 @@ pub struct Entrant {
     pub make: Box<dyn Fn() -> Box<dyn Engine>>,
 }
 
-/// Thread CPU time, nanoseconds.
-fn cpu_ns() -> u64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
-}
-
 /// Ticks that one engine makes before it is the next one's turn: a busy neighbour slows all of them.
 const TURN: usize = 500;
 
@@ -96,34 +90,4 @@ pub fn times(entrants: &[Entrant], path: &[Pose], runs: usize) -> Vec<Vec<u64>> 
         }
     }
     best
-}
-
-/// Percentiles, microseconds.
-#[derive(Clone, Copy, Debug)]
-pub struct Percentiles {
-    /// Half of the ticks take no longer.
-    pub p50: f64,
-    /// 99 of 100.
-    pub p99: f64,
-    /// 999 of 1000.
-    pub p999: f64,
-    /// All.
-    pub max: f64,
-}
-
-impl Percentiles {
-    /// Of these times, nanoseconds; zeros where there are none.
-    pub fn of(mut times: Vec<u64>) -> Self {
-        times.sort_unstable();
-        let at = |q: f64| {
-            let k = (times.len().saturating_sub(1) as f64 * q) as usize;
-            times.get(k).map_or(0.0, |ns| *ns as f64 * 1e-3)
-        };
-        Self {
-            p50: at(0.5),
-            p99: at(0.99),
-            p999: at(0.999),
-            max: at(1.0),
-        }
-    }
 }

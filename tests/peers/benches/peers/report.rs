@@ -1,8 +1,8 @@
 //! What the rows say: a table for people, JSON for the report, and the ratios that were promised, held or not.
 
 use serde_json::{Value, json};
+use sulcus_cases::statistics::Percentiles;
 
-use crate::engine::Percentiles;
 use crate::scene::Row;
 
 /// What the names of rows begin with, or say.

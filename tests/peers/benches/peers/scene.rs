@@ -1,8 +1,9 @@
 //! A scene with its path, its entrants and how deep the tool is in what it touches; from it the rows of the table.
 
+use sulcus_cases::statistics::{Percentiles, percentiles_us};
 use sulcus_core::{Pose, Vec3};
 
-use crate::engine::{Engine, Entrant, Percentiles, Shown, times};
+use crate::engine::{Engine, Entrant, Shown, times};
 
 /// Says how deep the shown tool is in what the engine shows of the object, metres: above 0 in it, below 0 apart from it. The
 /// points are the surface's, where it yields.
@@ -96,8 +97,8 @@ impl Scene {
         Row {
             scene: self.name,
             engine: entrant.name.clone(),
-            touching: Percentiles::of(touching.collect()),
-            all: Percentiles::of(times),
+            touching: percentiles_us(touching),
+            all: percentiles_us(times.iter().copied()),
             penetration: deepest.max(0.0),
             apart,
             residual,

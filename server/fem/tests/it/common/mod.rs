@@ -1,6 +1,6 @@
-//! Blocks, loads on them, and where the reference is.
+//! Blocks with loads, and the place of the reference solutions.
 
-// Each test file uses its own part.
+// Each test file uses a part of this module.
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use sulcus_fem::files::{ForceColumns, read_displacements, read_forces};
 use sulcus_fem::msh::{Unit, read_msh};
 use sulcus_fem::{Elastic, TetMesh};
 
-/// The folder of reference solutions; none where the data is absent.
+/// Folder of reference solutions; `None` if the data is absent.
 pub fn reference() -> Option<PathBuf> {
     sulcus_support::data("fem")
 }
@@ -42,13 +42,13 @@ pub fn off(folder: &Path, case: &str, moved: &[Vec3]) -> f64 {
     off / most
 }
 
-/// What the reference solutions were computed with.
+/// Material of the reference solutions.
 pub const TONGUE: Elastic = Elastic {
     young: 1e5,
     poisson: 0.49,
 };
 
-/// A block of `cells` boxes, each of six tetrahedra, of `size` metres, one corner at the origin.
+/// A block of `cells` boxes, each of six tetrahedra, of `size` metres. One corner is at the origin.
 pub fn block(cells: [usize; 3], size: Vec3) -> TetMesh {
     let [nx, ny, nz] = cells;
     let id = |i: usize, j: usize, k: usize| (i + (nx + 1) * (j + (ny + 1) * k)) as u32;
@@ -66,7 +66,7 @@ pub fn block(cells: [usize; 3], size: Vec3) -> TetMesh {
         for j in 0..ny {
             for i in 0..nx {
                 let c = |bits: usize| id(i + (bits & 1), j + (bits >> 1 & 1), k + (bits >> 2));
-                // Round the diagonal from 0 to 7.
+                // Ring around the diagonal from 0 to 7.
                 let ring = [1, 3, 2, 6, 4, 5];
                 for s in 0..6 {
                     tets.push([c(0), c(ring[s]), c(ring[(s + 1) % 6]), c(7)]);
@@ -84,8 +84,9 @@ pub fn nodes(mesh: &TetMesh, on: impl Fn(&Vec3) -> bool) -> Vec<usize> {
         .collect()
 }
 
-/// A uniform traction (Pa) on the face of the block at `x = end`, as consistent forces: a third of a triangle's share on each
-/// of its edges' middles, nothing on its corners.
+/// Forces of a uniform traction (Pa) on the face of the block at `x = end`.
+///
+/// Consistent forces are a third of a triangle's share on the middle of each edge, and zero on its corners.
 pub fn pull(mesh: &TetMesh, end: f64, traction: Vec3) -> Vec<Vec3> {
     let mut forces = vec![Vec3::zeros(); mesh.nodes.len()];
     let on = |node: u32| (mesh.nodes[node as usize].x - end).abs() < 1e-12;
@@ -124,8 +125,8 @@ pub fn try_text(
     read_msh(&path, Unit::Metre, volume).map_err(|error| error.to_string())
 }
 
-/// One tetrahedron of four nodes with tags far apart, one node that it has not, a triangle that is held, line ends of another
-/// system, a section that nobody knows.
+/// One tetrahedron of four nodes with tags far apart, an unused node, a held triangle, line ends of another system,
+/// and an unknown section.
 pub const ONE: &str =
     "$MeshFormat\r\n2.2 0 8\r\n$EndMeshFormat\r\n$Comments\nanything $Nodes\n$EndComments
 $PhysicalNames\n2\n2 5 \"fixed\"\n3 6 \"one\"\n$EndPhysicalNames

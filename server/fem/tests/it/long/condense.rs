@@ -1,4 +1,4 @@
-//! A condensed organ in the tick against the finite elements that it comes from.
+//! Comparison of a condensed organ in the tick with its finite elements.
 
 use crate::common::reference;
 use sulcus_core::tissue::surface::SurfaceParams;
@@ -13,13 +13,13 @@ const YOUNG: f64 = 1e5;
 struct Organ {
     tissue: Box<dyn Tissue>,
     state: Vec<f64>,
-    /// Node of the tree at each place, and rest of each node.
+    /// Node of the tree at each place, and rest place of each node.
     nodes: Vec<u32>,
     rest: Vec<Vec3>,
 }
 
 impl Organ {
-    /// Where the places go under forces (N), when all has come to rest.
+    /// Returns the places at rest under forces (N).
     fn settle(&mut self, forces: &[Vec3]) -> Vec<Vec3> {
         let hands = Hands {
             tools: [None; MAX_TOOLS],
@@ -152,7 +152,7 @@ fn on_a_real_tongue_it_is_as_near_to_linear_and_neo_hookean_elements_as_it_must_
                     "{name}_{kind}_{newtons}N: {:.2} mm, rms {rms:.2} %, relative {rel:.2} %",
                     most * 1e3
                 );
-                // The issue's bounds.
+                // Bounds of the issue.
                 let bound = match kind {
                     "lin" => 2.0,
                     _ if most <= 10e-3 => 4.0,

@@ -1,4 +1,4 @@
-//! Large displacements against the reference solutions of a tongue (checked there against CalculiX).
+//! Comparison of large displacements with the reference solutions of a tongue, which were checked against CalculiX.
 
 use crate::common::{TONGUE, load, off, reference};
 use sulcus_fem::files::read_mesh;

@@ -1,37 +1,31 @@
-//! What fills the space between a molar's roots, where the pocket's floor lies below its entrance.
+//! Tissue between a molar's roots, for a pocket whose floor lies below the entrance.
 //!
-//! Hamp, Nyman and Lindhe (Journal of Clinical Periodontology 2:126, 1975) grade a furcation by how far a probe goes in
-//! horizontally: degree I up to 3 mm, II farther but not through, III through. So there is attached tissue farther in than the
-//! degree says, as high as the roof, and before it a bed as high as the pocket's floor. Where the floor is above the
-//! entrance nothing of this can be met, and nothing is laid out.
+//! Hamp, Nyman and Lindhe (Journal of Clinical Periodontology 2:126, 1975) grade a furcation by the horizontal reach
+//! of a probe. Degree I is up to 3 mm, II is farther but not through, III is through.
+//!
+//! Behind the reach of the degree stands attached tissue as high as the roof. Before it lies a bed as high as the
+//! pocket's floor.
+//!
+//! A probe cannot meet this tissue if the floor is above the entrance. Then no spheres are made.
 
 use sulcus_core::{Sphere, Vec3};
 
-use super::{Collar, Packed};
+use super::{Collar, Entrance, Packed};
 use crate::anatomy::tooth::Furcation;
 
-/// How far in a probe goes at each degree, mm, from the outline that bridges the entrance. Degree 0: flush.
+/// Reach of a probe at each degree, mm, from the outline that bridges the entrance. Degree 0 is flush.
 const ENTERED: [f64; 4] = [0.15, 2.0, 4.0, f64::INFINITY];
-/// Tissue that stays between two entrances that are not through, mm.
+/// Least tissue between two entrances that are not through, mm.
 const LEAST_BETWEEN: f64 = 0.9;
-/// Radius of the spheres, and the distance between them, mm: no tip goes through between four.
+/// Radius of the spheres, and distance between them, mm. No tip passes between four of them.
 const RADIUS: f64 = 0.42;
 const APART: f64 = 0.6;
-/// How far inside a root the middle of a sphere may lie, mm: farther it is of no use.
+/// Largest depth of a sphere's centre inside a root, mm. A deeper sphere has no effect.
 const INTO_ROOT: f64 = 0.25;
-/// Farthest from the entrance's middle towards mesial and distal that is still between the roots, mm.
+/// Largest distance from the entrance's middle towards mesial and distal that is between the roots, mm.
 const ASIDE: f64 = 2.2;
 
-/// An entrance and what the chart says of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entrance {
-    /// Where it is.
-    pub furcation: Furcation,
-    /// Degree, 0 to 3.
-    pub degree: u8,
-}
-
-/// The spheres between the roots.
+/// Returns the spheres between the roots.
 pub(super) fn between_roots(collar: &Collar) -> Vec<Packed> {
     let mut packed = Vec::new();
     let open: Vec<Open> = collar
@@ -62,13 +56,13 @@ pub(super) fn between_roots(collar: &Collar) -> Vec<Packed> {
 struct Open {
     /// 1 buccal, -1 lingual.
     side: f64,
-    /// Middle, mesial positive.
+    /// Middle, positive towards mesial.
     middle: f64,
-    /// How far from the axis plane the outline is.
+    /// Distance of the outline from the axis plane.
     outline: f64,
     roof: f64,
     floor: f64,
-    /// How far in a probe goes.
+    /// Reach of a probe.
     entered: f64,
 }
 
@@ -91,7 +85,7 @@ impl Open {
     fn bed(&self, collar: &Collar, entered: f64, packed: &mut Vec<Packed>) {
         let mut inwards = RADIUS;
         while inwards < entered + RADIUS {
-            // A second layer, half a step on, so that a tip pressed down between four spheres meets one.
+            // The second layer is shifted by half a step: a tip pressed down between four spheres meets one of it.
             for (below, set_off) in [(0.0, 0.0), (APART, 0.5 * APART)] {
                 let z = self.floor - RADIUS - below;
                 self.row(collar, inwards + set_off, z, -1.0, packed);
@@ -102,7 +96,7 @@ impl Open {
 
     /// Tissue from the floor up to the roof, `entered` from the outline and as thick as `between`.
     fn plug(&self, collar: &Collar, entered: f64, between: f64, packed: &mut Vec<Packed>) {
-        // The second layer does not come out on the other side.
+        // The second layer must not come out on the other side.
         let layers = [RADIUS, (RADIUS + APART).min(between - RADIUS)];
         let mut z = self.floor - RADIUS;
         while z < self.roof + RADIUS {
@@ -113,7 +107,7 @@ impl Open {
         }
     }
 
-    /// A row of spheres from root to root. `facing` 1: its surface is towards the outline, -1: upwards.
+    /// Adds a row of spheres from root to root. `facing` 1: its surface is towards the outline, -1: upwards.
     fn row(&self, collar: &Collar, inwards: f64, z: f64, facing: f64, packed: &mut Vec<Packed>) {
         let steps = (ASIDE / APART).floor() as i32;
         for k in -steps..=steps {
@@ -150,12 +144,13 @@ mod tests {
 
     use super::*;
     use crate::anatomy::collar::pack;
-    use crate::anatomy::mouth::{MouthEntry, Standing, collar, standing};
+    use crate::anatomy::mouth::{Standing, collar, standing};
     use crate::anatomy::patient::{Furcations, LOWER, Sides, ToothChart};
+    use crate::file::MouthEntry;
 
     const TIP: f64 = 0.25;
 
-    /// The collars of a tooth that has lost 6 mm all round, by degree, 0 to 3.
+    /// Collars of a tooth with an attachment loss of 6 mm all round, by degree, 0 to 3.
     fn collars(all: &[Standing], fdi: u8) -> Vec<Collar> {
         let k = LOWER
             .iter()
@@ -185,7 +180,7 @@ mod tests {
         made.collect()
     }
 
-    /// How far a tip goes from `from` along `way` before it meets tissue, mm; at most `most`.
+    /// Returns the free way of a tip from `from` along `way` up to tissue, mm, at most `most`.
     fn free(packed: &[Packed], from: Vec3, way: Vec3, most: f64) -> f64 {
         let met = |at: Vec3| {
             let gap = |p: &Packed| (p.sphere.centre * 1e3 - at).norm() - p.sphere.radius * 1e3;
@@ -208,7 +203,7 @@ mod tests {
                     let open = Open::new(collar, entrance);
                     assert!(open.roof - open.floor > 1.0, "{fdi}: it is open");
                     let z = 0.5 * (open.floor + open.roof);
-                    // In the pocket, hardly off its wall.
+                    // A place in the pocket, close to its wall.
                     let outside = 0.1;
                     let from = Vec3::new(open.middle, open.side * (open.outline + outside), z);
                     let through = 2.0 * open.outline;
@@ -220,7 +215,7 @@ mod tests {
                         let most = open.outline - 0.5 * LEAST_BETWEEN;
                         let off = entered - ENTERED[degree].min(most);
                         assert!(off.abs() < 0.25, "{fdi} degree {degree}: {entered}");
-                        // And there it stands on a bed as high as the pocket's floor.
+                        // The tip stands there on a bed as high as the pocket's floor.
                         let half_way = from - Vec3::y() * (open.side * (0.5 * gone + TIP));
                         let down = free(&packed, half_way, -Vec3::z(), 5.0);
                         let bed = z - down - TIP - open.floor;

@@ -1,38 +1,44 @@
-//! The gingiva of one tooth: a collar with a pocket between itself and the tooth.
+//! The gingiva of one tooth: a collar with a pocket between collar and tooth.
 //!
-//! Frame: the tooth's (x mesial, y buccal, z occlusal, origin on its axis at the buccal CEJ), millimetres. All of the shape
-//! is radial: at an angle and a height the pocket's wall stands at the tooth's surface (its convex section, so that tissue
-//! bridges furcations) plus the pocket's width; the outer face follows the tooth, and, towards a neighbour, the common
-//! outline of both, up to a plane through their contact point. Between them the papilla fills what room there is under
-//! the contact: less in the middle than at both sides, which makes the col. Below the floor tissue is attached, and so is what
-//! fills the space between roots ([`Entrance`]).
+//! Frame: the tooth's, in millimetres. x is mesial, y buccal, z occlusal; the origin lies on the axis at the buccal
+//! CEJ.
+//!
+//! The shape is radial: surfaces are distances from the axis by angle and height.
+//!
+//! - The pocket's wall is the convex section of the tooth plus the pocket's width. The convex section bridges
+//!   furcations.
+//! - The outer face follows the tooth. Towards a neighbour it follows the common outline of both, up to a plane
+//!   through their contact point.
+//! - The papilla fills the room under the contact. It is lower in the middle than at both sides, which makes the col.
+//! - Tissue below the floor is attached, and so is tissue between the roots ([`Entrance`]).
 
 mod furcation;
 mod packing;
+mod profile;
 mod skin;
-mod sulcus;
 
-pub use furcation::Entrance;
-pub use packing::{Packed, pack};
+pub use packing::pack;
+pub use profile::SulcusProfile;
 pub use skin::skin;
-pub use sulcus::Sulcus;
+
+use sulcus_core::{Sphere, Vec3};
 
 use super::sections::Sections;
-use super::tooth::Tooth;
+use super::tooth::{Furcation, Tooth};
 use crate::mesh::implicit::ramp;
 
 /// Sizes of a collar, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollarSizes {
-    /// Width between tooth and gingiva at rest. A real one is about 0.4, and a probe's tip 0.5.
+    /// Width between tooth and gingiva at rest. A real width is about 0.4; a probe's tip has 0.5.
     pub width: f64,
     /// Thickness of the free margin.
     pub crest: f64,
-    /// Thickness of the wall farther down.
+    /// Thickness of the wall further down.
     pub wall: f64,
-    /// Height of the base, where what lies below begins.
+    /// Height of the base, above the jaw.
     pub base: f64,
-    /// How much higher than the prescribed depth the floor lies at rest.
+    /// Height of the floor at rest over the prescribed depth.
     pub sink: f64,
 }
 
@@ -43,20 +49,20 @@ pub struct Neighbour {
     pub contact: [f64; 2],
     /// Unit normal of the plane between both teeth, towards the neighbour.
     pub normal: [f64; 2],
-    /// How far the outer face lies from the contact point along the plane, buccally and lingually, by height.
+    /// Distance of the outer face from the contact point along the plane, buccally and lingually, by height.
     pub faces: [Face; 2],
-    /// The neighbour's FDI number, and which of its ends stands here (0 mesial, 1 distal).
+    /// The neighbour's FDI number, and its end at this side (0 mesial, 1 distal).
     pub end: (u8, usize),
-    /// Height that the neighbour's floor is read at where it is deepest beside the plane, buccally and lingually; of no concern
-    /// when left at infinity.
+    /// Height at which the neighbour's floor is read where it is deepest beside the plane, buccally and lingually.
+    /// Infinity has no effect.
     pub floors: [f64; 2],
 }
 
 impl Neighbour {
-    /// Where the outer face of a side meets the plane at a height, across the axis, mm.
+    /// Returns the corner of a side's outer face and the plane at a height, across the axis, mm.
     pub fn corner(&self, lingual: bool, z: f64) -> [f64; 2] {
         let [nx, ny] = self.normal;
-        // Along the plane, towards that side: buccal is y.
+        // Direction along the plane towards that side; buccal is y.
         let side = if (nx < 0.0) == lingual { 1.0 } else { -1.0 };
         let (ax, ay) = (-ny * side, nx * side);
         let face = self.faces[usize::from(lingual)].at(z);
@@ -64,7 +70,7 @@ impl Neighbour {
     }
 }
 
-/// The outer face's distance by height: linear between heights at equal steps.
+/// Distance of the outer face by height: linear between heights at equal steps.
 #[derive(Clone, Debug)]
 pub struct Face {
     /// Lowest height, mm.
@@ -86,36 +92,61 @@ impl Face {
     }
 }
 
+/// An entrance between two roots, with its charted degree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entrance {
+    /// Place of the entrance.
+    pub furcation: Furcation,
+    /// Degree, 0 to 3.
+    pub degree: u8,
+}
+
+/// A sphere of the collar, with its place in the pocket.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Packed {
+    /// The sphere, in the tooth's frame, metres.
+    pub sphere: Sphere,
+    /// Unit vector away from the tooth, across its axis.
+    pub away: Vec3,
+    /// The sphere's point on the pocket's surface, metres.
+    pub on_surface: Vec3,
+    /// Height of the centre over the floor at its angle, metres.
+    pub height: f64,
+    /// Whether the sphere belongs to the floor.
+    pub floor: bool,
+}
+
 /// A pocket at its tooth.
 #[derive(Clone, Debug)]
 pub struct Collar {
     /// The tooth.
     pub tooth: Tooth,
-    /// How far it reaches from its axis.
+    /// Distances of its surface from its axis.
     pub sections: Sections,
     /// Entrances between its roots.
     pub entrances: Vec<Entrance>,
     /// Depths and margins.
-    pub sulcus: Sulcus,
+    pub sulcus: SulcusProfile,
     /// Sizes.
     pub sizes: CollarSizes,
     /// Mesial and distal neighbour.
     pub neighbours: [Option<Neighbour>; 2],
 }
 
-/// Room between the pocket's wall and the plane to a neighbour that tissue needs, mm.
+/// Least room for tissue between the pocket's wall and the plane to a neighbour, mm.
 const LEAST_TISSUE: f64 = 0.22;
-/// How far tissue reaches under the crest before it has its whole thickness, mm of thickness for each mm of height.
+/// Growth of the thickness under the crest, mm for each mm of height, up to the whole thickness.
 const SLOPE: f64 = 0.8;
-/// Height below which the outer face goes straight down, whatever the root does, mm.
+/// Height below which the outer face is vertical whatever the shape of the root, mm.
 const STRAIGHT: f64 = -5.0;
-/// How much thicker the wall is for each mm farther down.
+/// Growth of the wall's thickness for each mm downwards.
 const THICKENING: f64 = 0.1;
-/// Farthest from the axis that an outer face is looked for, mm.
+/// Largest distance of an outer face from the axis, mm.
 const FAR: f64 = 16.0;
 
-/// Distance of the outer face from the axis beside no neighbour: the tooth's own radius and the wall, which thickens
-/// downwards from the cemento-enamel junction.
+/// Returns the distance of the outer face from the axis away from neighbours.
+///
+/// The distance is the tooth's own radius plus the wall, which thickens downwards from the cemento-enamel junction.
 pub fn outer_face(sections: &Sections, wall: f64, around: f64, z: f64) -> f64 {
     sections.radius(around, z.max(STRAIGHT)) + wall + THICKENING * (-z).max(0.0)
 }
@@ -131,22 +162,25 @@ impl Collar {
         self.sections.radius(around, z) + self.sizes.width
     }
 
-    /// Height that the floor is read at where it is deepest at an end (0 mesial, 1 distal), buccally and lingually.
+    /// Returns the height at which the floor is read where it is deepest at an end (0 mesial, 1 distal), buccally and
+    /// lingually.
     pub fn floors_at(&self, end: usize) -> [f64; 2] {
         let sites = self.sulcus.sites();
         let sites = [[sites[0], sites[5]], [sites[2], sites[3]]][end];
         sites.map(|around| self.floor(around) - self.sizes.sink)
     }
 
-    /// Height that the neighbour's floor is read at beyond the plane at an angle, if a sphere of that radius at a distance from the axis reaches
-    /// over.
+    /// Returns the height at which the neighbour's floor is read beyond the plane at an angle.
+    ///
+    /// `None` if a sphere of the given radius, at distance `r` from the axis, does not reach over the plane.
     fn beyond(&self, around: f64, r: f64, radius: f64) -> Option<f64> {
         let most = self.plane(around, radius)?;
         let neighbour = self.neighbours[usize::from(libm::cos(around) < 0.0)].as_ref()?;
         (r > most).then_some(neighbour.floors[usize::from(libm::sin(around) < 0.0)])
     }
 
-    /// Height of the tissue's crest: the margin, or, under a contact, as high as there is room for tissue.
+    /// Returns the height of the tissue's crest: the margin, or under a contact the highest place with room for
+    /// tissue.
     pub fn crest(&self, around: f64) -> f64 {
         let margin = self.sulcus.margin(around);
         let floor = self.floor(around);
@@ -161,8 +195,10 @@ impl Collar {
         z
     }
 
-    /// Farthest from the axis that the middle of a sphere of that radius can be at an angle without reaching over the plane to a
-    /// neighbour, if there is one that way.
+    /// Returns the largest distance from the axis of a sphere's centre at an angle: the sphere does not reach over
+    /// the plane to a neighbour.
+    ///
+    /// `None` if there is no neighbour in that direction.
     fn plane(&self, around: f64, radius: f64) -> Option<f64> {
         let (sine, cosine) = (libm::sin(around), libm::cos(around));
         let distances = self.neighbours.iter().flatten().filter_map(|neighbour| {
@@ -174,13 +210,13 @@ impl Collar {
         distances.min_by(f64::total_cmp)
     }
 
-    /// Distance of the outer face from the axis, `crest` being the tissue's crest at this angle.
+    /// Returns the distance of the outer face from the axis. `crest` is the height of the crest at this angle.
     pub fn outer(&self, around: f64, z: f64, crest: f64) -> f64 {
         let inner = self.inner(around, z);
         let below = crest - z;
         let half = 0.5 * self.sizes.crest;
         let free = if below < half {
-            // Round on top.
+            // The crest is round.
             let up = (half - below.max(0.0)) / half;
             half + half * (1.0 - up * up).max(0.0).sqrt()
         } else {
@@ -190,14 +226,14 @@ impl Collar {
         (inner + free).min(whole)
     }
 
-    /// The outer face where nothing comes to an end above it.
+    /// Returns the outer face without the end at the crest.
     fn envelope(&self, around: f64, z: f64) -> f64 {
         let (sine, cosine) = (libm::sin(around), libm::cos(around));
         let Some(neighbour) = &self.neighbours[usize::from(cosine < 0.0)] else {
             return outer_face(&self.sections, self.sizes.wall, around, z);
         };
         let side = if sine < 0.0 { -1.0 } else { 1.0 };
-        // The common outline: from the middle of this side to the plane.
+        // The common outline runs from the middle of this side to the plane.
         let middle = std::f64::consts::FRAC_PI_2 * side;
         let most = outer_face(&self.sections, self.sizes.wall, middle, z);
         let end = neighbour.corner(side < 0.0, z);
@@ -206,7 +242,7 @@ impl Collar {
             let share = ramp(x / end[0], 0.15, 1.0);
             most + (end[1] * side - most) * share
         };
-        // Outwards until the outline is crossed.
+        // Bisection outwards until the outline is crossed.
         let (mut inside, mut outside) = (0.0, FAR);
         for _ in 0..30 {
             let r = 0.5 * (inside + outside);

@@ -1,66 +1,59 @@
-//! The collar as spheres: laid out in rows instead of fitted, because a patient's gingiva must be there in a moment.
+//! The collar as spheres, laid out in rows. Rows replace fitting because a patient's gingiva must be ready at once.
 //!
-//! Columns at equal distances round the tooth. Each has three spheres under the floor, from the tooth to under the wall, one more
-//! below between it and the next column, and above the floor spheres whose inner side is the pocket's wall, as thick as the tissue is; every few columns there are larger ones for the outer face and for what
-//! is attached below. The distance between columns is the smallest with which all fit.
+//! Columns stand at equal distances round the tooth. The distance is the smallest at which all spheres fit.
+//!
+//! - Under the floor each column has three spheres, from the tooth to under the wall. One more lies below, between
+//!   the column and the next.
+//! - Above the floor its spheres are as thick as the tissue; their inner side is the pocket's wall.
+//! - Every few columns there are larger spheres for the outer face and for attached tissue below.
 
 use std::f64::consts::{PI, TAU};
 
 use sulcus_core::{Sphere, Vec3};
 
-use super::Collar;
 use super::furcation::between_roots;
+use super::{Collar, Packed};
 
-/// Most spheres of a collar: with half as many a tip goes in between the columns of a deep pocket; with more the tick would no
-/// longer keep the whole matrix of their falloff (8 MiB for each gingiva).
+/// Largest number of spheres of a collar.
+///
+/// With half as many, a tip enters between the columns of a deep pocket. With more, the tick would not keep the whole
+/// matrix of their falloff, 8 MiB for each gingiva.
 const MOST: usize = 1024;
-/// Smallest distance between columns that is tried, mm, and by how much it grows from try to try.
+/// Smallest distance between columns, mm, and its growth from attempt to attempt.
 const CLOSEST: f64 = 0.42;
 const WIDER: f64 = 1.03;
-/// Distance between rows of the wall, as a multiple of the columns': a probe lies along it.
+/// Distance between rows of the wall, as a multiple of the distance of columns. A probe lies along the rows.
 const HIGHER: f64 = 1.2;
 /// Radii of the spheres of the wall and of the floor, mm.
 const WALL: [f64; 2] = [0.2, 0.7];
 const FLOOR: f64 = 0.45;
-/// How far the two spheres of the floor lie inside the tooth's outline and the wall, mm.
+/// Depths of the two outer spheres of the floor inside the tooth's outline and inside the wall, mm.
 const INTO_TOOTH: f64 = 0.15;
 const INTO_WALL: f64 = 0.05;
-/// How far outside the wall's surface a third one lies, mm: the wall gives way, and a tip that follows it must find a floor.
+/// Distance of the third sphere outside the wall's surface, mm. A tip that presses the wall aside must still find a
+/// floor.
 const UNDER_WALL: f64 = 0.45;
-/// How far under the floor the layer below it begins, mm: farther than a reading's force sinks in healthy tissue; the radii that its
-/// spheres may have, mm, and at how many places to either side one is held against the floor.
+/// Depth under the floor at which the layer below begins, mm: more than a reading's force sinks in healthy tissue.
+///
+/// Then the possible radii of its spheres, mm, and the number of places to either side that are compared with the
+/// floor.
 const UNDER: f64 = 0.55;
 const DEEP: [f64; 4] = [0.8, 0.6, 0.45, 0.3];
 const REACHED: i32 = 8;
-/// Length over which the slope of the floor is taken, mm.
+/// Length for the slope of the floor, mm.
 const SLOPE_STEP: f64 = 0.1;
-/// Radii of spheres that are not met in the pocket, mm.
+/// Radii of spheres outside of the pocket, mm.
 const OUTSIDE: [f64; 2] = [0.4, 1.4];
-/// Distance between those, as a multiple of the columns'.
+/// Distance between these spheres, as a multiple of the distance of columns.
 const COARSER: f64 = 2.5;
-/// Height of the rows of what is attached below, mm.
+/// Height of the rows of attached tissue below, mm.
 const BELOW: f64 = 2.0;
-/// Thickness that an outer sphere is worth, mm.
+/// Thickness that is worth an outer sphere, mm.
 const THICK: f64 = 0.5;
-/// How far wall spheres may reach into the half of a papilla that is the neighbour's, as a share of its own half.
+/// Reach of wall spheres into the neighbour's half of a papilla, as a share of their own half.
 const BORROWED: f64 = 0.5;
 
-/// A sphere of the collar and what it stands for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Packed {
-    /// Tooth's frame, metres.
-    pub sphere: Sphere,
-    /// Unit vector away from the tooth, across its axis.
-    pub away: Vec3,
-    /// The point of the pocket's surface that it stands for, metres.
-    pub on_surface: Vec3,
-    /// Height of the centre over the floor at its angle, metres.
-    pub height: f64,
-    /// Whether it stands for the floor.
-    pub floor: bool,
-}
-
-/// The collar's spheres, at most 1024.
+/// Returns the collar's spheres, at most 1024.
 pub fn pack(collar: &Collar) -> Vec<Packed> {
     let roots = between_roots(collar);
     let mut apart = CLOSEST;
@@ -117,8 +110,8 @@ fn columns(collar: &Collar, apart: f64) -> Vec<f64> {
     angles
 }
 
-/// Depth of the dents between spheres of radius `radius` that stand `apart` in a square: half of it is made up for, so
-/// that the surface lies right on average.
+/// Depth of the dents between spheres of radius `radius` in a square grid of `apart`. Half of it is added, so the
+/// surface is right on average.
 fn dent(radius: f64, apart: f64) -> f64 {
     let half = (0.5 * apart).min(0.9 * radius);
     radius - (radius * radius - half * half).sqrt()
@@ -126,8 +119,10 @@ fn dent(radius: f64, apart: f64) -> f64 {
 
 fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
     let (floor, crest) = (collar.floor(around), collar.crest(around));
-    // The floor: one sphere at the tooth, so that no groove under the outline leads past it, one at the wall and one under it. They lie under
-    // the floor along its normal: straight down they would fill a narrow pocket from its sides.
+    // Three spheres make the floor. The one at the tooth closes grooves under the outline; the others are at the wall
+    // and under it.
+    //
+    // The spheres lie under the floor along its normal. Straight down they would fill a narrow pocket from its sides.
     let at = collar.sections.radius(around, floor).max(0.5);
     let slope = {
         let step = SLOPE_STEP / at;
@@ -140,7 +135,7 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     for r in [at - INTO_TOOTH, wall - INTO_WALL, wall + UNDER_WALL] {
         put_below(collar, there, r, z, FLOOR, packed);
     }
-    // A tip that is pressed between two columns meets a layer below, half a column on.
+    // A tip pressed between two columns meets the layer below, shifted by half a column.
     let between = around + 0.5 * apart / at;
     let middle = at + 0.5 * collar.sizes.width;
     let (z, radius) = deep(collar, between, middle);
@@ -174,9 +169,11 @@ fn column(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<P
     }
 }
 
-/// Height and radius of a sphere of the layer below, at an angle and a distance from the axis: the one whose top is highest of
-/// those that lie [`UNDER`] the floor there and nowhere come out of it. (Beside a narrow deep place a large one would fill it from
-/// its side: by up to 1.3 mm where it is 3 mm deeper.)
+/// Returns height and radius of a sphere of the layer below, at an angle and a distance from the axis.
+///
+/// Candidates begin [`UNDER`] the floor there and stay below it everywhere. The one with the highest top is chosen.
+///
+/// A large sphere beside a narrow deep place would fill it from the side: by up to 1.3 mm beside a place 3 mm deeper.
 fn deep(collar: &Collar, around: f64, r: f64) -> (f64, f64) {
     let highest = |radius: f64| {
         let under = (-REACHED..=REACHED).map(|k| {
@@ -186,7 +183,7 @@ fn deep(collar: &Collar, around: f64, r: f64) -> (f64, f64) {
         under.fold(collar.floor(around) - UNDER - radius, f64::min)
     };
     let top = |at: &(f64, f64)| at.0 + at.1;
-    // The first of several: the largest.
+    // Of equal ones the first is kept, which is the largest.
     let higher = |best, at| {
         if top(&at) > top(&best) + 1e-9 {
             at
@@ -198,9 +195,12 @@ fn deep(collar: &Collar, around: f64, r: f64) -> (f64, f64) {
     all[1..].iter().copied().fold(all[0], higher)
 }
 
-/// A sphere under the floor. Over the plane to a neighbour it lies no higher than that one's floor is read at: a tip that goes down
-/// there would stand on it, or on both floors at once and not sink as far; and on this side of the plane one more is as high as it
-/// should be.
+/// Adds a sphere under the floor.
+///
+/// A sphere that reaches over the plane to a neighbour lies no higher than the height at which the neighbour's floor
+/// is read. A tip there would otherwise stand on it, or on both floors at once.
+///
+/// On this side of the plane an additional sphere has the right height.
 fn put_below(collar: &Collar, around: f64, r: f64, z: f64, radius: f64, packed: &mut Vec<Packed>) {
     let Some(floor) = collar.beyond(around, r, radius) else {
         return put(collar, around, r, z, radius, true, packed);
@@ -222,7 +222,7 @@ fn put_below(collar: &Collar, around: f64, r: f64, z: f64, radius: f64, packed: 
 
 fn outside(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<Packed>) {
     let (floor, crest) = (collar.floor(around), collar.crest(around));
-    // The outer face above the floor, where the wall's own spheres do not reach it.
+    // Spheres of the outer face above the floor, beyond the reach of the wall's own spheres.
     let mut z = crest - 0.6 * apart;
     while z > floor {
         let (inner, outer) = (collar.inner(around, z), collar.outer(around, z, crest));
@@ -234,7 +234,7 @@ fn outside(collar: &Collar, around: f64, k: usize, apart: f64, packed: &mut Vec<
         }
         z -= apart;
     }
-    // What is attached below, under the lowest floor that a sphere can reach: never up into the pocket.
+    // Attached tissue below, under the lowest floor that a sphere can reach. It never rises into the pocket.
     let base = collar.sizes.base;
     let at = collar.sections.radius(around, floor).max(1.0);
     let low = (-3..=3)
@@ -265,7 +265,7 @@ fn put(
     let (sine, cosine) = (libm::sin(around), libm::cos(around));
     let centre = Vec3::new(r * cosine, r * sine, z);
     let height = z - collar.floor(around);
-    // The middle of the pocket beside it, or over it where it lies under the floor.
+    // Middle of the pocket beside the sphere, or over it if it lies under the floor.
     let beside = if height < 0.0 { z - height } else { z };
     let middle = collar.inner(around, beside) - 0.5 * collar.sizes.width;
     let to_pocket = Vec3::new(middle * cosine, middle * sine, beside) - centre;
@@ -278,7 +278,7 @@ fn put(
         away: collar.sections.outward(around, beside),
         on_surface: (centre + to_pocket * share) * 1e-3,
         height: height * 1e-3,
-        // What lies under the floor bears the tip too, when it is pressed far down or aside.
+        // Spheres under the floor also bear the tip when the floor is pressed far down or aside.
         floor: floor || height < 0.0,
     });
     debug_assert!(around <= TAU + PI);

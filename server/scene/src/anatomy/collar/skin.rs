@@ -1,4 +1,4 @@
-//! The collar as a closed mesh to look at: one profile for each angle, swept round the tooth.
+//! The collar as a closed mesh for display: one profile for each angle, swept round the tooth.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use crate::mesh::TriMesh;
 
 /// Angles of the sweep.
 const ANGLES: usize = 144;
-/// How far what is attached goes into the tooth, mm.
+/// Depth of attached tissue inside the tooth, mm.
 const OVERLAP: f64 = 0.3;
 /// Rows of the pocket's wall, of the round crest and of the outer face.
 const WALL: usize = 6;
@@ -44,7 +44,7 @@ pub fn skin(collar: &Collar) -> TriMesh {
     mesh
 }
 
-/// Height at which the corners to the neighbours are looked for first, mm.
+/// Height of the first search for the corners to the neighbours, mm.
 const REFERENCE: f64 = 0.0;
 
 /// Angles of the corners where the outer face meets the planes to the neighbours at a height, ascending.
@@ -60,7 +60,7 @@ fn corners(collar: &Collar, z: f64) -> Vec<f64> {
     corners
 }
 
-/// Angles all round, some of them at the corners.
+/// Returns angles all round, some of them at the corners.
 fn angles(collar: &Collar) -> Vec<f64> {
     let mut angles: Vec<f64> = (0..ANGLES)
         .map(|k| TAU * k as f64 / ANGLES as f64)
@@ -72,7 +72,7 @@ fn angles(collar: &Collar) -> Vec<f64> {
     angles
 }
 
-/// The angle at height `z` of what is at `around` at the reference height: corners go to corners.
+/// Returns the angle at height `z` for the angle `around` at the reference height. Corners map to corners.
 fn followed(collar: &Collar, around: f64, z: f64) -> f64 {
     let (from, to) = (corners(collar, REFERENCE), corners(collar, z));
     let n = from.len();
@@ -132,7 +132,7 @@ fn profile(collar: &Collar, around: f64) -> Vec<Vec3> {
     }
     for k in 0..OUTER {
         let share = k as f64 / (OUTER - 1) as f64;
-        // Denser where the margin is.
+        // Rows are denser near the margin.
         let z = top + (base - top) * share * (0.4 + 0.6 * share);
         let there = followed(collar, around, z);
         let r = collar.outer(there, z, crest);

@@ -1,23 +1,23 @@
-//! Where the gingivae of two neighbours meet: a plane through their contact point, and on it an outer face that both share.
+//! Planes between the gingivae of neighbours: a plane through their contact point, and on it a common outer face.
 
 use sulcus_core::Vec3;
 
-use super::{JAW_TOP, Standing};
+use super::standing::{JAW_TOP, Standing};
 use crate::anatomy::arch::{to_world, turned};
 use crate::anatomy::collar::{Face, Neighbour, outer_face};
 
-/// How much farther in the face lies between two teeth than beside them, mm: roots stand out under the gingiva.
+/// Depth of the face between two teeth, relative to the face beside them, mm. Roots stand out under the gingiva.
 const DIP: f64 = 0.7;
 /// Highest place of the faces, mm: above every margin.
 const TOP: f64 = 8.0;
-/// Teeth of a number that far apart are no neighbours, mm between their contact points.
+/// Largest distance between the contact points of neighbours, mm.
 const NEAR: f64 = 1.0;
 
 /// Mesial and distal neighbour of the tooth at `k`, in its frame.
 pub(super) fn neighbours(all: &[Standing], k: usize, wall: f64) -> [Option<Neighbour>; 2] {
     [0, 1].map(|side| {
         let own = contact(&all[k], side);
-        // On the arch the next tooth stands beside this one in the list; which of its sides looks here is found by distance.
+        // The next tooth on the arch stands beside this one in the list. Its side here is found by distance.
         let beside = [k.wrapping_sub(1), k + 1];
         let found = beside
             .into_iter()
@@ -35,7 +35,7 @@ fn contact(tooth: &Standing, side: usize) -> Vec3 {
     to_world(&frame, &tooth.contacts[side])
 }
 
-/// Unit vector out of a side, in the world.
+/// Returns the unit vector out of a side, in the world.
 fn outwards(tooth: &Standing, side: usize) -> Vec3 {
     let [mesial, distal] = tooth.contacts;
     let mut along = turned(&tooth.frame, &(mesial - distal));
@@ -77,7 +77,7 @@ fn neighbour(
             distance,
         }
     });
-    // Into the tooth's frame.
+    // To the tooth's frame.
     let own = |v: &Vec3| [v.dot(&tooth.frame.mesial), v.dot(&tooth.frame.buccal)];
     Neighbour {
         contact: own(&(at - tooth.frame.origin * 1e3)),

@@ -1,179 +1,57 @@
 //! The teeth and gingivae of a patient, placed on the lower arch.
 //!
-//! A tooth's tree comes from a family of seven shapes (the file `family.bin`): placed, and mirrored on the right side. A gingiva is
-//! laid out anew for each patient ([`crate::anatomy::collar`]), round its tooth and up to the planes between neighbours.
+//! The tree of a tooth comes from a family of seven shapes, the file `family.bin`. It is placed, and mirrored on the
+//! right side.
+//!
+//! A gingiva is laid out anew for each patient ([`crate::anatomy::collar`]), round its tooth and up to the planes
+//! between neighbours.
 
 mod faces;
-mod gingiva;
+mod packed_tissue;
+mod standing;
 
-use std::f64::consts::FRAC_PI_2;
-use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-use sulcus_core::Vec3;
-use sulcus_core::tissue::gingiva::{GingivaParams, Site, ToothFrame};
+use sulcus_core::tissue::gingiva::{GingivaParams, Site};
 
-use crate::anatomy::arch;
-use crate::anatomy::arch::Footprint;
-use crate::anatomy::collar::{Collar, CollarSizes, Entrance, Sulcus, outer_face};
-use crate::anatomy::patient::{Condition, LOWER, Patient, ToothChart};
-use crate::anatomy::sections::Sections;
-use crate::anatomy::tooth::{Furcation, Tooth};
-use crate::file::GingivaEntry;
-use crate::mesh::TriMesh;
+use crate::anatomy::collar::{Collar, CollarSizes, Entrance, SulcusProfile};
+use crate::anatomy::patient::{Patient, ToothChart, generate};
+use crate::anatomy::tooth::Furcation;
+use crate::file::{Condition, MouthEntry};
+use crate::hand_written::FileError;
 
-pub(crate) use gingiva::{placed_gingiva, placed_mesh};
+pub(crate) use packed_tissue::{placed_gingiva, placed_mesh};
+pub use standing::JAW_TOP;
+pub(crate) use standing::{Standing, standing};
 
-/// `[mouth]`: a patient's teeth with their gingivae.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MouthEntry {
-    /// Patient file, relative to the scene file. Without one a patient is generated.
-    pub patient: Option<PathBuf>,
-    /// What a generated patient has.
-    pub condition: Condition,
-    /// Seed of a generated patient.
-    pub seed: u64,
-    /// FDI numbers of the teeth that are modelled; all that the patient has when left out.
-    pub teeth: Option<Vec<u8>>,
-    /// Level of the teeth in contact.
-    pub tooth_level: u8,
-    /// Finest level of the teeth that is kept.
-    pub tooth_levels: u8,
-    /// Width of the pockets at rest, mm. A real one is about 0.4, and a probe's tip 0.5.
-    pub width_mm: f64,
-    /// Thickness of the free margin, mm.
-    pub crest_mm: f64,
-    /// Thickness of the gingiva farther down, mm.
-    pub wall_mm: f64,
-    /// Parameters of all gingivae that differ from the defaults; how inflamed each is, the patient says.
-    pub gingiva: GingivaEntry,
-}
-
-impl Default for MouthEntry {
-    fn default() -> Self {
-        Self {
-            patient: None,
-            condition: Condition::default(),
-            seed: 1,
-            teeth: None,
-            tooth_level: 3,
-            tooth_levels: 4,
-            width_mm: 0.4,
-            crest_mm: 0.7,
-            wall_mm: 1.3,
-            gingiva: GingivaEntry::default(),
-        }
-    }
-}
-
-/// Height in the world at which the jaw begins, mm: below the deepest floor of any tooth.
-pub const JAW_TOP: f64 = -13.5;
-/// Room that a papilla needs under the contact point, mm.
+/// Least room for a papilla under the contact point, mm.
 const UNDER_CONTACT: f64 = 0.8;
 
-/// A tooth that stands in the mouth.
-#[derive(Clone)]
-pub(crate) struct Standing {
-    /// FDI number.
-    pub fdi: u8,
-    /// Surface, metres, the tooth's frame (of a left tooth).
-    pub mesh: TriMesh,
-    /// Frame in the world, metres.
-    pub frame: ToothFrame,
-    shape: Tooth,
-    /// Mesial and distal contact point, mm, the tooth's frame.
-    contacts: [Vec3; 2],
-    sections: Sections,
-}
-
-impl Standing {
-    /// How far the gingiva's outer faces are from the axis where the jaw begins, buccally and lingually, mm.
-    pub(crate) fn faces(&self, wall: f64) -> [f64; 2] {
-        let z = JAW_TOP - self.frame.origin.z * 1e3;
-        [1.0, -1.0].map(|side| outer_face(&self.sections, wall, FRAC_PI_2 * side, z))
-    }
-
-    /// How far the contact points are from the axis, mesially and distally, mm.
-    pub(crate) fn ends(&self) -> [f64; 2] {
-        let [mesial, distal] = self.contacts;
-        [mesial.x, -distal.x]
-    }
-}
-
-/// All lower teeth in the order of [`LOWER`], made once per process.
-pub(crate) fn standing() -> &'static [Standing] {
-    static STANDING: LazyLock<Vec<Standing>> = LazyLock::new(stand);
-    &STANDING
-}
-
-/// Makes all lower teeth. The right side's shapes are the left side's.
-fn stand() -> Vec<Standing> {
-    let teeth: Vec<Tooth> = (31..=37).filter_map(Tooth::lower).collect();
-    let shapes: Vec<(Tooth, TriMesh, Sections, [Vec3; 2])> =
-        crate::parallel::map(teeth.len(), |k| {
-            let shape = teeth[k].clone();
-            let mesh = shape.mesh();
-            let low = JAW_TOP - arch::OCCLUSAL + shape.crown_height_mm() - 1.0;
-            let sections = Sections::of(&mesh, low, shape.crown_height_mm() + 0.5);
-            let contacts = shape.contacts();
-            (shape, mesh, sections, contacts)
-        });
-    let footprints = |side: u8| -> Vec<Footprint> {
-        let all = shapes.iter().zip(1..);
-        all.map(|((shape, _, _, contacts), k)| Footprint {
-            fdi: 10 * side + k,
-            contacts: *contacts,
-            crown_height: shape.crown_height_mm(),
-        })
-        .collect()
-    };
-    let frames = [3, 4].map(|side| arch::quadrant(&footprints(side)));
-    LOWER
-        .into_iter()
-        .map(|fdi| {
-            let k = usize::from(fdi % 10 - 1);
-            let (shape, mesh, sections, contacts) = &shapes[k];
-            let mut frame = frames[usize::from(fdi / 10 - 3)][k];
-            frame.origin *= 1e-3;
-            Standing {
-                fdi,
-                mesh: mesh.clone(),
-                frame,
-                shape: shape.clone(),
-                contacts: *contacts,
-                sections: sections.clone(),
-            }
-        })
-        .collect()
-}
-
-/// Why a patient's gingiva cannot be laid out.
+/// Reason why a patient's gingiva cannot be laid out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{key}` of tooth {fdi}, {site} is {found}, expected at least {least:.2}: {why}")]
 pub struct NoRoom {
     /// Key in the patient file.
     pub key: &'static str,
-    /// The tooth.
+    /// FDI number of the tooth.
     pub fdi: u8,
     /// The site.
     pub site: &'static str,
     /// Value found, mm.
     pub found: f64,
-    /// Least value for which there is room, mm.
+    /// Least value with room, mm.
     pub least: f64,
-    /// What there is no room for.
+    /// Tissue that has no room.
     pub why: &'static str,
 }
 
 /// Least height of a pocket's wall at rest, mm.
 const LEAST_WALL: f64 = 0.05;
 
-/// Whether all of a patient's gingivae can be laid out in a mouth of the default sizes and tissue.
+/// Checks that all gingivae of a patient can be laid out in a mouth of the default sizes and tissue.
 ///
 /// # Errors
-/// The first site for which there is no room.
+/// [`NoRoom`] with the first site without room.
 pub fn check(patient: &Patient) -> Result<(), NoRoom> {
     let entry = MouthEntry::default();
     let mut all = standing().to_vec();
@@ -190,7 +68,7 @@ pub fn check(patient: &Patient) -> Result<(), NoRoom> {
     Ok(())
 }
 
-/// The collar of the tooth at `k` among those that stand (in the order of [`LOWER`]).
+/// Returns the collar of tooth `k` of `all`, which is in the order of [`crate::file::LOWER`].
 pub(crate) fn collar(
     all: &[Standing],
     k: usize,
@@ -200,10 +78,10 @@ pub(crate) fn collar(
 ) -> Result<Collar, NoRoom> {
     let tooth = &all[k];
     let depths = chart.depth_mm.round();
-    // (The junction is nearly level there, at the height of the origin.)
+    // The junction is nearly level there, at the height of the origin.
     let nearly = chart.recession_mm.round().map(|recession| -recession);
-    let angles = Sulcus::new(&tooth.sections, depths, nearly).sites();
-    // Depths are prescribed as read, whatever the tissue's firmness: the floor lies higher at rest.
+    let angles = SulcusProfile::new(&tooth.sections, depths, nearly).sites();
+    // Depths are prescribed as read, whatever the firmness of the tissue. The floor at rest lies higher.
     let sink = params.sink() / params.firmness() * 1e3;
     let mut margins = [0.0; 6];
     for site in Site::ALL {
@@ -216,7 +94,7 @@ pub(crate) fn collar(
                 site: site.name(),
                 found: depths[i],
                 least: sink + LEAST_WALL,
-                why: "the tissue is so soft that a reading's force sinks as far into the floor",
+                why: "the force of a reading sinks as far into the soft floor",
             });
         }
         margins[i] = cej - found;
@@ -229,7 +107,7 @@ pub(crate) fn collar(
                     site: site.name(),
                     found,
                     least: cej - highest,
-                    why: "higher up there is no room for a papilla under the contact point",
+                    why: "a higher papilla has no room under the contact point",
                 });
             }
         }
@@ -245,13 +123,13 @@ pub(crate) fn collar(
         tooth: tooth.shape.clone(),
         sections: tooth.sections.clone(),
         entrances: entrances(tooth, chart)?,
-        sulcus: Sulcus::new(&tooth.sections, depths, margins),
+        sulcus: SulcusProfile::new(&tooth.sections, depths, margins),
         neighbours: faces::neighbours(all, k, entry.wall_mm),
         sizes,
     })
 }
 
-/// The entrances between a tooth's roots with their degrees.
+/// Returns the entrances between a tooth's roots with their degrees.
 fn entrances(tooth: &Standing, chart: &ToothChart) -> Result<Vec<Entrance>, NoRoom> {
     let entrance = |furcation: Furcation| {
         let (site, degree) = if furcation.around > 0.0 {
@@ -268,7 +146,7 @@ fn entrances(tooth: &Standing, chart: &ToothChart) -> Result<Vec<Entrance>, NoRo
                 site: site.name(),
                 found: lost,
                 least,
-                why: "its `furcation` is not 0, and higher up the roots have not divided",
+                why: "its `furcation` is not 0, and the roots divide further down",
             });
         }
         Ok(Entrance { furcation, degree })
@@ -276,7 +154,7 @@ fn entrances(tooth: &Standing, chart: &ToothChart) -> Result<Vec<Entrance>, NoRo
     tooth.shape.furcations().into_iter().map(entrance).collect()
 }
 
-/// Tells each collar how deep its neighbours' floors are where they meet. (All axes are upright.)
+/// Sets the depth of the neighbours' floors in each collar, where two collars meet. All axes are vertical.
 pub(crate) fn meet(collars: &mut [Collar], all: &[Standing]) {
     let floors: Vec<(u8, [[f64; 2]; 2])> = collars
         .iter()
@@ -298,16 +176,16 @@ pub(crate) fn meet(collars: &mut [Collar], all: &[Standing]) {
     }
 }
 
-/// The patient of `file`, else the one that `seed` generates, with its file's text.
+/// Returns the patient of `file` with the file's text. Without a file, the patient is generated from `seed`.
 pub(crate) fn patient(
     file: Option<&Path>,
     condition: Condition,
     seed: u64,
-) -> Result<(Patient, String), crate::file::FileError> {
+) -> Result<(Patient, String), FileError> {
     match file {
         Some(file) => Patient::read(file),
         None => {
-            let patient = crate::anatomy::patient::generate(seed, condition);
+            let patient = generate(seed, condition);
             let text = patient.to_toml();
             Ok((patient, text))
         }

@@ -1,23 +1,24 @@
-//! The ranges of a patient file's values.
+//! Ranges of the values of a patient file.
 
 use sulcus_core::tissue::gingiva::Site;
 
-use super::{LOWER, Patient, THIRD_MOLARS, ToothChart};
-use crate::file::validate::{Checked, wrong};
+use super::chart::{Patient, THIRD_MOLARS, ToothChart};
+use crate::file::LOWER;
+use crate::hand_written::{Checked, wrong};
 
-/// Deepest pocket, mm: as deep as the model's roots are laid out for.
+/// Deepest pocket, mm. The model's roots are long enough for it.
 const DEEPEST: f64 = 10.0;
-/// Most attachment loss, mm: below it begins the jaw.
+/// Largest attachment loss, mm. The jaw begins below it.
 const MOST_LOSS: f64 = 9.0;
 
-/// Whether an FDI number is that of an upper tooth, permanent or deciduous.
+/// Returns whether an FDI number is that of an upper tooth, permanent or deciduous.
 fn is_upper(fdi: u8) -> bool {
     matches!(fdi / 10, 1 | 2) && (1..=8).contains(&(fdi % 10))
         || matches!(fdi / 10, 5 | 6) && (1..=5).contains(&(fdi % 10))
 }
 
-/// What is wrong with upper teeth.
-const LOWER_ONLY: &str = "teeth of the lower jaw only so far";
+/// Value expected instead of an upper tooth.
+const LOWER_ONLY: &str = "teeth of the lower jaw";
 
 pub(super) fn patient(patient: &Patient) -> Checked {
     if patient.name.trim().is_empty() {
@@ -79,7 +80,7 @@ fn tooth(tooth: &ToothChart) -> Checked {
     let field = |key: &str, site: Site| format!("`{key}` of tooth {fdi}, {}", site.name());
     for site in Site::ALL {
         let (depth, recession) = (tooth.depth_mm.of(site), tooth.recession_mm.of(site));
-        // Written so that a NaN fails.
+        // The comparison fails for a NaN.
         if !(0.5..=DEEPEST).contains(&depth) {
             return wrong(field("depth_mm", site), depth, "0.5 to 10 mm");
         }

@@ -1,65 +1,25 @@
-//! Patients from a seed: as healthy or as diseased as asked for, the same on every machine.
+//! Patients from a seed, by condition. A seed gives the same patient on every machine.
 
-use serde::{Deserialize, Serialize};
 use sulcus_core::tissue::gingiva::Site;
 
-use super::{Furcations, LOWER, Patient, Sides, ToothChart};
+use super::chart::{Furcations, Patient, ToothChart};
+use super::sides::Sides;
+use crate::file::{Condition, LOWER};
 use crate::random::Random;
-
-/// What a generated patient has. Depths are whole millimetres, as they are charted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Condition {
-    /// Depths of 1 to 3 mm, hardly any bleeding.
-    Healthy,
-    /// Swollen margins, depths of 2 to 4 mm, bleeding at every other site; no attachment lost.
-    Gingivitis,
-    /// Attachment lost beside several teeth: depths up to 7 mm, recession, furcations, a missing tooth now and then.
-    #[default]
-    Periodontitis,
-}
-
-impl Condition {
-    /// All of them.
-    pub const ALL: [Condition; 3] = [
-        Condition::Healthy,
-        Condition::Gingivitis,
-        Condition::Periodontitis,
-    ];
-
-    /// Name in files and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Condition::Healthy => "healthy",
-            Condition::Gingivitis => "gingivitis",
-            Condition::Periodontitis => "periodontitis",
-        }
-    }
-}
-
-impl std::str::FromStr for Condition {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|c| c.name() == name);
-        found.ok_or_else(|| {
-            format!("condition is `{name}`, expected healthy, gingivitis or periodontitis")
-        })
-    }
-}
 
 /// Share of patients with periodontitis that lack a tooth.
 const LACKING: f64 = 0.3;
-/// Share of teeth that such a patient's disease has reached; molars more often.
+/// Share of teeth that the disease has reached in such a patient; the second number is for molars.
 const REACHED: [f64; 2] = [0.35, 0.7];
-/// Farthest above the CEJ that a margin stands, mm: the papilla has no more room under the contact.
+/// Highest margin over the CEJ, mm, as a negative recession. A higher papilla has no room under the contact.
 const HIGHEST: f64 = -2.5;
 /// Attachment loss at a mid site that opens a molar's furcation, and for each further degree, mm.
 const FURCATION: f64 = 4.0;
 
-/// A patient of that condition from a seed.
+/// Returns the patient of a condition and a seed.
 pub fn generate(seed: u64, condition: Condition) -> Patient {
     let mut random = Random::new(seed ^ (condition as u64 + 1) << 56);
-    // The first numbers of neighbouring seeds are alike.
+    // The first numbers of neighbouring seeds are similar.
     for _ in 0..8 {
         random.unit();
     }
@@ -83,14 +43,14 @@ pub fn generate(seed: u64, condition: Condition) -> Patient {
     }
 }
 
-/// One papilla fills the gap between two teeth: what it has lost it has lost on both sides.
+/// Copies losses of a papilla to both its sides: one papilla fills the gap between two teeth.
 fn share_papillae(teeth: &mut [ToothChart]) {
     for k in 1..teeth.len() {
         let (before, after) = teeth.split_at_mut(k);
         let (Some(right), Some(left)) = (before.last_mut(), after.first_mut()) else {
             continue;
         };
-        // (In the order of `LOWER`; 41 and 31 meet mesially.)
+        // The order is that of `LOWER`; 41 and 31 meet mesially.
         let [towards_left, towards_right] = [
             if right.fdi / 10 == 4 { 0 } else { 2 },
             if left.fdi / 10 == 4 { 2 } else { 0 },
@@ -126,14 +86,14 @@ fn tooth(fdi: u8, condition: Condition, severity: f64, random: &mut Random) -> T
         let proximal = site.is_proximal();
         let k = site as usize;
         let whole = |from: f64, to: f64, random: &mut Random| {
-            // (`to` included.)
+            // `to` is included.
             (from + random.unit() * (to - from + 1.0)).floor()
         };
         (depths[k], recessions[k]) = if sick {
             let loss = whole(2.0, 2.0 + 4.5 * severity, random);
             let across = depths[5 - k];
             let depth = if proximal && across > 0.0 {
-                // The same col from the other side.
+                // The same col, read from the other side.
                 (across + whole(-1.0, 1.0, random)).clamp(3.0, 7.0)
             } else if proximal {
                 whole(4.0, 3.0 + 4.0 * severity, random)

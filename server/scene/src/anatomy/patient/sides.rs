@@ -1,32 +1,30 @@
-//! Values of a tooth's six sites, and how they are written: both sides, or one with the other healthy.
+//! Values of a tooth's six sites. A file has both sides, or one side while the other is healthy.
 
 use serde::{Deserialize, Deserializer, Serialize};
 use sulcus_core::tissue::gingiva::Site;
 
-use super::{healthy_depth, healthy_recession};
-
 /// Values of the six sites, each side mesio-, mid-, disto-.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sides<T> {
-    /// On the cheek's (the lip's) side.
+    /// Buccal or labial side.
     pub buccal: [T; 3],
-    /// On the tongue's side.
+    /// Lingual side.
     pub lingual: [T; 3],
 }
 
 impl<T: Copy> Sides<T> {
-    /// The value of one site.
+    /// Returns the value of one site.
     pub fn of(&self, site: Site) -> T {
         self.round()[site as usize]
     }
 
-    /// All six in the order of [`Site::ALL`], round the tooth.
+    /// Returns all six values in the order of [`Site::ALL`], round the tooth.
     pub fn round(&self) -> [T; 6] {
         let ([mb, b, db], [ml, l, dl]) = (self.buccal, self.lingual);
         [mb, b, db, dl, l, ml]
     }
 
-    /// From the order of [`Site::ALL`].
+    /// Returns the sides of six values in the order of [`Site::ALL`].
     pub fn from_round([mb, b, db, dl, l, ml]: [T; 6]) -> Self {
         Self {
             buccal: [mb, b, db],
@@ -35,7 +33,26 @@ impl<T: Copy> Sides<T> {
     }
 }
 
-/// Sides as written. A side that is left out is healthy.
+/// Returns the depths of a healthy tooth, mm.
+pub fn healthy_depth() -> Sides<f64> {
+    let side = [3.0, 2.0, 3.0];
+    Sides {
+        buccal: side,
+        lingual: side,
+    }
+}
+
+/// Returns the recessions of a healthy tooth, mm: about 2 mm above the CEJ mid-facially, more beside a neighbour
+/// (Wang 2022, Appl. Sci. 12:7015).
+pub fn healthy_recession() -> Sides<f64> {
+    let side = [-2.5, -2.0, -2.5];
+    Sides {
+        buccal: side,
+        lingual: side,
+    }
+}
+
+/// Sides of a file. An omitted side is healthy.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written<T> {
@@ -55,17 +72,17 @@ where
     })
 }
 
-/// Probing depths.
+/// Reads probing depths.
 pub(super) fn depth<'de, D: Deserializer<'de>>(from: D) -> Result<Sides<f64>, D::Error> {
     read(from, healthy_depth())
 }
 
-/// Recessions.
+/// Reads recessions.
 pub(super) fn recession<'de, D: Deserializer<'de>>(from: D) -> Result<Sides<f64>, D::Error> {
     read(from, healthy_recession())
 }
 
-/// Bleeding on probing.
+/// Reads bleeding on probing.
 pub(super) fn bleeding<'de, D: Deserializer<'de>>(from: D) -> Result<Sides<bool>, D::Error> {
     read(from, Sides::default())
 }

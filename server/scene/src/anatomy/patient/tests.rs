@@ -46,7 +46,7 @@ fn what_cannot_be_is_said_with_tooth_site_value_and_range() {
         ),
         (
             "name = \"a\"\n[[tooth]]\nfdi = 16\n".to_owned(),
-            "`fdi` of a [[tooth]] is 16, of the upper jaw, expected teeth of the lower jaw only so far",
+            "`fdi` of a [[tooth]] is 16, of the upper jaw, expected teeth of the lower jaw",
         ),
         (
             "name = \"a\"\n[[tooth]]\nfdi = 38\n".to_owned(),
@@ -54,7 +54,7 @@ fn what_cannot_be_is_said_with_tooth_site_value_and_range() {
         ),
         (
             "name = \"a\"\nmissing = [11, 46, 25]\n".to_owned(),
-            "`missing` is 11 and 25 of the upper jaw, expected teeth of the lower jaw only so far",
+            "`missing` is 11 and 25 of the upper jaw, expected teeth of the lower jaw",
         ),
         (
             tooth("depth_mm = [[3, 2, 3], [3, 2, 3]]"),

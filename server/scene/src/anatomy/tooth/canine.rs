@@ -1,7 +1,7 @@
-//! The canine: one cusp whose mesial slope is the shorter, a strong cingulum, the longest root.
+//! The canine: one cusp with the mesial slope shorter, a strong cingulum, the longest root.
 
+use super::form::{Form, Size};
 use super::section::Walls;
-use super::{Form, Size};
 use crate::mesh::implicit::{bell, ramp};
 
 pub(super) static CANINE: Form = Form {

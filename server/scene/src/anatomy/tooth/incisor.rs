@@ -1,10 +1,10 @@
 //! The incisors: a shovel with a straight edge on a root that is flat from the sides.
 
+use super::form::{Form, Size};
 use super::section::{Spot, Walls};
-use super::{Form, Size};
 use crate::mesh::implicit::{bell, ramp, smooth_min};
 
-/// Almost the same on both sides; its contacts lie close to the edge.
+/// Almost symmetric; its contacts lie close to the edge.
 pub(super) static CENTRAL: Form = Form {
     usual: Size {
         mesiodistal: 5.0,
@@ -101,8 +101,9 @@ pub(super) static LATERAL: Form = Form {
     roots: None,
 };
 
-/// The lingual fossa between marginal ridges above the cingulum, traces of the lobes on the labial face, and the
-/// grooves down the root's sides, the distal one deeper.
+/// The lingual fossa between marginal ridges above the cingulum, and traces of the lobes on the labial face.
+///
+/// Grooves run down the root's sides; the distal one is deeper.
 fn blade(spot: &Spot, height: f64) -> f64 {
     let (p, z) = (&spot.p, spot.p.z / height);
     let lingual = ramp(-spot.v, 0.1, 0.8);

@@ -1,16 +1,44 @@
-//! What is read off a tooth's implicit function: contact points and furcations.
+//! Measures of a tooth, from its implicit function: contact points and furcations.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, fmin};
 
-use super::{Furcation, Tooth};
+use super::Tooth;
 
-/// The surface's distance from the axis in the direction of `way` on a line along x, mm; none if the line misses.
+/// An entrance between two roots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Furcation {
+    /// Place of its opening on the tooth: angle from mesial over buccal, radians, -pi to pi.
+    pub around: f64,
+    /// Height of its roof at the entrance, mm. It is negative, below the CEJ.
+    pub height_mm: f64,
+}
+
+impl Tooth {
+    /// Returns the mesial and the distal contact point, mm: the farthest points of the crown.
+    pub fn contacts(&self) -> [Vec3; 2] {
+        [contact(self, 1.0), contact(self, -1.0)]
+    }
+
+    /// Returns the entrances between the roots; none if there is one root.
+    pub fn furcations(&self) -> Vec<Furcation> {
+        if self.form().roots.is_none() {
+            return Vec::new();
+        }
+        [1.0, -1.0]
+            .into_iter()
+            .map(|side| furcation(self, side))
+            .collect()
+    }
+}
+
+/// Returns the distance of the surface from the axis in the direction of `way` on a line along x, mm; `None` if the
+/// line misses the tooth.
 fn reach(tooth: &Tooth, way: f64, y: f64, z: f64) -> Option<f64> {
     let outside = 0.6 * tooth.mesiodistal_mm() + 1.0;
     let at = |x: f64| tooth.distance(&Vec3::new(way * x, y, z));
     let mut out = outside;
-    // The first sample inside, coming from outside; then halving.
+    // The first sample inside is found from outside, then bisection follows.
     let steps = 60;
     let mut inside = None;
     for k in 1..=steps {
@@ -33,13 +61,13 @@ fn reach(tooth: &Tooth, way: f64, y: f64, z: f64) -> Option<f64> {
     Some(0.5 * (inside + out))
 }
 
-/// Where the crown reaches farthest towards mesial (`way` 1) or distal (-1), mm.
-pub(super) fn contact(tooth: &Tooth, way: f64) -> Vec3 {
+/// Returns the farthest point of the crown towards mesial (`way` 1) or distal (-1), mm.
+fn contact(tooth: &Tooth, way: f64) -> Vec3 {
     let crown = tooth.crown_height_mm();
     let mut centre = [0.0, 0.55 * crown];
     let mut half = [0.3 * tooth.buccolingual_mm(), 0.45 * crown];
     let mut best = (f64::NEG_INFINITY, centre);
-    // A grid over the crown, then ever finer ones around the best place.
+    // A grid over the crown, then finer ones around the best place.
     for _ in 0..12 {
         for j in -6..=6_i32 {
             for k in -6..=6_i32 {
@@ -58,15 +86,15 @@ pub(super) fn contact(tooth: &Tooth, way: f64) -> Vec3 {
     Vec3::new(way * best.0, best.1[0], best.1[1])
 }
 
-/// How deep a furcation is entered, as a share of the way from the trunk's surface to the axis, before it counts as one.
+/// Depth of an entered furcation, as a share of the way from the trunk's surface to the axis.
 const ENTERED: f64 = 0.35;
 
-/// The entrance on the buccal (`side` 1) or lingual (-1) face.
-pub(super) fn furcation(tooth: &Tooth, side: f64) -> Furcation {
+/// Returns the entrance on the buccal (`side` 1) or lingual (-1) face.
+fn furcation(tooth: &Tooth, side: f64) -> Furcation {
     let half = 0.5 * tooth.buccolingual_mm();
     let lowest = -0.7 * tooth.root_length_mm();
     let mut found = (f64::NEG_INFINITY, 0.0, half);
-    // Straight lines up between the roots, at the depth of an entrance, until they meet the roof.
+    // Vertical lines between the roots, at the depth of an entrance, up to the roof.
     let y = side * half * 0.86 * (1.0 - ENTERED);
     for k in -20..=20_i32 {
         let x = 0.1 * tooth.mesiodistal_mm() * f64::from(k) / 20.0;

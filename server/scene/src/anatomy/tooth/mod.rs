@@ -1,15 +1,18 @@
 //! The teeth of a lower jaw: central and lateral incisor, canine, two premolars, two molars.
 //!
-//! Frame: x mesial, y buccal (labial), z occlusal (incisal); the origin lies on the tooth's axis at the height of the
-//! buccal cemento-enamel junction (CEJ). A tooth is drawn as one of the left side; one of the right side is its mirror
-//! image (y negated, [`Tooth::mesh_of_side`]).
+//! Frame: x mesial, y buccal (labial), z occlusal (incisal). The origin lies on the tooth's axis at the height of the
+//! buccal cemento-enamel junction (CEJ).
 //!
-//! A tooth is an implicit function: walls that follow its outlines (`section`) cut by a chewing surface
-//! (`occlusal`), grooves and fossae carved into both; the two roots of a molar are joined on (`root`). Each tooth is
-//! drawn once in the average sizes of dental anatomy (Nelson, *Wheeler's Dental Anatomy, Physiology, and Occlusion*) and
-//! stretched to those asked for.
+//! Drawings are of the left side. A right tooth is the mirror image, y negated ([`Tooth::mesh_of_side`]).
+//!
+//! A tooth is an implicit function. Its walls follow its outlines (`section`) and are cut by a chewing surface
+//! (`occlusal`). Grooves and fossae are carved into both. The two roots of a molar are joined on (`root`).
+//!
+//! Each tooth is drawn once, in the average sizes of dental anatomy, and stretched to the requested ones. Source:
+//! Nelson, *Wheeler's Dental Anatomy, Physiology, and Occlusion*.
 
 mod canine;
+mod form;
 mod incisor;
 mod measure;
 mod molar;
@@ -18,82 +21,29 @@ mod premolar;
 mod root;
 mod section;
 
-use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 
 use crate::mesh::TriMesh;
-use crate::mesh::implicit::{bell, ramp, smooth_max, smooth_min};
+use crate::mesh::implicit::ramp;
 use crate::mesh::polygonise::polygonise;
-use root::Roots;
-use section::{Spot, Walls};
+use form::{Form, Size};
 
-/// Dimensions of a tooth, millimetres. What is left out is the average of that tooth.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ToothSizes {
-    /// Largest mesiodistal width of the crown, mm.
-    pub mesiodistal_mm: Option<f64>,
-    /// Largest buccolingual width of the crown, mm.
-    pub buccolingual_mm: Option<f64>,
-    /// Height of the highest cusp or of the incisal edge above the buccal CEJ, mm.
-    pub crown_height_mm: Option<f64>,
-    /// Length of the (longer) root from the buccal CEJ to its apex, mm.
-    pub root_length_mm: Option<f64>,
-    /// Depth of the chewing surface's relief relative to the usual one. Without effect on incisors.
-    pub relief: Option<f64>,
-    /// Edge of the grid that the surface is made on, mm. Smaller: more triangles.
-    pub grid_mm: Option<f64>,
-}
+pub use crate::file::ToothSizes;
+pub use measure::Furcation;
 
-/// An entrance between two roots.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Furcation {
-    /// Where on the tooth it opens: angle from mesial over buccal, radians, -pi to pi.
-    pub around: f64,
-    /// Height of its roof at the entrance, mm; negative, as it lies below the CEJ.
-    pub height_mm: f64,
-}
-
-/// A lower tooth: which one, and its dimensions.
+/// A lower tooth: its number and its dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tooth {
-    /// FDI number as asked for.
+    /// FDI number as requested.
     fdi: u8,
     size: Size,
     relief: f64,
     grid_mm: f64,
 }
 
-/// Overall dimensions, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Size {
-    mesiodistal: f64,
-    buccolingual: f64,
-    crown: f64,
-    root: f64,
-}
-
-/// How one tooth is drawn.
-struct Form {
-    /// Average size, which is what a tooth has when nothing else is asked for.
-    usual: Size,
-    /// Size of the drawing below, from its own extremes.
-    drawn: Size,
-    /// Edge of the grid, mm.
-    grid: f64,
-    walls: Walls,
-    /// Rounding of the edge between walls and chewing surface, mm.
-    edge: f64,
-    /// Height of the chewing surface over a point, by relief.
-    chewing: fn(x: f64, y: f64, relief: f64) -> f64,
-    /// What is carved out of the walls (positive) or laid on (negative), mm.
-    carving: fn(&Spot) -> f64,
-    /// Roots of their own, where there are two.
-    roots: Option<Roots>,
-}
-
 impl Tooth {
-    /// The tooth of an FDI number, 31 to 37 or 41 to 47, in its average size; drawn as one of the left side.
+    /// Returns the tooth of an FDI number, 31 to 37 or 41 to 47, in its average size. The drawing is of the left
+    /// side.
     pub fn lower(fdi: u8) -> Option<Self> {
         form(fdi).map(|form| Self {
             fdi,
@@ -103,7 +53,7 @@ impl Tooth {
         })
     }
 
-    /// The same tooth in other sizes; what is not given stays.
+    /// Returns the tooth in other sizes. Omitted sizes stay.
     pub fn with_sizes(mut self, sizes: &ToothSizes) -> Self {
         let set = |to: &mut f64, from: Option<f64>| {
             if let Some(x) = from {
@@ -161,8 +111,8 @@ impl Tooth {
         let low = Vec3::new(-x, -y, -size.root - margin);
         let high = Vec3::new(x, y, size.crown + margin);
         let inside = |p: &Vec3| self.distance(p);
-        // Where a groove is narrower than the grid, two walls may share an edge on one grid and not
-        // on the next: the first grid that gives a manifold is taken.
+        // In a groove narrower than the grid, two walls may share an edge on one grid and not on the next. The first
+        // grid that gives a manifold is taken.
         let on_grid = |k: u32| {
             let shift = Vec3::new(0.37, 0.61, 0.83) * (self.grid_mm * 0.25 * f64::from(k));
             polygonise(&inside, low - shift, high, self.grid_mm).placed(1e-3, Vec3::zeros())
@@ -177,7 +127,7 @@ impl Tooth {
         mesh
     }
 
-    /// [`Tooth::mesh`] for the side that the FDI number is of: the right ones are mirrored.
+    /// Returns [`Tooth::mesh`] for the side of the FDI number; right teeth are mirrored.
     pub fn mesh_of_side(&self) -> TriMesh {
         let mut mesh = self.mesh();
         if self.fdi >= 40 {
@@ -191,14 +141,9 @@ impl Tooth {
         mesh
     }
 
-    /// The mesial and the distal contact point, mm: where the crown reaches farthest.
-    pub fn contacts(&self) -> [Vec3; 2] {
-        [measure::contact(self, 1.0), measure::contact(self, -1.0)]
-    }
-
     /// Height of the CEJ, mm, at an angle from mesial over buccal, radians.
     pub fn cej(&self, around: f64) -> f64 {
-        // The drawing is stretched across too, and with it the directions.
+        // The drawing is also stretched across, and directions with it.
         let (x, y) = (libm::cos(around), libm::sin(around));
         let form = self.form();
         let drawn_x = x * form.drawn.mesiodistal / self.size.mesiodistal;
@@ -206,23 +151,12 @@ impl Tooth {
         self.raised(form.walls.cej(drawn_x, drawn_y))
     }
 
-    /// The entrances between the roots; none where there is one root.
-    pub fn furcations(&self) -> Vec<Furcation> {
-        if self.form().roots.is_none() {
-            return Vec::new();
-        }
-        [1.0, -1.0]
-            .into_iter()
-            .map(|side| measure::furcation(self, side))
-            .collect()
-    }
-
     fn form(&self) -> &'static Form {
-        // A tooth is only made for a number that has a form.
+        // Only numbers with a form make a tooth.
         form(self.fdi).unwrap_or(&incisor::CENTRAL)
     }
 
-    /// Roughly the signed distance to the surface, mm, at a point in mm; negative inside.
+    /// Returns about the signed distance to the surface, mm, at a point in mm; negative inside.
     pub fn distance(&self, p: &Vec3) -> f64 {
         let (form, size) = (self.form(), &self.size);
         let q = Vec3::new(
@@ -233,19 +167,20 @@ impl Tooth {
         form.distance(&q, self.relief)
     }
 
-    /// Crown and root are stretched each by its own factor; the change is spread over the neck.
+    /// Returns the factor of the stretch at a height. Crown and root have a factor each; the change is spread over
+    /// the neck.
     fn factor(&self, z: f64) -> f64 {
         let (drawn, size) = (&self.form().drawn, &self.size);
         let (up, down) = (size.crown / drawn.crown, size.root / drawn.root);
         down + (up - down) * ramp(z, -3.0, 3.0)
     }
 
-    /// Drawn height of a height.
+    /// Returns the drawn height of a height.
     fn lowered(&self, z: f64) -> f64 {
         z / self.factor(z)
     }
 
-    /// Height of a drawn height, by a few rounds of its inverse.
+    /// Returns the height of a drawn height, by iteration.
     fn raised(&self, drawn: f64) -> f64 {
         let mut z = drawn;
         for _ in 0..40 {
@@ -255,32 +190,7 @@ impl Tooth {
     }
 }
 
-impl Form {
-    /// Roughly the signed distance at a drawn point, mm.
-    fn distance(&self, p: &Vec3, relief: f64) -> f64 {
-        let (walls, spot) = self.walls.at(p);
-        let walls = walls + (self.carving)(&spot);
-        // Above the neck only: the height field is not made for the root.
-        let whole = if p.z > 0.0 {
-            let top = (p.z - (self.chewing)(p.x, p.y, relief)) * 0.8;
-            smooth_max(walls, top, self.edge)
-        } else {
-            walls
-        };
-        match &self.roots {
-            None => whole,
-            Some(roots) => {
-                let trunk = smooth_max(whole, roots.roof(p) - p.z, roots.arch);
-                let [a, b] = roots.tubes(p);
-                // A fillet in the furcation; on the outer faces trunk and root are flush.
-                let fillet = 0.15 + 0.65 * bell(p.x, 1.7);
-                smooth_min(trunk, smooth_min(a, b, 0.4), fillet)
-            }
-        }
-    }
-}
-
-/// The drawing of a tooth.
+/// Returns the drawing of a tooth.
 fn form(fdi: u8) -> Option<&'static Form> {
     if !(3..=4).contains(&(fdi / 10)) {
         return None;

@@ -1,9 +1,9 @@
 //! The molars: the first with five cusps, the second with four and a cross of grooves, closer roots.
 
+use super::form::{Form, Size};
 use super::occlusal::{Cusp, branch, cusps, deepest, groove, marginal, pit};
 use super::root::{Roots, Tube};
 use super::section::{Spot, Walls};
-use super::{Form, Size};
 use crate::mesh::implicit::{bell, ramp, smooth_max};
 
 /// Mesiobuccal, distobuccal, distal, mesiolingual, distolingual cusp.
@@ -49,7 +49,7 @@ pub(super) static FIRST: Form = Form {
     edge: 0.7,
     chewing: |x, y, relief| {
         let mut height = cusps(&FIRST_CUSPS, x, y, relief, 0.45);
-        // The fossa has a floor: a fissure as deep as the cones would cut it is no solid on any grid of ours.
+        // The fossa has a floor. A fissure as deep as the cones would cut is no solid on any grid used here.
         height = smooth_max(height, 7.2 - 2.45 * relief, 0.5);
         height = smooth_max(
             height,

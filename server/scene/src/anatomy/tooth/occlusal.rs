@@ -4,14 +4,17 @@ use sulcus_core::math::{fclamp, fmax, fmin};
 
 use crate::mesh::implicit::{bell, ramp, smooth_max};
 
-/// A cusp: a lobe that falls from its tip on all sides, least along its ridges. The triangular ridge runs towards the
-/// middle of the tooth and has a round back; two ridges run along the edge of the crown.
+/// A cusp: a lobe that falls from its tip on all sides, least along its ridges.
+///
+/// The triangular ridge runs towards the middle of the tooth and has a round back. Two ridges run along the edge of
+/// the crown.
 pub(super) struct Cusp {
     /// Tip, x, y, z, mm.
     pub tip: [f64; 3],
-    /// Where the triangular ridge points to, x, y, mm.
+    /// End of the triangular ridge, x, y, mm.
     pub towards: [f64; 2],
-    /// Slopes (fall over run) along the triangular ridge, outwards, and along the edge on the mesial and the distal side.
+    /// Slopes (fall over run) along the triangular ridge, outwards, and along the edge on the mesial and the distal
+    /// side.
     pub slopes: [f64; 4],
     /// Radius of the tip, mm.
     pub blunt: f64,
@@ -19,7 +22,7 @@ pub(super) struct Cusp {
 
 /// Exponent of the lobes' sections: 1 is a sharp pyramid, 2 a cone.
 const PYRAMID: f64 = 1.5;
-/// By how much the radius of the triangular ridge grows towards its foot, mm per mm, and the slope of its sides.
+/// Growth of the radius of the triangular ridge towards its foot, mm per mm, and the slope of its sides.
 const RIDGE: (f64, f64) = (0.5, 0.9);
 
 impl Cusp {
@@ -38,7 +41,7 @@ impl Cusp {
         let soft = |s: f64, blunt: f64| (s * s + blunt * blunt).sqrt() - blunt;
         let [inner, outer, mesial, distal] = self.slopes;
         let inside = ramp(inward, -0.2, 2.2);
-        // Along the ridge too it is convex.
+        // The profile along the ridge is convex too.
         let a = soft(inward, self.blunt)
             * if inward > 0.0 {
                 inner * (0.82 + 0.12 * inward)
@@ -52,7 +55,7 @@ impl Cusp {
     }
 }
 
-/// The highest of several cusps, with valleys of width `k` between them.
+/// Returns the highest of several cusps, with valleys of width `k` between them.
 pub(super) fn cusps(all: &[Cusp], x: f64, y: f64, relief: f64, k: f64) -> f64 {
     let mut height = all[0].height(x, y, relief);
     for cusp in &all[1..] {
@@ -61,7 +64,7 @@ pub(super) fn cusps(all: &[Cusp], x: f64, y: f64, relief: f64, k: f64) -> f64 {
     height
 }
 
-/// A marginal ridge: a rounded bar along a chain of points (x, y, z).
+/// Returns a marginal ridge: a rounded bar along a chain of points (x, y, z).
 pub(super) fn marginal(points: &[[f64; 3]], slope: f64, x: f64, y: f64) -> f64 {
     let mut height = f64::NEG_INFINITY;
     for pair in points.windows(2) {
@@ -76,7 +79,7 @@ pub(super) fn marginal(points: &[[f64; 3]], slope: f64, x: f64, y: f64) -> f64 {
 /// Radius of the back of a marginal ridge, mm.
 const BACK: f64 = 0.6;
 
-/// A groove along a chain of points: its depth here, mm.
+/// Returns the depth of a groove along a chain of points, mm.
 pub(super) fn groove(points: &[[f64; 2]], depth: f64, width: f64, x: f64, y: f64) -> f64 {
     let mut d = f64::INFINITY;
     for pair in points.windows(2) {
@@ -85,26 +88,26 @@ pub(super) fn groove(points: &[[f64; 2]], depth: f64, width: f64, x: f64, y: f64
     depth * bell(d, width)
 }
 
-/// A supplementary groove beside a ridge: straight, it fades towards its second end.
+/// Returns the depth of a supplementary groove beside a ridge. It is straight and fades towards its second end.
 pub(super) fn branch(ends: [[f64; 2]; 2], x: f64, y: f64) -> f64 {
     let (d, along) = to_segment(ends[0], ends[1], x, y);
     0.15 * (1.0 - ramp(along, 0.1, 1.0)) * bell(d, 0.36)
 }
 
-/// Where grooves meet, the deepest counts.
+/// Returns the deepest of the grooves that meet at a place.
 pub(super) fn deepest(depths: &[f64]) -> f64 {
     depths
         .iter()
         .fold(0.0, |deepest, depth| fmax(deepest, *depth))
 }
 
-/// A pit: its depth here, mm.
+/// Returns the depth of a pit, mm.
 pub(super) fn pit(at: [f64; 2], depth: f64, width: f64, x: f64, y: f64) -> f64 {
     let (dx, dy) = (x - at[0], y - at[1]);
     depth * bell((dx * dx + dy * dy).sqrt(), width)
 }
 
-/// Distance to a segment, and where along it the nearest point lies, 0 to 1.
+/// Returns the distance to a segment, and the place of the nearest point along it, 0 to 1.
 fn to_segment(a: [f64; 2], b: [f64; 2], x: f64, y: f64) -> (f64, f64) {
     let (bx, by) = (b[0] - a[0], b[1] - a[1]);
     let t = fclamp(

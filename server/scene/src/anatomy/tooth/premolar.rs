@@ -1,8 +1,8 @@
 //! The premolars: the first almost a canine with a small lingual cusp, the second a small molar with three cusps.
 
+use super::form::{Form, Size};
 use super::occlusal::{Cusp, branch, cusps, deepest, groove, marginal, pit};
 use super::section::{Spot, Walls};
-use super::{Form, Size};
 use crate::mesh::implicit::{bell, ramp, smooth_max};
 
 /// The large buccal cusp stands over the root, the crown leans lingually.

@@ -27,14 +27,14 @@ pub(super) struct Roots {
     pub distal: Tube,
     /// Depth of the roof below the buccal CEJ at the buccal and at the lingual entrance, mm.
     pub roof: [f64; 2],
-    /// How far from the axis the entrances are, mm.
+    /// Distance of the entrances from the axis, mm.
     pub reach: f64,
     /// Rounding of the roof, mm.
     pub arch: f64,
 }
 
 impl Roots {
-    /// Height under which there is no trunk any more.
+    /// Returns the height below which there is no trunk.
     pub fn roof(&self, p: &Vec3) -> f64 {
         let [buccal, lingual] = self.roof;
         let along = fclamp(p.y / self.reach, -1.0, 1.0);
@@ -43,7 +43,7 @@ impl Roots {
         -(middle + half * along + 0.25 * along * along)
     }
 
-    /// Roughly the signed distances to the roots, mm.
+    /// Returns about the signed distances to the roots, mm.
     pub fn tubes(&self, p: &Vec3) -> [f64; 2] {
         [self.mesial.distance(p), self.distal.distance(p)]
     }
@@ -53,7 +53,7 @@ impl Tube {
     fn distance(&self, p: &Vec3) -> f64 {
         let depth = fmax(-p.z, self.depth[0]);
         let last = self.depth[3];
-        // As for one root: at the apex everything goes on as it came, and a half ellipse closes it.
+        // The outlines of a root continue at the apex, and a half ellipse closes them, as for one root.
         let below = fclamp(depth - last, 0.0, 2.0 * self.apex);
         let at = |values: &[f64; 4]| {
             let slope = (values[3] - values[2]) / (self.depth[3] - self.depth[2]);

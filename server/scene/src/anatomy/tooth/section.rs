@@ -20,14 +20,15 @@ pub(super) struct Walls {
     pub buccal: [f64; LEVELS],
     /// Lingual outline, y.
     pub lingual: [f64; LEVELS],
-    /// Where the mesial and distal outlines lie, y: the section is widest there.
+    /// y of the mesial and distal outlines: the section is widest there.
     pub widest: [f64; LEVELS],
-    /// Where the buccal and lingual outlines lie, x.
+    /// x of the buccal and lingual outlines.
     pub crest: [f64; LEVELS],
-    /// Exponents of the mesiodistal coordinate (larger: flatter buccal and lingual faces) in the root and in the crown.
+    /// Exponents of the mesiodistal coordinate in the root and in the crown. Larger ones flatten the buccal and
+    /// lingual faces.
     pub flat: [f64; 2],
-    /// Exponents of the buccolingual coordinate (2: proximal faces as round as an ellipse): root, crown buccally, crown
-    /// lingually.
+    /// Exponents of the buccolingual coordinate: root, crown buccally, crown lingually. With 2, proximal faces are as
+    /// round as an ellipse.
     pub round: [f64; 3],
     /// Height of the round end of the root, mm.
     pub apex: f64,
@@ -35,12 +36,12 @@ pub(super) struct Walls {
     pub cej: [f64; 3],
 }
 
-/// A point seen from the walls.
+/// A point in coordinates of the walls.
 pub(super) struct Spot {
     pub p: Vec3,
     /// Place in the section: 1 at the mesial, -1 at the distal outline.
     pub u: f64,
-    /// 1 at the buccal, -1 at the lingual outline.
+    /// Place in the section: 1 at the buccal, -1 at the lingual outline.
     pub v: f64,
 }
 
@@ -48,7 +49,7 @@ pub(super) struct Spot {
 const ENAMEL: f64 = 0.11;
 
 impl Walls {
-    /// Height of the CEJ in the direction (x, y), drawn mm.
+    /// Returns the height of the CEJ in the direction (x, y), drawn mm.
     pub fn cej(&self, x: f64, y: f64) -> f64 {
         let [mesial, distal, lingual] = self.cej;
         let square = fmax(x * x + y * y, 1e-12);
@@ -59,9 +60,9 @@ impl Walls {
         rise * across * across * (1.5 - 0.5 * across) + behind * along * along
     }
 
-    /// Roughly the signed distance to the walls at a drawn point, mm.
+    /// Returns about the signed distance to the walls at a drawn point, mm.
     pub fn at(&self, p: &Vec3) -> (f64, Spot) {
-        // Round end of the root: the outlines go on as they came, a half ellipse closes them.
+        // Round end of the root: the outlines continue, and a half ellipse closes them.
         let below = fclamp((self.z[0] - p.z) / self.apex, 0.0, 2.0);
         let outline = |values: &[f64; LEVELS]| {
             let slope = (values[1] - values[0]) / (self.z[1] - self.z[0]);
@@ -93,7 +94,7 @@ impl Walls {
         let sum = fmax(libm::pow(au, m) + libm::pow(av, n), 1e-9);
         let q = 2.0 * m * n / (m + n);
         let ring = libm::pow(sum, 1.0 / q);
-        // By its gradient the ring becomes a distance, also where a section is a thin slab.
+        // The ring divided by its gradient is a distance, also for a section that is a thin slab.
         let gu = ring / sum / q * m * libm::pow(au, m - 1.0) / hx;
         let gv = ring / sum / q * n * libm::pow(av, n - 1.0) / hy;
         let (mut ring, mut square) = (ring, gu * gu + gv * gv);

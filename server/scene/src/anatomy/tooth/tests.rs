@@ -142,7 +142,7 @@ fn each_side_has_one_contact_point_where_anatomy_has_it() {
             assert!(tooth.distance(&contact).abs() < 1e-3, "{fdi}: {contact:?}");
             let half = 0.5 * tooth.mesiodistal_mm();
             assert!((contact.x * way / half - 1.0).abs() < 0.03, "{contact:?}");
-            // Beyond it there is nothing, and away from it on all sides the surface recedes.
+            // Points beyond it are free, and the surface recedes away from it on all sides.
             for k in 0..16 {
                 let turn = f64::from(k) * PI / 8.0;
                 let aside = Vec3::new(0.0, libm::cos(turn), libm::sin(turn)) * 1.5;
@@ -162,8 +162,10 @@ fn embrasures_open_for_a_tilted_probe() {
             for side in [2.0, -2.0] {
                 assert!(back(side, 0.35) > 0.0, "{} {contact:?} {side}", tooth.fdi());
             }
-            // A neighbour like it stands behind the plane through the contact. A probe of 0.6 mm whose tip lies in the
-            // midline just below the CEJ comes from the embrasure at 20 degrees and touches neither.
+            // An equal neighbour stands behind the plane through the contact.
+            //
+            // A probe of 0.6 mm with its tip in the midline just below the CEJ comes from the embrasure at 20
+            // degrees. It touches neither tooth.
             let around = if way > 0.0 { 0.0 } else { PI };
             for side in [1.0, -1.0] {
                 let tip = Vec3::new(contact.x, 0.0, tooth.cej(around) - 1.25);
@@ -182,7 +184,8 @@ fn embrasures_open_for_a_tilted_probe() {
     }
 }
 
-/// Whether a ball touches the tooth: by many points of it, as the implicit function is only roughly a distance.
+/// Returns whether a ball is free of the tooth. Many points of it are tested, because the implicit function is only
+/// about a distance.
 fn ball_is_free(tooth: &Tooth, centre: &Vec3, radius: f64) -> bool {
     (0..26).all(|k| {
         let (turn, tilt) = (f64::from(k % 13) * PI / 6.5, if k < 13 { 0.0 } else { 0.7 });
@@ -239,7 +242,7 @@ fn the_cej_rises_towards_the_neighbours() {
             assert!((tooth.cej(a) - tooth.cej(b)).abs() < 0.06, "{fdi} {a}");
         }
     }
-    // The enamel's edge is a step outwards that can be felt: just above the line the tooth is thicker than a smooth
+    // The enamel's edge is a palpable step outwards: just above the line the tooth is thicker than a smooth
     // continuation of the root.
     let tooth = Tooth::lower(36).expect("a lower tooth");
     let buccal = |z: f64| support(&tooth, FRAC_PI_2, z);
@@ -279,7 +282,7 @@ fn peaks(tooth: &Tooth, step: f64, prominence: f64) -> Vec<Vec3> {
         }
     }
     order.sort_by(|a, b| heights[*b].total_cmp(&heights[*a]));
-    // The land that has come out of a falling sea: islands merge, the lower one ends.
+    // Land above a falling sea: islands merge, and the lower summit ends.
     let mut island = vec![usize::MAX; width * width];
     let root = |island: &[usize], mut cell: usize| {
         while island[cell] != cell {
@@ -344,7 +347,7 @@ fn furcations_are_open_below_their_entrance_and_closed_above() {
         );
         assert!((-3.4..-2.6).contains(&buccal.height_mm), "{buccal:?}");
         assert!((-4.1..-3.4).contains(&lingual.height_mm), "{lingual:?}");
-        // Below the lower entrance a straight way leads from side to side, wide enough for a furcation probe.
+        // A straight way below the lower entrance leads from side to side, wide enough for a furcation probe.
         let through = lingual.height_mm - 1.0;
         for k in -70..=70 {
             for x in [-0.25, 0.0, 0.25] {

@@ -1,10 +1,8 @@
-//! The ranges of `[mouth]`.
+//! Ranges of `[mouth]`.
 
-use super::{Checked, levels, number, wrong};
-use crate::anatomy::mouth::MouthEntry;
-use crate::anatomy::patient::LOWER;
-use crate::file::ObjectEntry;
-use crate::file::gingiva::gingiva_params;
+use super::ranges::levels;
+use crate::file::{LOWER, MouthEntry, ObjectEntry};
+use crate::hand_written::{Checked, number, wrong};
 
 pub(super) fn mouth(entry: &MouthEntry, objects: &[ObjectEntry]) -> Checked {
     let field = |key: &str| format!("`{key}` in [mouth]");
@@ -33,10 +31,10 @@ pub(super) fn mouth(entry: &MouthEntry, objects: &[ObjectEntry]) -> Checked {
         return wrong(
             field("gingiva.inflammation"),
             "given",
-            "nothing, because the patient says how inflamed each gingiva is",
+            "nothing, because the patient file has the inflammation of each gingiva",
         );
     }
-    if let Err(error) = gingiva_params(&entry.gingiva).validate() {
+    if let Err(error) = entry.gingiva.params().validate() {
         return wrong(
             field(&format!("gingiva.{}", error.field)),
             error.found,

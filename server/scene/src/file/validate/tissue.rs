@@ -1,9 +1,7 @@
-//! What the tissues of a scene file must be.
+//! Ranges of the tissues of a scene file.
 
-use super::{Checked, number, wrong};
-use crate::anatomy::sulcus::Sulcus;
-use crate::anatomy::{Pocket, Tongue};
-use crate::file::{ObjectEntry, ObjectKind, TissueEntry};
+use crate::file::{ObjectEntry, ObjectKind, Pocket, SulcusEntry, TissueEntry, Tongue};
+use crate::hand_written::{Checked, number, wrong};
 use crate::organ::SurfaceOptions;
 use crate::organ::skeleton::SkeletonOptions;
 
@@ -103,7 +101,7 @@ pub(super) fn skeleton(field: &dyn Fn(&str) -> String, options: &SkeletonOptions
     range("free_tip", options.free_tip, 0.0, 1.0, "0 to 1")
 }
 
-/// What only a gingiva has, and what it must have.
+/// Checks the keys that only a gingiva may have, and those that it must have.
 pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     let field = |key: &str| format!("`{key}` of object `{}`", entry.name);
     let drawn = entry.kind == Some(ObjectKind::Gingiva);
@@ -165,7 +163,7 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
         return wrong(
             field("translate_mm"),
             format!("{:?}", entry.translate_mm),
-            "nothing, because a gingiva lies where its tooth does",
+            "nothing, because a gingiva has the place of its tooth",
         );
     }
     if let Some(given) = &entry.sulcus {
@@ -174,7 +172,11 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     if let Some(pocket) = &entry.pocket {
         self::pocket(&field, pocket)?;
     }
-    match crate::file::gingiva::gingiva_params(&entry.gingiva.clone().unwrap_or_default())
+    match entry
+        .gingiva
+        .clone()
+        .unwrap_or_default()
+        .params()
         .validate()
     {
         Ok(()) => Ok(()),
@@ -186,7 +188,7 @@ pub(super) fn gingiva(entry: &ObjectEntry, all: &[ObjectEntry]) -> Checked {
     }
 }
 
-fn sulcus(field: &dyn Fn(&str) -> String, sulcus: &Sulcus) -> Checked {
+fn sulcus(field: &dyn Fn(&str) -> String, sulcus: &SulcusEntry) -> Checked {
     let range = |key: &str, x: f64, low: f64, high: f64, expected| {
         let field = |key: &str| field(&format!("sulcus.{key}"));
         number(&field, key, x, low, high, expected)

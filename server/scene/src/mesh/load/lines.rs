@@ -1,6 +1,6 @@
-//! Lines of text files from any system: LF, CR LF or CR alone ends a line, mixed as they come.
+//! Lines of text files from any system. LF, CR LF or CR alone ends a line, in any mixture.
 
-/// The first line without its end, and the bytes behind its end; none where nothing is left.
+/// Returns the first line without its end, and the bytes behind its end; `None` if no bytes are left.
 pub(super) fn first(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     if bytes.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! OBJ: numbered vertices, polygons that name them, and much that does not matter here.
+//! OBJ: numbered vertices, polygons that name them, and data that no mesh needs.
 
 use std::fmt::Write;
 
@@ -9,11 +9,11 @@ use super::{Malformed, brief};
 use crate::mesh::TriMesh;
 use crate::mesh::polygon::{FACE, triangulate};
 
-/// What a corner of a face should be.
+/// Expected corner of a face.
 const CORNER: &str = "the number of a vertex in the file, counted from 1 or, negative, backwards";
 
-/// Reads OBJ; lengths stay in the file's unit. Materials are not looked at, groups and objects are
-/// one mesh, lines and points are no surface.
+/// Reads OBJ in the file's unit. Materials are ignored, groups and objects are one mesh, lines and points are no
+/// surface.
 pub(super) fn parse(bytes: &[u8]) -> Result<TriMesh, Malformed> {
     let surface = surface_only(&String::from_utf8_lossy(bytes))?;
     let no_materials = |_: &std::path::Path| Ok(Default::default());
@@ -50,7 +50,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TriMesh, Malformed> {
     Ok(mesh)
 }
 
-/// The part of a file that the reader gets.
+/// Part of a file that the reader receives.
 #[derive(Default)]
 struct Surface {
     /// Vertices and faces, a line each.
@@ -59,14 +59,16 @@ struct Surface {
     lines: Vec<usize>,
 }
 
-/// The file's vertices and faces alone, checked line by line: `v` with its place, `f` with the
-/// numbers of its corners. What is left out are colours, normals, textures, names and materials:
-/// the reader can stumble over them, and it does not say in which line.
+/// Returns the vertices and faces of a file, checked line by line: `v` with its place, `f` with the numbers of its
+/// corners.
+///
+/// Colours, normals, textures, names and materials are left out. The reader may fail on them, and does not name the
+/// line.
 fn surface_only(text: &str) -> Result<Surface, Malformed> {
     let mut found = Surface::default();
     let surface = &mut found.text;
     let mut vertices = 0_i64;
-    // Faces may name vertices that come later, so the largest number waits for the end.
+    // Faces may name later vertices, so the largest number is checked at the end.
     let mut largest = (0_i64, 0_usize);
     for (number, line) in logical_lines(text) {
         let mut words = line.split_whitespace();
@@ -142,8 +144,10 @@ fn surface_only(text: &str) -> Result<Surface, Malformed> {
     Ok(found)
 }
 
-/// Lines without comments, with their numbers from 1; a backslash at the end continues a line in the next. A comment
-/// ends with its line, whatever it ends with: paths in comments end in backslashes.
+/// Returns lines without comments, with their numbers from 1.
+///
+/// A backslash at the end continues a line in the next. A comment ends with its line in any case: paths in comments
+/// end in backslashes.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
     let mut lines = numbered(text).map(|(number, line)| match line.split_once('#') {
         Some((before, _)) => (number, before),
@@ -169,7 +173,8 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_
     })
 }
 
-/// A mesh as the text of an OBJ file, in metres: reading it gives the same mesh to the last bit, and so the same tree.
+/// Returns a mesh as the text of an OBJ file, in metres. Reading it gives the same mesh to the last bit, and the same
+/// tree.
 pub fn to_obj(mesh: &TriMesh) -> String {
     let vertices = mesh.vertices.iter();
     let vertices = vertices.map(|v| format!("v {} {} {}\n", v.x, v.y, v.z));

@@ -1,5 +1,7 @@
-//! PLY: a header that describes a table of vertices and a table of faces, then the tables as text
-//! or binary in either byte order.
+//! PLY: a header that describes a table of vertices and a table of faces, then the tables. They are text or binary in
+//! either byte order.
+//!
+//! `header` depends on this module for the names of the elements of a surface.
 
 mod header;
 
@@ -20,7 +22,7 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// Elements that hold the surface: polygons, and strips of triangles with -1 between them.
 const SURFACES: [&str; 2] = ["face", "tristrips"];
 
-/// Reads PLY; lengths stay in the file's unit.
+/// Reads PLY in the file's unit.
 pub(super) fn parse(bytes: Vec<u8>) -> Result<Loaded, Malformed> {
     let written = header::normalised(&bytes)?;
     let header = Parser::<Vertex>::new()
@@ -68,7 +70,7 @@ pub(super) fn parse(bytes: Vec<u8>) -> Result<Loaded, Malformed> {
     })
 }
 
-/// Whether the header describes a surface, and no more of it than the file can hold.
+/// Checks that the header describes a surface, and not more entries than the file can hold.
 fn described(header: &Header, available: usize) -> Result<(), Malformed> {
     let names: Vec<&str> = header.elements.keys().map(String::as_str).collect();
     let place = |name: &str| header.elements.get_index_of(name);
@@ -117,7 +119,7 @@ fn described(header: &Header, available: usize) -> Result<(), Malformed> {
     let mut needed = 0_u128;
     for element in header.elements.values() {
         needed += element.count as u128 * smallest(element, header.encoding) as u128;
-        // The last line of a text file may lack its end.
+        // The last line of a text file may have no end.
         if needed > available as u128 + 1 {
             return Err(Malformed::new(
                 format!(
@@ -141,7 +143,7 @@ fn smallest(element: &ElementDef, encoding: Encoding) -> usize {
         ScalarType::Double => 8,
     };
     match encoding {
-        // A digit and what parts it from the next; at least the end of the line.
+        // A digit and its separator, at least the end of the line.
         Encoding::Ascii => (2 * element.properties.len()).max(1),
         _ => element
             .properties
@@ -154,7 +156,7 @@ fn smallest(element: &ElementDef, encoding: Encoding) -> usize {
     }
 }
 
-/// What follows the header.
+/// Content after the header.
 struct Payload<'a> {
     rest: &'a [u8],
     encoding: Encoding,
@@ -163,7 +165,7 @@ struct Payload<'a> {
 }
 
 impl Payload<'_> {
-    /// Reads the entries of one element, one at a time: what is kept is for the taker to say.
+    /// Reads the entries of one element, one at a time. The receiver decides what is kept.
     fn each<E: PropertyAccess>(
         &mut self,
         element: &ElementDef,
@@ -213,7 +215,7 @@ impl Payload<'_> {
         Ok(())
     }
 
-    /// The next line of text that is not blank (or any, where blank is right).
+    /// Returns the next line of text that is not blank; with `blank`, any line.
     fn text_line(&mut self, blank: bool) -> Option<String> {
         while let Some((line, rest)) = lines::first(self.rest) {
             self.rest = rest;
@@ -282,7 +284,7 @@ impl PropertyAccess for Face {
 }
 
 impl Face {
-    /// The corners, if they are vertices of the file.
+    /// Returns the corners, if they are vertices of the file.
     fn corners(&self, vertices: usize) -> Result<Vec<u32>, Malformed> {
         if self.0.len() < 3 {
             return Err(Malformed::new(
@@ -294,8 +296,10 @@ impl Face {
         corners.collect()
     }
 
-    /// Appends the triangles of strips with -1 between them. Every other triangle of a strip is walked the other way
-    /// round; a triangle with a repeated corner leads the strip elsewhere and is no part of the surface.
+    /// Appends the triangles of strips with -1 between them.
+    ///
+    /// Every other triangle of a strip has the opposite direction. A triangle with a repeated corner leads the strip
+    /// elsewhere and is not part of the surface.
     fn strips(&self, vertices: usize, triangles: &mut Vec<[u32; 3]>) -> Result<(), Malformed> {
         let between = |corner: &i64| *corner == -1 || *corner == i64::from(u32::MAX);
         for strip in self.0.split(between) {
@@ -314,7 +318,7 @@ impl Face {
     }
 }
 
-/// A corner, if it is one of so many vertices.
+/// Returns a corner, if it is one of the vertices.
 fn known(corner: i64, vertices: usize) -> Result<u32, Malformed> {
     match u32::try_from(corner) {
         Ok(known) if (known as usize) < vertices => Ok(known),
@@ -325,7 +329,7 @@ fn known(corner: i64, vertices: usize) -> Result<u32, Malformed> {
     }
 }
 
-/// Anything else, read over.
+/// Any other element, skipped.
 struct Other;
 
 impl PropertyAccess for Other {

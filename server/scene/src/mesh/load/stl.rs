@@ -15,29 +15,29 @@ const HEADER: usize = 84;
 const RECORD: usize = 50;
 /// The kinds of file that are read.
 const EXPECTED: &str = "a complete binary or ASCII STL file";
-/// How far the beginning of a file is looked at for the words of ASCII STL.
+/// Length of the beginning of a file that is searched for the words of ASCII STL, bytes.
 const START: usize = 1 << 10;
-/// Farthest that the length of a stored normal may be from 1 in data that are taken for a triangle.
+/// Largest difference from 1 of the length of a stored normal in the data of a triangle.
 const NEARLY_ONE: f32 = 1e-2;
 
-/// Triangles that a binary file announces.
+/// Returns the number of triangles that a binary file announces.
 fn announced(bytes: &[u8]) -> Option<u64> {
     let count = bytes.get(80..HEADER)?.try_into().ok()?;
     Some(u64::from(u32::from_le_bytes(count)))
 }
 
-/// Length of a binary file of so many triangles, bytes.
+/// Returns the length of a binary file of this number of triangles, bytes.
 fn length_of(triangles: u64) -> u64 {
     HEADER as u64 + RECORD as u64 * triangles
 }
 
-/// Whether the length fits the count of triangles exactly: then the file is binary, though many exporters begin binary
-/// files with "solid" too.
+/// Returns whether the length fits the count of triangles exactly. Then the file is binary, even if it begins with
+/// "solid", as many exporters write.
 pub(super) fn is_exactly_binary(bytes: &[u8]) -> bool {
     announced(bytes).map(length_of) == Some(bytes.len() as u64)
 }
 
-/// Whether the header and the first triangle are those of a binary file that may have more bytes behind its triangles.
+/// Returns whether header and first triangle are those of a binary file, possibly with bytes behind its triangles.
 pub(super) fn seems_binary(bytes: &[u8]) -> bool {
     let fits =
         announced(bytes).is_some_and(|count| count > 0 && length_of(count) <= bytes.len() as u64);
@@ -46,16 +46,18 @@ pub(super) fn seems_binary(bytes: &[u8]) -> bool {
         .is_some_and(is_triangle)
 }
 
-/// Whether it begins with the word of ASCII files, in any spelling.
+/// Returns whether it begins with the word of ASCII files, in any spelling.
 fn begins_with_solid(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid")
 }
 
-/// Whether it begins as ASCII files do. A count of triangles below 2^24 has a zero byte, so the header of a binary file
-/// does not look like text, whatever its first word is.
+/// Returns whether it begins like an ASCII file.
+///
+/// A count of triangles below 2^24 has a zero byte, so the header of a binary file does not look like text, whatever
+/// its first word.
 pub(super) fn is_text(bytes: &[u8]) -> bool {
-    // Zeros behind the last line are no part of the text.
+    // Zeros behind the last line are not part of the text.
     let text = bytes.len() - bytes.iter().rev().take_while(|&&byte| byte == 0).count();
     let start = &bytes[..text.min(START)];
     let lower = start.to_ascii_lowercase();
@@ -63,7 +65,7 @@ pub(super) fn is_text(bytes: &[u8]) -> bool {
     begins_with_solid(start) && !start.contains(&0) && (has(b"facet") || has(b"endsolid"))
 }
 
-/// Reads STL; lengths stay in the file's unit.
+/// Reads STL in the file's unit.
 pub(super) fn parse(bytes: Vec<u8>) -> Result<Loaded, Malformed> {
     let looks_like_text =
         begins_with_solid(&bytes) && !bytes[..bytes.len().min(START)].contains(&0);
@@ -81,7 +83,7 @@ pub(super) fn parse(bytes: Vec<u8>) -> Result<Loaded, Malformed> {
     })
 }
 
-/// The part of a binary file that its header describes, and what was found behind that.
+/// Returns the part of a binary file that its header describes, and a note about bytes behind it.
 fn whole(mut bytes: Vec<u8>) -> Result<(Vec<u8>, Vec<String>), Malformed> {
     let length = bytes.len();
     let Some(triangles) = announced(&bytes) else {
@@ -97,7 +99,7 @@ fn whole(mut bytes: Vec<u8>) -> Result<(Vec<u8>, Vec<String>), Malformed> {
             EXPECTED,
         ));
     }
-    // (No more than the length of the file, which is in memory.)
+    // The value is at most the length of the file, which is in memory.
     let end = end as usize;
     let behind = &bytes[end..];
     let mut notes = Vec::new();
@@ -133,12 +135,12 @@ fn whole(mut bytes: Vec<u8>) -> Result<(Vec<u8>, Vec<String>), Malformed> {
         ));
         bytes.truncate(end);
     }
-    // The reader tells the two kinds apart by this word alone.
+    // The reader distinguishes the two kinds by this word alone.
     bytes[..5].copy_from_slice(b"-----");
     Ok((bytes, notes))
 }
 
-/// Whether 50 bytes are those of a triangle with its normal, and nothing else that is plausible.
+/// Returns whether 50 bytes are a plausible triangle with its normal.
 fn is_triangle(record: &[u8; RECORD]) -> bool {
     let (words, _) = record.as_chunks::<4>();
     let numbers = words[..12].iter().map(|word| f32::from_le_bytes(*word));
@@ -154,7 +156,7 @@ fn is_triangle(record: &[u8; RECORD]) -> bool {
         && corners[2] != corners[0]
 }
 
-/// The content of bytes that were not read, in brackets.
+/// Returns the content of bytes that were not read, in brackets.
 fn content(bytes: &[u8]) -> String {
     if bytes.iter().all(|&byte| byte == 0) {
         return " (zeros)".to_owned();
@@ -183,12 +185,12 @@ fn read(bytes: Vec<u8>) -> Result<TriMesh, Malformed> {
             .map(|face| face.vertices.map(|v| v as u32))
             .collect(),
     };
-    // The reader joins equal bits; 0.0 and -0.0 are one place too.
+    // The reader joins equal bits; 0.0 and -0.0 are also one place.
     join_equal(&mut mesh);
     Ok(mesh)
 }
 
-/// The lines of a triangle in an ASCII file: words, then so many numbers.
+/// The lines of a triangle in an ASCII file: words, then a count of numbers.
 const FACET: [(&[&str], usize, &str); 7] = [
     (
         &["facet", "normal"],
@@ -207,14 +209,16 @@ const FACET: [(&[&str], usize, &str); 7] = [
     (&["endfacet"], 0, "`endfacet`"),
 ];
 
-/// An ASCII file as one solid, checked line by line, in the spelling that the reader knows: it would stop after the first
-/// of several solids, wants small letters and a name, and does not say in which line it stumbles.
+/// Returns an ASCII file as one solid, checked line by line, in the spelling of the reader.
+///
+/// The reader would stop after the first of several solids. It expects small letters and a name, and does not name
+/// the line of a fault.
 fn one_solid(bytes: &[u8]) -> Result<(Vec<u8>, Vec<String>), Malformed> {
     let text = String::from_utf8_lossy(bytes).to_ascii_lowercase();
     let mut joined = String::with_capacity(text.len() + 32);
     joined.push_str("solid -\n");
     let mut notes = Vec::new();
-    // Line in which the solid began that is not ended, and how much of a triangle is read.
+    // Line of the beginning of the open solid, and position in the current triangle.
     let (mut begun, mut stage, mut last) = (None::<usize>, 0_usize, 1_usize);
     for (number, line) in numbered(&text) {
         let line = line.trim_matches(|c: char| c.is_whitespace() || c == '\0' || c == '\u{1a}');
@@ -254,7 +258,7 @@ fn one_solid(bytes: &[u8]) -> Result<(Vec<u8>, Vec<String>), Malformed> {
                 }
                 let finite = |word: &&str| word.parse::<f32>().is_ok_and(f32::is_finite);
                 if stage == 0 {
-                    // Normals are computed from the corners; of triangles without area they are no numbers.
+                    // Normals are computed from the corners. For triangles without area they are NaN.
                     joined.push_str("facet normal 0 0 0\n");
                 } else if let Some(wrong) = rest.iter().find(|word| !finite(word)) {
                     return Err(Malformed::new(
@@ -287,7 +291,7 @@ fn one_solid(bytes: &[u8]) -> Result<(Vec<u8>, Vec<String>), Malformed> {
     Ok((joined.into_bytes(), notes))
 }
 
-/// A mesh as binary STL bytes in millimetres (for export and tests).
+/// Returns a mesh as binary STL bytes in millimetres, for export and tests.
 pub fn to_stl(mesh: &TriMesh) -> Vec<u8> {
     let mut bytes = vec![0; 80];
     bytes.extend((mesh.triangles.len() as u32).to_le_bytes());

@@ -1,4 +1,4 @@
-//! Units of length that mesh files are drawn in.
+//! Units of length of mesh files.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// All units, in the order in which messages name them.
+    /// All units, in the order of messages.
     pub const ALL: [Unit; 3] = [Unit::Millimetre, Unit::Metre, Unit::Inch];
 
     /// Length of one unit, metres.
@@ -29,7 +29,7 @@ impl Unit {
         }
     }
 
-    /// The unit in scene files and on the command line.
+    /// Returns the unit in scene files and on the command line.
     pub fn symbol(self) -> &'static str {
         match self {
             Unit::Millimetre => "mm",
@@ -38,7 +38,7 @@ impl Unit {
         }
     }
 
-    /// The unit in a sentence.
+    /// Returns the unit in a sentence.
     pub(crate) fn plural(self) -> &'static str {
         match self {
             Unit::Millimetre => "millimetres",

@@ -1,4 +1,4 @@
-//! The open base of a scan, closed by a flat lid.
+//! Flat lid for the open base of a scan.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,11 +10,11 @@ use crate::mesh::TriMesh;
 use crate::mesh::edges::{Place, first_few, open_sides, openings, rounded, sides};
 use crate::mesh::polygon::{Plane, triangulate_within};
 
-/// Largest distance of the rim from its best plane, as a share of the diagonal of the rim's box. The margin of a crown
-/// rises and falls by less.
+/// Largest distance of the rim from its best plane, as a share of the diagonal of the rim's box. The margin of a
+/// crown varies by less.
 pub const BASE_FLAT_SHARE: f64 = 0.2;
 
-/// A base that was closed because that was asked for.
+/// A base that was closed on request.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedBase {
     /// Corners of its rim.
@@ -27,10 +27,10 @@ pub struct ClosedBase {
     pub at_mm: [f64; 3],
 }
 
-/// Closes the one opening of a mesh; none if nothing is open.
+/// Closes the one opening of a mesh; returns `None` if nothing is open.
 ///
 /// # Errors
-/// The openings found where one nearly flat rim should be, in a few words.
+/// The openings found, in a few words, if there is not exactly one nearly flat rim.
 pub(super) fn close(mesh: &mut TriMesh) -> Result<Option<ClosedBase>, String> {
     let all = sides(mesh);
     let open = open_sides(&all);
@@ -54,7 +54,7 @@ pub(super) fn close(mesh: &mut TriMesh) -> Result<Option<ClosedBase>, String> {
             rim.len()
         ));
     }
-    // The lid walks the rim against the triangles around it.
+    // The lid traverses the rim against the triangles around it.
     let corners: Vec<u32> = rim.iter().rev().map(|side| side.walked()[1]).collect();
     let points: Vec<Vec3> = corners.iter().map(|&v| mesh.vertices[v as usize]).collect();
     let plane = Plane::through(&points);
@@ -88,7 +88,7 @@ pub(super) fn close(mesh: &mut TriMesh) -> Result<Option<ClosedBase>, String> {
     }))
 }
 
-/// The lid with its inner edges that the mesh has already cut in the middle: no edge may have more than two triangles.
+/// Splits inner edges of the lid that the mesh already has: an edge may have two triangles only.
 fn parted(
     mesh: &mut TriMesh,
     lid: Vec<[u32; 3]>,

@@ -1,6 +1,7 @@
-//! A patch for a hole: among all triangulations of its rim the one that bends least, then the
-//! smallest (Liepa, Filling Holes in Meshes, Symposium on Geometry Processing 2003, section 3;
-//! Barequet and Sharir 1995).
+//! A patch for a hole: of all triangulations of its rim the one that bends least, then the smallest.
+//!
+//! Sources: Liepa, Filling Holes in Meshes, Symposium on Geometry Processing 2003, section 3; Barequet and Sharir
+//! 1995.
 
 use sulcus_core::Vec3;
 
@@ -11,14 +12,15 @@ use crate::mesh::edges::Side;
 pub(super) struct Rim {
     vertices: Vec<u32>,
     points: Vec<Vec3>,
-    /// Unit normal of the triangle beyond the edge from vertex k to the next; none if it has no area.
+    /// Unit normal of the triangle beyond the edge from vertex k to the next; `None` if it has no area.
     beyond: Vec<Option<Vec3>>,
     /// Whether one triangle is beyond all edges.
     flap: bool,
 }
 
 impl Rim {
-    /// `rim` as the triangles around the hole walk it, which is against the patch.
+    /// Returns the rim of a hole. `rim` has the direction of the triangles around the hole, which is opposite to the
+    /// patch.
     pub(super) fn new(mesh: &TriMesh, rim: &[Side]) -> Self {
         let vertices: Vec<u32> = rim.iter().rev().map(|side| side.walked()[1]).collect();
         Self {
@@ -37,12 +39,13 @@ impl Rim {
     }
 }
 
-/// How bad a triangulation is: its sharpest bend (1 - cos) and its area, both in steps that are
-/// above rounding, then the squares of the lengths of its diagonals.
+/// Penalty of a triangulation: its sharpest bend (1 - cos) and its area, both in steps above rounding, then the
+/// squares of the lengths of its diagonals.
 type Weight = (f64, f64, f64);
 
-/// The triangles of the best patch; `taken` says which edges exist already, which no diagonal may
-/// be. None if no triangulation avoids them.
+/// Returns the triangles of the best patch; `None` if no triangulation is possible.
+///
+/// `taken` returns whether an edge exists already. No diagonal may be such an edge.
 pub(super) fn fill(rim: &Rim, taken: &dyn Fn(u32, u32) -> bool) -> Option<Vec<[u32; 3]>> {
     let n = rim.vertices.len();
     let own = |t: [usize; 3]| t.map(|k| rim.vertices[k]);
@@ -100,7 +103,7 @@ pub(super) fn fill(rim: &Rim, taken: &dyn Fn(u32, u32) -> bool) -> Option<Vec<[u
                 if whole {
                     sharpest = sulcus_core::math::fmax(sharpest, bend(own, rim.beyond[n - 1]));
                 }
-                // In steps of a millionth of the hole, so that rounding does not choose.
+                // Steps of a millionth of the hole, so rounding does not decide.
                 let area = (vector.norm() / (1e-6 * largest)).round();
                 let diagonal = (rim.points[i] - rim.points[j]).norm_squared();
                 let weight = (

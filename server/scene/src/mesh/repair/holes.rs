@@ -1,4 +1,4 @@
-//! Small holes: their rims, and which of them are closed.
+//! Small holes: their rims, and the closing of them.
 
 use std::collections::BTreeSet;
 
@@ -50,12 +50,13 @@ pub(super) fn close(mesh: &mut TriMesh, size: f64) -> Vec<ClosedHole> {
     closed
 }
 
-/// The rims as loops of open sides, each in the order in which its triangles walk it. Where a rim
-/// meets itself in a vertex it is parted there; what does not come back to its start is left out.
+/// Returns the rims as loops of open sides, each in the direction of its triangles.
+///
+/// A rim that meets itself in a vertex is parted there. A chain that does not return to its start is left out.
 pub(super) fn rims(open: &[Side], vertices: usize) -> Vec<Vec<Side>> {
     let mut from: Vec<Side> = open.to_vec();
     from.sort_unstable_by_key(|side| (side.walked(), side.triangle));
-    // The next side that leaves each vertex and is not on a rim or a way yet.
+    // The next side that leaves each vertex and belongs to no rim or chain yet.
     let mut next: Vec<usize> = vec![0; vertices];
     for (k, side) in from.iter().enumerate().rev() {
         next[side.walked()[0] as usize] = k;
@@ -67,7 +68,7 @@ pub(super) fn rims(open: &[Side], vertices: usize) -> Vec<Vec<Side>> {
         let mut at = from[start].walked()[0];
         while next[at as usize] <= start || !way.is_empty() {
             if on_way[at as usize] != u32::MAX {
-                // Back at a vertex of the way: a loop.
+                // The chain has reached one of its own vertices: a loop.
                 let rim: Vec<Side> = way
                     .drain(on_way[at as usize] as usize..)
                     .map(|k| from[k])
@@ -80,7 +81,7 @@ pub(super) fn rims(open: &[Side], vertices: usize) -> Vec<Vec<Side>> {
             }
             let side = next[at as usize];
             if from.get(side).is_none_or(|side| side.walked()[0] != at) {
-                // A dead end: triangles that disagree. The way is given up.
+                // A dead end: triangles disagree. The chain is dropped.
                 for k in way.drain(..) {
                     on_way[from[k].walked()[0] as usize] = u32::MAX;
                 }

@@ -1,11 +1,12 @@
-//! Triangles that agree about which side is outside.
+//! Consistent orientation of triangles.
 
 use crate::mesh::TriMesh;
 use crate::mesh::edges::{Sets, by_edge, sides};
 
-/// Turns triangles until neighbours agree; where they differ the majority of a connected surface
-/// stays (the first triangle's side, where they are as many). A surface that cannot be oriented is
-/// left alone. Returns the triangles turned.
+/// Turns triangles until neighbours agree. Returns the triangles turned.
+///
+/// In a connected surface the majority stays; at equal numbers, the side of the first triangle. A surface that cannot
+/// be oriented is left unchanged.
 pub(super) fn agree(mesh: &mut TriMesh) -> Vec<u32> {
     // Up to three neighbours across edges with two triangles, and whether they differ.
     let mut neighbours = vec![[(u32::MAX, false); 3]; mesh.triangles.len()];
@@ -73,7 +74,7 @@ pub(super) fn agree(mesh: &mut TriMesh) -> Vec<u32> {
     turned
 }
 
-/// Turns a closed surface of one piece outward if its volume is negative. Returns whether it did.
+/// Turns a closed surface of one piece outward if its volume is negative. Returns whether it was turned.
 pub(super) fn outward(mesh: &mut TriMesh) -> bool {
     if mesh.signed_volume() >= 0.0 || !super::closed(mesh) {
         return false;

@@ -1,4 +1,4 @@
-//! The largest of several pieces: a scanner leaves crumbs beside what was scanned.
+//! The largest of several pieces. Scanners leave small pieces beside the scanned object.
 
 use serde::Serialize;
 use sulcus_core::Vec3;
@@ -7,17 +7,17 @@ use sulcus_core::math::fmax;
 use crate::mesh::TriMesh;
 use crate::mesh::edges::{Sets, by_edge, diameter, sides};
 
-/// Areas that differ by no more than this share are equal: of equal pieces the first in the file is kept.
+/// Relative tolerance of equal areas. Of equal pieces the first in the file is kept.
 const EQUAL: f64 = 1e-5;
 
-/// Pieces that were dropped because the largest alone was asked for.
+/// Pieces that were dropped on request.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DroppedPieces {
     /// Pieces dropped.
     pub pieces: usize,
     /// Their triangles.
     pub triangles: usize,
-    /// Largest distance across one of them, mm (the diagonal of its box where it has more than a few hundred corners).
+    /// Largest distance across one of them, mm. With more than a few hundred corners it is the diagonal of its box.
     pub largest_mm: f64,
     /// Triangles of the piece that was kept.
     pub kept_triangles: usize,
@@ -25,7 +25,9 @@ pub struct DroppedPieces {
     pub kept_area_mm2: f64,
 }
 
-/// Keeps the piece with the largest area. A piece hangs together by edges; what touches it in a vertex alone is another.
+/// Keeps the piece with the largest area.
+///
+/// A piece is connected by edges. A part that touches it in a vertex only is another piece.
 pub(super) fn keep_largest(mesh: &mut TriMesh) -> Option<DroppedPieces> {
     let mut sets = Sets::new(mesh.triangles.len());
     for edge in by_edge(&sides(mesh)) {

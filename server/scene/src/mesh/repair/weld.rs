@@ -1,13 +1,13 @@
-//! Vertices that should be one: exactly in one place, or nearly.
+//! Joining of vertices that are exactly or nearly in one place.
 
 use crate::mesh::TriMesh;
 use crate::mesh::edges::{Sets, Side, open_sides, sides};
 
-/// Candidates that one edge is compared with in one cell of the grid: more do not occur in a mesh,
-/// and without a limit a heap of edges in one place would cost its square.
+/// Largest number of candidates for one edge in one cell of the grid. Meshes never have more; without a limit, many
+/// edges in one place would take quadratic time.
 const CANDIDATES: usize = 16;
 
-/// For each vertex the first vertex in exactly its place (0.0 equals -0.0).
+/// Returns for each vertex the first vertex in exactly its place (0.0 equals -0.0).
 fn first_in_place(mesh: &TriMesh) -> Vec<u32> {
     let key = |v: u32| {
         let place = mesh.vertices[v as usize];
@@ -24,8 +24,7 @@ fn first_in_place(mesh: &TriMesh) -> Vec<u32> {
     first
 }
 
-/// Joins all vertices that are exactly in one place. Triangles may become degenerate; vertices that
-/// are left over are dropped.
+/// Joins all vertices that are exactly in one place. Triangles may become degenerate. Unused vertices are dropped.
 pub(crate) fn join_equal(mesh: &mut TriMesh) {
     let first = first_in_place(mesh);
     for v in mesh.triangles.iter_mut().flatten() {
@@ -34,8 +33,10 @@ pub(crate) fn join_equal(mesh: &mut TriMesh) {
     super::drop_unused(mesh);
 }
 
-/// Joins vertices that are exactly in one place: ends of open edges that coincide, and corners of
-/// one triangle. Others touch without belonging together. Returns how many were joined.
+/// Joins vertices that are exactly in one place: ends of open edges that coincide, and corners of one triangle.
+/// Returns their number.
+///
+/// Other vertices in one place touch without belonging together.
 pub(super) fn duplicates(mesh: &mut TriMesh) -> usize {
     let first = first_in_place(mesh);
     if first.iter().zip(0_u32..).all(|(&first, v)| first == v) {
@@ -68,7 +69,7 @@ pub(super) fn duplicates(mesh: &mut TriMesh) -> usize {
     apply(mesh, &mut sets)
 }
 
-/// What [`nearly`] did.
+/// Result of [`nearly`].
 #[derive(Default)]
 pub(super) struct Welded {
     pub vertices: usize,
@@ -76,9 +77,10 @@ pub(super) struct Welded {
     pub largest: f64,
 }
 
-/// Welds the ends of open edges that nearly coincide: both ends within `tolerance` (metres). The
-/// vertex with the lowest index stays in its place. Vertices that an edge connects are never
-/// welded, so no feature of the mesh is lost.
+/// Welds the ends of open edges that nearly coincide: both ends within `tolerance` (metres).
+///
+/// The vertex with the lowest index keeps its place. Vertices that an edge connects are never welded, so no feature
+/// of the mesh is lost.
 pub(super) fn nearly(mesh: &mut TriMesh, tolerance: f64) -> Welded {
     let open = open_sides(&sides(mesh));
     if open.is_empty() {
@@ -90,7 +92,7 @@ pub(super) fn nearly(mesh: &mut TriMesh, tolerance: f64) -> Welded {
     };
     neighbours(mesh, &open, tolerance, |one, other| {
         let ([a, b], [c, d]) = (one.walked(), other.walked());
-        // Neighbours that agree walk their common edge in opposite directions.
+        // Neighbours that agree have opposite directions on their common edge.
         if close(a, d) && close(b, c) {
             sets.join(a, d);
             sets.join(b, c);
@@ -116,7 +118,7 @@ pub(super) fn nearly(mesh: &mut TriMesh, tolerance: f64) -> Welded {
             continue;
         }
         let distance = (mesh.vertices[v as usize] - mesh.vertices[set as usize]).norm();
-        // Chains of nearly equal places must not lead away.
+        // Chains of nearly equal places must not lead far away.
         if distance > 2.0 * tolerance {
             whole[set as usize] = false;
         }
@@ -136,7 +138,7 @@ pub(super) fn nearly(mesh: &mut TriMesh, tolerance: f64) -> Welded {
     done
 }
 
-/// Visits the pairs of open edges whose middles are within `tolerance` of each other, and some more.
+/// Visits the pairs of open edges whose middles are within `tolerance` of each other, and some more pairs.
 fn neighbours(mesh: &TriMesh, open: &[Side], tolerance: f64, mut visit: impl FnMut(Side, Side)) {
     let low = mesh.bounds().0;
     let place = |side: &Side| {

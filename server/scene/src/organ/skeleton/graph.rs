@@ -1,17 +1,18 @@
-//! Which skeleton nodes are neighbours.
+//! Neighbours of skeleton nodes.
 
 use sulcus_core::Vec3;
 
 use crate::mesh::distance::MeshDistance;
 
-/// Neighbours that each node asks for.
+/// Number of neighbours of a node.
 const NEIGHBOURS: usize = 6;
-/// Places along a spring that must lie in the solid.
+/// Number of places along a spring that must lie in the solid.
 const PLACES: usize = 7;
 
-/// Pairs `(a, b)`, `a < b`, of nodes of which either is among the nearest six of the other. A spring that
-/// would leave the solid (from tip to tip of a fork, across a fold) is left out, unless a node would then hang
-/// on nothing that is fixed: then the ones that leave it least come back, one by one.
+/// Returns the pairs `(a, b)`, `a < b`, of nodes of which either is among the nearest six of the other.
+///
+/// A spring that would leave the solid is left out, from tip to tip of a fork or across a fold. If a node would then
+/// be connected to no fixed node, the springs that leave the solid least are added one by one.
 pub(super) fn edges(
     places: &[Vec3],
     fixed: &[bool],
@@ -47,7 +48,7 @@ pub(super) fn edges(
     kept.iter().for_each(|&(a, b)| {
         held.join(a, b);
     });
-    // A spring between two parts of which either hangs on nothing brings that part nearer to something.
+    // A spring between two parts, one of which is connected to no fixed node, brings that part nearer to one.
     for (_, a, b) in refused {
         if !(held.is_held(a) && held.is_held(b)) && held.join(a, b) {
             kept.push((a, b));
@@ -57,7 +58,8 @@ pub(super) fn edges(
     kept
 }
 
-/// How far the straight way from `a` to `b` leaves the solid, metres; 0 where it does not.
+/// Returns the largest distance of the straight line from `a` to `b` outside of the solid, metres; 0 if it stays
+/// inside.
 fn excursion(a: &Vec3, b: &Vec3, distance: &MeshDistance) -> f64 {
     let place = |k: usize| a + (b - a) * (k as f64 / (PLACES + 1) as f64);
     (1..=PLACES)
@@ -65,7 +67,7 @@ fn excursion(a: &Vec3, b: &Vec3, distance: &MeshDistance) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Parts of the graph, and which of them hold on to something fixed.
+/// Parts of the graph, and whether each is connected to a fixed node.
 struct Held {
     parent: Vec<usize>,
     fixed: Vec<bool>,
@@ -90,7 +92,7 @@ impl Held {
         self.fixed[self.root(k)]
     }
 
-    /// Joins two parts; false if they are one already.
+    /// Joins two parts; returns false if they are already one.
     fn join(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[b] = a;
@@ -124,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_spring_through_the_air_is_kept_only_where_a_node_needs_it() {
-        // Two nodes in a ball, one far outside of it: everything to that one leaves the solid.
+        // Two nodes in a ball, and one far outside of it. Every spring to that one leaves the solid.
         let distance = MeshDistance::new(icosphere(0.01, 3));
         let places = [
             Vec3::new(0.0, 0.0, 0.0),

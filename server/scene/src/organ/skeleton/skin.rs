@@ -1,10 +1,12 @@
-//! Which skeleton nodes carry a sphere.
+//! Carriers of a sphere among the skeleton nodes.
 
 use sulcus_core::Vec3;
 use sulcus_core::tissue::skeleton::{CARRIERS, Skin};
 
-/// The four nearest nodes, weighted by `(1 - d/r)^2` with `r` the distance of the fifth: a node's weight has gone
-/// to zero, slope and all, where another takes its place, so the skin is smooth. Sums to 1.
+/// Returns the four nearest nodes with weights `(1 - d/r)^2`; `r` is the distance of the fifth. The weights add up to
+/// 1.
+///
+/// The weight of a node and its slope are zero where another node takes its place, so the skin is smooth.
 pub(super) fn skin(point: &Vec3, places: &[Vec3]) -> Skin {
     let mut near: Vec<(f64, usize)> = places
         .iter()
@@ -12,7 +14,7 @@ pub(super) fn skin(point: &Vec3, places: &[Vec3]) -> Skin {
         .map(|(k, p)| ((p - point).norm(), k))
         .collect();
     near.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-    // With fewer nodes than that the kernel reaches twice as far as the last.
+    // With fewer nodes the kernel reaches twice as far as the last.
     let reach = match (near.get(CARRIERS), near.last()) {
         (Some((fifth, _)), _) => *fifth,
         (None, Some((last, _))) => 2.0 * last,
@@ -31,7 +33,7 @@ pub(super) fn skin(point: &Vec3, places: &[Vec3]) -> Skin {
     if sum > 0.0 {
         skin.weights = skin.weights.map(|w| w / sum);
     } else {
-        // All five at one distance: the first is as good as any.
+        // All five have one distance: the first is chosen.
         skin.weights = [1.0, 0.0, 0.0, 0.0];
     }
     skin
@@ -65,7 +67,7 @@ mod tests {
                 .map(|(k, w)| of(*k) * w)
                 .sum::<f64>()
         };
-        // Along a line: nothing jumps, whatever the four nearest are.
+        // Along a line the skin is continuous, whatever the four nearest nodes are.
         let at = |k: i32| Vec3::new(-0.02 + 1e-6 * f64::from(k), 0.003, 0.001);
         let mut last = value(&at(0));
         for k in 1..40_000 {

@@ -1,19 +1,22 @@
-//! How far a skeleton gives way at rest.
+//! Stiffness of a skeleton at rest.
 
 use sulcus_core::tissue::skeleton::SkeletonLevel;
 use sulcus_core::{SphereTree, Vec3};
 
 /// Radius of the reference tool, metres: a number 4 mirror.
 const RADIUS: f64 = 0.011;
-/// How deep it is pressed, metres.
+/// Depth of the press, metres.
 const DEPTH: f64 = 0.006;
-/// Where along the organ it presses, as shares of its length.
+/// Places of the press along the organ, as shares of its length.
 const PLACES: [f64; 3] = [0.45, 0.6, 0.75];
-/// Sweeps over the spheres under the disc, at most.
+/// Largest number of sweeps over the spheres under the disc.
 const SWEEPS: usize = 20_000;
 
-/// Force of a rigid flat disc, as wide as a mouth mirror, pressed 6 mm from above into the middle of the back: mean
-/// over three places, newtons. Springs at rest stiffness; contact without friction, each sphere pushed or free.
+/// Returns the force of a rigid flat disc pressed 6 mm from above into the middle of the back, newtons. It is the
+/// mean over three places.
+///
+/// The disc is as wide as a mouth mirror. Springs have their stiffness at rest. Contact is without friction; each
+/// sphere is pushed or free.
 pub fn pressed(level: &SkeletonLevel, tree: &SphereTree) -> f64 {
     let spheres: Vec<(usize, Vec3, f64)> = tree
         .shape_at(3)
@@ -46,8 +49,8 @@ pub fn pressed(level: &SkeletonLevel, tree: &SphereTree) -> f64 {
     sum / PLACES.len() as f64
 }
 
-/// Force that moves each of `spheres` down by at least its overlap, none of them pulled, newtons: by projected
-/// Gauss-Seidel.
+/// Returns the force that moves each of `spheres` down by at least its overlap without pulling any, newtons, by
+/// projected Gauss-Seidel.
 fn punch(level: &SkeletonLevel, spheres: &[(usize, f64)]) -> f64 {
     let n = spheres.len();
     let loads: Vec<Vec<f64>> = spheres.iter().map(|(k, _)| load_of(level, *k)).collect();
@@ -63,7 +66,7 @@ fn punch(level: &SkeletonLevel, spheres: &[(usize, f64)]) -> f64 {
     for _ in 0..SWEEPS {
         let mut change = 0.0_f64;
         for i in 0..n {
-            // What hangs on fixed nodes alone cannot give way.
+            // A sphere on fixed nodes only cannot move.
             if compliance[i][i] < 1e-9 {
                 continue;
             }
@@ -79,7 +82,7 @@ fn punch(level: &SkeletonLevel, spheres: &[(usize, f64)]) -> f64 {
     force.iter().sum()
 }
 
-/// Share of a unit load on a sphere that each free node bears.
+/// Returns the share of a unit load on a sphere that each free node bears.
 fn load_of(level: &SkeletonLevel, sphere: usize) -> Vec<f64> {
     let mut load = vec![0.0; level.nodes.len()];
     let skin = &level.skin[sphere];
@@ -91,7 +94,7 @@ fn load_of(level: &SkeletonLevel, sphere: usize) -> Vec<f64> {
     load
 }
 
-/// `K u = f` along one axis by conjugate gradients; fixed nodes stay.
+/// Solves `K u = f` along one axis by conjugate gradients. Fixed nodes do not move.
 fn solve(level: &SkeletonLevel, axis: usize, load: &[f64]) -> Vec<f64> {
     let n = load.len();
     let times = |u: &[f64]| {

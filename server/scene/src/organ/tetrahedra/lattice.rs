@@ -1,4 +1,5 @@
-//! The body-centred cubic lattice around a surface: its nodes, where its edges cross, which nodes move onto the surface.
+//! The body-centred cubic lattice around a surface: its nodes, crossings of its edges, nodes that move onto the
+//! surface.
 //!
 //! A node has whole coordinates in halves of a cube's edge, all even (corners of cubes) or all odd (their middles).
 
@@ -6,20 +7,24 @@ use std::collections::BTreeSet;
 
 use sulcus_core::Vec3;
 
+use super::error::TetraError;
 use super::stencil::{Side, fill};
-use super::{MOST_NODES, TetraError};
 use crate::mesh::distance::MeshDistance;
 use crate::parallel;
 
-/// Shares of a long and of a short edge within which a cut point moves the node onto it. Over all ways to be cut, as the test
-/// below draws them, the angles are 10.5 to 163.8 degrees with these, 9.3 to 161.7 with 0.25 and 0.412, 8.0 to 160.6 with
-/// 0.25 and 0.36, 10.6 to 164.7 with 0.285 and 0.395.
+/// Largest number of nodes of the lattice around the surface. There are six tetrahedra for each inner node.
+pub const MOST_NODES: f64 = 2e6;
+
+/// Shares of a long and of a short edge within which a cut point moves the node onto it.
+///
+/// Over all cuts of the test below, the angles are 10.5 to 163.8 degrees with these. They are 9.3 to 161.7 with 0.25
+/// and 0.412, 8.0 to 160.6 with 0.25 and 0.36, 10.6 to 164.7 with 0.285 and 0.395.
 const NEAR: [f64; 2] = [0.28, 0.40];
-/// Distance to the surface at which a cut point is found, in edges.
+/// Tolerance of a cut point's distance to the surface, in edges.
 const FOUND: f64 = 1e-9;
-/// Most steps to a cut point; every third halves what is left, so that the last is below [`FOUND`].
+/// Largest number of steps to a cut point. Every third step halves the interval, so the last is below [`FOUND`].
 const STEPS: usize = 120;
-/// Edge of the blocks that are looked at as a whole, in halves of a cube's edge.
+/// Edge of the blocks that are tested as a whole, in halves of a cube's edge.
 const BLOCK: usize = 8;
 /// Half of the 14 edges at a node: three long ones, four short ones.
 const EDGES: [[i32; 3]; 7] = [
@@ -32,30 +37,30 @@ const EDGES: [[i32; 3]; 7] = [
     [1, -1, -1],
 ];
 
-/// Vertices (metres; the nodes of the lattice, then cut points) and tetrahedra.
+/// Vertices (metres) and tetrahedra. The nodes of the lattice come first, then cut points.
 pub type Filled = (Vec<Vec3>, Vec<[u32; 4]>);
 
-/// Where the lattice lies.
+/// Place of the lattice.
 pub struct Lattice {
     low: Vec3,
     half: f64,
     cubes: [usize; 3],
 }
 
-/// What is known of the surface at the lattice.
+/// Samples of the surface at the lattice.
 pub struct Sampled {
-    /// Whether each node is inside (1) or not (-1).
+    /// Side of each node: inside (1) or outside (-1).
     sides: Vec<Side>,
     /// The edges that cross, each as its two nodes, sorted.
     ends: Vec<[u32; 2]>,
-    /// Where they do, metres.
+    /// Places of the crossings, metres.
     cuts: Vec<Vec3>,
 }
 
 impl Lattice {
-    /// Around a box, middle on middle.
+    /// Returns the lattice around a box, with the same middle.
     pub fn around(low: Vec3, high: Vec3, size: f64) -> Result<Self, TetraError> {
-        // A cube more on each side: the outermost half cubes are not filled.
+        // Each side has an additional cube, because the outermost half cubes are not filled.
         let wanted = (high - low).map(|length| (length / size).ceil() + 2.0);
         let nodes = 2.0 * wanted.map(|n| n + 1.0).product();
         if nodes.is_nan() || nodes > MOST_NODES {
@@ -78,7 +83,7 @@ impl Lattice {
         self.corners() + self.cubes.iter().product::<usize>()
     }
 
-    /// Index of a node, where there is one.
+    /// Returns the index of a node, if it exists.
     fn index(&self, at: [i32; 3]) -> Option<usize> {
         let odd = at[0] & 1;
         let (mut index, mut known) = (0, true);
@@ -90,7 +95,7 @@ impl Lattice {
         known.then(|| index + if odd == 0 { 0 } else { self.corners() })
     }
 
-    /// Coordinates of a node.
+    /// Returns the coordinates of a node.
     fn at(&self, node: usize) -> [i32; 3] {
         let odd = node >= self.corners();
         let mut rest = if odd { node - self.corners() } else { node };
@@ -107,7 +112,7 @@ impl Lattice {
         self.low + Vec3::from(at.map(f64::from)) * self.half
     }
 
-    /// Looks where the surface is.
+    /// Samples the surface.
     pub fn sample(
         &self,
         threads: usize,
@@ -115,7 +120,7 @@ impl Lattice {
         progress: &dyn Fn(f64),
     ) -> Sampled {
         let distances = self.distances(threads, surface, &|share| progress(0.8 * share));
-        // A node on the surface counts as outside; its cut point is where it is.
+        // A node on the surface counts as outside, and is its own cut point.
         let sides: Vec<Side> = distances
             .iter()
             .map(|d| if *d < 0.0 { 1 } else { -1 })
@@ -129,13 +134,17 @@ impl Lattice {
         Sampled { sides, ends, cuts }
     }
 
-    /// The tetrahedra inside. Nodes named as `fixed` are not moved onto the surface.
+    /// Returns the tetrahedra inside. Nodes in `fixed` are not moved onto the surface.
     ///
-    /// The order of vertices that settles how faces are split: cut points of long edges, nodes of the lattice of even
-    /// parity, those of odd parity, cut points of short edges. So a face that is cut through its long edge is split from
-    /// there; one that is cut through both short edges is split from the even end of its long edge (each has one), on which
-    /// all tetrahedra around that edge agree: the paper's parity rule. With the nodes' indices for an order the smallest
-    /// angle is 4.1 degrees where it is 9.3 with this one (0.25 and 0.412 for [`NEAR`]).
+    /// The order of vertices decides how faces are split: cut points of long edges, nodes of even parity, nodes of
+    /// odd parity, cut points of short edges.
+    ///
+    /// - A face that is cut through its long edge is split from there.
+    /// - A face that is cut through both short edges is split from the even end of its long edge. Each long edge has
+    ///   one, so all tetrahedra around the edge agree: the paper's parity rule.
+    ///
+    /// With 0.25 and 0.412 for [`NEAR`] the smallest angle is 9.3 degrees. In the order of the nodes' indices it
+    /// would be 4.1 degrees.
     pub fn fill(&self, sampled: &Sampled, fixed: &BTreeSet<u32>) -> Filled {
         let (places, sides) = self.warp(sampled, fixed);
         let nodes = self.nodes() as u32;
@@ -160,14 +169,14 @@ impl Lattice {
         (places, tets)
     }
 
-    /// The tetrahedra between the middle of a cube and those of the next cubes along the three axes.
+    /// Returns the tetrahedra between the middle of a cube and those of the next cubes along the three axes.
     fn tets_from(&self, middle: usize) -> impl Iterator<Item = [u32; 4]> {
         let at = self.at(middle);
         let node = move |step: [i32; 3]| {
             let at = [0, 1, 2].map(|axis| at[axis] + step[axis]);
             self.index(at).map(|index| index as u32)
         };
-        // The face between the cubes, anticlockwise seen along the axis.
+        // The face between the cubes, anticlockwise as seen along the axis.
         let around = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
         (0..3).flat_map(move |axis| {
             let towards = move |along: i32, [b, c]: [i32; 2]| {
@@ -190,7 +199,8 @@ impl Lattice {
         })
     }
 
-    /// Signed distance of every node: exact near the surface, elsewhere less than it is, with its sign.
+    /// Returns the signed distance of every node: exact near the surface, elsewhere a smaller one with the right
+    /// sign.
     fn distances(
         &self,
         threads: usize,
@@ -209,7 +219,7 @@ impl Lattice {
             ]
             .map(|k| (k * BLOCK) as i32);
             let whole = surface.signed(&(self.place(first) + Vec3::repeat(half_way * self.half)));
-            // Ends of an edge that crosses are nearer to the surface than the edge is long.
+            // The ends of an edge that crosses are nearer to the surface than the edge's length.
             let far = whole.abs() - reach > 2.0 * self.half;
             let mut found = Vec::new();
             for k in 0..BLOCK * BLOCK * BLOCK {
@@ -247,7 +257,7 @@ impl Lattice {
         (ends[0] < corners) == (ends[1] < corners)
     }
 
-    /// The edges from inside to outside.
+    /// Returns the edges from inside to outside.
     fn crossed(&self, sides: &[Side]) -> Vec<[u32; 2]> {
         let mut ends = Vec::new();
         for (a, side) in sides.iter().enumerate() {
@@ -265,9 +275,10 @@ impl Lattice {
         ends
     }
 
-    /// Places of all nodes and cut points, and the sides of the nodes, 0 on the surface. Nodes that a cut point is too near
-    /// to are moved onto it, one after the other, each to the nearest, and the cut points of all its edges are gone. From
-    /// `fixed` nodes it is the cut points that are moved, along their edges.
+    /// Returns the places of all nodes and cut points, and the sides of the nodes, 0 on the surface.
+    ///
+    /// Nodes too near to a cut point are moved onto it, one after the other, each to the nearest. The cut points of
+    /// all its edges then disappear. Near `fixed` nodes the cut points are moved instead, along their edges.
     fn warp(&self, sampled: &Sampled, fixed: &BTreeSet<u32>) -> (Vec<Vec3>, Vec<Side>) {
         let mut at_nodes: Vec<(u32, u32)> = Vec::with_capacity(2 * sampled.ends.len());
         for (cut, ends) in sampled.ends.iter().enumerate() {
@@ -309,15 +320,17 @@ impl Lattice {
 }
 
 impl Sampled {
-    /// Index of the cut between two nodes, one inside, one outside.
+    /// Returns the index of the cut between a node inside and a node outside.
     fn cut(&self, a: u32, b: u32) -> u32 {
         let found = self.ends.binary_search(&[a.min(b), a.max(b)]);
         found.unwrap_or_else(|next| next) as u32
     }
 }
 
-/// Where the line between two places on either side of the surface crosses it: false position with the weights of
-/// Dowell and Jarratt's Illinois rule (1971, doi:10.1007/BF01934364), every third step a bisection.
+/// Returns the crossing of the surface with the line between two places on either side.
+///
+/// The method is false position with the weights of Dowell and Jarratt's Illinois rule (1971,
+/// doi:10.1007/BF01934364). Every third step is a bisection.
 fn crossing(surface: &MeshDistance, a: (Vec3, f64), b: (Vec3, f64), near: f64) -> Vec3 {
     let ((from, mut fa), (to, mut fb)) = (a, b);
     let (mut ta, mut tb) = (0.0, 1.0);
@@ -355,8 +368,9 @@ mod tests {
     use crate::organ::tetrahedra::stencil::{dihedral_cosines, six_volumes};
     use crate::random::Random;
 
-    /// The paper's theorem, on every way that a tetrahedron can be cut: sides at random, cut points anywhere on their edges,
-    /// most of them where nodes just move or just do not.
+    /// The paper's theorem, on every possible cut of a tetrahedron: random sides, cut points anywhere on their edges.
+    ///
+    /// Most cut points lie where nodes just move or just stay.
     #[test]
     fn no_cut_turns_a_tetrahedron_inside_out_or_makes_it_flat() {
         let lattice = Lattice {

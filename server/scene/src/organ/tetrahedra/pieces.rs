@@ -1,17 +1,22 @@
-//! What hangs together: tetrahedra that meet in a vertex only are parted there, the largest piece is kept.
+//! Connected pieces: tetrahedra that meet in a vertex only are parted there, and the largest piece is kept.
 
 use std::collections::BTreeSet;
 
 use sulcus_core::Vec3;
 
 use super::lattice::Filled;
-use super::{MOST_APART, stencil::six_volumes};
+use super::stencil::six_volumes;
 use crate::mesh::edges::Sets;
+
+/// Largest share of the volume that may be disconnected from the largest piece. It is left out.
+pub const MOST_APART: f64 = 0.01;
 
 /// Faces of a tetrahedron, outward: face k is opposite corner k.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
-/// Every face of every tetrahedron: its sorted corners, the tetrahedron, which of its faces. Faces of two come together.
+/// Returns every face of every tetrahedron: its sorted corners, the tetrahedron, its number there.
+///
+/// The two entries of a common face are consecutive.
 fn faces(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32, u8)> {
     let mut all = Vec::with_capacity(4 * tets.len());
     for (t, tet) in tets.iter().enumerate() {
@@ -29,14 +34,15 @@ fn faces(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32, u8)> {
 pub struct Piece {
     /// Vertices, metres, in the order of the tetrahedra.
     pub nodes: Vec<Vec3>,
-    /// What each was before.
+    /// Index of each vertex before.
     pub before: Vec<u32>,
-    /// Tetrahedra; those at a vertex hang together by faces at it.
+    /// Tetrahedra. Those at a vertex are connected by faces at it.
     pub tets: Vec<[u32; 4]>,
 }
 
 impl Piece {
-    /// What the vertices were before at which the boundary touches itself: where its triangles are more than one fan.
+    /// Returns the former indices of vertices at which the boundary touches itself: its triangles there are more than
+    /// one fan.
     pub fn touching(&self) -> BTreeSet<u32> {
         let mut triangles = Vec::new();
         for shared in faces(&self.tets).chunk_by(|a, b| a.0 == b.0) {
@@ -44,7 +50,7 @@ impl Piece {
                 triangles.push(corners);
             }
         }
-        // Sides of triangles: the vertices at its ends, the triangle's corners there.
+        // Sides of triangles: the vertices at the ends, and the triangle's corners there.
         let mut sides = Vec::with_capacity(3 * triangles.len());
         for (t, triangle) in (0..).zip(&triangles) {
             for [a, b] in [[0, 1], [1, 2], [0, 2]] {
@@ -75,13 +81,16 @@ impl Piece {
     }
 }
 
-/// The largest piece, each of its vertices of one fan of tetrahedra only.
+/// Returns the largest piece. Each of its vertices has one fan of tetrahedra only.
 ///
 /// # Errors
-/// None when there is nothing; the number of other pieces and their share of the volume when that is too much.
+/// `None` if there are no tetrahedra; the number of other pieces and their share of the volume if the share is too
+/// large.
 pub fn largest((places, tets): &Filled) -> Result<Piece, Option<(usize, f64)>> {
-    // Corners are the same node where a face joins their tetrahedra. A node of the lattice moved onto the surface can lie
-    // between two sides that have only it, or an edge, in common: it becomes two.
+    // Corners are the same node if a face joins their tetrahedra.
+    //
+    // A lattice node moved onto the surface can lie between two sides that share only this node, or an edge. It
+    // becomes two nodes.
     let slot = |tet: u32, k: usize| 4 * tet + k as u32;
     let mut nodes = Sets::new(4 * tets.len());
     let mut joined = Sets::new(tets.len());

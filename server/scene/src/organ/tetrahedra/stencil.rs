@@ -1,16 +1,22 @@
-//! What is left of a tetrahedron of the lattice inside the surface, cut into tetrahedra.
+//! Part of a lattice tetrahedron inside the surface, cut into tetrahedra.
 //!
-//! The cut faces of a prism or pyramid are split by the diagonal from their lowest vertex (Dompierre et al. 1999, "How to
-//! subdivide pyramids, prisms and hexahedra into tetrahedra"): both tetrahedra at a face agree without asking, and a prism is
-//! never left in the one way that has no tetrahedra. The order of the vertices decides the angles; the lattice knows it. A side of a prism that lies on the surface is split the way that leaves the larger smallest angle.
+//! The cut faces of a prism or pyramid are split by the diagonal from their lowest vertex. Both tetrahedra at a face
+//! therefore agree, and a prism never gets the one split without tetrahedra.
+//!
+//! Source: Dompierre et al. 1999, "How to subdivide pyramids, prisms and hexahedra into tetrahedra".
+//!
+//! The order of the vertices decides the angles; the lattice defines it. A side of a prism on the surface is split in
+//! the way with the larger smallest angle.
 
 use sulcus_core::Vec3;
 
-/// Where a corner lies: inside, on the surface or outside.
+/// Side of a corner: inside, on the surface or outside.
 pub type Side = i8;
 
-/// Adds to `out` what is left of the tetrahedron of `corners` whose `sides` are 1 inside, 0 on the surface, -1 outside. `cut`
-/// gives the vertex between a corner inside and one outside, `rank` the order of vertices, `places` where they are.
+/// Adds the inner part of the tetrahedron of `corners` to `out`.
+///
+/// `sides` are 1 inside, 0 on the surface, -1 outside. `cut` returns the vertex between a corner inside and one
+/// outside, `rank` the order of vertices, `places` their places.
 pub fn fill(
     mut corners: [u32; 4],
     mut sides: [Side; 4],
@@ -23,7 +29,7 @@ pub fn fill(
     if inside == 0 {
         return;
     }
-    // Inside first, outside last, without turning the tetrahedron inside out.
+    // Corners are sorted inside first, outside last. The tetrahedron keeps its orientation.
     let mut odd = false;
     for end in (1..4).rev() {
         for k in 0..end {
@@ -35,7 +41,7 @@ pub fn fill(
         }
     }
     if odd {
-        // Two of the same side change places: there are always two among four.
+        // Two corners of the same side are exchanged. Of four corners two always have the same side.
         let k = (0..3).find(|&k| sides[k] == sides[k + 1]).unwrap_or(0);
         corners.swap(k, k + 1);
     }
@@ -65,7 +71,7 @@ pub fn fill(
             let (ways, mut way) = prism(one, other, rank);
             let first = ways[0][0][0];
             if first == p || first == q {
-                // The third side lies on the surface: no neighbour minds how it is split.
+                // The third side lies on the surface, so no neighbour depends on its split.
                 let [one, other] = ways.map(|tets| sharpest(&tets, places));
                 way = usize::from(other < one);
             }
@@ -78,8 +84,10 @@ pub fn fill(
     }
 }
 
-/// A prism cut in three, its third side in both ways and which of them the order of vertices wants. `bottom` is clockwise
-/// seen from outside, against `top`; two sides are split from the lowest vertex, which comes first in all tetrahedra.
+/// Returns a prism cut in three, with both splits of its third side, and the split by the order of vertices.
+///
+/// `bottom` is clockwise as seen from outside, `top` anticlockwise. Two sides are split from the lowest vertex, which
+/// is first in all tetrahedra.
 fn prism(
     mut bottom: [u32; 3],
     mut top: [u32; 3],
@@ -88,7 +96,7 @@ fn prism(
     let lowest = |of: &[u32; 3]| (0..3).min_by_key(|&k| rank(of[k])).unwrap_or(0);
     let (mut first, last) = (lowest(&bottom), lowest(&top));
     if rank(top[last]) < rank(bottom[first]) {
-        // Upside down.
+        // The prism is turned upside down.
         (bottom, top) = (top, bottom);
         bottom.swap(1, 2);
         top.swap(1, 2);
@@ -105,15 +113,15 @@ fn prism(
     (ways, usize::from(second))
 }
 
-/// Six times the volume of a tetrahedron, m3.
+/// Returns six times the volume of a tetrahedron, m3.
 pub fn six_volumes(corners: &[Vec3; 4]) -> f64 {
     let [a, b, c, d] = corners;
     (b - a).dot(&(c - a).cross(&(d - a)))
 }
 
-/// Cosines of the angles between the faces of a tetrahedron.
+/// Returns the cosines of the angles between the faces of a tetrahedron.
 pub fn dihedral_cosines(corners: &[Vec3; 4]) -> [f64; 6] {
-    // Outward, opposite each corner.
+    // Outward normals, opposite each corner.
     let normals = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]].map(|[a, b, c]: [usize; 3]| {
         let normal = (corners[b] - corners[a]).cross(&(corners[c] - corners[a]));
         normal / normal.norm()
@@ -123,7 +131,7 @@ pub fn dihedral_cosines(corners: &[Vec3; 4]) -> [f64; 6] {
     })
 }
 
-/// Largest cosine of an angle between two faces of one of these tetrahedra.
+/// Returns the largest cosine of an angle between two faces of one of these tetrahedra.
 fn sharpest(tets: &[[u32; 4]], places: &[Vec3]) -> f64 {
     tets.iter()
         .flat_map(|tet| dihedral_cosines(&tet.map(|k| places[k as usize])))

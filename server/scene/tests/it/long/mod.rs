@@ -1,4 +1,4 @@
-//! Proofs of minutes: see the table of long proofs in `sulcus-support`.
+//! Proofs of minutes; see the table of long proofs in `sulcus-support`.
 
 mod parametric_parts;
 mod real_parts;

@@ -1,4 +1,4 @@
-//! Trees of the parametric instruments, and of a mesh some of whose places count more than others.
+//! Trees of the parametric instruments, and of a mesh with weighted places.
 
 use sulcus_core::{SphereTree, Vec3};
 use sulcus_scene::mesh::shapes::ellipsoid;

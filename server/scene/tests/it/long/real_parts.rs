@@ -34,7 +34,7 @@ fn a_mirror_meets_its_bounds() {
     if !long::selected("tree-of-a-real-mirror") {
         return;
     }
-    // A disc two millimetres thick: the spheres of its faces leave a cavity, which nothing can touch.
+    // A disc two millimetres thick: the spheres of its faces leave a cavity, which no tool can touch.
     assert_part("mirror", 3, &[(3, 0.05, 0.25, 1.0)]);
 }
 

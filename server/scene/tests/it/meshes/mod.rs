@@ -1,7 +1,8 @@
-//! The meshes that trees are measured on, each with how it is built: real ones from the data folder
-//! beside the project, where it is, and the parametric parts always. Shared by tests and bench.
+//! Meshes on which trees are measured, each with the options of its tree, shared by tests and bench.
+//!
+//! Real meshes come from the data folder beside the project, if it exists. Parametric parts are always there.
 
-// Each user needs a part of this.
+// Each user needs a part of this module.
 #![allow(dead_code)]
 
 use std::sync::Arc;
@@ -16,10 +17,10 @@ use sulcus_scene::mesh::solid::read_solid;
 use sulcus_scene::tree::build::{TreeOptions, build_weighted};
 use sulcus_scene::tree::zone::{Region, Zone, importance};
 
-/// How many times more the pocket's walls count; the largest error is held to one over the sixth root of it.
+/// Weight of the pocket's walls. The largest error there is reduced by its sixth root.
 const WALL_WEIGHT: f64 = 8000.0;
 
-/// One mesh.
+/// A mesh with the options of its tree.
 pub struct Part {
     pub name: &'static str,
     source: Source,
@@ -33,7 +34,7 @@ enum Source {
 }
 
 impl Part {
-    /// The mesh; none, loudly, where its file is not there.
+    /// Returns the mesh; `None` and a message if its file is absent.
     pub fn mesh(&self) -> Option<TriMesh> {
         match self.source {
             Source::Made(make) => Some(make()),

@@ -1,7 +1,9 @@
-//! The header of a PLY file in the spelling that the reader knows, and where the data begin.
+//! Header of a PLY file in the spelling of the reader, and the beginning of the data.
 //!
-//! The reader wants LF or CR LF and keeps properties by name: of two with one name it would forget the first, and every
-//! column behind that would shift. Here lines may end in CR alone, and repeated names get a number.
+//! The reader expects LF or CR LF, and keeps properties by name. Of two properties with one name it would forget the
+//! first, and every later column would shift.
+//!
+//! Here lines may end in CR alone, and repeated names get a number.
 
 use crate::mesh::load::lines;
 use crate::mesh::load::{Malformed, brief};
@@ -39,7 +41,7 @@ pub(super) fn normalised(bytes: &[u8]) -> Result<Normalised, Malformed> {
             ));
         };
         found.lines += 1;
-        // Comments may be in any character set; the reader wants UTF-8.
+        // Comments may have any character set; the reader expects UTF-8.
         let line: String = line
             .iter()
             .map(|&byte| {
@@ -63,7 +65,8 @@ pub(super) fn normalised(bytes: &[u8]) -> Result<Normalised, Malformed> {
     }
 }
 
-/// 1 where the end of the header was read as CR LF though its lines end in CR alone: then LF is the first byte of data.
+/// Returns 1 if the end of the header was read as CR LF but its lines end in CR alone: then LF is the first byte of
+/// data.
 fn data_taken_for_an_end(bytes: &[u8], behind: usize) -> usize {
     let first = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
     let cr_alone = first.is_some_and(|at| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n'));
@@ -78,12 +81,12 @@ struct Names {
 }
 
 impl Names {
-    /// The line with a name that was not there before. A name that gives the surface its shape cannot be repeated.
+    /// Returns the line with a name that did not occur before. Names that define the surface cannot be repeated.
     fn different(&mut self, line: &str, number: usize) -> Result<String, Malformed> {
         let mut words = line.split_whitespace();
         let kind = words.next();
         let (name, taken) = match kind {
-            // A blank line would be an error to the reader.
+            // The reader refuses blank lines.
             None => return Ok("comment".to_owned()),
             Some("element") => {
                 self.properties.clear();

@@ -1,4 +1,4 @@
-//! A collar of spheres as a gingiva in the world: its tree, its tissue model, its skin.
+//! A packed collar as a gingiva in the world: tree, tissue model and skin.
 
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, Site, ToothFrame};
 use sulcus_core::{Node, Sphere, SphereTree, TreeError};
@@ -8,10 +8,11 @@ use crate::anatomy::collar::{Collar, Packed, pack, skin};
 use crate::anatomy::patient::ToothChart;
 use crate::mesh::TriMesh;
 
-/// Angles at which the margin is kept.
+/// Number of angles of the margin.
 const ANGLES: usize = 128;
-/// Radius of the spheres that stand for several leaves, as a multiple of theirs: inside the tissue, so that a coarse level never
-/// closes the pocket.
+/// Radius of spheres that replace several leaves, as a multiple of the leaves' radius.
+///
+/// Coarse spheres lie inside the tissue, so a coarse level never closes the pocket.
 const COARSE: f64 = 1.3;
 
 /// A gingiva in the world, metres.
@@ -21,7 +22,7 @@ pub(crate) struct PlacedGingiva {
     pub mesh: TriMesh,
 }
 
-/// Lays a collar out and places it.
+/// Lays out a collar and places it in the world.
 pub(crate) fn placed_gingiva(
     collar: &Collar,
     chart: &ToothChart,
@@ -34,7 +35,7 @@ pub(crate) fn placed_gingiva(
     let leaf_of = |sphere: &Sphere| packed.iter().find(|packed| packed.sphere == *sphere);
     let mut places = Vec::with_capacity(tree.nodes().len());
     for node in tree.nodes() {
-        // A coarser node takes the place of the leaf that is nearest to it; it does not yield.
+        // A coarser node has the place of its nearest leaf; it does not yield.
         let leaf = leaf_of(&node.sphere()).unwrap_or_else(|| {
             let off = |p: &Packed| (p.sphere.centre - node.centre).norm();
             packed.iter().fold(
@@ -82,7 +83,7 @@ pub(crate) fn placed_gingiva(
     })
 }
 
-/// Length of wall that a sphere stands for: to the nearest other one of the pocket's surface.
+/// Returns the length of wall of a sphere: the distance to the nearest other one on the pocket's surface.
 fn spread(packed: &[Packed], leaf: &Packed) -> f64 {
     let others = packed.iter().filter(|other| !std::ptr::eq(*other, leaf));
     let nearest = others.fold(f64::INFINITY, |nearest, other| {
@@ -109,7 +110,8 @@ fn tree(packed: &[Packed]) -> Result<SphereTree, TreeError> {
     SphereTree::with_bounds(nodes.collect())
 }
 
-/// A mesh of a tooth's frame in the world; a frame of the right side turns it inside out, so it is turned back.
+/// Returns a mesh of a tooth's frame in the world. A frame of the right side turns the mesh inside out, so its
+/// triangles are reversed.
 pub(crate) fn placed_mesh(mesh: &TriMesh, frame: &ToothFrame) -> TriMesh {
     let mirrored = frame.mesial.cross(&frame.buccal).dot(&frame.axis) < 0.0;
     TriMesh {

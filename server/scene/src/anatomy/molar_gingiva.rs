@@ -1,60 +1,26 @@
-//! The gingiva of one molar: a collar with a pocket between itself and the tooth.
+//! The gingiva of one parametric molar ([`crate::anatomy::first_molar`]): a collar with a pocket between collar and
+//! tooth.
 //!
-//! Frame: the tooth's ([`crate::anatomy::first_molar`]). A point is seen by its distance `r` from the tooth's surface and its height: the
-//! wall of the pocket is where `r` is the pocket's width; the floor lies at a depth that is given for six sites and
-//! runs smoothly between them; the margin is scalloped, with a papilla on either side; below the floor the collar goes a
-//! little way into the tooth (attached: tissue and tooth are never tested against each other).
+//! Frame: the tooth's. A point is described by its distance `r` from the tooth's surface and by its height.
+//!
+//! - The pocket's wall is at `r` equal to the pocket's width.
+//! - The depth of the floor is given for six sites and smooth between them.
+//! - The margin is scalloped, with a papilla on either side.
+//! - Below the floor the collar goes a little into the tooth: it is attached. Tissue and tooth are never tested
+//!   against each other.
 
-use serde::{Deserialize, Serialize};
 use sulcus_core::Vec3;
 use sulcus_core::math::{fmax, fmin};
 
+use crate::file::Pocket;
 use crate::mesh::TriMesh;
 use crate::mesh::distance::MeshDistance;
 use crate::mesh::implicit::{ramp, smooth_max, smooth_min};
 use crate::mesh::polygonise::polygonise;
 
-/// The pocket, millimetres.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Pocket {
-    /// Width between tooth and gingiva at rest, mm. A real one is about 0.4, and a probe's tip 0.5.
-    pub width_mm: f64,
-    /// Probing depths, mm: mesio-buccal, buccal, disto-buccal, disto-lingual, lingual, mesio-lingual. They are
-    /// read at the force and with the tip that the model's parameters say; at rest the floor lies higher.
-    pub depths_mm: [f64; 6],
-    /// Height of the margin over the origin of the tooth (the buccal CEJ) mid-buccally and mid-lingually, mm.
-    pub margin_mm: f64,
-    /// Height of the papillae, mesially and distally, mm.
-    pub papilla_mm: f64,
-    /// Thickness of the free margin, mm.
-    pub crest_mm: f64,
-    /// Thickness of the wall farther down, mm.
-    pub wall_mm: f64,
-    /// Height of what is attached below the deepest floor, mm.
-    pub base_mm: f64,
-    /// Edge of the grid that the surface is made on, mm.
-    pub grid_mm: f64,
-}
-
-impl Default for Pocket {
-    fn default() -> Self {
-        Self {
-            width_mm: 0.4,
-            depths_mm: [3.0, 2.0, 3.0, 3.0, 2.0, 3.0],
-            margin_mm: 1.2,
-            papilla_mm: 2.8,
-            crest_mm: 0.8,
-            wall_mm: 1.8,
-            base_mm: 2.0,
-            grid_mm: 0.18,
-        }
-    }
-}
-
 /// Angles of the six sites, degrees from mesial over buccal, in the order of [`Pocket::depths_mm`].
 pub const SITES_DEG: [f64; 6] = [35.0, 90.0, 145.0, 215.0, 270.0, 325.0];
-/// How far what is attached goes into the tooth, mm.
+/// Depth of attached tissue inside the tooth, mm.
 const OVERLAP: f64 = 0.8;
 /// Fillet between wall and floor, mm.
 const FILLET: f64 = 0.3;
@@ -62,25 +28,25 @@ const FILLET: f64 = 0.3;
 const EDGE: f64 = 0.8;
 /// Height over which the crest widens to the wall's thickness, mm.
 const FLARE: f64 = 4.0;
-/// How much more the surface of the pocket counts when spheres are shared out than the outside.
+/// Weight of the pocket's surface in the distribution of spheres; the outside has 1.
 const POCKET_WEIGHT: f64 = 16.0;
-/// How much what lies in the tooth or at the base counts.
+/// Weight of surfaces in the tooth or at the base.
 const HIDDEN_WEIGHT: f64 = 0.02;
 
 /// A pocket at its tooth.
 #[derive(Clone, Debug)]
-pub struct Collar<'a> {
+pub struct MolarCollar<'a> {
     pocket: &'a Pocket,
     tooth: &'a MeshDistance,
-    /// How much higher than the prescribed depth the floor lies at rest, mm.
+    /// Height of the floor at rest over the prescribed depth, mm.
     sink: f64,
     /// Height of the base, mm.
     base: f64,
 }
 
-impl<'a> Collar<'a> {
-    /// The collar around `tooth` (its mesh in its own frame, metres) whose floor lies `sink` metres above the prescribed
-    /// depth.
+impl<'a> MolarCollar<'a> {
+    /// Returns the collar round `tooth`, its mesh in its own frame, metres. The floor lies `sink` metres above the
+    /// prescribed depth.
     pub fn new(pocket: &'a Pocket, tooth: &'a MeshDistance, sink: f64) -> Self {
         let mut collar = Self {
             pocket,
@@ -109,7 +75,7 @@ impl<'a> Collar<'a> {
         let degrees = around.to_degrees();
         let degrees = degrees - 360.0 * (degrees / 360.0).floor();
         let depths = &self.pocket.depths_mm;
-        // The site before and the one after; flat at the sites, so that a reading there is the site's.
+        // The site before and the one after. The depth is flat at the sites, so a reading there is the site's.
         let after = SITES_DEG.iter().position(|site| degrees < *site);
         let (before, after) = match after {
             Some(0) | None => (5, 0),
@@ -130,13 +96,13 @@ impl<'a> Collar<'a> {
         self.margin_mm(around) - self.depth_mm(around) + self.sink
     }
 
-    /// Roughly the signed distance to the collar, mm, at a point in mm.
+    /// Returns about the signed distance to the collar, mm, at a point in mm.
     fn drawn(&self, p: &Vec3) -> f64 {
         let around = libm::atan2(p.y, p.x);
         let (width, half) = (self.pocket.width_mm, 0.5 * self.pocket.crest_mm);
         let r = self.tooth.signed(&(p * 1e-3)) * 1e3;
         let below = self.margin_mm(around) - p.z;
-        // The free margin is round on top, the outer face leans out below it.
+        // The free margin is round on top; the outer face leans out below it.
         let across = r - width - half;
         let outer = if below < half {
             (across * across + (half - below) * (half - below)).sqrt() - half
@@ -159,7 +125,7 @@ impl<'a> Collar<'a> {
         let top = fmax(self.pocket.papilla_mm, self.pocket.margin_mm) + 0.5;
         let high = Vec3::new(high.x * 1e3 + out, high.y * 1e3 + out, top);
         let drawn = |p: &Vec3| self.drawn(p);
-        // As for the molar: the first grid that gives a manifold is taken.
+        // The first grid that gives a manifold is taken, as for the molar.
         let on_grid = |k: u32| {
             let shift = Vec3::new(0.37, 0.61, 0.83) * (self.pocket.grid_mm * 0.25 * f64::from(k));
             polygonise(&drawn, low - shift, high, self.pocket.grid_mm).placed(1e-3, Vec3::zeros())
@@ -174,13 +140,13 @@ impl<'a> Collar<'a> {
         mesh
     }
 
-    /// How much a point of the surface (metres) counts when a tree is built.
+    /// Returns the weight of a point of the surface (metres) in the building of a tree.
     pub fn importance(&self, p: &Vec3) -> f64 {
         let around = libm::atan2(p.y, p.x);
         let r = self.tooth.signed(p) * 1e3;
         let above = p.z * 1e3 - self.floor_mm(around);
-        // Walls, floor and the inner half of the margin; all of it fades, because a border through a sphere's patch
-        // would leave that sphere half good.
+        // Walls, floor and the inner half of the margin. The weight fades: a sharp border through a sphere's patch
+        // would leave half of that sphere poorly fitted.
         let near = self.pocket.width_mm + 0.5 * self.pocket.crest_mm;
         let pocket =
             ramp(-r, -near - 0.4, -near + 0.1) * ramp(above, -0.5, -0.1) * ramp(r, -0.4, -0.1);
@@ -189,7 +155,7 @@ impl<'a> Collar<'a> {
         ground + (POCKET_WEIGHT - ground) * pocket
     }
 
-    /// A name for all that the importance depends on and the mesh does not show.
+    /// Returns a name for all inputs of the weight that the mesh does not show. It is part of keys in `family.bin`.
     pub fn importance_key(&self) -> String {
         format!("gingiva 1 {POCKET_WEIGHT} {HIDDEN_WEIGHT}")
     }

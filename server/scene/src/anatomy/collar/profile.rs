@@ -1,45 +1,49 @@
-//! The sulcus round one tooth by angle: how deep it is, and where its margin runs.
+//! Profile of the sulcus round one tooth: depth and height of the margin by angle.
 //!
-//! Six sites are prescribed. In a proximal zone the floor is deepest beside the midline, in the col under the contact point,
-//! and comes up towards the line angle: a probe that is held upright there does not reach it. Between two zones the floor is as
-//! high as the shallower of both prescribes, so the deepest place of each zone is its own.
+//! Six sites are prescribed. In a proximal zone the floor is deepest beside the midline, in the col under the contact
+//! point. It rises towards the line angle, where an upright probe does not reach it.
+//!
+//! Between two zones the floor has the height of the shallower prescription. The deepest place of each zone is
+//! therefore its own.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::anatomy::sections::Sections;
 use crate::mesh::implicit::ramp;
 
-/// Distance of a proximal site's deepest place from the midline, and the stretch about it that is as deep, mm.
+/// Distance of a proximal site's deepest place from the midline, and the stretch of this depth, mm.
 const PEAK: f64 = 0.85;
 const PLATEAU: [f64; 2] = [0.5, 1.2];
-/// Share of the tooth's half width at which a proximal zone ends, and the range of the angle there, radians.
+/// Share of the tooth's half width at the end of a proximal zone, and the range of the angle there, radians.
 const BORDER: f64 = 0.9;
 const BORDERS: [f64; 2] = [0.84, 1.02];
-/// What lies between a border and the change of depth beside it, radians.
+/// Angle between a border and the change of depth beside it, radians.
 const BESIDE: f64 = 0.09;
-/// Half width of the stretch at a mid site that is as deep as prescribed, radians.
+/// Half width of the stretch with the prescribed depth at a mid site, radians.
 const MIDDLE: f64 = 0.3;
-/// Angle from the midline at which the margin begins to come down from the papilla at the nearest, and where it is down, radians.
+/// Smallest angle from the midline at which the margin begins to fall from the papilla, and angle at which it is
+/// down, radians.
 const SCALLOP: [f64; 2] = [0.35, FRAC_PI_2];
 
 /// The prescribed depths and margins of a tooth, in the order mesiobuccal, buccal, distobuccal, distolingual, lingual,
 /// mesiolingual.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sulcus {
+pub struct SulcusProfile {
     /// Probing depths, mm.
     pub depths: [f64; 6],
-    /// Heights of the margin over the tooth's origin, mm: at a proximal site that of the papilla.
+    /// Heights of the margin over the tooth's origin, mm. At a proximal site it is the height of the papilla.
     pub margins: [f64; 6],
-    /// Distance from the axis to the mesial or distal end of the tooth at each site's floor, mm: on a root that tapers, places as
-    /// far from the midline as at the neck have another angle.
+    /// Distance from the axis to the mesial or distal end of the tooth at each site's floor, mm.
+    ///
+    /// On a tapered root, the same distance from the midline is another angle than at the neck.
     ends: [f64; 6],
     /// Angle between the midline and the border of a proximal zone, radians.
     border: f64,
 }
 
-/// Where an angle lies between two sites.
+/// Position of an angle between two sites.
 struct Between {
-    /// The site on whose side it is, and the other one.
+    /// The nearer site, and the other one.
     own: usize,
     other: usize,
     /// Angle from the own site's midline: of the tooth for a proximal site, of the side for a mid one.
@@ -48,8 +52,8 @@ struct Between {
     across: bool,
 }
 
-impl Sulcus {
-    /// The sulcus of a tooth with these sections.
+impl SulcusProfile {
+    /// Returns the profile of a tooth with these sections.
     pub fn new(sections: &Sections, depths: [f64; 6], margins: [f64; 6]) -> Self {
         let ends = std::array::from_fn(|site| {
             let end = if matches!(site, 2 | 3) { PI } else { 0.0 };
@@ -111,7 +115,7 @@ impl Sulcus {
             (at.own, at.other, at.off)
         };
         let (papilla, middle) = (self.margins[corner], self.margins[middle]);
-        // Level where the floor is deepest: on a slope a tip does not reach down to it.
+        // The margin is level where the floor is deepest: on a slope a tip would not reach the floor.
         let from = SCALLOP[0].max(libm::atan2(PLATEAU[1], self.end_of(corner)));
         papilla + (middle - papilla) * ramp(off, from, SCALLOP[1])
     }
@@ -123,7 +127,7 @@ impl Sulcus {
     fn between(&self, around: f64) -> Between {
         let turn = around - 2.0 * PI * libm::floor(around / (2.0 * PI) + 0.5);
         let lingual = turn < 0.0;
-        // Folded onto the buccal side, then onto its mesial half.
+        // The angle is folded onto the buccal side, then onto its mesial half.
         let side = turn.abs();
         let distal = side > FRAC_PI_2;
         let off = if distal { PI - side } else { side };

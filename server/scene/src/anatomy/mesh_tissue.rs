@@ -1,31 +1,34 @@
-//! From a gingiva's tree and its tooth to what the tissue model needs of each sphere.
+//! Tissue model of a gingiva that is a mesh: data of each sphere, from the gingiva's tree and the tooth.
 
 use sulcus_core::tissue::gingiva::{Gingiva, GingivaParams, Place, Prescribed, ToothFrame};
 use sulcus_core::{Sphere, SphereTree, Vec3};
 
-use crate::anatomy::first_gingiva::{Pocket, SITES_DEG};
+use crate::anatomy::molar_gingiva::SITES_DEG;
+use crate::file::Pocket;
 use crate::mesh::TriMesh;
 use crate::mesh::distance::MeshDistance;
 use crate::parallel;
 use crate::tree::nearest_sphere::NearestSphere;
 
-/// Angles at which the margin is kept.
+/// Number of angles of the margin.
 const ANGLES: usize = 128;
-/// A sphere that stands for the floor has its centre lower than this over it, metres; higher, it is the foot of a wall.
+/// Largest height of the centre of a floor sphere over the floor, metres. A higher sphere is the foot of a wall.
 const FLOOR_TOP: f64 = 3e-4;
-/// Vertices of the floor lie up to this far from the floor's height, metres.
+/// Largest distance of floor vertices from the floor's height, metres.
 const FLOOR_BAND: f64 = 1.5e-4;
 
-/// How far the proximal zones of a [`Pocket`] reach, degrees. Its floor runs smoothly from site to site; over zones as
-/// narrow as this in the middle of a side nothing is more than 0.1 mm deeper than prescribed there (default depths).
+/// Reach of the proximal zones of a [`Pocket`], degrees.
+///
+/// The pocket's floor runs smoothly from site to site. With mid zones as narrow as this, no place in them is over 0.1
+/// mm deeper than prescribed, at the default depths.
 pub const POCKET_PROXIMAL_DEG: f64 = 80.0;
 
-/// What surrounds one tooth, all in world axes, metres.
+/// Surroundings of one tooth, in world axes, metres.
 #[derive(Clone, Copy)]
 pub struct Surrounding<'a> {
     /// The tooth's surface.
     pub tooth: &'a MeshDistance,
-    /// Which way round it is.
+    /// Frame of the tooth.
     pub frame: ToothFrame,
     /// The gingiva's surface.
     pub mesh: &'a TriMesh,
@@ -33,13 +36,13 @@ pub struct Surrounding<'a> {
     pub floor: &'a (dyn Fn(f64) -> f64 + Sync),
     /// Width of the pocket at rest.
     pub width: f64,
-    /// How far the proximal zones reach from the midlines, radians.
+    /// Reach of the proximal zones from the midlines, radians.
     pub proximal: f64,
-    /// What is prescribed at each site, in the order of `Site::ALL`.
+    /// Prescription of each site, in the order of `Site::ALL`.
     pub sites: [Prescribed; 6],
 }
 
-/// The model of a gingiva whose tree is touched at `level`.
+/// Returns the model of a gingiva whose tree is in contact at `level`.
 pub fn model(
     tree: &SphereTree,
     level: u8,
@@ -51,7 +54,7 @@ pub fn model(
     let mut places = parallel::map(nodes.len(), |k| {
         let mut place = place(&nodes[k].sphere(), floor[k], around);
         place.floor &= place.height < FLOOR_TOP;
-        // What lies under the floor bears the tip too, when the floor is pressed far down or aside.
+        // Spheres under the floor also bear the tip when the floor is pressed far down or aside.
         place.floor |= place.height < 0.0;
         place
     });
@@ -73,8 +76,10 @@ pub fn model(
     }
 }
 
-/// What a pocket that is given by six depths prescribes at its sites. Its tooth's cemento-enamel junction counts as flat,
-/// at the height of the frame's origin; it bleeds where it is inflamed at all.
+/// Returns the prescriptions at the sites of a pocket that is given by six depths.
+///
+/// The tooth's cemento-enamel junction counts as flat, at the height of the frame's origin. Sites bleed if the tissue
+/// is inflamed at all.
 pub fn charted(pocket: &Pocket, params: &GingivaParams) -> [Prescribed; 6] {
     let site = |k: usize| {
         let cosine = libm::cos(SITES_DEG[k].to_radians());
@@ -94,7 +99,7 @@ fn place(sphere: &Sphere, floor: bool, around: &Surrounding<'_>) -> Place {
     let (_, away) = tooth_beside(centre, around);
     let (angle, height) = frame.cylindrical(centre);
     let over = height - (around.floor)(angle);
-    // The middle of the pocket beside the sphere, or over it where it lies under the floor.
+    // Middle of the pocket beside the sphere, or over it if it lies under the floor.
     let beside = centre + frame.axis * (-over).max(0.0);
     let (surface, out) = tooth_beside(&beside, around);
     let to_pocket = surface + out * (0.5 * around.width) - centre;
@@ -102,19 +107,19 @@ fn place(sphere: &Sphere, floor: bool, around: &Surrounding<'_>) -> Place {
     Place {
         away,
         on_surface: centre + to_pocket * share,
-        // See `spread`.
+        // Set below by `spread`.
         spread: 0.0,
         height: over,
         floor,
     }
 }
 
-/// The tooth's nearest surface point, and the unit vector away from the tooth, across its axis.
+/// Returns the tooth's nearest surface point, and the unit vector away from the tooth, across its axis.
 fn tooth_beside(point: &Vec3, around: &Surrounding<'_>) -> (Vec3, Vec3) {
     let frame = &around.frame;
     let nearest = around.tooth.nearest(point);
     let across = |v: Vec3| v - frame.axis * v.dot(&frame.axis);
-    // Inside the tooth the nearest point of its surface lies outwards.
+    // For a point inside the tooth the nearest surface point lies outwards.
     let from_surface = across(point - nearest.point) * nearest.signed.signum();
     let from_axis = across(point - frame.origin);
     let away = [from_surface, from_axis, frame.mesial]
@@ -122,12 +127,14 @@ fn tooth_beside(point: &Vec3, around: &Surrounding<'_>) -> (Vec3, Vec3) {
         .find(|v| v.norm() > 1e-6)
         .unwrap_or(frame.mesial)
         .normalize();
-    // Once more, so that rounding leaves nothing along the axis.
+    // The second projection removes rounding along the axis.
     (nearest.point, across(away).normalize())
 }
 
-/// Length of wall that the node `id` stands for: to its nearest neighbour among `ids`, the nodes of its level. The floor
-/// is pressed by the tip alone, whose size its compliance knows.
+/// Returns the length of wall of the node `id`: the distance to its nearest neighbour among `ids`, the nodes of its
+/// level.
+///
+/// The floor has no length. Its compliance depends on the tip alone.
 fn spread(places: &[Place], ids: &[usize], id: usize) -> f64 {
     let place = &places[id];
     if place.floor {
@@ -140,8 +147,7 @@ fn spread(places: &[Place], ids: &[usize], id: usize) -> f64 {
     if nearest.is_finite() { nearest } else { 0.0 }
 }
 
-/// Which nodes stand for the floor of the pocket: at each level those nearest to the vertices of the mesh that are
-/// its floor.
+/// Returns the floor nodes: at each level those nearest to the vertices of the mesh's floor.
 fn floor_nodes(tree: &SphereTree, around: &Surrounding<'_>) -> Vec<bool> {
     let bottom: Vec<Vec3> = {
         let vertices = &around.mesh.vertices;
@@ -167,8 +173,8 @@ fn floor_nodes(tree: &SphereTree, around: &Surrounding<'_>) -> Vec<bool> {
     floor
 }
 
-/// Height of the crest of a collar at equal angles: the highest point in which the half plane at that angle cuts
-/// the mesh.
+/// Returns the height of a collar's crest at equal angles: the highest point of the mesh in the half plane at that
+/// angle.
 fn margin(mesh: &TriMesh, frame: &ToothFrame) -> Vec<f64> {
     let seen: Vec<[f64; 3]> = parallel::map(mesh.vertices.len(), |v| {
         let from = mesh.vertices[v] - frame.origin;
@@ -197,7 +203,7 @@ fn margin(mesh: &TriMesh, frame: &ToothFrame) -> Vec<f64> {
                 }
             }
         }
-        // A collar has a crest all round; where there is none, the height of the tooth's origin stands in.
+        // A collar has a crest all round. A missing one is replaced by the height of the tooth's origin.
         if highest.is_finite() { highest } else { 0.0 }
     })
 }
