@@ -6,7 +6,8 @@
 
 use sulcus_cases::mouth::{hands, mouth};
 use sulcus_cases::record;
-use sulcus_cases::timing::{Percentiles, keep_fastest, time, time_stages};
+use sulcus_cases::statistics::percentiles_us;
+use sulcus_cases::timing::{keep_fastest, time, time_stages};
 use sulcus_core::{MAX_TOOLS, Scene, Stage, TickInput};
 use sulcus_operator::HandParams;
 
@@ -26,7 +27,7 @@ const RUNS: usize = 5;
 /// Percentiles of the measured ticks among `times`.
 fn line(times: &[u64]) -> String {
     let measured = times.iter().enumerate();
-    let at = Percentiles::of(measured.filter_map(|(k, time)| is_measured(k).then_some(*time)));
+    let at = percentiles_us(measured.filter_map(|(k, time)| is_measured(k).then_some(*time)));
     format!(
         "{:7.1} {:7.1} {:7.1} {:8.1}",
         at.p50, at.p99, at.p999, at.max

@@ -7,7 +7,8 @@ use std::path::Path;
 
 use sulcus_cases::pocket::{Way, gingiva_of};
 use sulcus_cases::record;
-use sulcus_cases::timing::{Percentiles, time, time_stages};
+use sulcus_cases::statistics::percentiles_us;
+use sulcus_cases::timing::{time, time_stages};
 use sulcus_core::{Scene, Stage, TickInput};
 use sulcus_operator::HandParams;
 use sulcus_operator::script::{OneTool, smoothstep};
@@ -70,7 +71,7 @@ fn main() {
     let mut sums = [0; Stage::ALL.len()];
     let mut ticks = 0_u64;
     let line = |site: &str, times: &[u64]| {
-        let at = Percentiles::of(times.iter().copied());
+        let at = percentiles_us(times.iter().copied());
         format!(
             "{site:>8} {:7.1} {:7.1} {:7.1} {:8.1}",
             at.p50, at.p99, at.p999, at.max

@@ -9,7 +9,8 @@ mod shapes;
 use sulcus_cases::record;
 use sulcus_cases::ripple::{Shape, slide};
 use sulcus_cases::scenes;
-use sulcus_cases::timing::{Percentiles, cpu_ns, time};
+use sulcus_cases::statistics::percentiles_us;
+use sulcus_cases::timing::{cpu_ns, time};
 use sulcus_core::{NoProbe, Vec3};
 use sulcus_operator::HandParams;
 use sulcus_operator::crown::{Crown, CrownParams};
@@ -73,7 +74,7 @@ fn crown() {
             });
             let n = run.cpu.len() as f64;
             let mean = run.cpu.iter().sum::<u64>() as f64 * 1e-3 / n;
-            let at = Percentiles::of(run.cpu);
+            let at = percentiles_us(run.cpu);
             println!(
                 "crown L{level} {} p50 {:.2} p99 {:.2} mean {mean:.2} us, rows {:.2}, passes {:.2}",
                 if blend { "blended" } else { "hard   " },

@@ -1,14 +1,33 @@
-//! The energy of the closed loop of hand, device, link and simulation: every case by a hand that feels, over links of 0, 1, 2
-//! and 5 ms with 2 % loss, without and with the passivity controller; then the hour at rest. Names on the command line
-//! choose among the cases, `--loss 0.1` sets another loss, `--device 4` tells the controller the device's own damping.
+//! Energy of the closed loop of hand, device, link and simulation, by a hand that feels, without and with the passivity
+//! controller; then an hour at rest.
 
+use clap::Parser;
 use sulcus_cases::linked::{LinkModel, Linked, run_linked};
 use sulcus_cases::rest::{HOUR, rest};
-use sulcus_cases::{TABLE, find};
+use sulcus_cases::{Case, TABLE, find};
 use sulcus_haptics::PassivityParams;
 
 /// Round trips, ticks.
 const DELAYS: [u32; 4] = [0, 1, 2, 5];
+
+/// Print the energy that every hard case puts out into the hand over links of 0, 1, 2 and 5 ms
+#[derive(Parser)]
+struct Arguments {
+    /// Names of hard cases. All cases without a name
+    #[arg(value_name = "CASE", value_parser = known)]
+    cases: Vec<&'static Case>,
+    /// Share of datagrams that the link loses, each way, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
+    loss: f64,
+    /// Damping of the device that the controller knows of, N s/m
+    #[arg(long, value_name = "DAMPING", default_value_t = 0.0)]
+    device: f64,
+}
+
+/// Returns the hard case of that name.
+fn known(name: &str) -> Result<&'static Case, String> {
+    find(name).ok_or_else(|| format!("no hard case is called `{name}`"))
+}
 
 fn line(linked: &Linked) -> String {
     format!(
@@ -24,17 +43,11 @@ fn line(linked: &Linked) -> String {
 }
 
 fn main() {
-    let mut named = Vec::new();
-    let (mut loss, mut device) = (0.02, 0.0);
-    let mut arguments = std::env::args().skip(1);
-    while let Some(argument) = arguments.next() {
-        let mut number = || arguments.next().and_then(|text| text.parse().ok());
-        match argument.as_str() {
-            "--loss" => loss = number().expect("a number after --loss"),
-            "--device" => device = number().expect("a number after --device"),
-            name => named.push(name.to_owned()),
-        }
-    }
+    let Arguments {
+        cases,
+        loss,
+        device,
+    } = Arguments::parse();
     let with = PassivityParams {
         device_damping: device,
         ..PassivityParams::default()
@@ -43,7 +56,7 @@ fn main() {
         "{:24} {:>2}   {:>9} {:>9} {:>6} {:>8} {:>8} {:>7}",
         "case", "ms", "out mJ", "taken mJ", "acted%", "error %", "error N", "shake mm"
     );
-    let chosen = |name: &str| named.is_empty() || named.iter().any(|n| n == name);
+    let chosen = |name: &str| cases.is_empty() || cases.iter().any(|case| case.name == name);
     for case in TABLE.iter().filter(|case| chosen(case.name)) {
         for delay_ticks in DELAYS {
             let link = LinkModel {

@@ -1,24 +1,48 @@
-//! How deep the good operator reaches in whole mouths, zone by zone, against what is prescribed: `patients 1 20` for the patients
-//! of seeds 1 to 20 (the default), `patients 3 3 36,37` for two teeth of one, with a habit's name after them badly.
+//! Depths that the operator reads in generated mouths, zone by zone, against the prescribed ones.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use clap::Parser;
 use sulcus_cases::mouth::{Examined, examine, mouth};
 use sulcus_operator::habit::Habit;
 
 /// How many of the zones that were read worst are listed at the end.
 const FARTHEST: usize = 24;
 
+/// Read every pocket of generated mouths with the simulated operator, and compare with the prescribed depths
+#[derive(Parser)]
+struct Arguments {
+    /// Seed of the first patient
+    #[arg(default_value_t = 1)]
+    from: u64,
+    /// Seed of the last patient
+    #[arg(default_value_t = 20)]
+    to: u64,
+    /// Teeth as FDI numbers with commas, such as 36,37, or `all`
+    #[arg(default_value = "all", value_parser = teeth)]
+    teeth: Teeth,
+    /// Habit of the operator, such as `heavy-hand`. The good operator without a habit
+    habit: Option<Habit>,
+}
+
+/// FDI numbers of teeth; none for all teeth.
+#[derive(Clone)]
+struct Teeth(Vec<u8>);
+
+/// Reads a list of teeth.
+fn teeth(text: &str) -> Result<Teeth, std::num::ParseIntError> {
+    let numbers = text.split(',').filter(|number| *number != "all");
+    numbers.map(str::parse).collect::<Result<_, _>>().map(Teeth)
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut words = std::env::args().skip(1);
-    let mut seed = |otherwise: u64| words.next().map_or(Ok(otherwise), |word| word.parse());
-    let (from, to): (u64, u64) = (seed(1)?, seed(20)?);
-    let teeth: Vec<u8> = match words.next().as_deref() {
-        None | Some("all") => Vec::new(),
-        Some(list) => list.split(',').map(str::parse).collect::<Result<_, _>>()?,
-    };
-    let habit: Option<Habit> = words.next().map(|name| name.parse()).transpose()?;
+    let Arguments {
+        from,
+        to,
+        teeth: Teeth(teeth),
+        habit,
+    } = Arguments::parse();
 
     let next = AtomicU64::new(from);
     let done: Mutex<Vec<(u64, Examined)>> = Mutex::new(Vec::new());

@@ -1,19 +1,29 @@
 //! The method as printed beside the coupled one, in numbers: the benchmark with one degree of freedom, then the hard
-//! cases that the paper is about. Names on the command line choose among the cases.
+//! cases that the paper is about.
 
+use clap::Parser;
 use sulcus_cases::comparison::{Compared, Method, by_hand, compare, compare_changed};
-use sulcus_cases::find;
 use sulcus_cases::one_dof::Table;
+use sulcus_cases::{Case, find};
 use sulcus_core::Scene;
 use sulcus_core::tissue::TissueModel;
 
-/// Cases that stand in the table when none is named.
-const CASES: [&str; 4] = [
-    "pocket-0.4",
-    "pocket-0.65",
-    "tongue-10-k0.5",
-    "tongue-10-k2",
-];
+/// Compare the method as printed with the coupled one
+#[derive(Parser)]
+struct Arguments {
+    /// Names of hard cases
+    #[arg(
+        value_name = "CASE",
+        value_parser = known,
+        default_values = ["pocket-0.4", "pocket-0.65", "tongue-10-k0.5", "tongue-10-k2"]
+    )]
+    cases: Vec<&'static Case>,
+}
+
+/// Returns the hard case of that name.
+fn known(name: &str) -> Result<&'static Case, String> {
+    find(name).ok_or_else(|| format!("no hard case is called `{name}`"))
+}
 
 /// The penalty of every printed tissue multiplied.
 fn penalty(scene: &mut Scene, by: f64) {
@@ -27,19 +37,10 @@ fn penalty(scene: &mut Scene, by: f64) {
 }
 
 fn main() {
+    let Arguments { cases } = Arguments::parse();
     println!("{}", Table::run());
-    let named: Vec<String> = std::env::args().skip(1).collect();
-    let names: Vec<&str> = if named.is_empty() {
-        CASES.to_vec()
-    } else {
-        named.iter().map(String::as_str).collect()
-    };
     println!("{}", Compared::heading());
-    for name in names {
-        let Some(case) = find(name) else {
-            println!("{name}: no such case");
-            continue;
-        };
+    for case in cases {
         for method in Method::ALL {
             println!("{}", compare(case, method));
         }

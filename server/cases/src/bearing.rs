@@ -1,21 +1,21 @@
-//! What the contacts bear: whether their loads sum to the wrench, and whether a normal flips.
+//! Loads of the contacts: their sum compared with the wrench, and flips of their normals.
 
 use sulcus_core::math::norm;
 use sulcus_core::{Vec3, Workspace, Wrench};
 
-/// Loads under this are a solver's dust, newtons.
+/// Smallest load that counts, newtons. A solver leaves smaller loads on inactive rows.
 const DUST: f64 = 1e-6;
-/// Least sum of loads that is judged, newtons.
+/// Smallest sum of loads for an imbalance, newtons.
 const LEAST: f64 = 0.01;
 /// Lever with which a torque counts as a force, metres.
 const LEVER: f64 = 1e-3;
 
-/// Difference between what the contacts of tool `t` bear and `felt`, the raw wrench about the working point,
-/// relative to the sum of the loads' magnitudes; 0 where those are under 0.01 N.
+/// Difference between the loads of tool `t` and `felt`, the raw wrench about its working point, relative to the sum of
+/// the loads' magnitudes; 0 for a sum below 0.01 N.
 pub(crate) fn imbalance(ws: &Workspace, t: usize, felt: &Wrench) -> f64 {
     let (mut force, mut torque, mut magnitude) = (Vec3::zeros(), Vec3::zeros(), 0.0);
     for (contact, load) in ws.contacts().filter(|(c, _)| usize::from(c.tool) == t) {
-        // The object's push on the tool, and so on the hand.
+        // The object pushes the tool, and the tool the hand.
         let push = contact.normal * load;
         force += push;
         torque += contact.arm.cross(&push);
@@ -27,10 +27,10 @@ pub(crate) fn imbalance(ws: &Workspace, t: usize, felt: &Wrench) -> f64 {
     (norm(&(force - felt.force)).max(norm(&(torque - felt.torque)) / LEVER)) / magnitude
 }
 
-/// A pair under load and its normal.
+/// Key and normal of a loaded pair.
 type Pair = ((u16, u32, u8, u32), Vec3);
 
-/// Remembers which pairs bore load, and how they faced.
+/// Loaded pairs of the last tick with their normals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bearing {
     last: Vec<Pair>,
@@ -38,8 +38,8 @@ pub(crate) struct Bearing {
 }
 
 impl Bearing {
-    /// Takes the contacts of a tick in; returns how many normals turned by more than 90 degrees since the
-    /// tick before.
+    /// Takes the contacts of a tick. Returns the number of normals that turned by more than 90 degrees since the last
+    /// tick.
     pub fn flips(&mut self, ws: &Workspace) -> u64 {
         self.now.clear();
         let loaded = ws.contacts().filter(|(_, load)| *load > DUST);

@@ -1,30 +1,30 @@
-//! What a probe read, site by site: the chart of one session, against what the scene prescribes.
+//! Chart of a session: readings of a probe for each site, with the prescribed depths of the scene.
 
 use sulcus_core::output::{ForceZone, PocketReading};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{Scene, TickOutput};
 
-/// Force on the floor from which a reading counts, as a share of the force that the scene reads its
-/// depths at. The upper end is the threshold of the zone "too heavy".
+/// Smallest force on the floor of a valid reading, as a share of the scene's reading force. The largest force is the
+/// threshold of the zone "too heavy".
 const CORRECT_FROM: f64 = 0.8;
 
-/// One zone of one tooth's circumference.
+/// Readings of one zone of one tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Charted {
-    /// FDI number of the tooth, 0 where the scene has none.
+    /// FDI number of the tooth; 0 in a scene without numbers.
     pub tooth: u8,
-    /// The zone.
+    /// Site of the zone.
     pub site: Site,
-    /// Deepest reading of the zone at correct force, metres; none where the force was never correct.
+    /// Deepest reading at a correct force, metres; `None`: the force was never correct.
     pub measured: Option<f64>,
-    /// What is prescribed there, metres.
+    /// Prescribed depth, metres.
     pub truth: f64,
-    /// Deepest that the tip was, whatever the force, metres.
+    /// Largest depth of the tip at any force, metres.
     pub deepest: f64,
     /// Largest force on the floor, newtons.
     pub max_force: f64,
-    /// Ticks at correct force.
+    /// Number of ticks at a correct force.
     pub ticks: u64,
 }
 
@@ -32,12 +32,12 @@ pub struct Charted {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
     sites: Vec<(u16, Charted)>,
-    /// Entries into each zone of force, by [`ForceZone::ALL`].
+    /// Number of entries into each zone of force, in the order of [`ForceZone::ALL`].
     pub zones: [u64; ForceZone::ALL.len()],
 }
 
 impl Chart {
-    /// Takes one tick in.
+    /// Takes the readings of one tick.
     pub fn observe(&mut self, scene: &Scene, output: &TickOutput) {
         for reading in output.tools.iter().filter_map(|tool| tool.pocket.as_ref()) {
             if reading.entered_zone {
@@ -81,7 +81,7 @@ impl Chart {
         }
     }
 
-    /// The sites that were reached, tooth by tooth in the order of [`Site::ALL`].
+    /// Sites that the tip reached, by gingiva in the order of the scene, then in the order of [`Site::ALL`].
     pub fn sites(&self) -> Vec<Charted> {
         let mut sites = self.sites.clone();
         sites.sort_by_key(|(object, site)| (*object, site.site));
@@ -89,11 +89,11 @@ impl Chart {
     }
 }
 
-/// What a scene says of a pocket.
+/// Pocket of a scene.
 struct Pocket<'a> {
     gingiva: &'a Gingiva,
     fdi: u8,
-    /// Forces at which a depth is read correctly.
+    /// Correct forces on the floor, newtons.
     correct: std::ops::RangeInclusive<f64>,
 }
 

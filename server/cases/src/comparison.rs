@@ -1,4 +1,4 @@
-//! The method as printed beside the coupled one, on the same cases, by the same measures.
+//! The method as printed in the paper and the coupled method on the same cases, with the same measures.
 
 use std::fmt;
 
@@ -14,19 +14,19 @@ use crate::measure::Measures;
 use crate::run::run_on;
 use crate::table::{Case, Driver};
 
-/// How the tissue of a case is computed.
+/// Method for the tissue of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// The default: compliance inside the optimisation.
+    /// Compliance inside the optimisation, which is the default of the program.
     Coupled,
-    /// As printed, in a tick that limits the tool's motion as it does for every tissue.
+    /// The printed method, in a tick with the usual limit of the tool's motion.
     Printed,
-    /// As printed, the tool free to go all its way in one tick, as the paper has it.
+    /// The printed method, with a tool that moves up to 63 mm in one tick. The paper has no limit.
     PrintedUnlimited,
 }
 
 impl Method {
-    /// All.
+    /// All methods.
     pub const ALL: [Method; 3] = [Method::Coupled, Method::Printed, Method::PrintedUnlimited];
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// Lets the tool go up to 64 mm in a tick, looking a millimetre ahead.
+/// Allows the tool 64 substeps of 0.99 mm in a tick, with a prediction distance of a millimetre.
 fn unlimited(scene: &mut Scene) {
     scene.params.predict_min = 1e-3;
     scene.params.predict_max = 1e-3;
@@ -48,27 +48,28 @@ fn unlimited(scene: &mut Scene) {
     scene.params.max_substeps = 64;
 }
 
-/// One case by one method.
+/// Result of one case by one method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
     /// Name of the case.
     pub case: &'static str,
-    /// Method.
+    /// Method of the run.
     pub method: Method,
-    /// The measures.
+    /// Measures of the run.
     pub measures: Measures,
-    /// Mean force on the tissue over the mean force on the device, while that is over 0.05 N; none for a
-    /// printed gingiva, which has no force, only displacements.
+    /// Ratio of the mean force on the tissue to the mean force on the device, over ticks with more than 0.05 N on the
+    /// device. `None` without such a tick, and for a printed gingiva, which has displacements but no force.
     pub load_ratio: Option<f64>,
-    /// Most pairs of spheres that load a printed skeleton.
+    /// Largest number of pairs of spheres that load a printed skeleton.
     pub pairs: u32,
-    /// Tool-ticks in which the graphic tip, once with the hand, is more than 2 mm above the haptic one.
+    /// Number of tool-ticks in which the graphic tip is more than 2 mm above the haptic tip, after both were once
+    /// within 2 mm.
     pub ejected: u64,
-    /// Ticks in which a tissue that diverged was put back to rest.
+    /// Number of tool-ticks with [`status::FAULT`], after which a diverged tissue is at rest again.
     pub faults: u64,
 }
 
-/// What is summed up during a run.
+/// Sums over a run.
 #[derive(Default)]
 struct Sums {
     meters: Option<Vec<Option<PenaltyMeter>>>,
@@ -141,7 +142,7 @@ impl Sums {
     }
 }
 
-/// The case with a hand and its device, which feel the wrench, where the table moves the tool itself.
+/// The case with a hand and its device, which feel the wrench. A case that has a hand is unchanged.
 pub fn by_hand(case: &Case) -> Case {
     let driver = match case.driver {
         Driver::Kinematic(script) => Driver::Closed(script, HandParams::default),
@@ -155,7 +156,10 @@ pub fn compare(case: &Case, method: Method) -> Compared {
     compare_changed(case, method, |_| {})
 }
 
-/// The same, the scene changed by `change` after it became the method's.
+/// Runs `case` by `method` on the method's scene after `change`.
+///
+/// # Panics
+/// The changed scene is not valid.
 pub fn compare_changed(case: &Case, method: Method, change: impl FnOnce(&mut Scene)) -> Compared {
     let mut sums = Sums::default();
     let report = run_on(
@@ -184,7 +188,7 @@ pub fn compare_changed(case: &Case, method: Method, change: impl FnOnce(&mut Sce
 }
 
 impl Compared {
-    /// Names of the columns of its line.
+    /// Heading for the lines of [`Compared`].
     pub fn heading() -> String {
         format!(
             "{:16} {:22} {:>9} {:>12} {:>10} {:>9} {:>11} {:>10} {:>8} {:>8} {:>8} {:>7} {:>10} {:>7}",

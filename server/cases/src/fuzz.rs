@@ -1,5 +1,6 @@
-//! Poses from a random walk with leaps, turns, absences and bad numbers, about a place where there is much to touch: nothing
-//! panics, nothing that is not finite comes out, nothing is penetrated in a converged tick.
+//! Poses from a random walk with leaps, turns, absences and invalid numbers, about a place with many contacts.
+//!
+//! No tick may panic, no output may be infinite or not a number, and no converged tick may leave a penetration.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -17,29 +18,29 @@ use crate::scenes::{self, device_over};
 use crate::table::tissue::mirror;
 use crate::tissue_scenes::{organ, pocket, tongue, twice};
 
-/// Where poses are made up.
+/// A scene with places for random poses.
 #[derive(Clone, Copy)]
 pub struct Fuzz {
-    /// Name.
+    /// Name of the scene in reports.
     pub name: &'static str,
-    /// The scene.
+    /// Maker of the scene.
     pub scene: fn() -> Scene,
-    /// Poses about which the walks of its tools go.
+    /// Device pose about which each tool walks.
     pub homes: fn(&Scene) -> Vec<Pose>,
-    /// Length of the walk's usual steps, metres.
+    /// Largest length of a usual step along each axis, metres.
     pub step: f64,
-    /// What is asked of ticks whose substeps run out: leaps go on in later ones.
+    /// Bounds on ticks whose substeps ran out. Later ticks finish a leap.
     pub outrun: Outrun,
 }
 
-/// How often and how deep ticks may run out of substeps. A little over what a thousand ticks and a million come to.
+/// Bounds on ticks whose substeps ran out: a little above the results of a thousand and of a million ticks.
 #[derive(Clone, Copy)]
 pub struct Outrun {
-    /// Tools that walk.
+    /// Number of walking tools.
     pub tools: u64,
-    /// Largest share of their ticks.
+    /// Largest share of such tool-ticks.
     pub share: f64,
-    /// Deepest that such a tick may leave a tool, metres.
+    /// Deepest penetration in a tick that did not converge, metres.
     pub deepest: f64,
 }
 
@@ -55,7 +56,7 @@ const RIGID: Outrun = outrun(1, 0.06, 1e-5);
 const GINGIVA: Outrun = outrun(1, 0.09, 4e-5);
 const SKELETON: Outrun = outrun(1, 0.06, 1e-5);
 const ORGAN: Outrun = outrun(1, 0.09, 3e-3);
-/// Two tools wait for each other.
+/// Two tools share one problem, so each waits for the other.
 const TWO_PROBES: Outrun = outrun(2, 0.12, 4e-5);
 const TWO_MIRRORS: Outrun = outrun(2, 0.3, 3e-3);
 
@@ -68,7 +69,7 @@ pub const POCKET: Fuzz = Fuzz {
     outrun: GINGIVA,
 };
 
-/// All of them: every tissue model, one and two tools, what is thin, narrow and sharp.
+/// All scenes: every tissue model, one and two tools, and thin, narrow and sharp objects.
 pub const ALL: &[Fuzz] = &[
     Fuzz {
         name: "wedge",
@@ -142,11 +143,11 @@ fn in_pocket(scene: &Scene, degrees: f64) -> Pose {
     path.pose(degrees.to_radians(), 3e-3, 0.0, Vec3::zeros())
 }
 
-/// Ticks between two full queries of the residual: it costs more than the tick.
+/// Number of ticks from one query of the residual to the next. A query takes longer than a tick.
 const RESIDUAL_EVERY: u64 = 16;
 
 impl Fuzz {
-    /// Runs `ticks` ticks; `change` may change the scene first.
+    /// Runs `ticks` ticks on the scene that `change` has modified. The walks are those of the unmodified scene.
     pub fn run(&self, seed: u64, ticks: u64, change: impl FnOnce(&mut Scene)) -> Measures {
         let mut scene = (self.scene)();
         let homes = (self.homes)(&scene);
@@ -168,7 +169,7 @@ impl Fuzz {
         observer.measures()
     }
 
-    /// Such a walk as a script of `ticks` milliseconds, without the bad numbers (which no script can have).
+    /// A walk as a script of `ticks` milliseconds, without invalid numbers, which a script cannot give.
     pub fn script(&self, scene: &Scene, seed: u64, ticks: u64) -> Box<dyn Script + Send> {
         let homes = (self.homes)(scene);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -192,19 +193,19 @@ impl Fuzz {
         })
     }
 
-    /// Whether `found` keeps to what is asked of ticks whose substeps ran out, their share being at most `times` that of long runs.
+    /// Whether `found` is within the bounds of [`Fuzz::outrun`], with a share of at most `times` the bound.
     pub fn keeps_up(&self, found: &Measures, times: f64) -> bool {
         self.exhausted_share(found) <= times * self.outrun.share
             && found.exhausted_residual <= self.outrun.deepest
     }
 
-    /// Share of the tools' ticks that ran out of passes.
+    /// Share of the tool-ticks whose substeps ran out.
     pub fn exhausted_share(&self, found: &Measures) -> f64 {
         found.exhausted as f64 / (found.ticks.max(1) * self.outrun.tools) as f64
     }
 }
 
-/// A walk about home: mostly small steps, now and then a leap, a turn, an absence, a bad number.
+/// A random walk about a pose: small steps, with rare leaps, turns, absences and invalid numbers.
 #[derive(Clone, Copy, Default)]
 struct Walk {
     off: Vec3,
@@ -212,7 +213,7 @@ struct Walk {
 }
 
 impl Walk {
-    /// The next pose, and whether the tool is there.
+    /// Next device pose, and whether the tool is present.
     fn go(&mut self, rng: &mut ChaCha8Rng, home: &Pose, tip: &Vec3, step: f64) -> (Pose, bool) {
         let mut unit = || unit(rng);
         let reach = if unit() < 0.005 { 60.0 * step } else { step };
@@ -246,7 +247,7 @@ impl Walk {
     }
 }
 
-/// The next number from 0 to 1.
+/// Next random number, 0 to 1.
 fn unit(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -1,4 +1,4 @@
-//! Whether one solid is inside another, by their meshes: no sphere of any tree is asked.
+//! Penetration of one solid into another by their meshes, without the spheres of any tree.
 
 use sulcus_core::math::norm;
 use sulcus_core::{DisplayMesh, Object, Pose, Tool, Vec3};
@@ -7,11 +7,11 @@ use sulcus_scene::mesh::TriMesh;
 use sulcus_scene::mesh::distance::MeshDistance;
 use sulcus_scene::tree::blend::blend_error;
 
-/// Points on a tool, in balls within balls: most of them are never looked at.
+/// Points on a tool in a tree of balls, so that a query skips most of them.
 #[derive(Clone, Debug)]
 pub struct Points {
     points: Vec<Vec3>,
-    /// Breadth first: two halves of ball `k` are `2 k + 1` and `2 k + 2`.
+    /// Balls, breadth first: the halves of ball `k` are `2 k + 1` and `2 k + 2`.
     balls: Vec<Ball>,
 }
 
@@ -23,21 +23,21 @@ struct Ball {
     count: usize,
 }
 
-/// Points in the smallest balls.
+/// Largest number of points in the smallest balls.
 const FEW: usize = 4;
 
 impl Points {
-    /// Points all over a mesh's triangles (tool frame, metres), no farther apart than `spacing`, as far as `kept` wants them.
+    /// Points on all triangles of a mesh in the tool's frame, at most `spacing` metres apart, filtered by `kept`.
     ///
     /// # Panics
-    /// When none is wanted.
+    /// `kept` leaves no point.
     pub fn of(mesh: &TriMesh, spacing: f64, kept: impl Fn(&Vec3) -> bool) -> Self {
         let mut points = all_over(mesh, spacing);
         points.retain(kept);
         assert!(!points.is_empty(), "no point of the tool is wanted");
         let mut balls: Vec<Ball> = Vec::new();
         let mut parts = vec![(0, points.len())];
-        // As deep as the whole tree, so that places in it follow from their number.
+        // The tree is complete, so that the index of a ball gives its position.
         while parts.iter().any(|(_, count)| *count > FEW) || balls.is_empty() {
             let mut halves = Vec::with_capacity(2 * parts.len());
             for (first, count) in parts {
@@ -57,8 +57,8 @@ impl Points {
         Self { points, balls }
     }
 
-    /// How deep the deepest point is inside `solid` (world) with the tool at `pose` (`world_from_tool`), metres: exact; negative
-    /// where all are outside, by how far the nearest is. Where that is no more than `known`, `known`.
+    /// Depth of the deepest point inside `solid` (world) with the tool at `pose` (`world_from_tool`), metres, but at
+    /// least `known`. A negative depth is the distance of the nearest point outside.
     pub fn deepest_inside(&self, solid: &MeshDistance, pose: &Pose, known: f64) -> f64 {
         let mut deepest = known;
         let mut open = vec![0];
@@ -66,7 +66,7 @@ impl Points {
             let Some(ball) = self.balls.get(k).filter(|ball| ball.count > 0) else {
                 continue;
             };
-            // A distance changes by no more than the way gone.
+            // A distance changes by no more than the distance between the points.
             let inside = |at: &Vec3| -solid.signed(&pose.transform(at));
             if inside(&ball.centre) + ball.radius <= deepest {
                 continue;
@@ -122,8 +122,8 @@ fn all_over(mesh: &TriMesh, spacing: f64) -> Vec<Vec3> {
     points
 }
 
-/// The solid that an object is shown as, for parts whose picture is the very mesh that their tree was made of (to a nanometre, in
-/// which it is kept).
+/// Solid of an object's display mesh, for parts whose tree was made from that mesh. The display mesh is stored to a
+/// nanometre.
 pub fn solid_of(mesh: &DisplayMesh) -> MeshDistance {
     MeshDistance::new(TriMesh {
         vertices: mesh
@@ -135,8 +135,9 @@ pub fn solid_of(mesh: &DisplayMesh) -> MeshDistance {
     })
 }
 
-/// Most that `tool`, whose surface is `of_tool`, may be inside a blended object whose surface is `solid`, metres: the stated errors of
-/// both trees at the levels in contact, for a tip of 0.25 mm.
+/// Largest penetration of `tool`, with the surface `of_tool`, into a blended object with the surface `solid`, metres.
+///
+/// The bound is the sum of the stated errors of both trees at the levels in contact, for a tip of 0.25 mm radius.
 pub fn allowed_inside(
     (object, solid): (&Object, &MeshDistance),
     (tool, of_tool): (&Tool, &MeshDistance),
@@ -161,12 +162,12 @@ mod tests {
         for depth in [-2e-3, -1e-4, 0.0, 1e-4, 5e-4] {
             let pose = Pose::new(Vec3::new(1e-3, -2e-3, 0.011 - depth), turn);
             let found = points.deepest_inside(&solid, &pose, f64::NEG_INFINITY);
-            // A ball of triangles is smaller by their sagitta, up to 3 um.
+            // A ball of triangles is smaller than the sphere by their sagitta, up to 3 um.
             assert!((found - depth).abs() < 4e-6, "{depth:e} {found:e}");
             let all = points.points.iter();
             let all = all.map(|p| -solid.signed(&pose.transform(p)));
             assert_eq!(found, all.fold(f64::NEG_INFINITY, f64::max));
-            // What is known already is not looked for again.
+            // A depth no larger than `known` is not searched.
             assert_eq!(points.deepest_inside(&solid, &pose, 1e-3), 1e-3);
         }
     }

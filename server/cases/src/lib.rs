@@ -20,6 +20,7 @@ pub mod ripple;
 pub mod run;
 pub mod scenes;
 mod shake;
+pub mod statistics;
 mod sway;
 pub mod table;
 pub mod timing;

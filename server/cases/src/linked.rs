@@ -1,4 +1,4 @@
-//! A case by a hand whose poses and wrenches go over a link: delay, loss, and the energy that the loop puts out.
+//! A hard case over a link: delay and loss of poses and wrenches, and the energy that the loop puts out.
 
 use std::collections::VecDeque;
 
@@ -15,18 +15,18 @@ use crate::comparison::by_hand;
 use crate::shake::Shake;
 use crate::table::{Case, Driver};
 
-/// A link as both ends see it: no jitter, so nothing is out of order.
+/// A link with a constant delay, so that no datagram is out of order, and with random loss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkModel {
-    /// Round trip, ticks: the way up takes the larger half.
+    /// Round-trip delay, ticks. The way to the server takes the larger half.
     pub delay_ticks: u32,
-    /// Probability that a datagram never arrives, each way.
+    /// Probability of the loss of a datagram, each way.
     pub loss: f64,
     /// Seed of the losses.
     pub seed: u64,
 }
 
-/// One direction: what is on its way, and what arrived last.
+/// One direction of a link: data on the way, and the data that arrived last.
 struct Way<T> {
     delay: u64,
     flying: VecDeque<(u64, T)>,
@@ -42,7 +42,8 @@ impl<T: Copy> Way<T> {
         }
     }
 
-    /// Sends `value` at `now`, unless it is lost; what arrives by now replaces what came before.
+    /// Sends `value` at tick `now`, unless it is lost. Returns the newest arrived value with the tick at which it was
+    /// sent.
     fn carry(&mut self, now: u64, value: T, lost: bool) -> Option<(u64, T)> {
         if !lost {
             self.flying.push_back((now, value));
@@ -56,42 +57,43 @@ impl<T: Copy> Way<T> {
     }
 }
 
-/// How a case went over a link. SI units.
+/// Result of a case over a link, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Linked {
-    /// Ticks run.
+    /// Number of ticks run.
     pub ticks: u64,
-    /// Most energy that the displayed wrench had put out into a hand, net, since its contact began. (Contact ends when
-    /// nothing was felt for a tenth of a second.)
+    /// Largest net energy that the displayed wrench put out into a hand since its contact began, joules. A contact ends
+    /// after a tenth of a second without a force.
     pub energy: f64,
-    /// Most that it put out within one period beyond what had been paid for: what no controller can foresee.
+    /// Largest work on a hand in one period beyond the energy that it had put in, joules. No controller can foresee it.
     pub period_work: f64,
-    /// Whether every number was one and, of every hand, two such periods explain what came out, but for what is not felt, and it is no more than
-    /// [`crate::Bounds::linked_energy`].
+    /// Whether all numbers were finite and the energy of every hand was within two bounds: [`FELT`] plus twice the
+    /// largest work of one period, and [`crate::Bounds::linked_energy`].
     pub passive: bool,
-    /// What the controller took out, all hands.
+    /// Energy removed by the controllers of all hands, joules.
     pub taken: f64,
-    /// Share of the tool-ticks in which it acted.
+    /// Share of the tool-ticks in which a controller acted.
     pub acted: f64,
-    /// *Infidelity*: rms difference between the force displayed and the raw force that the simulation computed in the same
-    /// tick, over tool-ticks in which either is not zero and the server neither ramps nor clamps it.
+    /// Root mean square of the difference between the displayed force and the raw force of the same tick, newtons.
+    ///
+    /// Only tool-ticks with a force count, without a ramp, a clamp or an absence at the server.
     pub force_error: f64,
-    /// Rms of that raw force over the same tool-ticks.
+    /// Root mean square of that raw force over the same tool-ticks, newtons.
     pub force: f64,
-    /// Largest force displayed.
+    /// Largest force displayed, newtons.
     pub max_force: f64,
-    /// *Shake*: rms motion of the hands' working points above the tremor's band, over the second half of the run and the
-    /// ticks in which a force is displayed.
+    /// *Shake*: root mean square of the working points' motion above the tremor's band, metres, over the second half of
+    /// the run and ticks with a displayed force.
     pub shake: f64,
-    /// Whether every number that was displayed or reported was one.
+    /// Whether every displayed and reported number was finite.
     pub finite: bool,
 }
 
-/// Energy under which nothing is felt, joules.
+/// Smallest energy that a hand feels, joules; chosen.
 pub const FELT: f64 = 1e-4;
 
 impl Linked {
-    /// The force error relative to the force; 0 where nothing was felt.
+    /// *Infidelity*: the force error relative to the force; 0 without a force.
     pub fn infidelity(&self) -> f64 {
         if self.force > 0.0 {
             self.force_error / self.force
@@ -101,9 +103,9 @@ impl Linked {
     }
 }
 
-/// Longest that a case runs here, seconds, in place of the minute at rest.
+/// Length of a run that replaces a minute at rest, seconds at 1 kHz.
 pub const LONGEST_S: f64 = 5.0;
-/// Length from which a case is one of those, seconds.
+/// Length from which a case counts as a minute at rest, seconds.
 const MINUTE_S: f64 = 30.0;
 
 /// Sums over a run.
@@ -117,15 +119,13 @@ struct Sums {
     shake: f64,
 }
 
-/// Runs `case` by a hand that feels, over `link`; the controller as `passivity` says ([`PassivityParams::observing`]: none).
+/// Runs `case` over `link` by a hand that feels, with the controller `passivity`. [`PassivityParams::observing`]
+/// removes no energy.
 pub fn run_linked(case: &Case, link: &LinkModel, passivity: PassivityParams) -> Linked {
     run_linked_on(case, link, passivity, |_| {})
 }
 
-/// The same on the case's scene as `change` leaves it.
-///
-/// # Panics
-/// Never: a case by a hand is closed.
+/// Runs `case` over `link` on its scene after `change`. The script is that of the unchanged scene.
 pub fn run_linked_on(
     case: &Case,
     link: &LinkModel,
@@ -189,7 +189,7 @@ pub fn run_linked_on(
             linked.max_force = linked.max_force.max(norm(&felt.force));
             let out = &output.tools[t];
             sums.tool_ticks += u64::from(held[t].present);
-            // What the server itself holds back is not the link's doing.
+            // Forces that the server reduces are no error of the link.
             const HELD_BACK: u16 = status::ABSENT | status::RAMPING | status::SATURATED;
             let raw = out.raw_wrench.force;
             let felt_force = norm(&felt.force);
@@ -210,9 +210,9 @@ pub fn run_linked_on(
     for energy in displays.map(|display| display.energy()) {
         linked.energy = linked.energy.max(energy.most_out);
         linked.period_work = linked.period_work.max(energy.most_at_once);
-        // One period until it is seen, one until the answer to it is felt.
+        // The controller sees the work after one period, and the hand feels its answer after another.
         linked.passive &= energy.most_out <= FELT + 2.0 * energy.most_at_once;
-        // That bound grows with what goes wrong; this one is the case's own.
+        // The first bound grows with the work of a period; the second is a constant of the case.
         linked.passive &= energy.most_out <= case.bounds.linked_energy;
         linked.taken += energy.taken;
         acted += energy.acted;
@@ -227,7 +227,7 @@ pub fn run_linked_on(
     linked
 }
 
-/// A wrench as the wire carries it.
+/// A wrench, rounded to f32 as on the wire.
 fn as_sent(wrench: &Wrench) -> Wrench {
     let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
     Wrench {

@@ -1,4 +1,4 @@
-//! One definition of every measure of a run.
+//! Measures of a run, each with its one definition.
 
 use sulcus_core::math::{log_rotation, norm};
 use sulcus_core::{
@@ -12,50 +12,55 @@ use crate::sway::Sway;
 /// Fastest hand of the *slow force step*, m/s.
 pub const SLOW: f64 = 0.2;
 
-/// Seconds after which what a resting hand holds has settled.
+/// Time after which a tool in a resting hand has settled, seconds.
 const SETTLE_S: f64 = 1.0;
 
-/// What a run amounts to. SI units.
+/// Measures of a run, SI units. A *tool-tick* is one tick of one tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// Ticks observed.
+    /// Number of ticks observed.
     pub ticks: u64,
-    /// Ticks in which a tool bore load.
+    /// Number of ticks in which a tool bore load.
     pub contact_ticks: u64,
-    /// Tool-ticks of arrival: from (re)entry to the first converged tick, while the graphic tool
-    /// travels to the hand. They count in the residual, not in what follows.
+    /// Number of tool-ticks of arrival: from the appearance of a tool to its first converged tick without
+    /// [`status::SETTLING`], while the graphic tool travels to the hand.
+    ///
+    /// Exhaustion, settling, imbalance, coupling error, jump, drift, steps of raw force and torque, buzz and energy
+    /// begin after the arrival. All other measures include it.
     pub arrival: u64,
-    /// Tool-ticks whose substeps ran out.
+    /// Number of tool-ticks whose substeps ran out.
     pub exhausted: u64,
-    /// Tool-ticks in which the tool was still on its way so that the force should not jump.
+    /// Number of tool-ticks in which the limit of a force step delayed the tool.
     pub settling: u64,
-    /// Tool-ticks without a usable answer of the solver.
+    /// Number of tool-ticks without a usable answer of the solver.
     pub solver_failed: u64,
-    /// Tool-ticks with unusable input.
+    /// Number of tool-ticks with unusable input.
     pub bad_input: u64,
-    /// Tool-ticks in which the tick itself met a number that is not finite, and sent nothing ([`status::FAULT`]).
+    /// Number of tool-ticks in which the tick met a number that is not finite and sent nothing: [`status::FAULT`].
     pub faults: u64,
-    /// Ticks in which a number came out that is not finite: in a wrench, raw or sent, or a pose.
+    /// Number of ticks with an output that is not finite: in a raw or sent wrench, or in a pose.
     pub not_finite: u64,
-    /// *Residual*: deepest penetration over all leaf pairs on the final, deformed shapes of converged ticks,
-    /// metres, by a full query that shares nothing with the tick's. Where an object's spheres are blended
-    /// ([`sulcus_core::blend`]) it is that of the blended surface, of whatever seed and with all spheres in
-    /// the sum, or of the cores, whichever is deeper.
+    /// *Residual*: deepest penetration over all pairs of leaves on the final, deformed shapes of converged ticks,
+    /// metres.
+    ///
+    /// A full query that shares nothing with the tick measures it. For a blended object, see [`sulcus_core::blend`],
+    /// the blended surface and the cores are both measured, and the deeper penetration counts.
     pub residual: f64,
-    /// The same over exhausted ticks.
+    /// The residual of ticks that did not converge, metres.
     pub exhausted_residual: f64,
-    /// *Jump*: largest translation of the graphic tool's working point in a tick beyond the hand's, metres.
+    /// *Jump*: largest translation of the graphic tool's working point in a tick beyond that of the hand's, metres.
     pub jump: f64,
-    /// *Buzz*: mean length of the second difference of the raw force over ticks under load, newtons per
-    /// tick.
+    /// *Buzz*: mean length of the second difference of the raw force over tool-ticks under load, newtons.
     pub buzz: f64,
     /// *Force step*: largest change of the **raw** force in a tick beyond `k_t |dq_h|`, newtons.
     pub force_step: f64,
-    /// *Slow force step*: the same over ticks in which the hand went at [`SLOW`] at most, the tool's sphere that is farthest from its
-    /// working point included, and the tool was not behind it, outside of first touch (the tool was loaded in the tick before, too): newtons.
+    /// *Slow force step*: largest change of the **raw** force in a tick beyond `k_t` times the hand's motion, newtons.
+    ///
+    /// The motion is that of the tool's sphere that is farthest from the working point. Only ticks with a motion of at
+    /// most [`SLOW`] count, with a load in the tick before, and without a tool that still follows a faster hand.
     pub slow_force_step: f64,
-    /// *Torque step*: largest change of the **raw** torque in a tick, about the tool's working point (about the
-    /// device point a lateral force would count with its lever of 90 mm), newton metres.
+    /// *Torque step*: largest change of the **raw** torque in a tick, about the tool's working point, newton metres.
+    /// About the device point a lateral force would count with its lever of 90 mm.
     pub torque_step: f64,
     /// Largest raw force, newtons.
     pub max_raw_force: f64,
@@ -63,56 +68,61 @@ pub struct Measures {
     pub max_force: f64,
     /// Largest change of the force sent in a tick, newtons.
     pub sent_step: f64,
-    /// *Energy*: most that the wrench sent had put out into the hand at any time, joules.
+    /// *Energy*: largest net work of the sent wrench on the hands up to any tick, joules.
     pub energy: f64,
-    /// *Work put in*: most that the hand had put in at any time, net of what it got back, joules.
+    /// *Work put in*: largest net work of the hands up to any tick, joules.
     pub work_in: f64,
-    /// *Imbalance*: largest difference between the sum of the contacts' loads, on teeth and tissue, and the
-    /// raw wrench, relative to the sum of their magnitudes, over converged ticks with more than 0.01 N of
-    /// them in which nothing was settling. Torques about the working point count with a lever of 1 mm.
+    /// *Imbalance*: largest difference between the sum of the contacts' loads and the raw wrench, relative to the sum
+    /// of the loads' magnitudes.
+    ///
+    /// Only converged tool-ticks without settling and with more than 0.01 N count. A torque about the working point
+    /// counts with a lever of 1 mm.
     pub imbalance: f64,
-    /// *Flips*: times that a pair of spheres bore load in two consecutive ticks and its normal turned by more
-    /// than 90 degrees between them.
+    /// *Flips*: number of loaded pairs of spheres whose normal turned by more than 90 degrees from one tick to the
+    /// next.
     pub flips: u64,
     /// *Indentation*: largest displacement of any leaf of a tissue from its rest, metres.
     pub indentation: f64,
-    /// *Rebound*: energy that appears in a tissue after the last load on it has gone: largest later
-    /// displacement of any leaf over that at letting go, squared (a spring's energy), minus one; 0 when it
-    /// only ever comes back. Displacements under 10 um are rest.
+    /// *Rebound*: largest energy gain of a tissue after the end of its last load, relative.
+    ///
+    /// The gain is the square of the ratio of a later displacement to that at the end of the load, minus one. A tissue
+    /// that only returns has 0. Displacements below 10 um count as rest.
     pub rebound: f64,
-    /// *Unrest*: displacement of the leaf that is farthest from its rest in the last tick seen, metres.
+    /// *Unrest*: largest displacement of any leaf from its rest in the last observed tick, metres.
     pub unrest: f64,
-    /// *Drift*: farthest that the graphic tool's working point goes from where it was a second after the
-    /// hand came to rest exactly, while it rests, metres.
+    /// *Drift*: largest distance of the graphic tool's working point from its position a second after the hand came to
+    /// rest exactly, while the hand rests, metres.
     pub drift: f64,
-    /// Largest difference between the raw wrench and `G log(q_h q_g^-1)`, relative, over converged
-    /// ticks in contact with more than 0.05 N.
+    /// *Coupling error*: largest relative difference between the raw wrench and `G log(q_h q_g^-1)`, over converged
+    /// tool-ticks with more than 0.05 N, without settling and without a saturated twist.
     pub coupling_error: f64,
 }
 
-/// Observes a run tick by tick.
+/// Observer of a run, tick by tick.
 #[derive(Clone, Debug)]
 pub struct Observer {
     measures: Measures,
     last: Option<[ToolTrace; MAX_TOOLS]>,
-    /// Second differences need three ticks.
+    /// Last change of the raw force, newtons; `None` before the second tick of a contact.
     last_force_change: [Option<Vec3>; MAX_TOOLS],
     arriving: [bool; MAX_TOOLS],
     behind: [bool; MAX_TOOLS],
     second_differences: f64,
     second_difference_count: u64,
     put_out: f64,
-    /// Ticks since each hand moved, and where the tool then came to be.
+    /// Number of ticks since each hand moved, and the settled position of its tool, metres.
     resting: [(u64, Vec3); MAX_TOOLS],
-    /// Length of a tick, seconds, and ticks in which a tool comes to rest.
+    /// Length of a tick, seconds.
     tick_s: f64,
+    /// Number of ticks in which a tool settles.
     settle_ticks: u64,
-    /// How far a tool reaches from its working point, metres: what a turn moves.
+    /// Largest distance of a tool's spheres from its working point, metres.
     reach: [f64; MAX_TOOLS],
     query: FullQuery,
     bearing: Bearing,
     sway: Sway,
-    /// Every how many ticks the full query runs (1: always).
+    /// Number of ticks from one full query to the next; 1: every tick. Residual, indentation, rebound and unrest are
+    /// measured in these ticks only.
     pub residual_every: u64,
 }
 
@@ -127,7 +137,7 @@ struct ToolTrace {
 }
 
 impl ToolTrace {
-    /// The raw wrench about the haptic tool's working point, where the coupling's spring is.
+    /// Raw wrench about the haptic tool's working point, at which the coupling's spring acts.
     fn about_working_point(&self, tool: &sulcus_core::Tool) -> Wrench {
         self.raw
             .moved(&-(self.haptic.orientation * tool.working_point))
@@ -135,7 +145,7 @@ impl ToolTrace {
 }
 
 impl Observer {
-    /// An observer for runs of `scene` at its own levels of detail.
+    /// An observer for a run of `scene` at its own levels of detail.
     pub fn new(scene: &Scene) -> Self {
         Self {
             measures: Measures::default(),
@@ -160,7 +170,7 @@ impl Observer {
         }
     }
 
-    /// Takes one tick in; `ws` is the workspace as that tick left it.
+    /// Takes one tick; `ws` is the workspace after that tick.
     pub fn observe(
         &mut self,
         scene: &Scene,
@@ -265,7 +275,7 @@ impl Observer {
                 log_rotation(&(now.haptic.orientation * before.haptic.orientation.inverse()));
             let farthest = hand + self.reach[t] * norm(&turn);
             m.settling += u64::from(out.status & status::SETTLING != 0);
-            // A hand that was faster than the tool could follow has its motion's end in later ticks.
+            // A tool that follows a faster hand finishes the motion in later ticks.
             let was_behind = self.behind[t];
             let behind = &mut self.behind[t];
             let fast = farthest > SLOW * self.tick_s && out.status & status::SETTLING != 0;
@@ -285,7 +295,7 @@ impl Observer {
                 self.second_difference_count += 1;
             }
             self.last_force_change[t] = Some(change);
-            // The wrench sent last tick acted while the hand moved to this tick's pose.
+            // The wrench of the last tick acted while the hand moved to the pose of this tick.
             let step = now.haptic.position - before.haptic.position;
             self.put_out += before.sent.force.dot(&step) + before.sent.torque.dot(&turn);
             m.energy = m.energy.max(self.put_out);
@@ -295,7 +305,7 @@ impl Observer {
         self.last = Some(trace);
     }
 
-    /// The measures so far.
+    /// Measures so far.
     pub fn measures(&self) -> Measures {
         Measures {
             buzz: self.second_differences / self.second_difference_count.max(1) as f64,
@@ -314,8 +324,10 @@ fn is_finite(output: &TickOutput) -> bool {
     numbers.flat_map(|v| [v.x, v.y, v.z]).all(f64::is_finite)
 }
 
-/// `G log(q_h q_g^-1)` against the raw wrench, both at the working point: the force relative to the force, the
-/// torque to the torque there or to the force at a lever of a millimetre, whichever is larger.
+/// Relative difference between `G log(q_h q_g^-1)` and the raw wrench, both at the working point.
+///
+/// The force is relative to the raw force. The torque is relative to the raw torque, or to the raw force at a lever of
+/// a millimetre if that is larger. The larger of both results counts.
 fn coupling_error(tool: &sulcus_core::Tool, now: &ToolTrace) -> f64 {
     let stretch =
         now.graphic.transform(&tool.working_point) - now.haptic.transform(&tool.working_point);

@@ -1,4 +1,4 @@
-//! The whole mouth with two hands at work: for measurements of what a tick costs in it, and of how well it is probed.
+//! The whole mouth with two hands, for measurements of a tick's duration and of the accuracy of probing.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -15,20 +15,21 @@ use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
 use crate::inside::{Points, allowed_inside, solid_of};
 use crate::toured::{Toured, perform};
 
-/// The tooth that is probed, and its neighbours with theirs.
+/// FDI number of the probed tooth.
 pub const PROBED: u8 = 36;
+/// FDI numbers of the probed tooth and its neighbours.
 const NEAR: [u8; 4] = [34, 35, 36, 37];
 
-/// What [`mouth`] was asked for last, and what it gave.
+/// Arguments and result of the last call of [`mouth`].
 type Built = ((u64, bool, u8), Scene);
 
-/// The shipped mouth with a patient of that seed, all of the patient's teeth or four about the probed one, in contact at
-/// `level`.
+/// The shipped mouth with the generated patient of `seed` and teeth at the level of detail `level`. With `four`, the
+/// mouth has only four teeth, about the probed one.
 ///
 /// # Panics
-/// When the shipped scene does not compile: a fault of this function.
+/// The shipped scene does not compile, which is a fault of this function.
 pub fn mouth(seed: u64, four: bool, level: u8) -> Scene {
-    // Compiling one takes seconds, and several measurements want the same.
+    // A scene takes seconds to compile, and several measurements use the same one.
     static BUILT: Mutex<Option<Built>> = Mutex::new(None);
     let mut built = BUILT.lock().expect("no build panicked");
     if let Some((key, scene)) = &*built
@@ -53,10 +54,10 @@ pub fn mouth(seed: u64, four: bool, level: u8) -> Scene {
     scene
 }
 
-/// Two hands for `seconds`: one walks round [`PROBED`], the other holds the tongue aside.
+/// Script of two hands for `seconds`: one probes [`PROBED`] all round, the other holds the tongue aside.
 ///
 /// # Panics
-/// When the scene has no such tooth or no tongue.
+/// The scene has no such tooth or no tongue.
 pub fn hands(scene: &Scene, seconds: f64) -> Bimanual {
     let params = TourParams {
         duration: seconds,
@@ -67,27 +68,28 @@ pub fn hands(scene: &Scene, seconds: f64) -> Bimanual {
     Bimanual::new(scene, &tour, params, mirror, 1.0).expect("a tooth and a tongue")
 }
 
-/// How well one operator charted one mouth.
+/// Accuracy of one operator in one mouth.
 #[derive(Debug)]
 pub struct Examined {
-    /// Zone by zone.
+    /// Readings of each zone.
     pub toured: Toured,
-    /// By tooth: FDI number, the deepest that the probe was inside its mesh (negative: outside) and the most that the
-    /// trees' stated errors allow, metres.
+    /// For each tooth: FDI number, largest depth of the probe inside the tooth's mesh, and largest depth by the stated
+    /// errors of the trees, metres. A negative depth is outside.
     pub inside: Vec<(u8, f64, f64)>,
 }
 
-/// Ticks between two measurements against the meshes.
+/// Number of ticks from one measurement with the meshes to the next.
 const SAMPLED: u64 = 20;
-/// Points on the probe, metres apart, and how far up its working end.
+/// Distance between points on the probe, and length of the working end that has points, metres.
 const POINTS: (f64, f64) = (2e-4, 14e-3);
-/// Farthest from a tooth's middle that a tip can be with anything of the probe in reach of the tooth, metres.
+/// Largest distance of the tip from a tooth's centre at which the probe can touch the tooth, metres.
 const NEARBY: f64 = 25e-3;
 
-/// Every tooth among `teeth` (none: all) probed all round with both hands by an operator with that habit, or a good one.
+/// Result of an operator who probes `teeth` all round with both hands, with `habit` or well. An empty list means all
+/// teeth.
 ///
 /// # Panics
-/// When the scene is no mouth: no such tooth, no tongue, no probe and mirror.
+/// The scene lacks such a tooth, a tongue, a probe or a mirror.
 pub fn examine(scene: &Scene, teeth: &[u8], habit: Option<Habit>) -> Examined {
     let wanted = |object: &&Object| {
         object.tissue.is_rigid()
@@ -117,7 +119,7 @@ pub fn examine(scene: &Scene, teeth: &[u8], habit: Option<Habit>) -> Examined {
         .position(|tool| !tool.bands.is_empty())
         .expect("a probe");
     let tool = &scene.tools[slot];
-    // (It is shown with its handle.)
+    // The display mesh includes the handle.
     let surface = MeshDistance::new(Probe::default().touching_mesh());
     let near = |point: &sulcus_core::Vec3| (point - tool.tip).norm() < POINTS.1;
     let points = Points::of(surface.mesh(), POINTS.0, near);

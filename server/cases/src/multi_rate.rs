@@ -1,25 +1,27 @@
-//! The study that the paper leaves open (its section 9): everything in one loop of 1 kHz, against two rates, the tissue at
-//! about 60 Hz and the force at 1 kHz.
+//! Study of a question that the paper leaves open in its section 9: one loop of 1 kHz compared with two rates, the
+//! tissue at about 60 Hz and the force at 1 kHz.
 //!
 //! # The two rates
-//! What the tissue does in [`EVERY`] ticks is one implicit step of that length. It runs by the tick itself, on a scene whose
-//! tissue has its time scaled: a skeleton with its damping over `n` and its mass over `n^2` has in a step of 1 ms exactly
-//! the matrix, and the free motion, of the shipped one in a step of `n` ms; a gingiva's time constant scales by `n`. Between two
-//! such steps the force loop sees the tissue as it was left, in one of two ways that the literature has:
+//! The tissue makes one implicit step for [`EVERY`] ticks. The program's own tick computes the step, on a scene whose
+//! tissue has a scaled time. The damping of a skeleton is divided by `n`, its mass by `n^2`. In a step of 1 ms it then
+//! has the matrix and the free motion of the shipped skeleton in a step of `n` ms. The time constant of a gingiva is
+//! divided by `n`.
 //!
-//! - [`Rates::FrozenCompliance`]: its shape and its compliance in contact are those of the last step; contact is solved anew in every
-//!   millisecond, and what it moves is forgotten again until the next step takes its loads (as in multi-rate compliant
-//!   mechanisms, the paper's reference 30).
-//! - [`Rates::FrozenShape`]: nothing but its shape, as if it were rigid.
+//! Between two steps the force loop sees the tissue of the last step, in one of two ways of the literature:
 //!
-//! # What this leaves out
-//! Both loops see the same hand without delay, and a step of the tissue takes no time: two threads add at least one period of the slow
-//! one. Nor does the tissue get a finer model for the time that it then would have. So this is the better half of
-//! what two rates do, and a lower bound of what they cost. Without a [`Rates::Single`] that is as good as
-//! the paper's one loop nothing would follow: that one is the program's own tick.
+//! - [`Rates::FrozenCompliance`]: shape and compliance are those of the last step. Contact is solved in every tick, and
+//!   its displacements are dropped until the next step takes its loads. The paper's reference 30 has such multi-rate
+//!   mechanisms.
+//! - [`Rates::FrozenShape`]: the shape is that of the last step, and the tissue is rigid.
 //!
-//! At two rates the tick's limit of a change of force (`max_settle_step`) is off: it would hide the steps that are in question, and hold
-//! back a tissue that has one tick for many. With one loop it is as shipped, and does not act here.
+//! # Limits of the study
+//! Both loops see the same hand without delay, and a step of the tissue takes no time. Two threads would add at least
+//! one period of the slow loop. The tissue has no finer model for the time that it gains. The results are therefore a
+//! lower bound of the errors of two rates. The reference [`Rates::Single`] is the program's own tick.
+//!
+//! At two rates the tick's limit of a force change, `max_settle_step`, is off. The limit would hide the force steps in
+//! question, and delay a tissue with one tick for many. In one loop the limit has its shipped value, and does not act
+//! here.
 
 mod study;
 
@@ -31,25 +33,25 @@ use sulcus_core::{
     Workspace, tick,
 };
 
-/// Ticks in one step of the slow loop: 58.8 Hz, the nearest to 60.
+/// Number of ticks in one step of the slow loop: 58.8 Hz, the nearest rate to 60 Hz.
 pub const EVERY: u64 = 17;
 
-/// Who advances when.
+/// Rates of force and tissue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rates {
-    /// All at 1 kHz.
+    /// Force and tissue at 1 kHz.
     Single,
-    /// Tissue every [`EVERY`] ticks; between these its shape and compliance stay.
+    /// Tissue every [`EVERY`] ticks, with constant shape and compliance in between.
     FrozenCompliance,
-    /// Tissue every [`EVERY`] ticks; between these it is rigid.
+    /// Tissue every [`EVERY`] ticks, rigid in between.
     FrozenShape,
 }
 
 impl Rates {
-    /// All.
+    /// All rates, in the order of reports.
     pub const ALL: [Rates; 3] = [Rates::Single, Rates::FrozenCompliance, Rates::FrozenShape];
 
-    /// For people.
+    /// Name for reports.
     pub fn name(self) -> &'static str {
         match self {
             Rates::Single => "one loop",
@@ -62,23 +64,23 @@ impl Rates {
 /// A simulation at these rates.
 pub struct Loops {
     rates: Rates,
-    /// As shipped, or with the tissue's time scaled.
+    /// The shipped scene, or the scene with the scaled time of the tissue.
     scene: Scene,
     state: State,
     ws: Workspace,
-    /// The scene with what yields as it was left, rigid: scene, state and workspace of the force loop.
+    /// Scene, state and workspace of the force loop with a rigid copy of the tissue, for [`Rates::FrozenShape`].
     frozen: Option<(Scene, State, Workspace)>,
     ticks: u64,
 }
 
 impl Loops {
-    /// `scene` before its first tick.
+    /// Simulation of `scene` before its first tick.
     pub fn new(scene: &Scene, rates: Rates) -> Self {
         let mut scene = match rates {
             Rates::Single => scene.clone(),
             _ => slowed(scene, EVERY as f64),
         };
-        // Nobody looks, and the rigid copies are made anew 60 times in a second.
+        // Meshes are of no use here, and rigid copies are made 60 times in a second.
         for object in &mut scene.objects {
             object.mesh = DisplayMesh::default();
             object.carriers.clear();
@@ -102,7 +104,7 @@ impl Loops {
         }
     }
 
-    /// One millisecond: what the hand gets.
+    /// Runs one tick of the force loop and returns its output.
     pub fn tick(&mut self, input: &TickInput) -> TickOutput {
         self.ticks += 1;
         let advances = self.ticks.is_multiple_of(EVERY);
@@ -124,7 +126,7 @@ impl Loops {
         if !advances {
             return tick(rigid, state, ws, input, &mut NoProbe);
         }
-        // The slow loop's own contact, from where the force loop has the tool.
+        // The slow loop solves its own contact, from the tool's position in the force loop.
         self.state.tick = state.tick;
         self.state.tools = state.tools;
         self.state.loads.clone_from(&state.loads);
@@ -138,23 +140,23 @@ impl Loops {
         let output = tick(rigid, state, ws, input, &mut NoProbe);
         *rigid = rigid_copy(&self.scene, Some(&self.ws));
         *ws = Workspace::new(rigid);
-        // Where it touches the new shape: what it would be inside of otherwise.
+        // The graphic tool moves to its contact with the new shape. Otherwise it could be inside that shape.
         for (tool, slow) in state.tools.iter_mut().zip(&self.state.tools) {
             tool.graphic = slow.graphic;
         }
         output
     }
 
-    /// The workspace that the last tick's wrench is from.
+    /// Workspace of the tick that gave the last wrench.
     pub fn workspace(&self) -> &Workspace {
         self.frozen.as_ref().map_or(&self.ws, |(_, _, ws)| ws)
     }
 }
 
-/// The scene in which a tick's worth of tissue is `by` ticks' worth.
+/// The scene whose tissue advances in one tick by the time of `by` ticks.
 fn slowed(scene: &Scene, by: f64) -> Scene {
     let mut scene = scene.clone();
-    // The tick's own limit of a change of force is per tick: in a step of many it would hold the tissue back.
+    // The limit of a force change is for one tick. In a step of many ticks it would delay the tissue.
     scene.params.max_settle_step = 50.0;
     for object in &mut scene.objects {
         match &mut object.tissue {
@@ -172,7 +174,7 @@ fn slowed(scene: &Scene, by: f64) -> Scene {
     scene
 }
 
-/// The scene with all that yields as `ws` left it (at rest without one), and rigid.
+/// The scene with all deformable objects as rigid copies in the shape of `ws`; without `ws`, at rest.
 fn rigid_copy(scene: &Scene, ws: Option<&Workspace>) -> Scene {
     let copy = |(k, object): (usize, &Object)| {
         let mut copy = object.clone();
@@ -188,7 +190,7 @@ fn rigid_copy(scene: &Scene, ws: Option<&Workspace>) -> Scene {
     }
 }
 
-/// The tree of object `k` as `ws` has it; none where it is rigid.
+/// Tree of object `k` in the shape of `ws`; `None` for a rigid object.
 fn moved(k: usize, object: &Object, ws: &Workspace) -> Option<SphereTree> {
     let nodes = object.tree.nodes();
     let ids: Vec<u32> = (0..nodes.len() as u32).collect();

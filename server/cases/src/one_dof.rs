@@ -1,31 +1,33 @@
-//! The paper's benchmark with one degree of freedom (sections 4.4 and 8.1, Fig. 7, Table 1): a sphere on a spring and a
-//! tool that presses it along the same line.
+//! The paper's benchmark with one degree of freedom (sections 4.4 and 8.1, Fig. 7, Table 1): a sphere on a spring, and
+//! a tool that presses it along the same line.
 //!
-//! Three methods on the same numbers: *as printed* (explicit Euler under a penalty load, Eq. 5, then the
-//! tool against the sphere where it has gone), the same with *implicit* Euler (what is cured by the
-//! integrator alone), and *coupled* (compliance inside the optimisation, the default of [`sulcus_core`]). All places are
-//! surfaces: 0 is the sphere's at rest, positive is pressed in. The paper does not give `k_s` in its text, so several
-//! stand in the table.
+//! Three methods compute the same numbers:
+//! - *as printed*: explicit Euler under a penalty load, Eq. 5, then the tool against the moved sphere
+//! - *implicit*: the same loads with implicit Euler, which shows the effect of the integrator alone
+//! - *coupled*: compliance inside the optimisation, the default of [`sulcus_core`]
+//!
+//! All positions are those of surfaces: 0 is the sphere's surface at rest, positive is inward. The paper's text does
+//! not give `k_s`, so the table has several values.
 
 use std::fmt;
 
-/// Length of a tick, seconds: the paper's.
+/// Length of a tick in the paper, seconds.
 const TICK_S: f64 = 1e-3;
 use sulcus_core::tissue::printed::stability::largest_time_step;
 
-/// Who computes.
+/// Method of the computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// As printed: explicit Euler, penalty load, tool afterwards.
+    /// The printed method: explicit Euler under the penalty load, then the tool.
     Printed,
-    /// The same loads, implicit Euler.
+    /// The printed loads with implicit Euler.
     Implicit,
     /// Compliance inside the optimisation.
     Coupled,
 }
 
 impl Method {
-    /// All, in the order of the table.
+    /// All methods, in the order of the table.
     pub const ALL: [Method; 3] = [Method::Printed, Method::Implicit, Method::Coupled];
 }
 
@@ -39,7 +41,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// Numbers of the benchmark, SI units.
+/// Parameters of the benchmark, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneDof {
     /// Mass of the sphere, kg.
@@ -52,12 +54,12 @@ pub struct OneDof {
     pub penalty: f64,
     /// Spring `k_s`, N/m.
     pub spring: f64,
-    /// Contact prediction's `d`, metres.
+    /// Distance `d` of the contact prediction, metres.
     pub contact_distance: f64,
 }
 
 impl OneDof {
-    /// Table 1's numbers with a spring of `k_s` N/m.
+    /// Parameters of Table 1 with a spring `k_s` of `spring` N/m.
     pub fn with_spring(spring: f64) -> Self {
         Self {
             mass: 0.02,
@@ -69,12 +71,12 @@ impl OneDof {
         }
     }
 
-    /// `k_s + k_p`, N/m.
+    /// Stiffness in contact, `k_s + k_p`, N/m.
     pub fn stiffness(&self) -> f64 {
         self.spring + self.penalty
     }
 
-    /// `b_c`, N s/m.
+    /// Damping in contact, `b_c`, N s/m.
     pub fn damping(&self) -> f64 {
         2.0 * self.damping_ratio * (self.stiffness() * self.mass).sqrt()
     }
@@ -84,7 +86,7 @@ impl OneDof {
         largest_time_step(self.stiffness(), self.damping(), self.mass)
     }
 
-    /// The same, found by running it in lasting contact: to a thousandth, seconds.
+    /// Largest stable time step of the printed method in permanent contact, measured to a thousandth, seconds.
     pub fn measured_limit(&self) -> f64 {
         let (mut low, mut high) = (0.25 * self.predicted_limit(), 4.0 * self.predicted_limit());
         while high > 1.001 * low {
@@ -98,9 +100,9 @@ impl OneDof {
         0.5 * (low + high)
     }
 
-    /// Whether an oscillation about the equilibrium grows at steps of `dt`.
+    /// Whether an oscillation of the printed method about the equilibrium grows at steps of `dt` seconds.
     pub fn grows(&self, dt: f64) -> bool {
-        // Deep enough that contact is never lost while it is judged.
+        // The depth excludes a loss of contact.
         let haptic = 1.0;
         let rest = self.penalty * haptic / self.stiffness();
         let mut contact = Contact {
@@ -121,11 +123,12 @@ impl OneDof {
                 _ => {}
             }
         }
-        // Rounding keeps a rest of every oscillation alive.
+        // Rounding keeps a small oscillation in every run.
         late > early && late > 1e-12
     }
 
-    /// Runs a contact: from 5 mm off at `speed` m/s to `depth` metres inside, then three seconds' rest.
+    /// Runs a contact: the haptic tool moves from 5 mm outside to `depth` metres inside at `speed` m/s, then rests for
+    /// three seconds.
     pub fn press(&self, method: Method, speed: f64, depth: f64) -> Press {
         let mut contact = Contact {
             place: 0.0,
@@ -149,38 +152,38 @@ impl OneDof {
     }
 }
 
-/// How a contact went; N, metres.
+/// Result of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Press {
-    /// Where the sphere is held in the end.
+    /// Position of the sphere's surface at the end, metres.
     pub depth: f64,
-    /// Force on the hand in the end.
+    /// Force on the hand at the end, newtons.
     pub device_force: f64,
-    /// Force on the tissue in the end.
+    /// Force on the tissue at the end, newtons.
     pub tissue_force: f64,
-    /// Largest force on the hand.
+    /// Largest force on the hand, newtons.
     pub largest_force: f64,
-    /// Largest change of it in a tick beyond `k_c |dx_h|`, as everywhere ([`crate::measure`]).
+    /// Largest change of the hand's force in a tick beyond `k_c |dx_h|`, newtons, as in [`crate::measure`].
     pub force_step: f64,
 }
 
-/// Sphere and tool between two steps.
+/// State of sphere and tool between two steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Surface of the sphere, metres.
+    /// Position of the sphere's surface, metres.
     pub place: f64,
-    /// Its velocity, m/s.
+    /// Velocity of the sphere, m/s.
     pub velocity: f64,
-    /// Surface of the graphic tool, metres.
+    /// Position of the graphic tool's surface, metres.
     pub tool: f64,
 }
 
 impl Contact {
-    /// One step of `dt` seconds with the haptic tool at `haptic` metres; the force on the tissue, newtons.
+    /// Advances by `dt` seconds with the haptic tool at `haptic` metres. Returns the force on the tissue, newtons.
     pub fn step(&mut self, numbers: &OneDof, method: Method, haptic: f64, dt: f64) -> f64 {
         let (k, b, m) = (numbers.spring, numbers.damping(), numbers.mass);
         let (x, v) = (self.place, self.velocity);
-        // Section 4.2: a pair by contact prediction, and the haptic tool in contact with what was.
+        // Section 4.2: a pair needs the contact prediction, and the haptic tool inside the sphere of the last step.
         let pair = x - self.tool < numbers.contact_distance && haptic > x;
         let penalty = if pair { numbers.penalty } else { 0.0 };
         let force;
@@ -211,30 +214,30 @@ impl Contact {
     }
 }
 
-/// Springs of the table, N/m: from a fifth of `k_p` to near the limit at a millisecond.
+/// Springs of the table, N/m: from a fifth of `k_p` to near the stability limit at a step of a millisecond.
 pub const SPRINGS: [f64; 6] = [1.0, 5.0, 50.0, 500.0, 5000.0, 19_000.0];
 /// Speeds of slow and fast contact, m/s.
 pub const SPEEDS: [f64; 2] = [0.01, 0.5];
-/// How deep the hand goes, metres.
+/// Depth of the hand, metres.
 pub const DEPTH: f64 = 0.01;
 
-/// One spring of the table.
+/// Results for one spring of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Its numbers.
+    /// Parameters with this spring.
     pub numbers: OneDof,
-    /// Largest stable step as predicted and as measured, seconds.
+    /// Largest stable step, predicted and measured, seconds.
     pub limits: (f64, f64),
-    /// Contacts by method, then by speed.
+    /// Contacts by method, then by speed in the order of [`SPEEDS`].
     pub presses: Vec<(Method, [Press; 2])>,
 }
 
-/// The benchmark.
+/// Results of the benchmark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table(pub Vec<Row>);
 
 impl Table {
-    /// Runs it.
+    /// Runs the benchmark.
     pub fn run() -> Self {
         Self(
             SPRINGS

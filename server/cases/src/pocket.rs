@@ -1,18 +1,18 @@
-//! The way of a probe into a pocket: along the tooth, past its bulge, down to the floor.
+//! Path of a probe into a pocket: along the tooth, past its bulge, down to the floor.
 
 use sulcus_core::math::{exp_rotation, log_rotation, norm, normalised};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, ToothFrame};
 use sulcus_core::{Object, Pose, Quat, Scene, Tool, Vec3};
 
-/// Radius of the probe's tip and how much more room it wants, metres.
+/// Radius of the probe's tip with the required room, metres.
 const ROOM: f64 = 2.7e-4;
-/// How much thicker the probe gets upwards.
+/// Growth of the probe's radius by distance from the tip.
 const TAPER: f64 = 0.015;
-/// Length of the working end that must pass the tooth, metres.
+/// Length of the working end that must clear the tooth, metres.
 const LENGTH: f64 = 0.014;
 
-/// The gingiva of a scene: its index, itself and its model.
+/// First gingiva of a scene: index of the object, the object, and its model.
 pub fn gingiva_of(scene: &Scene) -> Option<(usize, &Object, &Gingiva)> {
     scene
         .objects
@@ -24,22 +24,24 @@ pub fn gingiva_of(scene: &Scene) -> Option<(usize, &Object, &Gingiva)> {
         })
 }
 
-/// A straight way of the tip down into a pocket.
+/// A straight path of the tip down into a pocket.
 #[derive(Clone, Copy, Debug)]
 pub struct Way {
-    /// Where the very tip is when it reaches the floor at rest, world, metres.
+    /// Extreme point of the tip on the floor at rest, world, metres.
     pub floor: Vec3,
     /// Unit vector up along the working end.
     pub up: Vec3,
-    /// Unit vector away from the tooth, across its axis.
+    /// Unit vector away from the tooth, perpendicular to its axis.
     pub outward: Vec3,
-    /// Unit vector around the tooth.
+    /// Unit vector around the tooth, perpendicular to the other two of its frame.
     pub tangent: Vec3,
 }
 
 impl Way {
-    /// The way to the floor at `around` (radians from mesial over buccal), whose height at rest is `height` (metres along
-    /// the axis): at the tooth's surface, as upright as its bulge allows. `tooth` is the object in the scene.
+    /// Path to the floor at the angle `around`, radians from mesial over buccal. The path is at the tooth's surface and
+    /// as upright as the bulge allows.
+    ///
+    /// `height` is the height of the floor at rest, metres along the axis. `tooth` is the index of the tooth's object.
     pub fn new(scene: &Scene, tooth: usize, frame: &ToothFrame, around: f64, height: f64) -> Self {
         let tooth = &scene.objects[tooth];
         let balls: Vec<(Vec3, f64)> = tooth
@@ -55,7 +57,7 @@ impl Way {
         let outward = frame.mesial * cosine + frame.buccal * sine;
         let tangent = frame.buccal * cosine - frame.mesial * sine;
         let at = |radius: f64, height: f64| frame.origin + outward * radius + frame.axis * height;
-        // Where the tip's centre is, its radius above the floor, `spare` from touching the tooth.
+        // Centre of the tip, one radius above the floor and `spare` metres from the tooth.
         let start = |spare: f64| {
             let (mut low, mut high) = (1e-3, 1e-2);
             for _ in 0..50 {
@@ -78,7 +80,7 @@ impl Way {
                 clear(&(centre + up * s)) >= ROOM + TAPER * s
             })
         };
-        // As upright as the tooth's bulge allows, and then as near to the tooth.
+        // The path is as upright as the bulge allows, then as near to the tooth as possible.
         let starts = [0.0, 5e-5, 1e-4, 1.5e-4].map(start);
         let ways = (0..60).flat_map(|degrees| starts.map(|centre| (centre, leaning(degrees))));
         let mut ways = ways.filter(|(centre, up)| passes(centre, up));
@@ -91,13 +93,15 @@ impl Way {
         }
     }
 
-    /// Device pose of `tool` whose very tip is `above` metres over the floor on the way (negative: pressed into it), turned
-    /// by `turn` radians about the tangent through a point `pivot` metres up the working end: positive leans the handle
-    /// further out.
+    /// Device pose (`world_from_tool`) of `tool` with its tip `above` metres over the floor on the path; negative:
+    /// pressed into the floor.
+    ///
+    /// The tool is turned by `turn` radians about the tangent through a point `pivot` metres up the working end. A
+    /// positive turn moves the handle outward.
     pub fn pose(&self, tool: &Tool, above: f64, turn: f64, pivot: f64) -> Pose {
         let tip = self.floor + self.up * above;
         let straight = facing(tool, &self.up, &self.outward);
-        // About the tangent, from the axis towards outside.
+        // The rotation is about the tangent, from the axis outward.
         let side = self.up.cross(&self.outward).normalize();
         let turned = exp_rotation(&(side * turn));
         let about = tip + self.up * pivot;
@@ -107,7 +111,7 @@ impl Way {
     }
 }
 
-/// Orientation that points the tool's working end along `-up`, its handle leaning towards `outward`.
+/// Orientation of a tool whose working end points along `-up`, with its handle towards `outward`.
 fn facing(tool: &Tool, up: &Vec3, outward: &Vec3) -> Quat {
     let axes = |along: &Vec3, towards: &Vec3| {
         let side = along.cross(towards).normalize();
@@ -115,15 +119,15 @@ fn facing(tool: &Tool, up: &Vec3, outward: &Vec3) -> Quat {
         let m = quaternion(&front, &side, along);
         normalised(m[0], m[1], m[2], m[3])
     };
-    // In the tool's frame the handle runs along z.
+    // The handle is along z in the tool's frame.
     let own = axes(&-tool.tip_axis, &handle(tool));
     let wanted = axes(up, outward);
     let turn = wanted * own.inverse();
-    // (Through the rotation vector, so that it is a unit quaternion to rounding.)
+    // The detour through the rotation vector gives a unit quaternion up to rounding.
     exp_rotation(&log_rotation(&turn))
 }
 
-/// Direction to which the handle leans; anything across the tip's axis for a straight tool.
+/// Direction of the handle across the tip's axis, tool frame; any such direction for a straight tool.
 fn handle(tool: &Tool) -> Vec3 {
     let across = Vec3::z() - tool.tip_axis * tool.tip_axis.dot(&Vec3::z());
     if norm(&across) > 1e-3 {
@@ -141,7 +145,7 @@ fn quaternion(x: &Vec3, y: &Vec3, z: &Vec3) -> [f64; 4] {
         1.0 - x.x + y.y - z.z,
         1.0 - x.x - y.y + z.z,
     ];
-    // The largest of the four keeps its digits.
+    // The largest component keeps its digits.
     let k = (0..4).fold(0, |best, k| if four[k] > four[best] { k } else { best });
     let s = 2.0 * four[k].sqrt();
     match k {

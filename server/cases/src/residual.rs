@@ -1,10 +1,11 @@
-//! The *residual*'s query: all leaf pairs at the levels in use, on the final, deformed shapes. No tree, no
-//! prediction distance, nothing of the tick's but where the spheres are.
+//! Query of the *residual*: all pairs of leaves at the levels in use, on the final, deformed shapes.
+//!
+//! The query uses no tree and no prediction distance. Of the tick it uses only the positions of the spheres.
 
 use sulcus_core::blend::compatibility;
 use sulcus_core::{Node, Pose, Scene, SphereTree, Vec3, Workspace};
 
-/// All leaves of a scene, where the last tick left them.
+/// All leaves of a scene at their positions after the last tick.
 #[derive(Clone, Debug)]
 pub(crate) struct FullQuery {
     tools: Vec<Vec<Node>>,
@@ -13,7 +14,7 @@ pub(crate) struct FullQuery {
 }
 
 impl FullQuery {
-    /// The leaves of `scene` at its own levels of detail, at rest.
+    /// Leaves of `scene` at its own levels of detail, at rest.
     pub fn new(scene: &Scene) -> Self {
         let leaves =
             |tree: &SphereTree, level| tree.shape_at(level).map(|(_, node)| *node).collect();
@@ -30,47 +31,49 @@ impl FullQuery {
         }
     }
 
-    /// Brings what yields to where the last tick left it.
+    /// Moves the leaves of deformable objects to their positions after the last tick.
     pub fn deform(&mut self, ws: &Workspace) {
         self.solids.iter_mut().for_each(|solid| solid.deform(ws));
     }
 
-    /// The objects, in the scene's order.
+    /// Objects in the order of the scene.
     pub fn solids(&self) -> &[Solid] {
         &self.solids
     }
 
-    /// Deepest overlap of any leaf of tool `t` at `pose` with any object, metres; 0 when none.
+    /// Deepest overlap of any leaf of tool `t` at `pose` (`world_from_tool`) with any object, metres; 0 without an
+    /// overlap.
     pub fn deepest(&mut self, t: usize, pose: &Pose) -> f64 {
         deepest(&self.tools[t], pose, &self.solids, &mut self.placed)
     }
 }
 
-/// The leaves of an object at the level in use.
+/// Leaves of an object at the level in use, world, metres.
 #[derive(Clone, Debug)]
 pub(crate) struct Solid {
     object: usize,
-    /// Nodes that the leaves are.
+    /// Indices of the leaves' nodes.
     ids: Vec<u32>,
-    /// Centres at rest.
+    /// Centres of the leaves at rest.
     pub rest: Vec<Vec3>,
-    /// Whether it can yield.
+    /// Whether the object is deformable.
     pub yields: bool,
-    /// Centre and radius: the core's, where the spheres are blended.
+    /// Centre and radius of each leaf; for blended spheres the radius of the core.
     pub leaves: Vec<(Vec3, f64)>,
     centres: Vec<Vec3>,
-    /// Whether the leaves are where they are at rest.
+    /// Whether all leaves are at rest.
     pub at_rest: bool,
-    /// Blend length, metres; 0 where they are hard.
+    /// Blend length; 0 for hard spheres.
     blend: f64,
-    /// Box of the leaves.
+    /// Lower corner of the box around the leaves.
     low: Vec3,
+    /// Upper corner of the box around the leaves.
     high: Vec3,
 }
 
-/// Spheres of a tool that are looked at together.
+/// Number of a tool's spheres that share a box.
 const TOGETHER: usize = 16;
-/// Blend lengths beyond which a sphere weighs under a ten-thousandth of a millionth.
+/// Number of blend lengths at which the weight of a sphere is 1e-10.
 const FAR: f64 = 23.0;
 
 impl Solid {
@@ -103,7 +106,7 @@ impl Solid {
         }
     }
 
-    /// Brings the leaves to where the last tick left them.
+    /// Moves the leaves to their positions after the last tick. A rigid object has no change.
     fn deform(&mut self, ws: &Workspace) {
         if !self.yields {
             return;
@@ -120,7 +123,8 @@ impl Solid {
         (self.low, self.high) = box_of(&self.leaves);
     }
 
-    /// Depth of a ball below the blended surface that `leaves` make, metres: all leaves that are near enough to matter; 0 or less outside of it.
+    /// Depth of a ball below the blended surface of `leaves`, metres; 0 or less outside. All leaves with a weight above
+    /// 1e-10 take part.
     fn blended_depth(&self, leaves: &[(Vec3, f64)], centre: &Vec3, radius: f64) -> f64 {
         let margin = radius + FAR * self.blend;
         if (0..3).any(|k| centre[k] + margin < self.low[k] || centre[k] - margin > self.high[k]) {
@@ -166,8 +170,8 @@ fn box_of(balls: &[(Vec3, f64)]) -> (Vec3, Vec3) {
     (low, high)
 }
 
-/// Deepest overlap of any tool leaf with any object, metres; 0 when none. Looks at every pair
-/// whose boxes meet: no tree, no prediction distance.
+/// Deepest overlap of any leaf of a tool with any object, metres; 0 without an overlap. Every pair whose boxes meet is
+/// tested.
 fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3, f64)>) -> f64 {
     placed.clear();
     placed.extend(
@@ -186,7 +190,7 @@ fn deepest(tool: &[Node], pose: &Pose, solids: &[Solid], placed: &mut Vec<(Vec3,
         let beside =
             |(c, r): &&(Vec3, f64)| (0..3).all(|k| c[k] + r >= low[k] && c[k] - r <= high[k]);
         near.extend(solid.leaves.iter().filter(beside));
-        // Spheres that follow each other lie together: a box round a few of them spares most pairs.
+        // Successive spheres are close to each other: a box around a few of them excludes most pairs.
         for few in placed.chunks(TOGETHER) {
             let (low, high) = box_of(few);
             for (c, r) in &near {

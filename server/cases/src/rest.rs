@@ -1,8 +1,8 @@
 //! A hand at rest in contact for an hour: no drift, no limit cycle.
 //!
-//! Simulation, display and a hand without tremor are one deterministic machine. Once its whole state is, bit for bit, what
-//! it was `p` ticks before, everything after repeats with period `p`: what is left of the hour is proven, not run. Brent's
-//! algorithm finds the first repetition with one stored state.
+//! Simulation, display and a hand without tremor are one deterministic machine. If its whole state equals, bit for bit,
+//! the state of `p` ticks before, all later states repeat with period `p`. The rest of the hour is then proven without
+//! a run. Brent's algorithm finds a repetition with one stored state.
 
 use sulcus_core::math::norm;
 use sulcus_core::{
@@ -13,27 +13,28 @@ use sulcus_operator::{Hand, HandParams, present};
 
 use crate::table::{Case, Driver};
 
-/// An hour, ticks.
+/// One hour at 1 kHz, ticks.
 pub const HOUR: u64 = 3_600_000;
-/// Ticks after which everything has settled: what moves later is drift.
+/// Time after which everything has settled, ticks. A later motion is drift.
 pub const SETTLED: u64 = 10_000;
 
-/// How the rest went. Metres.
+/// Result of a rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
-    /// Ticks run.
+    /// Number of ticks run.
     pub ticks: u64,
-    /// Period after which the whole state repeats, ticks (1: it stands still); none where it did not within the time.
+    /// Period of the whole state, ticks; 1: the state is constant; `None`: no repetition was found.
     pub period: Option<u64>,
-    /// Farthest of the hands and graphic tools, at their working points, from where they were when settled, at the end.
+    /// Distance at the end from the positions at [`SETTLED`], metres: largest of the working points of hands and
+    /// graphic tools.
     pub drift: f64,
-    /// The same at any time after that.
+    /// Largest of these distances in any tick after [`SETTLED`], metres.
     pub excursion: f64,
-    /// Force displayed at the end, newtons, all hands: a hand at rest in the air proves nothing.
+    /// Sum of the forces displayed in the last tick, newtons. Zero means that nothing was touched.
     pub force: f64,
 }
 
-/// All that the next tick depends on, but for the tick's number and hash, which nothing comes back from.
+/// State that the next tick depends on. The tick's number and hash are excluded, because no motion depends on them.
 #[derive(Clone)]
 struct Machine {
     state: State,
@@ -43,14 +44,14 @@ struct Machine {
 }
 
 impl Machine {
-    /// Whether all goes on as it did from `earlier`, so many `times`.
+    /// Whether the machine moves as it did from `earlier`, for `times` repetitions.
     fn repeats(&self, earlier: &Self, times: f64) -> bool {
         let mut hands = self.hands.iter().zip(&earlier.hands);
         let same = |(a, b): (&Option<Hand>, &Option<Hand>)| match (a, b) {
             (Some(a), Some(b)) => a.goes_on_as(b),
             (a, b) => a.is_none() && b.is_none(),
         };
-        // The cheap comparison first. It takes a zero for its negative: bytes do not.
+        // The cheap comparison comes first. It does not distinguish 0 from -0; the comparison of bytes does.
         hands.all(same)
             && self.shown == earlier.shown
             && self
@@ -69,8 +70,10 @@ fn bytes(state: &State) -> Vec<u8> {
     state.to_bytes()
 }
 
-/// Runs a hand without tremor on the way of `case` as it is after `hold` seconds, for `ticks` or until it repeats; the
-/// wrench is displayed as at a client whose controller `passivity` sets.
+/// Runs a hand without tremor that follows the script of `case` for `hold` seconds and then rests.
+///
+/// The run has `ticks` ticks at most, and ends one period after a repetition. The wrench is displayed as at a client
+/// with the controller `passivity`.
 pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> Rest {
     let scene = (case.scene)();
     let (Driver::Kinematic(script) | Driver::Closed(script, _)) = case.driver;
@@ -98,7 +101,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
             force: 0.0,
         },
     );
-    // (A repetition found before everything counts as settled is run on to one period after that.)
+    // After a repetition the run continues for one period, and at least for one period after `SETTLED`.
     let mut end = ticks;
     let mut next_look = 1;
     for k in 0..ticks {
@@ -138,7 +141,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
             end = ticks.min(SETTLED.max(k) + (k - *at) + 1);
             continue;
         }
-        // Brent: the stored state is renewed at distances that double.
+        // Brent's algorithm: the distances between stored states double.
         if earlier.as_ref().is_none_or(|(at, _)| k - at >= next_look) {
             if earlier.is_some() {
                 next_look *= 2;
@@ -149,7 +152,7 @@ pub fn rest(case: &Case, hold: f64, ticks: u64, passivity: PassivityParams) -> R
     report
 }
 
-/// Where each tool's working point is by the hand and on the screen.
+/// Working point of each tool by its haptic and by its graphic pose, world, metres; zero for an absent tool.
 fn points(scene: &Scene, output: &sulcus_core::TickOutput) -> [Vec3; 2 * MAX_TOOLS] {
     std::array::from_fn(|k| {
         let (t, out) = (k / 2, &output.tools[k / 2]);

@@ -14,6 +14,8 @@ use sulcus_core::{
 };
 use sulcus_operator::present;
 
+use crate::statistics::percentile;
+
 /// Speed along x, m/s.
 pub const SPEED: f64 = 8e-3;
 /// Stiffness in rotation that forces the orientation, N m/rad: the most that a scene may have.
@@ -147,8 +149,8 @@ pub fn slide<P: StageProbe>(scene: &Scene, shape: &Shape, depth: f64, probe: &mu
     let most = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     ripple.peak_to_peak_percent = 100.0 * (most - least);
     angles.sort_by(f64::total_cmp);
-    ripple.direction_p50_deg = angles[angles.len() / 2];
-    ripple.direction_p95_deg = angles[angles.len() * 95 / 100];
+    ripple.direction_p50_deg = percentile(&angles, 0.5).unwrap_or(0.0);
+    ripple.direction_p95_deg = percentile(&angles, 0.95).unwrap_or(0.0);
     let second = forces.windows(3).map(|f| norm(&(f[2] - f[1] * 2.0 + f[0])));
     ripple.buzz = second.sum::<f64>() / (n - 2.0);
     ripple

@@ -1,4 +1,4 @@
-//! Runs a case of the table, or any script in closed loop.
+//! Runs of a case of the table, or of any script in closed loop.
 
 use sulcus_core::{
     MAX_TOOLS, NoProbe, Params, Scene, State, TickInput, TickOutput, Workspace, tick,
@@ -9,46 +9,46 @@ use crate::measure::{Measures, Observer};
 use crate::table::margin::Moment;
 use crate::table::{Case, Driver};
 
-/// How a case went.
+/// Result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseReport {
     /// Name in the table.
     pub name: &'static str,
-    /// The measures.
+    /// Measures of the run.
     pub measures: Measures,
-    /// Smallest value of the case's own margin (positive: never through), metres; infinite where there was nothing to measure.
+    /// Smallest value of the case's own margin, metres; positive: nothing was passed through; infinite: nothing was
+    /// measured.
     pub margin: f64,
-    /// What does not hold, in words; empty when the case passes.
+    /// Broken bounds in words; empty when the case passes.
     pub broken: Vec<String>,
 }
 
-/// One tick of a case, as who watches it sees it.
+/// One tick of a case, for an observer.
 pub struct Seen<'a> {
-    /// The scene, changed as was asked.
+    /// Scene of the run, with its changes.
     pub scene: &'a Scene,
-    /// What came in.
+    /// Input of the tick.
     pub input: &'a TickInput,
-    /// State before.
+    /// State before the tick.
     pub before: &'a State,
-    /// What came out.
+    /// Output of the tick.
     pub output: &'a TickOutput,
-    /// State after.
+    /// State after the tick.
     pub after: &'a State,
 }
 
-/// Runs `case` in virtual time; `adjust` may change the parameters first (another solver, another
-/// contact compliance).
+/// Runs `case` in virtual time. `adjust` may change the parameters first, such as solver or contact compliance.
 pub fn run(case: &Case, adjust: impl FnOnce(&mut Params)) -> CaseReport {
     run_on(case, |scene| adjust(&mut scene.params), |_| {})
 }
 
-/// Runs `case` on its scene as `change` leaves it, the hand's way being that of the scene as it was; `each` sees every
-/// tick.
+/// Runs `case` on its scene after `change`. The hand's path is that of the unchanged scene. `each` observes every tick.
 pub fn run_on(case: &Case, change: impl FnOnce(&mut Scene), each: impl FnMut(&Seen)) -> CaseReport {
     run_at(case, Params::default().rate_hz, change, each)
 }
 
-/// The same at so many ticks a second, hand and device included. (What disturbs the input does so in the ticks that it names.)
+/// Runs `case` as [`run_on`] does, at another rate of simulation, hand and device. A disturbance of the input keeps its
+/// tick numbers.
 pub fn run_at(
     case: &Case,
     rate_hz: u16,
@@ -120,19 +120,19 @@ pub fn run_at(
     }
 }
 
-/// A tick that was just run.
+/// One tick of [`record`].
 #[derive(Clone, Copy, Debug)]
 pub struct Played<'a> {
-    /// What went in.
+    /// Input of the tick.
     pub input: &'a TickInput,
-    /// What came out.
+    /// Output of the tick.
     pub output: &'a TickOutput,
-    /// The workspace as the tick left it.
+    /// Workspace after the tick.
     pub workspace: &'a Workspace,
 }
 
-/// What a hand with that script does on `scene` in closed loop for so many ticks, as recorded inputs; `each` sees every
-/// tick, by its number.
+/// Runs a hand with a script on `scene` in closed loop and returns the inputs of all ticks. `each` observes every tick
+/// with its number.
 pub fn record(
     scene: &Scene,
     script: Box<dyn Script + Send>,

@@ -1,19 +1,19 @@
-//! Analytic scenes for the hard cases: exact spheres, no mesh, so that every answer is known.
+//! Analytic scenes for the hard cases: exact spheres without a mesh, with known answers. World axes, metres.
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{
     Blending, DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3,
 };
 
-/// All of an analytic shape's spheres are leaves, whatever their depth.
+/// Level of detail at which all spheres of a shape are leaves.
 const ALL: u8 = sulcus_core::tree::MAX_LEVEL;
 
-/// Radius of the rod's spheres: a periodontal probe's tip, metres.
+/// Radius of the rod's spheres, metres: that of a periodontal probe's tip.
 pub const TIP_RADIUS: f64 = 2.5e-4;
 /// Distance of the rod's tip centre below its device point, metres.
 pub const TIP_BELOW_DEVICE: f64 = 0.09;
 
-/// A straight probe: 15 mm of spheres, its device point 90 mm above the centre of its tip.
+/// A straight probe of 15 mm of spheres, with its device point 90 mm above the centre of its tip.
 pub fn rod() -> Tool {
     let centre = |k: i32| Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE + 2.5e-4 * f64::from(k));
     let spheres: Vec<Sphere> = (0..61)
@@ -45,7 +45,7 @@ pub fn device_over(tip: Vec3) -> Vec3 {
     tip + Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE)
 }
 
-/// The rod before `objects`.
+/// Scene of the rod and `objects`.
 pub fn scene(name: &str, objects: Vec<Object>) -> Scene {
     Scene {
         name: name.into(),
@@ -80,12 +80,12 @@ fn grid(half: f64, spacing: f64) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// A horizontal plate one sphere thick (0.5 mm), 8 mm wide, centred at the origin.
+/// A horizontal plate one sphere thick, 0.5 mm, about 8 mm wide, centred at the origin.
 pub fn thin_plate() -> Object {
     plate(TIP_RADIUS)
 }
 
-/// The same, as thick as two of `radius` (metres).
+/// A horizontal plate of one layer of spheres of `radius` metres, about 8 mm wide, centred at the origin.
 pub fn plate(radius: f64) -> Object {
     let spheres: Vec<_> = grid(4e-3, 0.8 * radius)
         .map(|centre| Sphere { centre, radius })
@@ -93,7 +93,7 @@ pub fn plate(radius: f64) -> Object {
     object("plate", &spheres)
 }
 
-/// Two upright plates along y, 5 mm deep and open at the top (z = 0), `half` metres to each side of the middle.
+/// Two upright plates along y, from z = 0 down 4.65 mm, with their faces `half` metres to each side of the middle.
 pub fn slot(half: f64) -> Object {
     const RADIUS: f64 = 3e-4;
     let sides = [-1.0, 1.0].map(|side| {
@@ -109,7 +109,7 @@ pub fn slot(half: f64) -> Object {
     object("slot", &spheres)
 }
 
-/// A round hole of that radius (metres) along z, 5 mm deep from z = 0 down, in a collar of spheres.
+/// A round hole of `radius` metres along z, from z = 0 down 5.3 mm, in a collar of spheres.
 pub fn hole(radius: f64) -> Object {
     const WALL: f64 = 2e-4;
     let mut spheres = Vec::new();
@@ -138,7 +138,7 @@ pub fn post(centre: Vec3) -> Object {
     object("post", &spheres)
 }
 
-/// As [`thin_plate`], 50 mm wide: nothing gets round it.
+/// A plate like [`thin_plate`], but 50 mm wide, so that no tool passes beside it.
 pub fn wide_plate() -> Object {
     let spheres: Vec<_> = grid(25e-3, 3e-4)
         .map(|centre| Sphere {
@@ -149,13 +149,12 @@ pub fn wide_plate() -> Object {
     object("wide plate", &spheres)
 }
 
-/// A tool with a flat face of 12 by 12 spheres over a face of the same: every sphere can settle between
-/// four others.
+/// A tool with a flat face of 12 by 12 spheres over an equal face. Each sphere can settle between four others.
 pub fn flat_on_flat() -> Scene {
     faces(12)
 }
 
-/// The same with `side` by `side` spheres.
+/// A tool with a flat face of `side` by `side` spheres over an equal face.
 pub fn faces(side: u32) -> Scene {
     let face = |z: f64| {
         let middle = 1.5e-4 * f64::from(side - 1);
@@ -176,8 +175,7 @@ pub fn faces(side: u32) -> Scene {
     scene
 }
 
-/// A V of two plates along y that open upwards, 15 degrees to each side of the vertical; the rod
-/// sticks where it is as wide as the V.
+/// A V of two plates along y that open upwards, 15 degrees to each side of the vertical. The rod jams at its own width.
 pub fn wedge() -> Object {
     let (sine, cosine) = (libm::sin(0.2618), libm::cos(0.2618));
     let mut spheres = Vec::new();
@@ -195,8 +193,8 @@ pub fn wedge() -> Object {
     object("wedge", &spheres)
 }
 
-/// A groove along y whose walls rise by `slope` radians to both sides, touched as two smooth faces: spheres of
-/// 0.5 mm, blended and inset so that the tip feels two planes.
+/// A groove along y whose walls rise by `slope` radians to both sides. Its spheres of 0.5 mm radius are blended and
+/// inset, so that the tip feels two planes.
 pub fn groove(slope: f64) -> Object {
     const RADIUS: f64 = 5e-4;
     const SPACING: f64 = 2.5e-4;
@@ -205,7 +203,7 @@ pub fn groove(slope: f64) -> Object {
     for side in [-1.0, 1.0] {
         let (sine, cosine) = (libm::sin(slope), libm::cos(slope));
         for p in grid(4e-3, SPACING) {
-            // p.x runs up the wall; its face is one radius above the centres.
+            // p.x runs up the wall. The face is one radius above the centres.
             let up = p.x + 4e-3;
             spheres.push(Sphere {
                 centre: Vec3::new(
@@ -217,7 +215,7 @@ pub fn groove(slope: f64) -> Object {
             });
         }
     }
-    // On a lattice in a plane the inset is known.
+    // The inset of a plane lattice is known.
     let height = RADIUS + TIP_RADIUS;
     let sum: f64 = grid(2e-3, SPACING)
         .map(|p| libm::exp((height - (height * height + p.norm_squared()).sqrt()) / BLEND))
@@ -240,8 +238,7 @@ pub fn groove(slope: f64) -> Object {
     groove
 }
 
-/// A ridge along y: one row of spheres of 0.1 mm radius on top of a wall, a far sharper edge than
-/// the tip.
+/// A ridge along y: a row of spheres of 0.1 mm radius on top of a wall, sharper than the tip.
 pub fn sharp_edge() -> Object {
     let mut spheres = Vec::new();
     for j in -50..=50 {

@@ -1,25 +1,28 @@
-//! How a point shakes above the band of a hand's tremor: where a loop that drives itself shows.
+//! Shake of a point above the band of a hand's tremor, in which a limit cycle of the loop appears.
 
 use sulcus_core::Vec3;
 
-/// Length of a tick of the study, seconds.
+/// Length of a tick, seconds; the filter is for 1 kHz only.
 const TICK_S: f64 = 1e-3;
 
-/// Corner of the filter, Hz. A tremor at 10 Hz comes through with a twenty-fifth of its size, a limit cycle at 24 Hz (a
-/// tool of 2 N/mm before 0.1 kg) with a third.
+/// Corner frequency of the filter, Hz.
+///
+/// A tremor of 10 Hz passes with a twenty-fifth of its size. A limit cycle of 24 Hz, as of a coupling of 2 N/mm with
+/// 0.1 kg, passes with a third.
 const CORNER_HZ: f64 = 20.0;
-/// First-order stages.
+/// Number of first-order stages.
 const STAGES: usize = 4;
 
-/// A high-pass filter of a point.
+/// High-pass filter of a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shake {
-    /// Per stage what it took in and gave out last.
+    /// Last input and output of each stage; `None` before the first point.
     stages: Option<[(Vec3, Vec3); STAGES]>,
 }
 
 impl Shake {
-    /// The fast part of the motion of `point`, metres; zero where there is none, and when it is first seen.
+    /// Fast part of the position of `point`, metres. The first point gives zero; `None` resets the filter and gives
+    /// zero.
     pub(crate) fn of(&mut self, point: Option<Vec3>) -> Vec3 {
         let Some(point) = point else {
             self.stages = None;
@@ -45,7 +48,7 @@ impl Shake {
 mod tests {
     use super::*;
 
-    /// Share of a sinusoid that comes through.
+    /// Share of a sinusoid that passes the filter.
     fn share(hertz: f64) -> f64 {
         let mut shake = Shake::default();
         let mut most = 0.0f64;

@@ -1,11 +1,11 @@
-//! How far tissue is from its rest: pressed, let go, come back.
+//! Displacement of tissue from its rest, under load and after the load.
 
 use sulcus_core::math::norm;
 use sulcus_core::{Scene, Workspace};
 
 use crate::residual::Solid;
 
-/// Displacements under this are rest, metres: rounding and a last creep are no energy.
+/// Smallest displacement that counts, metres. Rounding and a slow creep below it are no energy.
 const REST: f64 = 1e-5;
 
 /// Displacements of a run, over all tissues of a scene.
@@ -13,11 +13,11 @@ const REST: f64 = 1e-5;
 pub(crate) struct Sway {
     /// Largest displacement of any leaf so far, metres.
     pub indentation: f64,
-    /// Largest displacement in the last tick seen, metres.
+    /// Largest displacement of any leaf in the last observed tick, metres.
     pub now: f64,
-    /// Energy that appeared after letting go, as a share of what there was.
+    /// Largest energy gain after the end of a load, relative to the energy at that moment.
     pub rebound: f64,
-    /// For each object its largest displacement when the last load on it went; none while it bears.
+    /// For each object its largest displacement, metres, in the first tick without a load; `None` under load.
     let_go: Vec<Option<f64>>,
     loaded: Vec<bool>,
 }
@@ -33,7 +33,7 @@ impl Sway {
         }
     }
 
-    /// Takes the shapes after a tick in.
+    /// Takes the shapes after a tick; `solids` hold these shapes.
     pub fn observe(&mut self, solids: &[Solid], ws: &Workspace) {
         self.loaded.fill(false);
         for (contact, load) in ws.contacts() {

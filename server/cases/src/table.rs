@@ -1,4 +1,4 @@
-//! The hard cases, one row each: scene, hand, what must hold.
+//! Table of the hard cases, one row each: scene, hand, bounds.
 
 mod limits;
 pub mod margin;
@@ -13,30 +13,31 @@ use sulcus_operator::{HandParams, Script};
 use crate::measure::Measures;
 use margin::Moment;
 
-/// Makes a script for a scene.
+/// Maker of a script for a scene.
 pub type MakeScript = fn(&Scene) -> Box<dyn Script + Send>;
 
-/// Who moves the tool.
+/// Driver of the tools.
 #[derive(Clone, Copy)]
 pub enum Driver {
-    /// The haptic pose is the script's (which still sees and feels): a hand that feels nothing, where a hand would hide the figure.
+    /// The haptic pose is the target of the script. The script still perceives, but no hand yields to the wrench and
+    /// hides a number.
     Kinematic(MakeScript),
-    /// A hand with its device, which feels the wrench.
+    /// A hand with its device, which feels the wrench and follows the script.
     Closed(MakeScript, fn() -> HandParams),
 }
 
-/// What must hold. SI units.
+/// Bounds of a case, SI units. The names are those of [`Measures`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Deepest residual of converged ticks.
+    /// Largest residual of converged ticks.
     pub residual: f64,
-    /// Deepest overlap in exhausted ticks: not done yet, but never deep.
+    /// Largest residual of ticks that did not converge. A later tick finishes them.
     pub exhausted_residual: f64,
-    /// Most energy put out into the hand, joules: the closed loop must not drive it.
+    /// Largest energy put out into the hands, joules.
     pub energy: f64,
-    /// Most energy put out by a hand that feels, over a link of 5 ms and with the passivity controller, joules: where every case is run so.
+    /// Largest energy put out into a hand that feels, joules, over a link of 5 ms with the passivity controller.
     pub linked_energy: f64,
-    /// Largest share of ticks whose substeps ran out.
+    /// Largest number of tool-ticks whose substeps ran out, relative to the number of ticks.
     pub exhausted_share: f64,
     /// Largest jump.
     pub jump: f64,
@@ -46,33 +47,32 @@ pub struct Bounds {
     pub slow_force_step: f64,
     /// Largest torque step, newton metres.
     pub torque_step: f64,
-    /// Largest change of the force sent in a tick: nothing jumps at the hand.
+    /// Largest change of the sent force in a tick.
     pub sent_step: f64,
     /// Largest buzz.
     pub buzz: f64,
     /// Largest imbalance.
     pub imbalance: f64,
-    /// Most flips of a normal.
+    /// Largest number of flips of a normal.
     pub flips: u64,
     /// Largest rebound.
     pub rebound: f64,
-    /// Largest unrest at the end.
+    /// Largest unrest in the last tick.
     pub unrest: f64,
     /// Largest drift.
     pub drift: f64,
-    /// Largest disagreement of wrench and coupling, relative.
+    /// Largest coupling error, relative.
     pub coupling_error: f64,
-    /// Smallest margin of the case's own (never through); none where there is nothing to go through.
+    /// Smallest margin of the case, metres; `None` for a case without one.
     pub margin: Option<f64>,
-    /// Fewest ticks in contact: a case that never touches proves nothing.
+    /// Smallest number of ticks in contact. A case without contact proves nothing.
     pub contact_ticks: u64,
 }
 
-/// Most that the raw force may change by in a tick beyond what a hand at up to 0.2 m/s brings with it, newtons: the tick's own
-/// limit, and rounding.
+/// Largest slow force step, newtons: the tick's own limit, and rounding.
 const SLOW_FORCE_STEP: f64 = 0.02 + 1e-9;
 
-/// Most energy that a late wrench may put out with the controller, joules: ten times what is not felt ([`crate::linked::FELT`]).
+/// Largest energy of a late wrench with the controller, joules: ten times [`crate::linked::FELT`].
 const LINKED_ENERGY: f64 = 1e-3;
 
 /// One hard case.
@@ -80,40 +80,41 @@ const LINKED_ENERGY: f64 = 1e-3;
 pub struct Case {
     /// Name, as in `--exercise hard/NAME`.
     pub name: &'static str,
-    /// What it is about.
+    /// Description for people.
     pub about: &'static str,
-    /// The scene.
+    /// Maker of the scene.
     pub scene: fn() -> Scene,
-    /// Who moves the tool.
+    /// Driver of the tools.
     pub driver: Driver,
-    /// What happens to the input on its way (lost packets, bad numbers).
+    /// Disturbance of the input by tick number, such as lost packets or invalid numbers.
     pub disturb: fn(u64, &mut TickInput),
-    /// The case's own margin, metres, from the tick before to this one; positive where nothing is wrong, infinite where there is nothing to
-    /// measure.
+    /// Margin of the case, metres, from the last tick to this one; positive: no object was passed through; infinite:
+    /// nothing to measure.
     pub margin: fn(&Moment<'_>) -> f64,
     /// Seed of the tremor.
     pub seed: u64,
-    /// What must hold.
+    /// Bounds of the case.
     pub bounds: Bounds,
 }
 
-/// One thing that must hold.
+/// Comparison of one measure with its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Check {
-    /// What.
+    /// Name of the measure.
     pub what: &'static str,
-    /// The number found, in `unit`.
+    /// Number found, in `unit`.
     pub found: f64,
-    /// What it may be, in `unit`: at most; at least where `floor`.
+    /// Bound, in `unit`.
     pub bound: f64,
-    /// Whether the bound is a least.
+    /// Whether the bound is the smallest allowed number; otherwise it is the largest.
     pub floor: bool,
-    /// Unit of both.
+    /// Unit of both numbers.
     pub unit: &'static str,
 }
 
 impl Check {
-    /// Whether it holds; not for a NaN, and no infinite number is at least anything: that was never measured.
+    /// Whether the number is within the bound. NaN is not. An infinite number is within no smallest bound, because it
+    /// was never measured.
     pub fn holds(&self) -> bool {
         if self.floor {
             self.found >= self.bound && self.found < f64::INFINITY
@@ -122,7 +123,8 @@ impl Check {
         }
     }
 
-    /// Share of the bound that is used: over 1 where it does not hold, 0 where nothing is asked.
+    /// Used share of the bound: above 1 beyond the bound. 0 for an infinite bound, for a number equal to the bound, and
+    /// for a share of zero or less.
     pub fn used(&self) -> f64 {
         let (part, whole) = if self.floor {
             (self.bound, self.found)
@@ -133,7 +135,7 @@ impl Check {
             return f64::INFINITY;
         }
         if self.holds() && (part <= 0.0 || whole == f64::INFINITY || whole == part) {
-            // Nothing of nothing, or what must be zero and is.
+            // A bound of zero that is met has no share.
             return 0.0;
         }
         part / whole
@@ -141,7 +143,7 @@ impl Check {
 }
 
 impl Bounds {
-    /// Everything that must hold, with what was found.
+    /// All measures with their bounds, and three counters that must be zero.
     pub fn checks(&self, m: &Measures, margin: f64) -> Vec<Check> {
         let most = |what, found: f64, bound: f64, scale: f64, unit| Check {
             what,
@@ -214,7 +216,7 @@ impl Bounds {
         checks
     }
 
-    /// What does not hold, in words.
+    /// Broken bounds in words.
     pub fn broken(&self, m: &Measures, margin: f64) -> Vec<String> {
         let checks = self.checks(m, margin);
         let broken = checks.iter().filter(|check| !check.holds());
@@ -266,7 +268,7 @@ const fn joined() -> [Case; COUNT] {
     all
 }
 
-/// The case of that name.
+/// Case with a name; `None` for an unknown name.
 pub fn find(name: &str) -> Option<&'static Case> {
     TABLE.iter().find(|case| case.name == name)
 }

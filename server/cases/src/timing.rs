@@ -14,37 +14,6 @@ pub fn cpu_ns() -> u64 {
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 
-/// Percentiles of a tick's time, microseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Percentiles {
-    /// Median.
-    pub p50: f64,
-    /// 99th percentile.
-    pub p99: f64,
-    /// 99.9th percentile.
-    pub p999: f64,
-    /// Longest.
-    pub max: f64,
-}
-
-impl Percentiles {
-    /// Of nanoseconds in any order; all zero when there are none.
-    pub fn of(times_ns: impl IntoIterator<Item = u64>) -> Self {
-        let mut times: Vec<u64> = times_ns.into_iter().collect();
-        times.sort_unstable();
-        let Some(last) = times.len().checked_sub(1) else {
-            return Self::default();
-        };
-        let at = |q: f64| times[(last as f64 * q) as usize] as f64 * 1e-3;
-        Self {
-            p50: at(0.5),
-            p99: at(0.99),
-            p999: at(0.999),
-            max: at(1.0),
-        }
-    }
-}
-
 /// Times of the ticks of one run, nanoseconds, tick by tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
@@ -120,21 +89,6 @@ impl StageProbe for Stages {
 mod tests {
     use super::*;
     use crate::scenes;
-
-    #[test]
-    fn percentiles_are_those_of_the_sorted_times() {
-        let all = Percentiles::of((0..=1000).rev().map(|k| k * 1000));
-        assert_eq!(
-            all,
-            Percentiles {
-                p50: 500.0,
-                p99: 990.0,
-                p999: 999.0,
-                max: 1000.0
-            }
-        );
-        assert_eq!(Percentiles::of([]), Percentiles::default());
-    }
 
     #[test]
     fn every_tick_is_timed_and_its_stages_are_most_of_it() {

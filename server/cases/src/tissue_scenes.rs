@@ -1,4 +1,4 @@
-//! Scenes for the hard cases of tissue: the built-in ones, changed.
+//! Scenes for the hard cases of tissue: built-in scenes with changed values.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -7,10 +7,10 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Scene, Sphere, SphereTree, Vec3};
 use sulcus_scene::{BuildOptions, BuiltIn, compile_text};
 
-/// The text of a built-in scene with some of its keys set to other values (every line that sets the key).
+/// Text of a built-in scene with other values of some keys, in every line that sets the key.
 ///
 /// # Panics
-/// When the scene has no such key: a fault of the table of cases.
+/// The scene has no such key, which is a fault of the table of cases.
 fn changed_text(which: BuiltIn, values: &[(&str, &str)]) -> String {
     let mut found = vec![false; values.len()];
     let lines = which.text().lines().map(|line| {
@@ -31,10 +31,10 @@ fn changed_text(which: BuiltIn, values: &[(&str, &str)]) -> String {
     text
 }
 
-/// A built-in scene with some of its keys set to other values. Cases share compiled scenes.
+/// A built-in scene with other values of some keys. Cases share compiled scenes.
 ///
 /// # Panics
-/// When the scene has no such key, or does not compile: a fault of the table of cases.
+/// The scene has no such key or does not compile, which is a fault of the table of cases.
 pub fn changed(which: BuiltIn, values: &[(&str, &str)]) -> Scene {
     static BUILT: Mutex<BTreeMap<String, Scene>> = Mutex::new(BTreeMap::new());
     let text = changed_text(which, values);
@@ -53,24 +53,24 @@ pub fn changed(which: BuiltIn, values: &[(&str, &str)]) -> Scene {
     scene
 }
 
-/// The tongue, its mirror coupled with `coupling` N/mm.
+/// The shipped tongue with a coupling of the mirror of `coupling` N/mm.
 pub fn tongue(coupling: f64) -> Scene {
     let mut scene = changed(BuiltIn::Tongue, &[]);
     scene.tools[0].stiffness_n_per_m = coupling * 1e3;
     scene
 }
 
-/// The tongue by finite elements, its mirror coupled with `coupling` N/mm.
+/// The shipped tongue of finite elements with a coupling of the mirror of `coupling` N/mm.
 pub fn organ(coupling: f64) -> Scene {
     let mut scene = changed(BuiltIn::Organ, &[]);
     scene.tools[0].stiffness_n_per_m = coupling * 1e3;
     scene
 }
 
-/// Widths of the pockets of the hard cases, millimetres. The program brings their trees along.
+/// Widths of the pockets of the hard cases, millimetres. The program contains their trees.
 pub const POCKET_WIDTHS: [&str; 4] = ["0.4", "0.5", "0.65", "0.8"];
 
-/// The keys of the molar with a pocket of `width` mm, 4 mm deep all round.
+/// Keys and values of the molar with a pocket of `width` mm, 4 mm deep all round.
 fn pocket_keys(width: &str) -> [(&str, &str); 2] {
     [
         ("width_mm", width),
@@ -83,12 +83,12 @@ pub fn pocket(width: &str) -> Scene {
     changed(BuiltIn::Pocket, &pocket_keys(width))
 }
 
-/// The text of the scene of [`pocket`].
+/// Text of the scene of [`pocket`].
 pub fn pocket_text(width: &str) -> String {
     changed_text(BuiltIn::Pocket, &pocket_keys(width))
 }
 
-/// The same scene with its first tool twice.
+/// The scene with its first tool twice.
 pub fn twice(mut scene: Scene) -> Scene {
     let mut second = scene.tools[0].clone();
     second.name.push_str(" in the other hand");
@@ -96,7 +96,7 @@ pub fn twice(mut scene: Scene) -> Scene {
     scene
 }
 
-/// The scene with everything that yields a thousand times as stiff as is sensible.
+/// The scene with a thousand times the stiffness in every deformable object.
 pub fn stiff(mut scene: Scene) -> Scene {
     for object in &mut scene.objects {
         stiffen(&mut object.tissue, 1e3);
@@ -104,7 +104,7 @@ pub fn stiff(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Multiplies all stiffness of a tissue, as far as its ranges go.
+/// Multiplies all stiffnesses of a tissue by `by`, within their ranges.
 fn stiffen(tissue: &mut TissueModel, by: f64) {
     match tissue {
         TissueModel::Gingiva(gingiva) => {

@@ -1,4 +1,4 @@
-//! A tour performed in virtual time, and what each tick and each call says of the zones.
+//! A tour in virtual time, and the readings and calls of each zone.
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
@@ -6,82 +6,82 @@ use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick}
 use sulcus_operator::script::{Call, Script};
 use sulcus_operator::{HandParams, Operator, Shown};
 
-/// Force up to which a depth counts as read with a light hand, newtons.
+/// Largest force on the floor at which a depth counts, newtons.
 const LIGHT: f64 = 0.26;
 
-/// Ticks outside that make a withdrawal.
+/// Number of ticks outside a pocket that make a withdrawal.
 const WITHDRAWN: u32 = 300;
 
-/// Largest error of a zone's reading by a good operator, metres (issue of the whole mouth; a millimetre is what a trained
-/// hand repeats).
+/// Largest error of a zone's reading by a good operator, metres; chosen. A trained hand repeats a depth to a
+/// millimetre.
 pub const ALLOWED: f64 = 0.3e-3;
 
-/// One zone of one tooth.
+/// Readings of one zone of one tooth.
 #[derive(Clone, Copy, Debug)]
 pub struct Read {
-    /// FDI number.
+    /// FDI number of the tooth.
     pub tooth: u8,
-    /// The zone.
+    /// Site of the zone.
     pub site: Site,
-    /// Depth that is prescribed, metres.
+    /// Prescribed depth, metres.
     pub prescribed: f64,
-    /// The deepest that a light hand reached, metres.
+    /// Deepest reading with at most 0.26 N on the floor, metres.
     pub reached: f64,
     /// Largest force on the floor, newtons.
     pub most_force: f64,
-    /// Time in the zone below the margin, seconds.
+    /// Time of the tip in the zone below the margin, seconds at 1 kHz.
     pub time: f64,
-    /// Time with at least half of the force that is taught, seconds.
+    /// Time with more than 0.1 N on the floor, seconds at 1 kHz.
     pub on_floor: f64,
-    /// How often the tip came into the pocket here.
+    /// Number of entries into the pocket in this zone.
     pub entries: u32,
-    /// Angle between working end and tooth axis where a light hand was deepest, radians; 0 where it was not.
+    /// Angle between working end and tooth axis at the reading [`Read::reached`], radians; 0 without a reading.
     pub tilt: f64,
-    /// What the operator called, millimetres.
+    /// Depth that the operator called last, millimetres; `None`: no call.
     pub called: Option<u8>,
 }
 
 impl Read {
-    /// How much deeper than prescribed, metres.
+    /// Error of [`Read::reached`], metres; positive: deeper than prescribed.
     pub fn error(&self) -> f64 {
         self.reached - self.prescribed
     }
 
-    /// Whether it was read, and within [`ALLOWED`].
+    /// Whether the zone was read, with an error within [`ALLOWED`].
     pub fn holds(&self) -> bool {
         self.called.is_some() && self.error().abs() <= ALLOWED
     }
 }
 
-/// A tour as it went.
+/// Result of a tour.
 #[derive(Debug)]
 pub struct Toured {
-    /// Every zone of the scene.
+    /// Readings of every zone of the scene.
     pub reads: Vec<Read>,
-    /// In their order.
+    /// Calls in their order.
     pub calls: Vec<Call>,
-    /// Until the script was done, seconds.
+    /// Length of the run, seconds at 1 kHz.
     pub time: f64,
-    /// Whether it was.
+    /// Whether the script finished all its tasks.
     pub done: bool,
-    /// How often a tip came in from above a margin.
+    /// Number of entries into pockets after a withdrawal.
     pub entries: u32,
-    /// Ticks in which the probe was short of passes.
+    /// Number of ticks in which the probe's substeps ran out.
     pub exhausted: u32,
 }
 
 impl Toured {
-    /// The zone of a tooth.
+    /// Readings of a zone of a tooth.
     ///
     /// # Panics
-    /// When the scene has no gingiva of that number.
+    /// The scene has no gingiva with that FDI number.
     pub fn of(&self, tooth: u8, site: Site) -> &Read {
         let is = |read: &&Read| read.tooth == tooth && read.site == site;
         self.reads.iter().find(is).expect("every zone has its row")
     }
 }
 
-/// Index, number and model of each gingiva.
+/// Object index, FDI number and model of each gingiva.
 fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
     let objects = scene.objects.iter().enumerate();
     objects
@@ -92,7 +92,8 @@ fn gingivae(scene: &Scene) -> Vec<(usize, u8, &Gingiva)> {
         .collect()
 }
 
-/// Performs `script` with the probe in `slot` in the hand of that `seed`; `each` sees every tick.
+/// Performs `script` with the probe in `slot` and a hand with `seed`, to its end or until its tasks are finished.
+/// `each` receives the output of every tick.
 pub fn perform(
     scene: &Scene,
     script: Box<dyn Script + Send>,
@@ -132,7 +133,7 @@ pub fn perform(
         entries: 0,
         exhausted: 0,
     };
-    // Ticks since it was last in a pocket: a bob that comes out of a shallow sulcus is no withdrawal.
+    // Number of ticks since the tip was in a pocket. A bob that leaves a shallow sulcus is no withdrawal.
     let mut outside = WITHDRAWN;
     for k in 0..operator.ticks() {
         let mut input = TickInput::IDLE;
@@ -204,7 +205,7 @@ impl std::fmt::Display for Read {
     }
 }
 
-/// A table for people: what was touched or called.
+/// A table for people: the zones that were touched or called.
 impl std::fmt::Display for Toured {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let touched = |read: &&Read| read.time > 0.0 || read.called.is_some();

@@ -1,4 +1,4 @@
-//! One loop against two rates: a mirror that presses the soft tongue, slides on it and lets go, by one hand and its device.
+//! One loop and two rates in one task: a mirror in one hand presses the soft tongue, slides on it and lets go.
 
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
@@ -11,64 +11,66 @@ use crate::measure::{Measures, Observer};
 use crate::table::find;
 use crate::tissue_scenes::tongue;
 
-/// Coupling of the mirror, N/mm.
+/// Couplings of the mirror, N/mm.
 const COUPLINGS: [f64; 2] = [0.5, 2.0];
 /// Seed of the hand's tremor.
 const SEED: u64 = 7;
-/// How long a hand is at work, seconds, and how long in a quick study.
+/// Length of the task, seconds: in a full study, and in a quick one.
 const SECONDS: [f64; 2] = [8.0, 4.0];
-/// The hard case whose bounds are asked of every loop.
+/// Hard case whose bounds every loop is compared with.
 const CASE: &str = "tongue-10-k0.5";
 
-/// One simulation under one hand.
+/// Result of one simulation.
 #[derive(Clone, Debug)]
 pub struct Rated {
-    /// Who advances when.
+    /// Rates of the simulation.
     pub rates: Rates,
-    /// With a hand that feels it: energy, buzz, jump and the rest.
+    /// Measures with a hand that feels this simulation.
     pub closed: Measures,
-    /// On the way that the hand took with one loop: the same inputs for all.
+    /// Measures on the inputs of the hand with one loop, which are the same for all rates.
     pub open: Measures,
-    /// On that way, force less that of one loop: root mean square over the ticks in which either is in contact, newtons.
+    /// Root mean square of the difference from the raw force of one loop on the same inputs, newtons, over ticks with
+    /// more than 1 mN in either.
     pub rms_difference: f64,
-    /// Its largest length, newtons.
+    /// Largest length of that difference, newtons.
     pub max_difference: f64,
-    /// Root mean square of the force of one loop over the same ticks, newtons.
+    /// Root mean square of the raw force of one loop over the same ticks, newtons.
     pub rms_force: f64,
-    /// Ticks of the closed loop with trouble: a number that is not finite, or no usable answer.
+    /// Number of ticks of the closed loop with [`status::FAULT`] or [`status::SOLVER_FAILED`].
     pub faults: u64,
-    /// Which bounds of the hard case of the same scene do not hold in closed loop, in words.
+    /// Broken bounds of the hard case in the closed loop, in words. Unrest, margin and the length of contact are not
+    /// compared.
     pub broken: Vec<String>,
-    /// Whether the closed loop put out no energy beyond what the hard case allows, and nothing failed.
+    /// Whether the energy of the closed loop is within the bound of the hard case, without faults.
     pub stable: bool,
-    /// Length of the force on that way, newtons, every millisecond.
+    /// Length of the raw force on the common inputs, newtons, for every tick.
     pub forces: Vec<f64>,
 }
 
-/// One scene at all rates.
+/// Results of one scene at all rates.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// Scene, hand and seed, in words.
     pub about: String,
     /// Coupling of the tool, N/mm.
     pub coupling_n_per_mm: f64,
-    /// At each of [`Rates::ALL`].
+    /// Results in the order of [`Rates::ALL`].
     pub rates: Vec<Rated>,
 }
 
-/// The study.
+/// Results of the study.
 #[derive(Clone, Debug)]
 pub struct MultiRate {
     /// Length of a step of the slow loop, seconds.
     pub slow_step_s: f64,
-    /// By coupling.
+    /// Results by coupling.
     pub studies: Vec<Study>,
 }
 
-/// Runs it; `quick` for half of the time.
+/// Runs the study; a `quick` one takes half of the time.
 ///
 /// # Panics
-/// When the shipped tongue does not compile: a fault of the scene.
+/// The shipped tongue does not compile, which is a fault of the scene.
 pub fn study(quick: bool) -> MultiRate {
     let seconds = SECONDS[usize::from(quick)];
     MultiRate {
@@ -80,7 +82,7 @@ pub fn study(quick: bool) -> MultiRate {
 }
 
 fn one(scene: &Scene, coupling: f64, seconds: f64) -> Study {
-    // On its own way one loop is the same with and without the hand.
+    // The inputs are those of one loop, so its closed and open results are the same.
     let single = closed(scene, Rates::Single, seconds);
     let rates = Rates::ALL.map(|rates| match rates {
         Rates::Single => rated(rates, &single, &single, &single.forces),
@@ -99,7 +101,7 @@ fn one(scene: &Scene, coupling: f64, seconds: f64) -> Study {
     }
 }
 
-/// What a run leaves behind.
+/// Record of a run.
 struct Ran {
     inputs: Vec<TickInput>,
     forces: Vec<Vec3>,
@@ -107,7 +109,7 @@ struct Ran {
     faults: u64,
 }
 
-/// Runs `loops` on what `input` says tick by tick, which sees what the tick before showed.
+/// Runs `scene` at `rates`. `input` gives the input of each tick from its number and the last output.
 fn ran(
     scene: &Scene,
     rates: Rates,
@@ -116,7 +118,7 @@ fn ran(
 ) -> Ran {
     let mut loops = Loops::new(scene, rates);
     let mut observer = Observer::new(scene);
-    // Deformed shapes are not what differs here, and looking at them takes longer than a tick.
+    // Measures of shapes are of no use here, and a query takes longer than a tick.
     observer.residual_every = u64::MAX;
     let mut ran = Ran {
         inputs: Vec::with_capacity(ticks),
@@ -166,7 +168,7 @@ fn open(scene: &Scene, rates: Rates, inputs: &[TickInput]) -> Ran {
     ran(scene, rates, inputs.len(), |k, _| inputs[k])
 }
 
-/// What is smaller is no contact, newtons.
+/// Smallest raw force of a contact, newtons.
 const TOUCHED: f64 = 1e-3;
 
 fn rated(rates: Rates, felt: &Ran, open: &Ran, single: &[Vec3]) -> Rated {
@@ -182,7 +184,7 @@ fn rated(rates: Rates, felt: &Ran, open: &Ran, single: &[Vec3]) -> Rated {
     }
     let mean = |sum: f64| (sum / f64::from(n.max(1))).sqrt();
     let bounds = find(CASE).expect("a case of the table").bounds;
-    // The tissue may still swing when the time is up.
+    // The tissue may still move at the end.
     let asked = crate::Bounds {
         unrest: f64::INFINITY,
         contact_ticks: 1,

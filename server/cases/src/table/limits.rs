@@ -1,4 +1,4 @@
-//! Hard cases of time and chance: the limit of the explicit scheme, an hour at rest, poses made up at random.
+//! Hard cases of limits: the stability limit of the explicit scheme, an hour at rest, random poses.
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::printed::PrintedSkeleton;
@@ -12,8 +12,8 @@ use crate::fuzz;
 use crate::scenes::device_over;
 use crate::tissue_scenes::tongue;
 
-/// The tongue with springs that are, as printed, `share` of the stiffest that explicit Euler bears at the tick's step
-/// (Eq. 9 for all modes).
+/// The tongue with springs of `share` times the largest stiffness at which the printed method is stable at the tick's
+/// step, by Eq. 9 for all modes.
 fn explicit(share: f64) -> Scene {
     let mut scene = tongue(0.5);
     let tick_s = scene.tick_s();
@@ -26,7 +26,7 @@ fn explicit(share: f64) -> Scene {
             .spectrum(&object.tree)
             .expect("the shipped tongue's springs");
         let (damping, mass) = (printed.damping_n_s_per_m, printed.mass_kg);
-        // By which all springs may be multiplied; the penalty's part of the stiffest mode stays.
+        // Largest factor of all springs. The penalty's part of the stiffest mode is constant.
         let penalty = printed.penalty_n_per_m;
         let unit = sulcus_core::tissue::printed::stability::Spectrum {
             most: spectrum.most - penalty,
@@ -38,7 +38,7 @@ fn explicit(share: f64) -> Scene {
             let step = unit
                 .scaled(middle, penalty)
                 .largest_time_step(damping, mass);
-            // Slow modes that creep limit the step, too; they do so at a damping far over this one.
+            // Slow modes limit the step only at a much larger damping.
             if step >= tick_s {
                 stable = middle;
             } else {
@@ -63,7 +63,7 @@ const EXPLICIT: Case = Case {
     ..TONGUE_STIFF
 };
 
-/// Cases of time and chance.
+/// Cases of limits.
 pub(super) const CASES: &[Case] = &[
     EXPLICIT,
     Case {
@@ -78,7 +78,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || explicit(1.01),
         ..EXPLICIT
     },
-    // (Its short form: the tests of `passivity` run the hour, or prove what is left of it by a repetition.)
+    // A short form: the tests of `passivity` run the hour, or prove its rest by a repetition.
     Case {
         name: "hour-rest",
         about: "the first minute of an hour at rest on a plate: nothing drifts",
@@ -98,18 +98,18 @@ pub(super) const CASES: &[Case] = &[
         },
         ..THIN_PLATE
     },
-    // (Its short form: the tests of `random_poses` run all scenes, a million ticks where asked, with bad numbers.)
+    // A short form: the tests of `random_poses` run all scenes with invalid numbers, up to a million ticks.
     Case {
         name: "random-poses",
         about: "ten seconds of a random walk with leaps, turns and absences in the narrow pocket: safe, and finite",
         scene: || (fuzz::POCKET.scene)(),
         driver: Driver::Kinematic(|scene| fuzz::POCKET.script(scene, 4, 10_000)),
         bounds: Bounds {
-            // Leaps of 9 mm and 0.7 rad in a tick, over 1 m/s on the way: as the random poses, what is asked is safety.
+            // Leaps of 9 mm and 0.7 rad in a tick, at over 1 m/s: only the bounds of safety apply, as for random poses.
             exhausted_residual: fuzz::POCKET.outrun.deepest,
             exhausted_share: fuzz::POCKET.outrun.share,
             energy: f64::INFINITY,
-            // As with the hand that tumbles: nobody foresees what a leap puts in within a period (1.06 mJ over a link of 2 ms).
+            // No controller can foresee the work of a leap in one period, 1.06 mJ over a link of 2 ms.
             linked_energy: 5e-3,
             jump: 5e-3,
             force_step: 10.0,

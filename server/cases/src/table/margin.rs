@@ -1,30 +1,30 @@
-//! What a case measures by itself: how far something is from having been gone through.
+//! Margins: measures of single cases for the distance to an object that must not be passed through.
 //!
-//! The residual looks at where a tick ends. What jumped past a thing, or is wholly beyond it, overlaps nothing there: it
-//! is seen by the side that it is on.
+//! The residual is measured at the end of a tick. A tool that jumped past an object, or is wholly beyond it, has no
+//! overlap there. Its margin is negative, because the tool is on the wrong side.
 
 use sulcus_core::{Scene, TickOutput, Vec3, Workspace};
 
 use crate::scenes::TIP_BELOW_DEVICE;
 
-/// What a margin looks at.
+/// One tick, for a margin.
 #[derive(Clone, Copy)]
 pub struct Moment<'a> {
-    /// The scene.
+    /// Scene of the case.
     pub scene: &'a Scene,
-    /// What came out of the tick before (in the first the same) and of this one.
+    /// Outputs of the last tick and of this one; both are equal in the first tick.
     pub ticks: [&'a TickOutput; 2],
-    /// The workspace as this tick left it: where what yields is.
+    /// Workspace after this tick, with the shapes of deformable objects.
     pub workspace: &'a Workspace,
 }
 
 impl Moment<'_> {
-    /// A point of tool `t` as it is on the screen, world, metres.
+    /// Position of a point of tool `t` by its graphic pose, world, metres.
     fn on(&self, t: usize, point: &Vec3) -> Vec3 {
         self.ticks[1].tools[t].graphic.transform(point)
     }
 
-    /// Leaves of all that yields, where the tick left them: centres and the radii that nothing may enter, metres.
+    /// Leaves of all deformable objects after the tick: centres, world, and contact radii, metres.
     fn leaves(&self) -> Vec<(Vec3, f64)> {
         let mut leaves = Vec::new();
         for (k, object) in self.scene.objects.iter().enumerate() {
@@ -44,17 +44,17 @@ impl Moment<'_> {
     }
 }
 
-/// Nothing to go through.
+/// Margin of a case without an object to pass through: infinite.
 pub(super) fn none(_: &Moment<'_>) -> f64 {
     f64::INFINITY
 }
 
-/// Height of the graphic tip's centre above the plate's middle: positive while it is not through.
+/// Height of the graphic tip's centre above the plate's middle, metres.
 pub(super) fn above_plate(moment: &Moment<'_>) -> f64 {
     moment.on(0, &Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE)).z
 }
 
-/// Height of the lowest of the graphic tool's spheres above the plate's middle.
+/// Height of the centre of the graphic tool's lowest sphere above the plate's middle, metres.
 pub(super) fn lowest_sphere(moment: &Moment<'_>) -> f64 {
     let tool = &moment.scene.tools[0];
     tool.tree
@@ -63,13 +63,13 @@ pub(super) fn lowest_sphere(moment: &Moment<'_>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Height of the centre of the rod's tip over the tissue as it is deformed.
+/// Height of the rod's tip centre over the deformed tissue, metres.
 pub(super) fn tip_over_tissue(moment: &Moment<'_>) -> f64 {
     let tip = moment.on(0, &Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE));
     above(&moment.leaves(), &tip)
 }
 
-/// Height of the lower of the tools' working points over the tissue as it is deformed.
+/// Smallest height of the tools' working points over the deformed tissue, metres.
 pub(super) fn tools_over_tissue(moment: &Moment<'_>) -> f64 {
     let leaves = moment.leaves();
     let tools = moment.scene.tools.iter().enumerate();
@@ -78,8 +78,8 @@ pub(super) fn tools_over_tissue(moment: &Moment<'_>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Height of `point` over the highest of what `leaves` (centres and radii) have straight above or below it, metres:
-/// negative inside of them and anywhere under them; infinite where the vertical through it meets none.
+/// Height of `point` over the highest point of `leaves` on its vertical, metres: negative inside of them and under
+/// them, infinite for a vertical that meets none.
 fn above(leaves: &[(Vec3, f64)], point: &Vec3) -> f64 {
     let over = leaves.iter().filter_map(|(centre, radius)| {
         let (dx, dy) = (point.x - centre.x, point.y - centre.y);
@@ -89,15 +89,17 @@ fn above(leaves: &[(Vec3, f64)], point: &Vec3) -> f64 {
     over.fold(f64::INFINITY, f64::min)
 }
 
-/// Where the axis of the upright post of [`half_turn`] is, and half its length without its ends: [`crate::scenes::post`].
+/// Centre of the upright post of the case `half-turn`, world, metres: [`crate::scenes::post`].
 pub(super) const POST: Vec3 = Vec3::new(6e-3, 0.0, 0.0);
+/// Half the length of the post's axis, metres.
 const POST_HALF: f64 = 5e-3;
-/// Radius of the post: so much higher it is over its middle.
+/// Radius of the post, metres, which adds to its height at both ends.
 const POST_RADIUS: f64 = 1e-3;
 
-/// Distance of the graphic shaft's axis from the post's; where the shaft went past the post, what of it is beyond, negative.
+/// Distance of the graphic shaft's axis from the axis of the post, metres. After a passage through the post, the length
+/// of the shaft beyond the post, negative.
 pub(super) fn beside_post(moment: &Moment<'_>) -> f64 {
-    // The shaft's two ends: its lowest sphere and its highest.
+    // Ends of the shaft: its lowest and its highest sphere.
     let ends = [0.0, 15e-3].map(|up| Vec3::new(0.0, 0.0, up - TIP_BELOW_DEVICE));
     past(
         moment
@@ -106,7 +108,8 @@ pub(super) fn beside_post(moment: &Moment<'_>) -> f64 {
     )
 }
 
-/// The same for a shaft with its ends `[tip, head]` in two ticks.
+/// Margin of [`beside_post`] for a shaft with the ends `[tip, head]` in two ticks; infinite for a shaft that is not
+/// beside the post.
 fn past(shaft: [[Vec3; 2]; 2]) -> f64 {
     let [before, now] = shaft.map(|[tip, head]| {
         let along = Vec3::new(tip.x - head.x, tip.y - head.y, 0.0);
@@ -124,7 +127,7 @@ fn past(shaft: [[Vec3; 2]; 2]) -> f64 {
     let between = |of: fn(&Beside) -> f64| of(&before) + share * (of(&now) - of(&before));
     if crossed {
         let (left, height) = (between(|b| b.left), between(|b| b.height));
-        // Past its end, or over the post's, there is nothing between the two.
+        // Past the end of the shaft, or over the end of the post, the passage is free.
         let free = left < 0.0 || height.abs() > POST_HALF + POST_RADIUS;
         return if free { f64::INFINITY } else { -left };
     }
@@ -135,13 +138,13 @@ fn past(shaft: [[Vec3; 2]; 2]) -> f64 {
     }
 }
 
-/// How the post is to the shaft, both seen from above. Metres.
+/// Position of the post relative to the shaft, from above, metres.
 struct Beside {
-    /// Distance of its axis from the shaft's, signed: to the left of the way from head to tip.
+    /// Distance of the post's axis from that of the shaft; positive on the left, seen from head to tip.
     side: f64,
-    /// Length of the shaft beyond it, to the nearer end; negative past an end.
+    /// Length of the shaft from the post to its nearer end; negative past an end.
     left: f64,
-    /// Height of the shaft there over the post's middle.
+    /// Height of the shaft over the post's middle at the post.
     height: f64,
 }
 
@@ -149,7 +152,7 @@ struct Beside {
 mod tests {
     use super::*;
 
-    /// A level shaft of 15 mm from the origin, turned so far (radians), at that height.
+    /// Ends of a level shaft of 15 mm from the vertical axis, at an angle in radians and a height in metres.
     fn level(turned: f64, height: f64) -> [Vec3; 2] {
         let head = Vec3::new(0.0, 0.0, height);
         let way = Vec3::new(libm::cos(turned), libm::sin(turned), 0.0);
@@ -159,22 +162,22 @@ mod tests {
     #[test]
     fn a_shaft_that_jumps_over_the_post_is_seen() {
         let turn = |from: f64, to: f64| past([level(from, 0.0), level(to, 0.0)]);
-        // Up to it and along it: how far away it is.
+        // Towards the post: the distance.
         let beside = turn(-0.4, -0.3);
         assert!((beside - 6e-3 * libm::sin(0.3)).abs() < 1e-9, "{beside}");
-        // From one side to the other, in a small step and in a large one: what is beyond the post.
+        // From one side to the other, in a small and in a large step: the length beyond the post.
         for (from, to) in [(-0.01, 0.01), (-0.5, 0.5), (0.3, -0.3)] {
             let jumped = turn(from, to);
             assert!(jumped < -5e-3, "{jumped}");
         }
-        // Pointing away from it, or over it, the same turn goes past nothing.
+        // A turn that points away from the post, or above it, passes nothing.
         assert_eq!(turn(3.0, 3.3), f64::INFINITY);
         let over = past([level(-0.3, 7e-3), level(0.3, 7e-3)]);
         assert_eq!(over, f64::INFINITY);
-        // Pulled out first, the post beyond its tip, it may turn.
+        // A shaft that was pulled out, with the post beyond its tip, may turn.
         let pulled = [-0.1, 0.1].map(|turned| level(turned, 0.0).map(|p| p - Vec3::x() * 10e-3));
         assert_eq!(past(pulled), f64::INFINITY);
-        // Still 1 mm of it beyond the post it may not.
+        // A shaft with 1 mm beyond the post may not turn.
         let short = [-0.1, 0.1].map(|turned| level(turned, 0.0).map(|p| p - Vec3::x() * 8e-3));
         assert!(past(short) < 0.0, "{}", past(short));
     }
@@ -184,7 +187,7 @@ mod tests {
         let balls = [0.0, 1e-3, 2e-3].map(|x| (Vec3::new(x, 0.0, 0.0), 1e-3));
         let at = |x: f64, z: f64| above(&balls, &Vec3::new(x, 0.0, z));
         assert!((at(1e-3, 1.25e-3) - 0.25e-3).abs() < 1e-12);
-        // In it, under it, well under it without touching any: ever deeper.
+        // Inside the balls, under them, and far under them: the depth grows.
         assert!(at(1e-3, 0.0) < -0.9e-3);
         assert!(at(1e-3, -1.25e-3) < -2.2e-3);
         assert!(at(1e-3, -9e-3) < -9e-3);

@@ -1,4 +1,4 @@
-//! Hard cases of continuous collision: nothing is passed through, however thin it is and however fast the hand.
+//! Hard cases of continuous collision: no object is passed through, at any thickness and any speed of the hand.
 
 use sulcus_core::math::{exp_rotation, norm};
 use sulcus_core::{Object, Pose, Quat, Scene, Vec3};
@@ -14,7 +14,7 @@ use crate::mouth::mouth;
 use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
 use crate::tissue_scenes::{organ, tongue, twice};
 
-/// Rate of the fast turns, rad/s: the tip, 90 mm away from the device point, then goes at 1.8 m/s.
+/// Rate of the fast turns, rad/s. The tip, 90 mm from the device point, then moves at 1.8 m/s.
 const SWING: f64 = 20.0;
 
 const THINNER: Case = Case {
@@ -28,7 +28,8 @@ const THINNER: Case = Case {
 /// Height of the rod's park pose over the contact of two teeth, metres.
 const OVER: f64 = 0.14;
 
-/// Two neighbouring premolar and molar of the generated mouth, without what yields, before a straight probe.
+/// Scene of two neighbouring teeth of the generated mouth, a premolar and a molar, without tissue, and a straight
+/// probe.
 fn two_teeth() -> Scene {
     let mut scene = mouth(1, true, 3);
     scene
@@ -40,7 +41,8 @@ fn two_teeth() -> Scene {
     scene
 }
 
-/// Where the two teeth are nearest to each other, and the horizontal direction from the tongue to the cheek there.
+/// Point between the two teeth at their smallest distance, world, metres, and the horizontal unit vector from the
+/// tongue to the cheek there.
 fn contact(scene: &Scene) -> (Vec3, Vec3) {
     let leaves = |object: &Object| -> Vec<(Vec3, f64)> {
         let shape = object.tree.shape_at(object.level);
@@ -56,12 +58,12 @@ fn contact(scene: &Scene) -> (Vec3, Vec3) {
         .expect("two teeth with spheres");
     let across = b.0 - a.0;
     let to_side = Vec3::new(-across.y, across.x, 0.0).normalize();
-    // The teeth stand in the patient's left half, y to the left.
+    // The teeth are in the patient's left half, and y points to the left.
     let out = if to_side.y < 0.0 { -to_side } else { to_side };
     ((a.0 + b.0) * 0.5, out)
 }
 
-/// From the cheek through the contact of the two teeth, the probe upright.
+/// Script of an upright probe from the cheek through the contact of the two teeth at `speed` m/s.
 fn through_contact(scene: &Scene, speed: f64) -> Box<dyn Script + Send> {
     let (at, out) = contact(scene);
     let pose = move |t: f64| {
@@ -79,7 +81,7 @@ const GAP: Case = Case {
     about: "pushed from the cheek between two neighbouring teeth, where they touch, at 0.02 m/s: never through",
     scene: two_teeth,
     driver: Driver::Kinematic(|scene| through_contact(scene, 0.02)),
-    // It may slide up over the ridges of the two, not between them: where it goes through the plane of the contact it is above.
+    // The probe may slide over the ridges of the teeth, not between them. In the plane of the contact it must be above.
     margin: |moment| {
         let contact = moment.scene.tools[0].park.position - Vec3::new(0.0, 0.0, OVER);
         let tip = Vec3::new(0.0, 0.0, -TIP_BELOW_DEVICE);
@@ -105,7 +107,7 @@ const GAP: Case = Case {
     ..THIN_PLATE
 };
 
-/// Straight down over the edge of the tongue, 20 mm.
+/// Script of a probe straight down over the edge of the tongue, 20 mm at `speed` m/s.
 fn onto_edge(speed: f64) -> Box<dyn Script + Send> {
     let params = RetractionParams {
         flank: 0.46,
@@ -141,7 +143,7 @@ const EDGE: Case = Case {
     margin: tip_over_tissue,
     bounds: Bounds {
         unrest: f64::INFINITY,
-        // The radius of the tip.
+        // The bound is the radius of the tip.
         margin: Some(2.4e-4),
         contact_ticks: 300,
         ..TONGUE.bounds
@@ -158,7 +160,7 @@ const COMES_BACK: Case = Case {
         let poses = move |t: f64| {
             let presses =
                 -5e-3 + 17e-3 * smoothstep(t / 1.0) - 20e-3 * smoothstep((t - 2.0) / 0.05);
-            // Comes while the other presses, and stays 3 mm inside of where the tissue is at rest.
+            // The second mirror comes while the first presses, and stays 3 mm inside the tissue's rest shape.
             let rests = -8e-3 + 11e-3 * smoothstep((t - 1.0) / 0.5);
             [
                 Some(both[0].pose(presses, 0.0, 0.0)),
@@ -173,7 +175,7 @@ const COMES_BACK: Case = Case {
     margin: tools_over_tissue,
     bounds: Bounds {
         unrest: 12e-3,
-        // The working points are inside of the discs, spheres between them and the tissue.
+        // The working points are inside the discs, with spheres between them and the tissue.
         margin: Some(1e-3),
         contact_ticks: 1500,
         ..TONGUE.bounds
@@ -259,7 +261,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || scenes::scene("wide plate", vec![scenes::wide_plate()]),
         driver: Driver::Kinematic(|_| {
             let pose = |t: f64| {
-                // From upright over level to 0.3 rad below, with rests at both ends.
+                // The probe turns from upright over level to 0.3 rad below, with rests at both ends.
                 let period = 0.5;
                 let phase = t - (t / period).floor() * period;
                 let swung = (SWING * (phase - 0.1)).clamp(0.0, 0.6)
@@ -279,7 +281,7 @@ pub(super) const CASES: &[Case] = &[
         }),
         margin: lowest_sphere,
         bounds: Bounds {
-            // At 20 rad/s the torque's slew limit holds back what it rises and what it falls by: work on a hand that does not care.
+            // At 20 rad/s the slew limit delays the rise and the fall of the torque, which does work on the moved hand.
             energy: f64::INFINITY,
             exhausted_share: 0.02,
             jump: 3.8e-3,
@@ -300,12 +302,12 @@ pub(super) const CASES: &[Case] = &[
         driver: Driver::Kinematic(|_| {
             let pose = |t: f64| {
                 let turned = smoothstep((t - 0.3) / 0.2) - smoothstep((t - 1.5) / 0.2);
-                // Lying along x, the tip outwards; about the vertical through its upper end.
+                // The probe lies along x with its tip outward, and turns about the vertical through its upper end.
                 let lying = exp_rotation(&Vec3::new(0.0, -std::f64::consts::FRAC_PI_2, 0.0));
                 let about =
                     exp_rotation(&Vec3::new(0.0, 0.0, -1.2 + std::f64::consts::PI * turned));
                 let facing = about * lying;
-                // The upper end of the spheres at the origin.
+                // The upper end of the spheres is at the origin.
                 Pose::new(
                     facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE - 15e-3),
                     facing,
@@ -316,13 +318,13 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 2.5,
             })
         }),
-        // Held there, it is pulled out along the post and round it, past its end: a way that is free.
+        // Held at the post, the probe is pulled along the post and past its own end, which is a free path.
         margin: beside_post,
         bounds: Bounds {
             exhausted_share: 0.01,
             energy: f64::INFINITY,
             force_step: 0.2,
-            // What spheres of 1 and 0.25 mm in rows leave between their axes.
+            // Smallest distance between the axes of two rows of spheres of 1 and 0.25 mm radius.
             margin: Some(1.2e-3),
             contact_ticks: 500,
             ..THIN_PLATE.bounds

@@ -1,4 +1,4 @@
-//! Hard cases among what does not yield.
+//! Hard cases of rigid objects.
 
 use sulcus_core::math::exp_rotation;
 use sulcus_core::{Pose, Quat, Scene, Vec3};
@@ -9,7 +9,7 @@ use super::margin::{self, above_plate, lowest_sphere};
 use super::{Bounds, Case, Driver, LINKED_ENERGY, SLOW_FORCE_STEP, undisturbed};
 use crate::scenes::{self, TIP_BELOW_DEVICE, device_over};
 
-/// Straight down through the plate from 10 mm above to 10 mm below, then rests there.
+/// Script of a stab: straight down at `speed` m/s from 10 mm above the plate to 10 mm below, then a rest.
 pub(super) fn stab(speed: f64) -> Box<dyn Script + Send> {
     let enter = 0.1;
     let pose = move |t: f64| {
@@ -22,12 +22,14 @@ pub(super) fn stab(speed: f64) -> Box<dyn Script + Send> {
     })
 }
 
-/// Every 25 ms to another target, anywhere within 5 mm of the axis and from 8 mm below to 20 mm above the
-/// plate, turning about the tip, so that the speed clamp (which knows only the device point) has no say.
+/// Device pose at `t` seconds of a hand that jumps to another target every 25 ms.
+///
+/// The targets are within 5 mm of the axis and from 8 mm below the plate to 20 mm above. The turns are about the tip,
+/// so that the speed clamp at the device point does not act.
 fn tumble(t: f64) -> Pose {
     let (k, share) = ((t / 0.025).floor(), t / 0.025 - (t / 0.025).floor());
     let target = |k: f64| {
-        // A hash of the target's number that needs no state.
+        // A hash of the target's number is random without a state.
         let unit = |salt: f64| {
             let x = libm::sin(k * 12.9898 + salt * 78.233) * 43758.5453;
             x - x.floor()
@@ -49,7 +51,7 @@ fn tumble(t: f64) -> Pose {
     Pose::new(tip + facing * Vec3::new(0.0, 0.0, TIP_BELOW_DEVICE), facing)
 }
 
-/// Pressed 1 mm below the bottom of a groove, from wall to wall and along it.
+/// Script of a tip 1 mm below the bottom of a groove, from wall to wall and along the groove.
 fn along_groove(_: &Scene) -> Box<dyn Script + Send> {
     let pose = |t: f64| {
         let deep = smoothstep(t / 0.5);
@@ -83,7 +85,7 @@ pub(super) const THIN_PLATE: Case = Case {
         jump: 5e-4,
         force_step: 0.05,
         slow_force_step: SLOW_FORCE_STEP,
-        // The slew limit, and rounding.
+        // The bound is the slew limit, with rounding.
         sent_step: 0.5 + 1e-9,
         torque_step: f64::INFINITY,
         buzz: 0.05,
@@ -98,7 +100,7 @@ pub(super) const THIN_PLATE: Case = Case {
     },
 };
 
-/// Cases among what does not yield.
+/// Cases of rigid objects.
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "thin-plate-0.02",
@@ -138,8 +140,8 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 0.5,
             })
         }),
-        // The hand is there at once: the tool follows by at most 8 substeps of 0.5 mm, finishing in
-        // later ticks, and the whole force then comes at once, but for the slew limit.
+        // The hand arrives in one tick. The tool follows by at most 8 substeps of 0.5 mm in each tick, and the whole
+        // raw force comes at its arrival.
         bounds: Bounds {
             exhausted_share: 0.006,
             jump: 3.8e-3,
@@ -265,7 +267,7 @@ pub(super) const CASES: &[Case] = &[
                 duration_s: 2.5,
             })
         }),
-        // Well clear of the face, the graphic tool must be with the hand.
+        // Away from the face, the graphic tool must be at the hand.
         margin: |moment| {
             let output = moment.ticks[1];
             let tool = &output.tools[0];
@@ -296,9 +298,10 @@ pub(super) const CASES: &[Case] = &[
             })
         }),
         margin: lowest_sphere,
-        // Over a metre a second and 80 rad/s: what is asked is safety; the rest is what it came to.
+        // The hand moves at over 1 m/s and 80 rad/s. The bounds of safety are those of all cases; the others are
+        // measured.
         bounds: Bounds {
-            // At 60 rad/s and 3 m/s a wrench that comes late puts 2 mJ in within one period.
+            // At 60 rad/s and 3 m/s a late wrench does a work of 2 mJ in one period.
             linked_energy: 5e-3,
             exhausted_share: 0.02,
             jump: 3.8e-3,
@@ -340,7 +343,7 @@ pub(super) const CASES: &[Case] = &[
                 _ => {}
             }
         },
-        // The denormal pose is a place like any other: the hand really is there for a tick.
+        // The denormal pose is valid: the hand is there for a tick.
         bounds: Bounds {
             force_step: 0.1,
             contact_ticks: 2000,

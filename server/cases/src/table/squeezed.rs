@@ -1,5 +1,5 @@
-//! Hard cases of the problem itself: rows that are parallel, the same, opposed or impossible, and a hand wholly inside of
-//! something.
+//! Hard cases of the optimisation problem: parallel, equal, opposed or impossible rows, and a hand wholly inside an
+//! object.
 
 use sulcus_core::math::exp_rotation;
 use sulcus_core::{Pose, Quat, Vec3};
@@ -44,7 +44,7 @@ const OPPOSED: Case = Case {
     ..THIN_PLATE
 };
 
-/// Cases of the problem itself.
+/// Cases of the optimisation problem.
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "peg-in-hole",
@@ -85,7 +85,7 @@ pub(super) const CASES: &[Case] = &[
         margin: margin::none,
         bounds: Bounds {
             margin: None,
-            // Pressed out of it in the first ticks, it rests on its rims; until then it lacks room on both sides.
+            // The probe is pressed out of the slot in the first ticks and then rests on the rims.
             exhausted_residual: 5.1e-5,
             contact_ticks: 1000,
             ..THIN_PLATE.bounds
@@ -114,7 +114,7 @@ pub(super) const CASES: &[Case] = &[
         scene: || scenes::scene("wide plate", vec![scenes::wide_plate()]),
         driver: Driver::Kinematic(|_| {
             let pose = |t: f64| {
-                // Lying along x.
+                // The probe lies along x.
                 let facing = exp_rotation(&Vec3::new(0.0, -std::f64::consts::FRAC_PI_2, 0.0));
                 let tip = Vec3::new(
                     5e-3 + 2e-3 * libm::sin(2.0 * t),
@@ -161,7 +161,8 @@ pub(super) const CASES: &[Case] = &[
         }),
         margin: lowest_sphere,
         bounds: Bounds {
-            // The wrench is clamped to a third of its size, force and torque each by itself: no spring's any more.
+            // The wrench is clamped to a third of its size, force and torque separately, and is no longer that of a
+            // spring.
             energy: f64::INFINITY,
             contact_ticks: 3000,
             ..THIN_PLATE.bounds

@@ -1,4 +1,4 @@
-//! Hard cases among what yields: pockets, a soft tongue, two tools on one tissue, soft next to hard.
+//! Hard cases of tissue: pockets, a soft tongue, two tools on one tissue, soft next to hard.
 
 use sulcus_core::{Pose, Scene, Vec3};
 use sulcus_operator::Script;
@@ -9,11 +9,11 @@ use sulcus_operator::script::{OneTool, TwoTools, smoothstep};
 use super::{Bounds, Case, Driver, LINKED_ENERGY, SLOW_FORCE_STEP, margin, undisturbed};
 use crate::tissue_scenes::{bar, organ, pocket, stiff, tongue, twice};
 
-/// Side of the pocket that is probed: the middle of the buccal side, from mesial over buccal, radians.
+/// Angle of the probed place, radians from mesial over buccal: the middle of the buccal side.
 const BUCCAL: f64 = std::f64::consts::FRAC_PI_2;
-/// How far the tip hugs the tooth's wall.
+/// Depth of the target tip inside the tooth's surface, metres.
 const HUG: f64 = 1e-4;
-/// Depth of the pockets here.
+/// Depth of the pockets, metres.
 const DEEP: f64 = 4e-3;
 /// Ten degrees, radians.
 const TURN: f64 = 0.1745;
@@ -22,7 +22,8 @@ fn path(scene: &Scene) -> PocketPath {
     PocketPath::new(scene, None, HUG, Manner::Taught).expect("a tooth with gingiva")
 }
 
-/// 20 mm away, in one tick there, held, and in one tick back; `pose` by how far away, metres.
+/// Script of a hand 20 mm away, then in one tick at the target, held, and in one tick back. `pose` gives the device
+/// pose by the distance, metres.
 fn jump_in_and_out(pose: impl Fn(f64) -> Pose + Send + 'static) -> Box<dyn Script + Send> {
     let pose = move |t: f64| pose(if (0.3..1.5).contains(&t) { 0.0 } else { 20e-3 });
     Box::new(OneTool {
@@ -31,7 +32,8 @@ fn jump_in_and_out(pose: impl Fn(f64) -> Pose + Send + 'static) -> Box<dyn Scrip
     })
 }
 
-/// Down the pocket to its floor, turned to and fro by 10 degrees in the plane through the tooth's axis, and out.
+/// Script of a probe down to the floor of the pocket, turned to and fro by 10 degrees in the plane through the tooth's
+/// axis, and out.
 fn insert_and_turn(scene: &Scene) -> Box<dyn Script + Send> {
     let path = path(scene);
     let pose = move |t: f64| {
@@ -46,7 +48,8 @@ fn insert_and_turn(scene: &Scene) -> Box<dyn Script + Send> {
     })
 }
 
-/// A mirror pressed `press` metres into the back of the tongue as seen, slid along it at 8 mm/s, let go.
+/// Script of a mirror that presses `press` metres into the back of the tongue, as drawn, slides along it at 8 mm/s and
+/// lets go.
 fn press_and_slide(scene: &Scene, press: f64) -> Box<dyn Script + Send> {
     let params = RetractionParams {
         duration: 12.0,
@@ -61,7 +64,7 @@ fn press_and_slide(scene: &Scene, press: f64) -> Box<dyn Script + Send> {
     Box::new(Retraction::new(scene, params).expect("a tongue and a mirror"))
 }
 
-/// Where a mirror meets the tongue, on one flank or the other.
+/// Script of a mirror at the angle `flank` on the tongue, for its poses. Negative: the other flank.
 pub(crate) fn mirror(scene: &Scene, flank: f64) -> Retraction {
     let params = RetractionParams {
         flank,
@@ -70,7 +73,7 @@ pub(crate) fn mirror(scene: &Scene, flank: f64) -> Retraction {
     Retraction::new(scene, params).expect("a tongue and a mirror")
 }
 
-/// The scene with a rigid bar under one half of the mirror.
+/// The scene with a rigid bar under one half of the mirror's disc.
 fn beside_a_bar(mut scene: Scene) -> Scene {
     let touch = mirror(&scene, 0.0).touch();
     scene.objects.push(bar(touch + Vec3::new(0.0, 8e-3, -4e-3)));
@@ -88,7 +91,7 @@ pub(super) const TONGUE: Case = Case {
     bounds: Bounds {
         residual: 1e-6,
         exhausted_residual: 2e-5,
-        // A hand that is moved, not moving, may be given back what it put in, not more.
+        // A hand that is moved may receive the energy that it put in, not more.
         energy: 1e-3,
         linked_energy: LINKED_ENERGY,
         exhausted_share: 0.001,
@@ -96,7 +99,7 @@ pub(super) const TONGUE: Case = Case {
         force_step: 0.05,
         slow_force_step: SLOW_FORCE_STEP,
         sent_step: 0.5 + 1e-9,
-        // A mirror is held six times as stiffly as a probe against turning.
+        // The coupling of a mirror in rotation is six times as stiff as that of a probe.
         torque_step: 3e-3,
         buzz: 3e-3,
         coupling_error: 0.01,
@@ -182,7 +185,7 @@ const TONGUE_TELEPORT: Case = Case {
         })
     }),
     bounds: Bounds {
-        // It takes a quarter of a second to be where it rests, and the tongue creeps on from then.
+        // The tongue comes to rest within a quarter of a second, then creeps on.
         drift: 2e-6,
         ..TELEPORT
     },
@@ -223,7 +226,7 @@ const TONGUE_REST: Case = Case {
         })
     }),
     bounds: Bounds {
-        // Still held at the end.
+        // The mirror is still held at the end.
         unrest: 12e-3,
         contact_ticks: 50_000,
         ..TONGUE.bounds
@@ -231,7 +234,7 @@ const TONGUE_REST: Case = Case {
     ..TONGUE
 };
 
-/// Cases among what yields.
+/// Cases of tissue.
 pub(super) const CASES: &[Case] = &[
     POCKET,
     Case {
@@ -341,7 +344,7 @@ pub(super) const CASES: &[Case] = &[
         about: "the narrow pocket a thousand times as stiff as is sensible: the tip jams, and nothing else",
         scene: || stiff(pocket("0.4")),
         bounds: Bounds {
-            // Wedged between walls that are as good as rigid.
+            // The tip is wedged between nearly rigid walls.
             residual: 1e-5,
             ..POCKET.bounds
         },
@@ -365,8 +368,8 @@ pub(super) const CASES: &[Case] = &[
             })
         }),
         bounds: Bounds {
-            // The force is that of another place in every tick, and a wrench held over a tick does work on a
-            // hand that is thrown to and fro whatever it feels.
+            // The force belongs to another place in every tick. A wrench that is held over a tick does work on a hand
+            // that moves to and fro without regard to it.
             buzz: 0.7,
             energy: f64::INFINITY,
             torque_step: f64::INFINITY,
@@ -468,8 +471,8 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// What holds when the hand is elsewhere in one tick: the tool follows by at most 8 substeps of half a millimetre
-/// each tick, and the force then comes at once.
+/// Bounds for a hand that leaps in one tick. The tool follows by at most 8 substeps of half a millimetre in each tick,
+/// and the whole raw force comes at its arrival.
 const TELEPORT: Bounds = Bounds {
     energy: f64::INFINITY,
     exhausted_share: 0.01,

@@ -11,10 +11,10 @@ mod mouth;
 pub(crate) mod paper;
 mod printed;
 mod rates;
+mod readme;
 mod rough;
 mod rows;
 mod shipped;
-mod statistics;
 mod times;
 mod together;
 
@@ -23,13 +23,14 @@ use std::time::Instant;
 use serde::Serialize;
 use sulcus_cases::one_dof;
 
-pub(crate) use growth::{Growth, Line};
-pub(crate) use loops::{FELT_MJ, Loop, Loops};
+pub(crate) use growth::{Asked, Growth, Line};
+pub(crate) use loops::{FELT_MJ, Hour, Loop, Loops};
 pub(crate) use machine::Machine;
 pub(crate) use matrix::Cell;
 pub(crate) use mouth::{Level, Mouth, SHARES};
-pub(crate) use printed::Beside;
+pub(crate) use printed::{Beside, Curve};
 pub(crate) use rates::{LOOKS_S, Rate};
+pub(crate) use readme::{Kind, Readme};
 pub(crate) use rough::Rough;
 pub(crate) use rows::Row;
 #[cfg(test)]

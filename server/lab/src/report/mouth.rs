@@ -6,6 +6,7 @@ use serde::Serialize;
 use sulcus_cases::inside::solid_of;
 use sulcus_cases::mouth::{PROBED, hands, mouth};
 use sulcus_cases::record;
+use sulcus_cases::statistics::percentile;
 use sulcus_core::{MAX_TOOLS, Object, Scene, TickInput};
 use sulcus_operator::HandParams;
 use sulcus_scene::tree::blend::{BlendError, blend_error};
@@ -125,7 +126,7 @@ fn at_level(scene: &Scene, level: u8, inputs: &[TickInput], runs: usize) -> Leve
     });
     let mut cpu = run.cpu[begins..].to_vec();
     cpu.sort_unstable();
-    let at = |share: f64| cpu[((cpu.len() - 1) as f64 * (1.0 - share)) as usize] as f64 * 1e-3;
+    let at = |share: f64| percentile(&cpu, 1.0 - share).map_or(0.0, |ns| ns as f64 * 1e-3);
     Level {
         level,
         spheres: molar.tree.shape_at(level).count(),

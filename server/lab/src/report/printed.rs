@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::paper::Paper;
 use super::paper::printed::Value;
+use super::paper::{Paper, Part};
 
 /// Everything that the paper prints beside what is measured here.
 #[derive(Clone, Debug, Serialize)]
@@ -24,11 +24,14 @@ pub(crate) struct Row {
     /// In words; none where the text at hand does not have it.
     pub(crate) printed: Option<String>,
     pub(crate) conditions: &'static str,
-    pub(crate) measured: Option<String>,
+    pub(crate) measured: String,
     pub(crate) values: BTreeMap<&'static str, f64>,
     pub(crate) how: String,
-    /// What measures it again; none where nothing is measured.
-    pub(crate) command: Option<String>,
+    /// Command that measures the row again.
+    pub(crate) command: String,
+    /// Part of the paper's report that measured the row.
+    #[serde(skip)]
+    pub(crate) part: Part,
 }
 
 /// A curve of a figure, with at most a few hundred points.
@@ -64,7 +67,8 @@ impl Beside {
     /// What was measured, as it goes into files; `quick` as it was then.
     pub(crate) fn of(paper: Paper, quick: bool) -> Self {
         let rows = paper.rows.into_iter().map(|row| Row {
-            command: row.measured.is_some().then(|| row.part.command(quick)),
+            command: row.part.command(quick),
+            part: row.part,
             id: row.printed.id,
             place: row.printed.place,
             what: row.printed.what,

@@ -1,30 +1,12 @@
 //! Times of ticks, with how sure they are.
 
 use serde::Serialize;
-use sulcus_cases::timing::{Percentiles, time, time_stages};
+use sulcus_cases::statistics::{Interval, Percentiles, percentiles_us};
+use sulcus_cases::timing::{time, time_stages};
 use sulcus_core::{Scene, Stage, TickInput};
 
-use super::statistics::Interval;
-
-/// Percentiles as they go into the JSON, microseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct TickUs {
-    pub(crate) p50: f64,
-    pub(crate) p99: f64,
-    pub(crate) p999: f64,
-    pub(crate) max: f64,
-}
-
-impl From<Percentiles> for TickUs {
-    fn from(p: Percentiles) -> Self {
-        Self {
-            p50: p.p50,
-            p99: p.p99,
-            p999: p.p999,
-            max: p.max,
-        }
-    }
-}
+/// Percentiles of the time of a tick, microseconds.
+pub(crate) type TickUs = Percentiles;
 
 /// What the ticks of some recorded inputs take.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -61,8 +43,8 @@ impl Times {
             let walls = kept(&run.wall);
             ticks = walls.len();
             over += walls.iter().filter(|ns| **ns > 1_000_000).count();
-            cpu.push(Percentiles::of(kept(&run.cpu)).into());
-            wall.push(TickUs::from(Percentiles::of(walls)));
+            cpu.push(percentiles_us(kept(&run.cpu)));
+            wall.push(percentiles_us(walls));
         }
         let best = wall.iter().copied();
         Self {
@@ -88,7 +70,7 @@ impl Times {
         let stages = Stage::ALL.iter().zip(time_stages(scene, inputs));
         let stages_us = stages
             .map(|(stage, times)| {
-                let at = Percentiles::of(kept(&times, &counts));
+                let at = percentiles_us(kept(&times, &counts));
                 (format!("{stage:?}").to_lowercase(), at.p50, at.p999)
             })
             .collect();

@@ -7,7 +7,7 @@ use super::{Beside, Curve, Part};
 
 /// What was found for one printed thing.
 struct Answer {
-    measured: Option<String>,
+    measured: String,
     values: Vec<(&'static str, f64)>,
     how: String,
     part: Part,
@@ -48,26 +48,11 @@ impl Answers {
         how: impl Into<String>,
     ) {
         let answer = Answer {
-            measured: Some(measured.into()),
+            measured: measured.into(),
             values: values.to_vec(),
             how: how.into(),
             part: self.part,
         };
-        self.put(id, answer);
-    }
-
-    /// Nothing can be measured, and why.
-    pub(super) fn unmeasured(&mut self, id: &'static str, why: impl Into<String>) {
-        let answer = Answer {
-            measured: None,
-            values: Vec::new(),
-            how: why.into(),
-            part: self.part,
-        };
-        self.put(id, answer);
-    }
-
-    fn put(&mut self, id: &'static str, answer: Answer) {
         assert!(
             PRINTED.iter().any(|printed| printed.id == id),
             "nothing printed is called {id}"

@@ -1,5 +1,6 @@
 //! A scene under one operator in closed loop, and what contact in it looks like.
 
+use sulcus_cases::statistics::percentile;
 use sulcus_cases::{Measures, Observer};
 use sulcus_core::math::norm;
 use sulcus_core::{
@@ -131,12 +132,7 @@ impl Counts {
     /// Median, 99th percentile, most.
     pub(super) fn percentiles(&mut self) -> [f64; 3] {
         self.0.sort_unstable();
-        let last = self.0.len().saturating_sub(1) as f64;
-        [0.5, 0.99, 1.0].map(|q| {
-            self.0
-                .get((last * q) as usize)
-                .map_or(0.0, |x| f64::from(*x))
-        })
+        [0.5, 0.99, 1.0].map(|share| percentile(&self.0, share).map_or(0.0, f64::from))
     }
 }
 

@@ -19,7 +19,7 @@ fn value(rows: &[Beside], id: &str, name: &str) -> f64 {
 fn show(paper: &Paper) {
     for row in &paper.rows {
         let p = row.printed;
-        let measured = row.measured.as_deref().unwrap_or("-");
+        let measured = &row.measured;
         println!(
             "{:14} {:28} {:?} {} | {measured} | {}",
             p.place, p.id, p.value, p.unit, row.how

@@ -1,5 +1,6 @@
 //! Section 3.2: how long a problem of 500 constraints takes, by both solvers.
 
+use sulcus_cases::statistics::{Interval, median};
 use sulcus_cases::timing::cpu_ns;
 use sulcus_core::Vec3;
 use sulcus_core::optimise::active_set::ActiveSet;
@@ -8,7 +9,6 @@ use sulcus_core::optimise::{ContactSolver, Problem, ProblemRow, Solution, SolveS
 
 use super::answers::Answers;
 use super::contact::SEED;
-use crate::report::statistics::{Interval, median};
 
 /// The paper's bounds: 50 regions of 10 pairs.
 const REGIONS: usize = 50;

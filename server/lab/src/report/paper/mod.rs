@@ -1,16 +1,16 @@
 //! The paper, figure by figure: everything that it prints beside what this program measures on its own scenes.
 //!
-//! Every row of [`printed::PRINTED`] is answered once: with a measurement, or with the reason why there is none. Where the
-//! text at hand has lost the printed value, what is measured stands alone.
+//! Every row of [`printed::PRINTED`] is answered once, with a measurement. Where the text at hand has lost the printed value,
+//! the measurement stands alone.
 
 mod answers;
 mod contact;
 mod elements;
+mod machine;
 mod many_rows;
 mod one_dof;
 mod pocket;
 mod pocket_states;
-#[cfg_attr(test, allow(dead_code, reason = "what the page alone shows"))]
 pub(crate) mod printed;
 mod rates;
 mod ripple;
@@ -19,7 +19,6 @@ mod times;
 mod tongue;
 mod trees;
 mod turning;
-mod unmeasured;
 mod whole_mouth;
 
 use clap::ValueEnum;
@@ -33,11 +32,11 @@ use answers::Answers;
 pub(crate) struct Beside {
     /// What the paper prints.
     pub(crate) printed: &'static Printed,
-    /// What was measured, with its unit; none where nothing can be measured here, with the reason in `how`.
-    pub(crate) measured: Option<String>,
+    /// What was measured, with its unit.
+    pub(crate) measured: String,
     /// Numbers by name, for other programs.
     pub(crate) values: Vec<(&'static str, f64)>,
-    /// Scene, seed, case and conditions; or the reason.
+    /// Scene, seed, case and conditions.
     pub(crate) how: String,
     /// What it was measured with.
     pub(crate) part: Part,
@@ -72,7 +71,7 @@ pub(crate) struct Paper {
 /// What is measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
-    /// This machine, and the reasons why some things are not measured
+    /// This machine: section 8
     Machine,
     /// Springs of one degree of freedom: Eq. 9, Fig. 7, Table 1
     OneDof,
@@ -169,7 +168,7 @@ fn of_parts(
         answers.begin_part(part);
         let answers = &mut answers;
         match part {
-            Part::Machine => unmeasured::answer(answers),
+            Part::Machine => machine::answer(answers),
             Part::OneDof => one_dof::answer(answers),
             Part::Trees => trees::answer(answers),
             Part::Tongue => tongue::answer(answers),

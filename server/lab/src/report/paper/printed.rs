@@ -58,22 +58,12 @@ macro_rules! printed {
 /// Everything printed, by topic, about in the order of the paper.
 pub(crate) const PRINTED: &[Printed] = printed! {
     // Rates, in sections 1 and 4.
-    "fig1-bimanual", "Fig. 1", Words("a picture"), "", "left hand mirror, right hand probe", "";
-    "prior-gpu-rate-hz", "section 1.1", AtMost(100.0), "Hz",
-        "update rate of Duriez et al. [5]", "constraint-based, multi-region, even with GPU";
-    "prior-deformation-rate-hz", "section 1.1", Range(30.0, 60.0), "Hz",
-        "usual deformation rate of constraint-based methods", "depends on the number of DoFs";
-    "prior-multirate-rate-khz", "section 1.1", Number(1.0), "kHz",
-        "force loop of Peterlik et al. [30]", "constraints updated between two deformation loops";
     "update-rate-khz", "section 1.2.2", Number(1.0), "kHz", "haptic loop", "a single thread";
     "multirate-loss", "section 1.2.2", Words("can lead to loss of the subtle force feeling"), "",
         "asynchronous update of constraints", "two loops; especially sliding along fine features";
     "time-step-ms", "section 4.4", Number(1.0), "ms", "time step", "one haptic cycle";
 
     // Sphere trees, in sections 2, 3, 5.1, 6 and 8.4.
-    "fig2-modules", "Fig. 2", Words("collision, deformation, tree update, optimisation"), "",
-        "stages of a haptic cycle, as section 2 lists them", "the flowchart itself is a picture";
-    "fig3-skeleton", "Fig. 3", Words("a picture"), "", "springs and dampers in the skeleton", "";
     "skeleton-level", "section 3.1", Number(2.0), "",
         "tree level that is the skeleton", "first choice in each cycle, finer if time is left";
     "skeleton-spheres", "section 3.1", Number(64.0), "", "spheres in the skeleton", "level 2";
@@ -103,11 +93,8 @@ pub(crate) const PRINTED: &[Printed] = printed! {
         "time to solve 500 constraints", "\"easily solved within 1 ms\"";
 
     // One dimension, in sections 4 and 8.1. Eq. 9 is garbled: read with Eq. 7 and 8; no numbers.
-    "fig5-internal-force", "Fig. 5", Words("a picture"), "", "internal force, Eq. 1", "";
-    "fig6-penetration", "Fig. 6", Words("a picture"), "", "penetration vector, Eq. 3", "";
     "fig7-spheres", "Fig. 7", Words("at least two: one fixed, one moving"), "",
         "spheres of the 1-DoF object", "motion along X only, explicit Euler";
-    "fig7-cases", "Fig. 7", Words("a picture; the cases are in Table 1"), "", "1-DoF cases", "";
     "table1-mass-g", "Table 1", Number(20.0), "g", "mass m of the moving sphere", "caption";
     "table1-damping-ratio", "Table 1", Number(0.5), "", "damping ratio, extracted as z", "caption";
     "table1-coupling-n-per-m", "Table 1", Number(200.0), "N/m", "coupling stiffness kc", "caption";
@@ -115,7 +102,6 @@ pub(crate) const PRINTED: &[Printed] = printed! {
     "table1-spring-n-per-m", "Table 1", Unknown, "N/m", "spring stiffness kS", "cells are lost";
     "table1-case-count", "Table 1", Unknown, "", "number of cases", "\"several combinations\"";
     "table1-contact-velocity", "Table 1", Unknown, "mm/s", "contact velocities", "\"various\"";
-    "table1-other-damping-ratios", "section 8.1", Unknown, "", "other damping ratios", "video";
     "table1-outcome", "section 8.1", Words("stable, with large or small deformation"), "",
         "outcome of the 1-DoF cases", "various contact velocities; shown by the video";
     "eq9-underdamped", "Eq. 9", Words("bc / (kS + kp)"), "s",
@@ -140,14 +126,9 @@ pub(crate) const PRINTED: &[Printed] = printed! {
         "attenuation a of Eq. 14", "open interval, one constant for all spheres; value not printed";
     "gingiva-stiffness", "Eq. 11", Unknown, "N/mm", "stiffness kd of the gingiva", "can be tuned";
     "gingiva-penalty", "Eq. 12", Unknown, "N/mm", "penalty stiffness Kp at the gingiva", "";
-    "fig10-direction", "Fig. 10", Words("a picture"), "", "allowed direction, Eq. 13", "";
-    "fig11-switches", "Fig. 11", Words("a picture"), "", "switches of contact states", "";
-    "fig12-interaction-types", "Fig. 12", Number(3.0), "",
-        "interaction types after a hybrid contact", "Eq. 15 has types 1 and 2, Eq. 16 type 3";
     "eq15-radius", "Eq. 15", Unknown, "mm", "R of the release 2R", "neither defined nor given";
     "pocket-threshold-g", "section 5.2", Number(200.0), "g",
         "force that damages the pocket's bottom", "\"e.g.\", along the vertical, from [29]";
-    "fig13-parent-update", "Fig. 13", Words("a picture"), "", "update of a parent, Eq. 17", "";
     "tool-unknowns", "Eq. 19", Number(6.0), "", "unknowns of the optimisation", "per tool";
     "metric-translation", "Eq. 20", Unknown, "N/mm", "kt of the diagonal G", "see [23]";
     "metric-rotation", "Eq. 20", Unknown, "N mm/rad", "kr of the diagonal G", "see [23]";
@@ -160,10 +141,6 @@ pub(crate) const PRINTED: &[Printed] = printed! {
     "machine-processor", "section 8", Words("Intel Core 2"), "", "processor", "all experiments";
     "machine-clock-ghz", "section 8", Number(2.2), "GHz", "clock", "printed as 2.20";
     "machine-memory-gb", "section 8", Number(2.0), "GB", "memory", "all experiments";
-    "machine-graphics", "section 8", Words("X1550 Series Radeon; no GPU is used"), "",
-        "graphics card", "not used for computation";
-    "machine-device", "section 8", Words("Phantom Premium 3.0 6DoF"), "",
-        "haptic device", "two Phantom Omnis in Fig. 19";
 
     // The tongue under the tool, and against FEM, in section 8.1.
     "fig14-states", "Fig. 14", Words("local only; global; multi-region"), "",
@@ -214,11 +191,9 @@ pub(crate) const PRINTED: &[Printed] = printed! {
         "level of collision and optimisation, Case 2", "large deformation; skeleton at level 2";
     "table2-case1-collision-ms", "Table 2", Unknown, "ms", "collision detection", "Case 1";
     "table2-case1-deformation-ms", "Table 2", Unknown, "ms", "deformation", "Case 1";
-    "table2-case1-update-ms", "Table 2", Unknown, "ms", "sphere tree update", "Case 1";
     "table2-case1-optimisation-ms", "Table 2", Unknown, "ms", "optimisation", "Case 1";
     "table2-case2-collision-ms", "Table 2", Unknown, "ms", "collision detection", "Case 2";
     "table2-case2-deformation-ms", "Table 2", Unknown, "ms", "deformation", "Case 2";
-    "table2-case2-update-ms", "Table 2", Unknown, "ms", "sphere tree update", "Case 2";
     "table2-case2-optimisation-ms", "Table 2", Unknown, "ms", "optimisation", "Case 2";
     "fig19-stable", "Fig. 19", Words("the haptic interaction is stable"), "",
         "two tools in the whole mouth", "two Phantom Omnis; tongue and gingiva deform";
@@ -234,14 +209,10 @@ pub(crate) const PRINTED: &[Printed] = printed! {
         "sliding slowly", "on the gingiva; the tongue is felt smooth when sliding fast";
     "open-multirate", "section 9", Words("one 1 kHz loop, or threads with a finer model"), "",
         "not checked: which feels more realistic", "finer: e.g. FEM; section 1.2.2 claims one loop";
-    "open-dynamic-fem", "section 8.1", Words("comparison under dynamic loads"), "",
-        "not done: FEM beyond static loads", "\"as a further step\"";
     "open-finer-levels", "section 8.4", Words("deformation model of level 3 or level 4"), "",
         "planned: finer deformation in time", "by GPU; a challenge at haptic rates";
     "open-finer-stability", "section 8.4", Words("could create new instabilities"), "",
         "smaller springs with the same parameters", "explicit methods; to be considered";
     "open-pop-through", "section 9", Words("continuous collision detection"), "",
         "future work: pop-through", "thin objects";
-    "open-user-study", "section 9", Words("one group trained, one control group"), "",
-        "planned: evaluation with dental students", "traditional methods for the control group";
 };

@@ -41,12 +41,6 @@ pub(super) fn answer(organ: &Object, answers: &mut Answers) {
         &[("springs", springs as f64)],
         how,
     );
-    answers.measured(
-        "fig3-skeleton",
-        format!("{nodes} spheres, {springs} springs"),
-        &[],
-        "the shipped tongue; the picture has no number",
-    );
     let stiffness: Vec<f64> = coarse.springs.iter().flat_map(|s| s.stiffness).collect();
     let mean = stiffness.iter().sum::<f64>() / stiffness.len().max(1) as f64 * 1e-3;
     answers.measured(
@@ -103,13 +97,8 @@ fn explicit(organ: &Object, answers: &mut Answers) {
         ],
         format!("Eq. 9 by the largest eigenvalue of the shipped tongue's {} springs; own constants of the method as printed: {:.4} N/mm, {} N s/m, {grams} g", printed.springs.len(), printed.spring_n_per_m * 1e-3, printed.damping_n_s_per_m),
     );
-    let Some(fine) = &model.fine else {
-        answers.unmeasured(
-            "open-finer-stability",
-            "the shipped tongue has no finer skeleton",
-        );
-        return;
-    };
+    let fine = model.fine.as_ref();
+    let fine = fine.expect("the shipped tongue has a finer skeleton");
     let springs: Vec<[u32; 2]> = fine
         .springs
         .iter()

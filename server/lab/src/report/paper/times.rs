@@ -1,6 +1,7 @@
 //! Table 2: what the stages of a tick cost while a mirror presses the tongue, with confidence intervals over repeats.
 
 use sulcus_cases::comparison::as_printed;
+use sulcus_cases::statistics::{Interval, median};
 use sulcus_cases::timing::time_stages;
 use sulcus_cases::tissue_scenes::tongue;
 use sulcus_core::{Scene, Stage, TickInput};
@@ -9,7 +10,6 @@ use sulcus_operator::script::smoothstep;
 
 use super::answers::Answers;
 use super::contact::{SEED, by_hand, hand_at};
-use crate::report::statistics::{Interval, median};
 
 /// The mirror is 5 mm in from this tick on.
 const FROM: usize = 600;
@@ -67,15 +67,14 @@ fn timed(scene: &Scene, inputs: &[TickInput]) -> Times {
     }
 }
 
-/// Ids of one case: level, collision, deformation, update, optimisation.
-const CASES: [(u8, [&str; 5]); 2] = [
+/// Ids of one case: level, collision, deformation, optimisation.
+const CASES: [(u8, [&str; 4]); 2] = [
     (
         2,
         [
             "table2-case1-level",
             "table2-case1-collision-ms",
             "table2-case1-deformation-ms",
-            "table2-case1-update-ms",
             "table2-case1-optimisation-ms",
         ],
     ),
@@ -85,7 +84,6 @@ const CASES: [(u8, [&str; 5]); 2] = [
             "table2-case2-level",
             "table2-case2-collision-ms",
             "table2-case2-deformation-ms",
-            "table2-case2-update-ms",
             "table2-case2-optimisation-ms",
         ],
     ),
@@ -121,7 +119,7 @@ pub(super) fn answer(quick: bool, answers: &mut Answers) {
 
 fn case(
     level: u8,
-    ids: [&'static str; 5],
+    ids: [&'static str; 4],
     coupled: Times,
     printed: Times,
     ticks: usize,
@@ -166,7 +164,7 @@ fn case(
             "free step of the tissue, and its loads",
         ),
         (
-            ids[4],
+            ids[3],
             |times| times.optimise,
             "compliance of the rows and the solver, all passes",
         ),
@@ -175,7 +173,6 @@ fn case(
         let (text, values) = both(of);
         answers.measured(id, text, &values, format!("{how}; {what}"));
     }
-    answers.unmeasured(ids[3], "no stage of its own here: spheres are brought to their places where contact prediction asks, and counted there");
 }
 
 /// What the finer skeleton costs.

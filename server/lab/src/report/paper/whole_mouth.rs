@@ -1,14 +1,14 @@
 //! Table 3, Fig. 19 and the counts of section 3.2: the whole mouth with two hands at work.
 
 use sulcus_cases::mouth::{PROBED, hands, mouth};
-use sulcus_cases::timing::{Percentiles, time};
+use sulcus_cases::statistics::{Interval, Percentiles, percentiles_us};
+use sulcus_cases::timing::time;
 use sulcus_cases::{find, run};
 use sulcus_core::Scene;
 use sulcus_core::tissue::TissueModel;
 
 use super::answers::Answers;
 use super::contact::{Counts, SEED, by_hand, slots};
-use crate::report::statistics::Interval;
 
 /// When both hands are at work, seconds.
 const BEGINS: f64 = 7.0;
@@ -48,7 +48,7 @@ pub(super) fn answer(quick: bool, answers: &mut Answers) {
     let begins = scene.params.ticks_in(BEGINS) as usize;
     let repeats = REPEATS[usize::from(quick)];
     let runs: Vec<Percentiles> = (0..repeats)
-        .map(|_| Percentiles::of(time(&scene, &inputs, |_, _| {}).cpu.split_off(begins)))
+        .map(|_| percentiles_us(time(&scene, &inputs, |_, _| {}).cpu.split_off(begins)))
         .collect();
     // Milliseconds.
     let over = |of: fn(&Percentiles) -> f64| {
