@@ -1,9 +1,12 @@
-//! Grades of the good operator and of every bad habit over seeds, in virtual time.
+//! Grades of the good operator and of every bad habit for a range of seeds, in virtual time.
 //!
 //!     cargo run --release -p sulcus-client --example habits -- bimanual 1 20
 //!
-//! Output: a line for each session, and one for each habit at the end, with scores and the metrics that lost most. A fault is a good
-//! operator who does not pass, or a habit that its own metrics do not name or that costs too little.
+//! Output: a line for each session with score, cost and the metrics under 80, and a line for each habit at the end. A
+//! *cost* is the score of the good operator minus that of the habit, with the same seed.
+//!
+//! A session of the good operator is a fault if it does not pass. A session of a habit is a fault if its cost is under
+//! [`COSTS`] or missing. It is also a fault if the first of the habit's own metrics does not name the habit.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../tests/it/grades/own.rs"]
@@ -58,7 +61,7 @@ struct Arguments {
     json: Option<PathBuf>,
 }
 
-/// A habit, or none for the good operator.
+/// Habit of an operator; `None` for the good operator.
 #[derive(Clone, Copy)]
 struct Graded(Option<Habit>);
 
@@ -130,7 +133,8 @@ fn main() {
             });
             let fault = match habit {
                 None => grade.passed != Some(true),
-                // Without a score there is no cost; and where a tooth is in sight without the mirror, the second metric has nothing to say.
+                // Without a score there is no cost. Only the first metric counts: where a tooth is in sight without the
+                // mirror, the second one has no value.
                 Some(habit) => {
                     costs[k].is_nan() || costs[k] < COSTS || unnamed.contains(&own(habit)[0])
                 }

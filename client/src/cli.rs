@@ -83,16 +83,16 @@ pub struct RunArgs {
     /// Ticks per second of the server, 250 to 8000. Default: the rate of the scene file, else 1000
     #[arg(long, value_name = "HZ")]
     pub rate_hz: Option<u16>,
-    /// Length of the session, seconds. Default: the length of the exercise
+    /// Length of the session, seconds, 0.1 to 86400. Default: the length of the exercise
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
     /// Read called findings from standard input, a line each: tooth, site and depth in mm, then optional recession in
     /// mm (negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3). Example: `36 mb
     /// 5 -2 b`. The simulated operator then calls nothing. The session ends when the operator has finished and the
-    /// input has ended
+    /// input has ended, at the latest at the session's largest length
     #[arg(long)]
     pub readings: bool,
-    /// Random seed of the simulated operator's tremor
+    /// Random seed of the simulated operator: of its tremor and of its habit's errors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Opaque learner id for the recording, never a name: letters, digits, `-` and `_`, with at least one digit

@@ -1,4 +1,4 @@
-//! Called findings from standard input, a line each, from a person or a speech program, while the hands work.
+//! Called findings from standard input, one line each, from a person or a speech program during the session.
 
 use std::io::{BufRead, Read as _};
 use std::sync::Arc;
@@ -125,7 +125,8 @@ fn full(word: &str) -> &str {
     site.name()
 }
 
-/// Next line of at most [`LONGEST`] bytes; `None` at the end of the input. The rest of a longer line is skipped.
+/// Next line of at most [`LONGEST`] bytes; `None` at the end of the input. A longer line is an error, and its rest is
+/// skipped. Bytes that are not UTF-8 are replaced.
 fn next(lines: &mut dyn BufRead) -> std::io::Result<Option<Result<String, TypedError>>> {
     let mut line = Vec::new();
     if (&mut *lines).take(LONGEST).read_until(b'\n', &mut line)? == 0 {
@@ -156,7 +157,7 @@ pub fn listen(
                     Ok(None) => break,
                     Ok(Some(line)) => line,
                     Err(error) => {
-                        tell!("warning: standard input cannot be read, no more readings are taken: {error}");
+                        tell!("warning: standard input cannot be read; later readings are ignored: {error}");
                         break;
                     }
                 };
@@ -177,7 +178,7 @@ pub fn listen(
     Ok(calls)
 }
 
-/// A device with the calls of a person. The calls of the device itself are dropped.
+/// A device with the calls of a person. The events of the device itself are dropped.
 pub struct WithReadings<D> {
     device: D,
     calls: Receiver<Call>,
@@ -203,7 +204,7 @@ impl<D: EventDevice> Device for WithReadings<D> {
         self.device.exchange(shown)
     }
     fn is_done(&self) -> bool {
-        // The input may still hold calls.
+        // Until the input ends, a call may still arrive.
         self.ended && self.device.is_done()
     }
 }

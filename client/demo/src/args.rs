@@ -13,7 +13,8 @@ pub struct DemoArgs {
     /// Run without sockets and without a clock, faster than real time
     #[arg(long = "virtual")]
     pub virtual_time: bool,
-    /// Length of the session, seconds. Default: the length of the exercise. A hard case ignores this option
+    /// Length of the session, seconds, 0.1 to 86400. Default: the length of the exercise. A hard case ignores this
+    /// option
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
     /// Exercise: a name of `--list-exercises`, an exercise file that ends in .toml, or a hard case as `hard/NAME`
@@ -29,8 +30,8 @@ pub struct DemoArgs {
     /// Scene file (TOML). Default: the scene of the exercise (a molar, a molar with a pocket, or a whole mouth)
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Random seed of the generated patient and of the hand's tremor. Default: the scene's patient, and 1 for the
-    /// tremor
+    /// Random seed of the generated patient, of the hand's tremor and of the habit's errors. Default: the scene's
+    /// patient, and 1 for tremor and errors
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// Solver of the tick: `active-set`, or the independent `clarabel`, which is slower than real time: use it with

@@ -1,11 +1,11 @@
-//! Depths that the simulated operator calls, as events for the recording.
+//! Findings that the simulated operator calls, as events for the recording.
 
 use sulcus_connection::device::DeviceEvent;
 use sulcus_core::Scene;
 use sulcus_operator::Operator;
 use sulcus_sessions::exercise::events::call::{Call, READING_CALLED};
 
-/// Calls of the operator since the previous call of this function.
+/// Calls of the operator since the previous use of this function, none with a furcation.
 pub fn calls(operator: &mut Operator) -> Vec<Call> {
     let call = |said: sulcus_operator::Call| Call {
         tooth: said.tooth,
@@ -18,7 +18,7 @@ pub fn calls(operator: &mut Operator) -> Vec<Call> {
     operator.calls().into_iter().map(call).collect()
 }
 
-/// A call as an event of a device.
+/// Event of a device for a call, with the kind [`READING_CALLED`].
 pub fn event(call: &Call) -> DeviceEvent {
     DeviceEvent {
         kind: READING_CALLED,
@@ -26,7 +26,7 @@ pub fn event(call: &Call) -> DeviceEvent {
     }
 }
 
-/// A call beside the prescribed depth of the scene.
+/// Called depth beside the prescribed depth of the scene.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Called {
     /// FDI number of the tooth.
@@ -40,7 +40,7 @@ pub struct Called {
 }
 
 impl Called {
-    /// A call with the depth that `scene` prescribes; `None` if the tooth has no pocket in the scene.
+    /// Depth of `call` and the depth that `scene` prescribes; `None` if the tooth has no pocket in the scene.
     pub fn of(call: &Call, scene: &Scene) -> Option<Self> {
         Some(Self {
             tooth: call.tooth,

@@ -1,4 +1,4 @@
-//! The check at the end of a demo: the recording replayed, every tick observed, the session graded.
+//! Check at the end of a demo: a replay of the recording in which every tick is observed, and the grade.
 
 use std::path::{Path, PathBuf};
 
@@ -15,43 +15,46 @@ use crate::summary::{EventsSummary, PocketSummary, SiteSummary, TissueSummary};
 use crate::zones::{entered, zone_line};
 use sulcus_connection::progress::Steps;
 
-/// Looks at the residual and at the shape of tissue in a session, about: each goes over all pairs of spheres and takes as long as ten
-/// ticks in the whole mouth. A short session is looked at in every tick.
+/// Largest number of full queries in a session, without the query of the last tick.
+///
+/// A full query measures the residual and the shape of tissue over all pairs of spheres. In the whole mouth it takes as
+/// long as ten ticks. A session of at most this many ticks has a query in every tick.
 const LOOKS: u64 = 6000;
 
-/// What the replay found.
+/// Result of the check.
 pub struct Checked {
-    /// The replay's own report.
+    /// Report of the replay.
     pub report: ReplayReport,
-    /// The measures of the session, by full queries of all pairs.
+    /// Measures of the session, SI units. Residual and shapes of tissue come from full queries of all pairs.
     pub measures: Measures,
-    /// Every how many ticks such a query was made.
+    /// Number of ticks from one full query to the next; 1 in a short session. The last tick always has a query.
     pub residual_every: u64,
-    /// A line for each time that a hand became too heavy in a pocket.
+    /// Lines for a person, each for the entry of a hand into a heavier zone of force in a pocket.
     pub zones: Vec<String>,
-    /// What a probe read.
+    /// Readings of the probe for each site that the tip reached.
     pub chart: Chart,
-    /// How often what happened.
+    /// Counts of the events.
     pub tally: Tally,
-    /// Depths that were called.
+    /// Called depths in the order of the recording, without calls for teeth that have no pocket in the scene.
     pub calls: Vec<Called>,
-    /// The grade; none where nothing is asked that is graded.
+    /// Grade; `None` for an exercise without a rubric.
     pub grade: Option<Grade>,
-    /// The student's page, or why it could not be written; none where there is no grade to show.
+    /// Path of the student's page, or the reason why it could not be written. `None` without a grade, and in a mode
+    /// other than practice.
     pub page: Option<Result<PathBuf, String>>,
-    /// Whether anything in the scene yields.
+    /// Whether the scene has an object that yields.
     yields: bool,
-    /// Size of the file.
+    /// Size of the recording, bytes.
     pub bytes: u64,
 }
 
 impl Checked {
-    /// Whether the signatures hold.
+    /// Whether the signature of the whole recording is valid and every recorded head of the chain is correct.
     pub fn signature_valid(&self) -> bool {
         matches!(self.report.signature, Signature::Valid { .. }) && self.report.chain_ok
     }
 
-    /// What was read in pockets; none where no tool was in one.
+    /// Readings in pockets; `None` if no tool was in a pocket.
     pub fn pocket(&self) -> Option<PocketSummary> {
         let sites = self.chart.sites();
         let [_, too_heavy, trauma, damage] = self.chart.zones;
@@ -73,12 +76,12 @@ impl Checked {
         })
     }
 
-    /// What happened, in numbers.
+    /// Counts of the events, and the calls.
     pub fn events(&self) -> EventsSummary {
         EventsSummary::new(&self.tally, self.calls.clone())
     }
 
-    /// How tissue fared; none where nothing yields.
+    /// Motion of the tissue; `None` for a scene in which nothing yields.
     pub fn tissue(&self) -> Option<TissueSummary> {
         let m = &self.measures;
         self.yields.then_some(TissueSummary {
@@ -92,10 +95,11 @@ impl Checked {
     }
 }
 
-/// Replays the recording at `path`, and writes the student's page beside it where the mode shows a grade.
+/// Replays and grades the recording at `path`. In practice the student's page is written beside the recording.
 ///
 /// # Errors
-/// When it cannot be read.
+/// The recording or its scene, exercise or rubric cannot be read. A page that cannot be written is no error: see
+/// [`Checked::page`].
 pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let recording = Recording::open(path)?;
     let scene = recording.scene()?;
@@ -114,7 +118,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
         &ReplayOptions::default(),
         &mut |ticks| bar.set("replaying", ticks as f64 / rows as f64),
         &mut |scene, input, output, ws| {
-            // How tissue is left is looked at in any case.
+            // The shape of the tissue at the end is measured in every session.
             if Some(output.tick) == last {
                 observer.residual_every = 1;
             }
@@ -130,7 +134,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     bar.done();
     let bytes = std::fs::metadata(path)?.len();
     let tally = *watcher.events.tally();
-    // One replay for the check and the grade.
+    // Check and grade share one replay.
     let grade = standard.map(|standard| {
         let standard = Some(&standard);
         finish(&recording, &scene, &exercise, standard, watcher, &report)

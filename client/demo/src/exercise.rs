@@ -1,4 +1,4 @@
-//! Exercises for the demo and for `run`: scene, script and simulated operator.
+//! Exercises of the demo and of `run`: scene, script and simulated operator.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -93,7 +93,7 @@ impl Prepared {
     /// Definition of the exercise for a recording (TOML), with `seed`.
     ///
     /// # Errors
-    /// None for an exercise that was read from a valid text.
+    /// The definition cannot be written as TOML. An exercise from a valid text has no such error.
     pub fn definition(&self, seed: u64) -> anyhow::Result<String> {
         Ok(self.exercise.definition(seed)?)
     }
@@ -102,7 +102,7 @@ impl Prepared {
     /// rubric.
     ///
     /// # Errors
-    /// None for a built-in rubric.
+    /// The rubric cannot be written as TOML. A built-in rubric has no such error.
     pub fn rubric(&self) -> anyhow::Result<String> {
         let rubric = Rubric::of(&self.exercise);
         let text = rubric.map(|rubric| rubric.definition()).transpose()?;
@@ -255,8 +255,8 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
             bail!("habit `{habit}` needs an exercise with probing, but `{name}` is a hard case");
         }
         hard = Some(case);
-        // Some cases of the table move the tool without a hand, for exact numbers. In the demo a hand follows the
-        // same script, for the picture.
+        // Some cases of the table move the tool without a hand, for exact numbers. In the demo a hand follows the same
+        // script.
         let mut scene = (case.scene)();
         at_rate(&mut scene, asked.rate_hz)?;
         match case.driver {

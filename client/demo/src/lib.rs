@@ -1,4 +1,4 @@
-//! The demo: a whole session with a simulated operator, recorded, replayed and graded.
+//! Demo of a whole session with a simulated operator: recorded, replayed and graded.
 //!
 //! [`exercise`] prepares a scene and an operator for an exercise. [`lockstep`] performs the exercise in virtual time,
 //! `live` in real time against a server in the same process (feature `embedded`). [`check`] replays and grades the
@@ -28,11 +28,14 @@ use crate::args::DemoArgs;
 use sulcus_connection::progress::Steps;
 use summary::DemoSummary;
 
-/// Runs the demo; returns the exit code.
+/// Runs the demo, or lists the exercises, and prints the result to standard output. Returns the exit code.
+///
+/// The code is 0 for a success. It is 1 if the replay differs, the signature is not valid or the recording cannot be
+/// graded. It is 2 if the student's page cannot be written.
 ///
 /// # Errors
-/// On bad input: an unknown exercise, a scene file that cannot be used, a folder that cannot be
-/// written.
+/// An unknown exercise, an invalid scene file, a folder or a recording that cannot be written, or a session that ends
+/// early.
 pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     if args.list_exercises {
         for (name, about) in exercise::list() {
@@ -91,7 +94,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     ))
 }
 
-/// A page that was written, or why it was not.
+/// Path of the page, and the reason why it could not be written. At most one of the two is there.
 fn either(page: Option<Result<PathBuf, String>>) -> (Option<PathBuf>, Option<String>) {
     match page {
         Some(Ok(page)) => (Some(page), None),
@@ -106,7 +109,7 @@ use live::run as run_live;
 #[cfg(not(feature = "embedded"))]
 fn run_live(_: &DemoArgs, _: exercise::Prepared, _: &Steps) -> anyhow::Result<DemoSummary> {
     anyhow::bail!(
-        "this client was built without an embedded server: use --virtual, or `run` with a server"
+        "this client has no embedded server, which a demo in real time needs: give --virtual, or join a server with `run`"
     )
 }
 

@@ -1,4 +1,4 @@
-//! The live demo: embedded server on loopback, real QUIC, the simulated operator as the device.
+//! Live demo: an embedded server on the loopback interface, QUIC, and the simulated operator as the device.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -17,10 +17,10 @@ use sulcus_connection::link::{Link, LinkConfig};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 
-/// Runs `prepared` live.
+/// Performs `prepared` in real time and checks the recording. Returns the summary.
 ///
 /// # Errors
-/// When the server does not start, the session ends early, or its recording cannot be read.
+/// The server does not start or is lost, the server ends the session, or the recording cannot be read.
 pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
     let (name, scene) = (prepared.exercise.name.clone(), prepared.scene.clone());
     let mut config = ServerConfig::new(
@@ -68,19 +68,19 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     let recording: PathBuf = args.recordings.join(&summary.recording);
     if summary.end != EndReason::Stopped {
         bail!(
-            "{}; what was recorded until then is {}",
+            "{}; the part recorded until then is {}",
             goodbye.text,
             recording.shown()
         );
     }
     if !summary.complete {
         tell!(
-            "warning: the recording is not complete ({} rows dropped): it cannot be graded",
+            "warning: the recording cannot be graded because it is not complete; rows dropped: {}",
             summary.rows_dropped
         );
     }
     let checked = check::check(&recording, steps)?;
-    // (The wire carries no readings: what happened is known from the replay.)
+    // The wire carries no readings of pockets. The lines therefore come from the replay.
     for line in &checked.zones {
         tell!("{line}");
     }

@@ -1,4 +1,4 @@
-//! `demo --virtual`: operator, core and recorder in lock-step, without sockets or clock.
+//! `demo --virtual`: operator, core and recorder in lock-step, without sockets and without a clock.
 
 use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -22,24 +22,26 @@ use crate::zones::{entered, zone_line};
 use sulcus_connection::interrupt;
 use sulcus_connection::progress::Steps;
 
-/// What the lock-step run measured.
+/// Measures of a run in lock-step.
 pub struct Lockstep {
-    /// Where the recording is.
+    /// Path of the recording.
     pub recording: PathBuf,
-    /// Ticks computed.
+    /// Number of ticks computed.
     pub ticks: u64,
-    /// Thread CPU time of a tick.
+    /// CPU time of the thread for a tick, microseconds.
     pub tick_us: Percentiles,
-    /// Wall time of a tick.
+    /// Wall time of a tick, microseconds.
     pub tick_wall_us: Percentiles,
     /// Wall time of operator, ticks and recording together, seconds.
     pub wall_s: f64,
 }
 
-/// Runs `prepared` to its end into a new recording under `folder`.
+/// Performs `prepared` into a new recording under `folder`, to the end of the session or to an interrupt (Ctrl-C).
+///
+/// `seed` is recorded, in the header and in the exercise's definition. The recording is signed with `key`.
 ///
 /// # Errors
-/// When the recording cannot be written.
+/// The recording cannot be written, or the clock of the machine is before 1970.
 pub fn run(
     prepared: &mut Prepared,
     seed: u64,
@@ -50,7 +52,7 @@ pub fn run(
     let ticks = prepared.ticks;
     let started = SystemTime::now()
         .duration_since(UNIX_EPOCH)
-        .context("the clock is before 1970")?
+        .context("the clock of the machine is before 1970; set the clock")?
         .as_nanos() as u64;
     let mut header = SessionHeader::new(prepared.scene_bytes.as_ref().clone());
     header.exercise_name = prepared.exercise.name.clone();
@@ -71,7 +73,7 @@ pub fn run(
     let (mut cpu, mut wall) = (Times::up_to(1), Times::up_to(1));
     let mut shown = Shown::NOTHING;
     let mut observer = Observer::new(&scene);
-    // Counts only here: the full query of all pairs comes with the check.
+    // The run needs only counts. The check at the end makes the full queries of all pairs.
     observer.residual_every = u64::MAX;
     let mut events = Events::new(&scene, &prepared.exercise);
     let bar = steps.bar("performing");
@@ -139,7 +141,7 @@ pub fn run(
     })
 }
 
-/// What the wire would carry: f32, widened.
+/// Wrenches and graphic poses of `output` as a device receives them: rounded to f32 as on the wire, then widened.
 pub fn as_sent(output: &TickOutput) -> Shown {
     let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
     Shown {

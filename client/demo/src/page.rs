@@ -1,4 +1,4 @@
-//! The student's page beside a recording: the page that `sulcus-sessions grade --html` writes.
+//! Student's page beside a recording, the same as the page of `sulcus-sessions grade --html`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,10 +8,12 @@ use sulcus_sessions::grade::Graded;
 use sulcus_sessions::grade::class::{Session, Shown};
 use sulcus_sessions::pages::{Look, Numbering, student_page};
 
-/// Writes the page of a session in practice; the path is the recording's with the ending `.html`.
+/// Writes the student's page of a graded session, and returns its path: that of the recording, with the ending `.html`.
+///
+/// `recorded` is the mode in the recording's header; `None` counts as the default mode.
 ///
 /// # Errors
-/// When it cannot be written: one sentence.
+/// The file cannot be written. The message is one sentence that names the file.
 pub fn write(recording: &Path, recorded: Option<Mode>, graded: &Graded) -> Result<PathBuf, String> {
     let name = recording.file_name().unwrap_or(recording.as_os_str());
     let session = Session {

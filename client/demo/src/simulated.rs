@@ -1,4 +1,4 @@
-//! The simulated operator as a device.
+//! Simulated operator as a device.
 
 use sulcus_connection::device::{DeviceEvent, EventDevice};
 use sulcus_core::{MAX_TOOLS, ToolInput};
@@ -7,7 +7,7 @@ use sulcus_operator::Operator;
 
 use crate::calls::{calls, event};
 
-/// The simulated operator as a device.
+/// Device whose hands are those of a simulated operator.
 pub struct Simulated {
     /// Operator that performs the exercise.
     pub operator: Operator,

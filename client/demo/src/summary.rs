@@ -1,4 +1,4 @@
-//! What a demo came to, for people and as JSON (the fields of the design, section 7).
+//! Summary of a demo, as text for a person and as JSON.
 
 use std::path::PathBuf;
 
@@ -12,158 +12,161 @@ use sulcus_sessions::{Grade, Mode};
 
 use crate::calls::Called;
 
-/// One run.
+/// Summary of one demo.
+///
+/// An absent value is `null` in the JSON. *Virtual time* is a run without a clock.
 #[derive(Clone, Debug, Serialize)]
 pub struct DemoSummary {
-    /// Where the recording is.
+    /// Path of the recording.
     #[serde(serialize_with = "sulcus_program::path::text")]
     pub recording: PathBuf,
-    /// Exercise performed.
+    /// Name of the exercise.
     pub exercise: String,
-    /// Scene it was performed in.
+    /// Name of the scene.
     pub scene: String,
-    /// Whether it ran in virtual time.
+    /// Whether the session ran in virtual time.
     #[serde(rename = "virtual")]
     pub virtual_time: bool,
-    /// What the session was for.
+    /// Purpose of the session.
     pub mode: Mode,
-    /// Ticks a second.
+    /// Ticks per second.
     pub rate_hz: u16,
-    /// Ticks computed.
+    /// Number of ticks computed.
     pub ticks: u64,
-    /// Ticks that ended after their period or were skipped; 0 in virtual time.
+    /// Number of ticks that ended after their period or were skipped; 0 in virtual time.
     pub deadline_misses: u64,
-    /// Ticks of the clock's grid that were skipped; 0 in virtual time.
+    /// Number of ticks of the clock's grid that were skipped; 0 in virtual time.
     pub skipped: u64,
-    /// Thread CPU time of a tick.
+    /// CPU time of the thread for a tick, microseconds.
     pub tick_us: Percentiles,
-    /// Wall time of a tick.
+    /// Wall time of a tick, microseconds.
     pub tick_wall_us: Percentiles,
-    /// From a pose to the first wrench that answers it, waiting for the server's next tick included; null
-    /// in virtual time.
+    /// Time from a pose to the first wrench that answers it, microseconds, with the wait for the server's next tick.
+    /// `None` in virtual time, and if no pose was answered.
     pub rtt_us: Option<Percentiles>,
-    /// The same without the time that the server held the pose; null in virtual time.
+    /// [`DemoSummary::rtt_us`] without the time that the server held the pose, microseconds; `None` likewise.
     pub network_us: Option<Percentiles>,
-    /// Deepest penetration of any converged tick that was looked at, by a full query of all pairs.
+    /// Deepest penetration in the converged ticks that had a full query of all pairs, micrometres.
     pub max_residual_um: f64,
-    /// Every how many ticks it was looked at: 1 in a short session.
+    /// Number of ticks from one full query to the next; 1 in a short session.
     pub residual_every: u64,
-    /// Tool-ticks whose substeps ran out, after arrival.
+    /// Number of tool-ticks whose substeps ran out, after the tool's arrival.
     pub exhausted: u64,
-    /// Largest force sent to a hand.
+    /// Largest force sent to a hand, newtons.
     pub max_force_n: f64,
-    /// Energy of the force displayed; null in virtual time, where nothing is displayed late.
+    /// Energy of the displayed force; `None` in virtual time, which has no display loop.
     pub passivity: Option<PassivitySummary>,
-    /// Datagrams that never arrived, both ways.
+    /// Number of datagrams that never arrived, in both directions together; 0 in virtual time.
     pub lost: u64,
-    /// Datagrams that arrived after a newer one, both ways.
+    /// Number of datagrams that arrived after a newer datagram, in both directions together; 0 in virtual time.
     pub late: u64,
-    /// Whether the replay gave the same hashes for every tick.
+    /// Whether the replay gave the recorded hash, wrench and status in every tick, and the state of every snapshot.
     pub identical: bool,
-    /// First tick that differs, if any.
+    /// First tick that differs; `None` if no tick differs.
     pub first_divergent_tick: Option<u64>,
     /// Whether a grade may rest on the recording.
     pub gradable: bool,
-    /// Whether the recording's signatures hold.
+    /// Whether the signature of the whole recording and its chain of hashes are valid.
     pub signature_valid: bool,
-    /// Speed of the simulation against real time; about 1 when live.
+    /// Simulated time divided by the time of the run; about 1 in real time.
     pub realtime_factor: f64,
-    /// Speed of the replay against real time.
+    /// Simulated time divided by the time of the replay.
     pub replay_realtime_factor: f64,
-    /// Size of the recording.
+    /// Size of the recording, bytes.
     pub recording_bytes: u64,
-    /// What was read in pockets; null where no tool was in one, and after anything but practice.
+    /// Readings in pockets; `None` if no tool was in a pocket, and after [`DemoSummary::withhold`].
     pub pocket: Option<PocketSummary>,
-    /// How tissue fared; null where nothing yields.
+    /// Motion of the tissue; `None` for a scene in which nothing yields.
     pub tissue: Option<TissueSummary>,
-    /// What happened in the exercise, found in the replay.
+    /// Events of the exercise, found in the replay.
     pub events: Option<EventsSummary>,
-    /// What the program proposes as a grade; null where nothing is asked that is graded, and after anything but practice.
+    /// Proposed grade; `None` for an exercise without a rubric, and after [`DemoSummary::withhold`].
     pub grade: Option<Grade>,
-    /// The student's page (HTML) beside the recording; null where there is no grade to show.
+    /// Path of the student's page (HTML) beside the recording. `None` without a grade, in a mode other than practice,
+    /// and if the page could not be written.
     #[serde(serialize_with = "sulcus_program::path::text_or_null")]
     pub page: Option<PathBuf>,
-    /// Why the page could not be written; null where it was, and where there is none.
+    /// Reason why the page could not be written; `None` if it was written or is not due.
     pub page_error: Option<String>,
 }
 
-/// Energy of the force displayed.
+/// Energy of the displayed force.
 #[derive(Clone, Debug, Serialize)]
 pub struct PassivitySummary {
-    /// Most that it had put out into a hand, net, since a contact began.
+    /// Largest net energy that the force put out into a hand since a contact began, millijoules.
     pub energy_out_mj: f64,
-    /// What the passivity controller took out.
+    /// Energy removed by the passivity controllers of both hands, millijoules.
     pub energy_taken_mj: f64,
-    /// Periods of a hand in which the controller acted.
+    /// Number of periods in which a passivity controller acted, summed over both hands.
     pub damped_periods: u64,
 }
 
-/// What was read in pockets.
+/// Readings in pockets.
 #[derive(Clone, Debug, Serialize)]
 pub struct PocketSummary {
-    /// Each zone of the circumference that was reached.
+    /// Zones that the tip of a probe reached.
     pub sites: Vec<SiteSummary>,
-    /// Times that a hand became too heavy on the floor.
+    /// Number of entries of a hand into the zone of force "too heavy".
     pub too_heavy: u64,
-    /// Times that it became so heavy that healthy tissue bleeds.
+    /// Number of entries into the zone in which healthy tissue bleeds.
     pub trauma: u64,
-    /// Times that it did damage.
+    /// Number of entries into the zone of damage.
     pub damage: u64,
 }
 
-/// One zone of one tooth.
+/// Readings in one zone of one tooth.
 #[derive(Clone, Debug, Serialize)]
 pub struct SiteSummary {
-    /// FDI number.
+    /// FDI number of the tooth; 0 in a scene without numbers.
     pub tooth: u8,
-    /// Name of the zone.
+    /// Name of the site.
     pub site: &'static str,
-    /// Depth that is prescribed there.
+    /// Prescribed depth, millimetres.
     pub truth_mm: f64,
-    /// Deepest reading at correct force; null when the force never was.
+    /// Deepest reading at a correct force, millimetres; `None` if the force was never correct.
     pub measured_mm: Option<f64>,
-    /// Deepest that the tip was.
+    /// Largest depth of the tip at any force, millimetres.
     pub deepest_mm: f64,
-    /// Largest force on the floor.
+    /// Largest force on the floor, newtons.
     pub max_force_n: f64,
 }
 
-/// How tissue fared.
+/// Motion of the tissue, and quality of the contact force.
 #[derive(Clone, Debug, Serialize)]
 pub struct TissueSummary {
-    /// Largest displacement of any leaf sphere.
+    /// Largest displacement of any leaf sphere from its rest in the ticks with a full query, millimetres.
     pub indentation_mm: f64,
-    /// Displacement of the farthest leaf at the end.
+    /// Largest displacement of any leaf sphere from its rest in the last tick, micrometres.
     pub unrest_um: f64,
-    /// Largest force before clamp and slew.
+    /// Largest force before ramp, clamp and slew, newtons.
     pub max_raw_force_n: f64,
-    /// Mean second difference of the raw force per tick.
+    /// Mean length of the second difference of the raw force over tool-ticks under load, newtons.
     pub buzz_n: f64,
-    /// Largest difference between the contacts' loads and the wrench, relative.
+    /// Largest difference between the sum of the contacts' loads and the raw wrench, relative to the loads.
     pub imbalance: f64,
-    /// Contact normals that flipped.
+    /// Number of loaded pairs of spheres whose normal turned by more than 90 degrees from one tick to the next.
     pub flips: u64,
 }
 
-/// What happened in the exercise.
+/// Events of an exercise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EventsSummary {
-    /// How many of each kind.
+    /// Number of events of each kind.
     pub counts: BTreeMap<&'static str, u64>,
-    /// Times that the tilt became wrong.
+    /// Number of times that the tilt became wrong.
     pub wrong_angles: u64,
-    /// Share of the time in which the target was visible past the tongue; null without a target.
+    /// Share of the time with a visible target, 0 to 1; `None` without a target.
     pub visible_share: Option<f64>,
-    /// Mean share of the target that the tongue left free; null without a target.
+    /// Mean share of the target that the tongue left free, 0 to 1; `None` without a target.
     pub mean_free: Option<f64>,
-    /// Mean share that tongue and mirror left free; null without a target.
+    /// Mean share of the target that tongue and mirror left free, 0 to 1; `None` without a target.
     pub mean_free_past_mirror: Option<f64>,
-    /// Depths that were called, in order.
+    /// Called depths in the order of the recording; empty after [`DemoSummary::withhold`].
     pub calls: Vec<Called>,
 }
 
 impl EventsSummary {
-    /// From counts and calls.
+    /// Events from the counts of a session and its calls.
     pub fn new(tally: &Tally, calls: Vec<Called>) -> Self {
         Self {
             counts: tally.counts().collect(),
@@ -179,7 +182,7 @@ impl EventsSummary {
         let count = |kind: &str| self.counts.get(kind).copied().unwrap_or(0);
         if count("site_reached") > 0 {
             lines.push(format!(
-                "walking       {} zones reached, floor felt {} times, {} tilts wrong, {} times withdrawn, {} bleed",
+                "walking       {} zones reached, floor felt {} times, {} wrong tilts, {} withdrawals, {} times bleeding",
                 count("site_reached"),
                 count("floor_felt"),
                 self.wrong_angles,
@@ -240,14 +243,14 @@ impl PocketSummary {
 impl TissueSummary {
     fn line(&self) -> String {
         format!(
-            "tissue        {:.1} mm at most, {:.2} um from rest at the end, buzz {:.4} N",
+            "tissue        displaced {:.1} mm at most, {:.2} um at the end, buzz {:.4} N",
             self.indentation_mm, self.unrest_um, self.buzz_n
         )
     }
 }
 
 impl DemoSummary {
-    /// Leaves out what a learner is not to see before their own score is given, or before an exam is over: depths and grade.
+    /// Removes depths, calls and grade, which a learner must not see in a self-assessment or an exam.
     pub fn withhold(&mut self) {
         (self.pocket, self.grade) = (None, None);
         if let Some(events) = &mut self.events {
@@ -255,7 +258,7 @@ impl DemoSummary {
         }
     }
 
-    /// The summary for people.
+    /// Text of the summary, in lines for a terminal, with the commands for the recording at the end.
     pub fn text(&self) -> String {
         let times = |p: &Percentiles| {
             format!(
@@ -292,7 +295,7 @@ impl DemoSummary {
         ];
         if let Some(rtt) = &self.rtt_us {
             lines.push(format!(
-                "round trip    {} (waiting for the tick included)",
+                "round trip    {} (with the wait for the server's tick)",
                 times(rtt)
             ));
             lines.push(format!(
@@ -302,7 +305,7 @@ impl DemoSummary {
         }
         if let Some(network) = &self.network_us {
             lines.push(format!(
-                "network       {} (of it, both ways)",
+                "network       {} (both ways, without the time at the server)",
                 times(network)
             ));
         }
@@ -311,14 +314,14 @@ impl DemoSummary {
             self.max_residual_um,
             match self.residual_every {
                 1 => String::new(),
-                every => format!(" (one tick of {every} looked at)"),
+                every => format!(" (measured in one tick of {every})"),
             },
             self.exhausted
         ));
         lines.push(format!("force         {:.2} N at most", self.max_force_n));
         if let Some(passivity) = &self.passivity {
             lines.push(format!(
-                "energy        {:.3} mJ put out at most, {:.3} mJ taken out in {} damped periods",
+                "energy        {:.3} mJ put out at most, {:.3} mJ removed in {} damped periods",
                 passivity.energy_out_mj, passivity.energy_taken_mj, passivity.damped_periods
             ));
         }
@@ -347,7 +350,7 @@ impl DemoSummary {
             lines.push("grading       NOT POSSIBLE: the recording is not complete".into());
         } else if self.mode != Mode::Practice {
             lines.push(format!(
-                "grading       {}: see below; depths and grade are not shown here",
+                "grading       {}: depths and grade are not shown here; see the command below",
                 self.mode
             ));
         }
@@ -372,18 +375,21 @@ impl DemoSummary {
                 page.shown()
             ));
         }
-        lines.push("  look at the session in Rerun, moment by moment:".into());
+        lines.push("  review the session in Rerun:".into());
         lines.push(format!(
             "    {cargo} sulcus-view --features rerun --bin sulcus-review -- {recording}"
         ));
-        lines.push("  list its contents, replay it with an independent solver as judge:".into());
+        lines.push(
+            "  list the contents of the recording, replay it with an independent solver as judge:"
+                .into(),
+        );
         for command in ["info", "replay --audit"] {
             lines.push(format!(
                 "    {cargo} sulcus-sessions -- {command} {recording}"
             ));
         }
         if self.page.is_none() && (self.grade.is_some() || self.mode != Mode::Practice) {
-            lines.push("  grade it:".into());
+            lines.push("  grade the session:".into());
             lines.push(format!(
                 "    {cargo} sulcus-sessions -- grade --html pages {recording}"
             ));
@@ -392,10 +398,10 @@ impl DemoSummary {
     }
 }
 
-/// The grade, in short: the whole of it is for `sulcus-sessions grade`.
+/// Lines with score, result and advice. `sulcus-sessions grade` prints the whole grade.
 fn grade_lines(grade: &Grade) -> Vec<String> {
     let Some(score) = grade.score else {
-        let why = grade.reason.as_deref().unwrap_or("for no reason known");
+        let why = grade.reason.as_deref().unwrap_or("the reason is unknown");
         return vec![format!("grade         NONE: {why}")];
     };
     let rubric = grade.rubric.as_ref().map_or(String::new(), |used| {

@@ -1,9 +1,9 @@
-//! Hands that become too heavy in a pocket, as a line for people.
+//! Entries of a hand into a heavier zone of force in a pocket, as lines for a person.
 
 use sulcus_core::TickOutput;
 use sulcus_core::output::{ForceZone, PocketReading};
 
-/// The readings of tools that entered a heavier zone of force in this tick.
+/// Slots and readings of the tools that entered a heavier zone of force in this tick.
 pub fn entered(output: &TickOutput) -> impl Iterator<Item = (usize, PocketReading)> + '_ {
     let readings = output.tools.iter().enumerate();
     readings.filter_map(|(tool, out)| {
@@ -12,7 +12,7 @@ pub fn entered(output: &TickOutput) -> impl Iterator<Item = (usize, PocketReadin
     })
 }
 
-/// One line for people.
+/// Line for a person: time of the session, seconds, force on the floor, newtons, and meaning of the zone.
 pub fn zone_line(seconds: f64, reading: &PocketReading) -> String {
     let what = match reading.zone {
         ForceZone::Light => "light again",

@@ -1,13 +1,18 @@
-//! Scenes without what the tick does not read.
+//! Scenes reduced to the parts that the tick reads.
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Blending, DisplayMesh, Object, Scene, SphereTree};
 
-/// Level at which what is rigid is touched where a scene has to be small.
+/// Largest contact level of tools and rigid objects in a scene that has to be small.
 const COARSE: u8 = 2;
 
-/// The scene without meshes, finer levels than those in contact, a second level of detail, and the objects that are not kept; with
-/// coarser tools and teeth where asked.
+/// Reduced `scene`: without meshes, without levels finer than the contact level, and without a second level of detail.
+///
+/// Only the objects for which `keep` is true remain. With `coarse`, tools and rigid objects have at most the contact
+/// level [`COARSE`].
+///
+/// # Errors
+/// The reduced scene is not valid.
 pub fn small(
     mut scene: Scene,
     keep: impl Fn(&Object) -> bool,
@@ -43,7 +48,7 @@ pub fn small(
     Ok(scene)
 }
 
-/// A tree without the levels below `level`. Bounds still enclose what is gone: they may.
+/// `tree` without the levels finer than `level`. The bounds still enclose the removed spheres, which is permitted.
 fn up_to(tree: &SphereTree, level: u8) -> anyhow::Result<SphereTree> {
     let nodes = tree
         .nodes()

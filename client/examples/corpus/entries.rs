@@ -1,4 +1,4 @@
-//! What is in the corpus.
+//! Entries of the corpus: exercises and hard cases, with scene, operator and disturbance of the input.
 
 use anyhow::Context;
 use sulcus_cases::table::Driver;
@@ -12,19 +12,19 @@ use sulcus_sessions::Exercise;
 
 use crate::cut;
 
-/// One recording.
+/// Source of one recording.
 pub struct Entry {
-    /// Name of the file.
+    /// Name of the file, without its ending.
     pub name: &'static str,
     /// Name of the exercise, or `hard/NAME`.
     pub exercise: &'static str,
-    /// The scene.
+    /// Makes the scene.
     pub scene: fn() -> anyhow::Result<Scene>,
-    /// How much of it is performed, seconds; a hard case has its own length.
+    /// Length of the performance, seconds. A hard case ignores this field and has its own length.
     pub performed_s: f64,
-    /// How many ticks are recorded at most.
+    /// Largest number of ticks recorded.
     pub ticks: u64,
-    /// What an instructor and the network do to the input.
+    /// Disturbs the input of a tick as an instructor or the network does. The number of the tick counts from 0.
     pub disturb: fn(u64, &mut TickInput),
 }
 
@@ -83,7 +83,7 @@ const HARD: [Entry; 8] = hard![
     "wedge" "peg-in-hole" "infeasible" "thin-plate-0.3mm-2" "nan-poses" "two-probes" "tongue-teleport" "pocket-flicker"
 ];
 
-/// All recordings.
+/// All entries.
 pub const ENTRIES: [&Entry; 15] = {
     let mut all = [&EXERCISES[0]; 15];
     let mut k = 0;
@@ -94,7 +94,8 @@ pub const ENTRIES: [&Entry; 15] = {
     all
 };
 
-/// A pause, a limit of force, skipped ticks, a stale and an absent tool, one after the other, again and again.
+/// Disturbance of the input with a period of 600 ticks: a pause, a force limit, skipped ticks, a stale and an absent
+/// tool.
 fn commands(tick: u64, input: &mut TickInput) {
     let k = tick % 600;
     input.paused = (50..100).contains(&k);
@@ -110,21 +111,21 @@ fn built_in(which: BuiltIn) -> anyhow::Result<Scene> {
     cut::small(scene, |_| true, false)
 }
 
-/// The crown at two thousand ticks a second.
+/// Scene of the exercise `crown` at 2000 ticks per second.
 fn fast() -> anyhow::Result<Scene> {
     let mut scene = built_in(BuiltIn::Crown)?;
     scene.params.rate_hz = 2000;
     Ok(scene)
 }
 
-/// The crown with Clarabel in the tick.
+/// Scene of the exercise `crown` with the solver Clarabel.
 fn judged() -> anyhow::Result<Scene> {
     let mut scene = built_in(BuiltIn::Crown)?;
     scene.params.solver = SolverKind::Clarabel;
     Ok(scene)
 }
 
-/// Of the whole mouth the tooth that the bimanual exercise begins with, its gingiva, and the tongue.
+/// Part of the whole mouth: tooth 36, with which the exercise `bimanual` begins, its gingiva, and the tongue.
 fn one_tooth() -> anyhow::Result<Scene> {
     let scene = exercise::compile(None, BuiltIn::Mouth, None, &Steps)?.scene;
     cut::small(
@@ -135,7 +136,10 @@ fn one_tooth() -> anyhow::Result<Scene> {
 }
 
 impl Entry {
-    /// The exercise, as long as it is performed.
+    /// Exercise with the length of the performance. A hard case is a free exercise.
+    ///
+    /// # Errors
+    /// The name of the exercise is unknown.
     pub fn definition(&self) -> anyhow::Result<Exercise> {
         if self.exercise.starts_with("hard/") {
             return Ok(Exercise::free(self.exercise, 1.0));
@@ -145,7 +149,10 @@ impl Entry {
         Ok(exercise)
     }
 
-    /// Who performs it in `scene`.
+    /// Operator that performs the entry in `scene`.
+    ///
+    /// # Errors
+    /// The name is unknown, or the scene lacks a tooth, tissue or tool of the exercise.
     pub fn operator(&self, scene: &Scene) -> anyhow::Result<Operator> {
         let (script, hand) = match self.exercise.strip_prefix("hard/") {
             Some(case) => match sulcus_cases::find(case).context("no such case")?.driver {
@@ -164,7 +171,7 @@ impl Entry {
         Ok(Operator::new(script, hand, 1))
     }
 
-    /// What happens to the input on its way.
+    /// Disturbs the input of a tick: first as the hard case, then as the entry demands. `tick` counts from 0.
     pub fn disturb(&self, tick: u64, input: &mut TickInput) {
         if let Some(case) = self
             .exercise

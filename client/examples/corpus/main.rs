@@ -1,17 +1,20 @@
-//! Makes the corpus of recordings that every later version must replay bit for bit (`sessions/tests/corpus`), and the grades
-//! that every later version must give those that can be graded (`NAME.grade.json`).
+//! Makes the corpus of recordings, which every later version must replay bit for bit (`sessions/tests/corpus`).
+//!
+//! A recording that can be graded has a golden grade in `NAME.grade.json`. Every later version must give the same
+//! grade.
 //!
 //! ```text
 //! cargo run --release -p sulcus-client --example corpus [-- [grades] [--folder FOLDER]]
 //! ```
 //!
-//! Each file is a second or so of an exercise or a hard case: the one in which most is touched and let go. The whole is performed
-//! first to find it, then again to record it, from a snapshot on. Scenes carry no meshes to look at, no levels finer than
-//! the one in contact, and of the mouth one tooth with its gingiva and the tongue, so that a file is small; the tick is the
-//! same.
+//! A file holds about a second of an exercise or a hard case: the part with the most changes of contact. A first
+//! performance finds that part. A second performance records it, from a snapshot on.
 //!
-//! The bytes depend on the core and the operator alone: no clock, no chance, one key for all. So a corpus made twice is the
-//! same twice. Made by a release build, it is replayed by the tests' dev build.
+//! Small scenes keep the files small, and the tick is the same. The scenes have no meshes and no levels finer than the
+//! contact level. Of the mouth, one tooth with its gingiva and the tongue remain.
+//!
+//! The bytes depend only on the core and the operator. There is no clock and no chance, and all files have one key. A
+//! second run therefore gives the same bytes. A release build makes the corpus, and the tests replay it in a dev build.
 
 mod cut;
 mod entries;
@@ -45,7 +48,7 @@ struct Arguments {
     folder: PathBuf,
 }
 
-/// A part of the work.
+/// Part of the program's work.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Only {
     /// The golden grades.
@@ -55,7 +58,7 @@ enum Only {
 fn main() -> anyhow::Result<()> {
     let Arguments { only, folder } = Arguments::parse();
     if cfg!(debug_assertions) {
-        bail!("the corpus is what a release build records: cargo run --release ...");
+        bail!("this is a dev build, but the corpus needs a release build: use cargo run --release");
     }
     std::fs::create_dir_all(&folder)?;
     for entry in ENTRIES {
@@ -69,7 +72,12 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Makes one file, over whatever was there, as long as fits.
+/// Records one entry to `path`, replays it, and writes its golden grade. A former file is replaced.
+///
+/// The part is shortened until the file has at most [`MOST_BYTES`].
+///
+/// # Errors
+/// The part would be shorter than 200 ticks, or the replay is not identical or not gradable.
 fn make(entry: &Entry, path: &Path) -> anyhow::Result<()> {
     let scene = (entry.scene)()?;
     let found = perform::look(entry, &scene)?;
@@ -83,7 +91,10 @@ fn make(entry: &Entry, path: &Path) -> anyhow::Result<()> {
         let bytes = std::fs::metadata(path)?.len();
         if bytes > MOST_BYTES {
             length = length * 4 / 5;
-            ensure!(length >= 200, "{bytes} bytes, most of them the scene");
+            ensure!(
+                length >= 200,
+                "{bytes} bytes, expected at most {MOST_BYTES}; most of the bytes are the scene, so reduce the scene"
+            );
             continue;
         }
         let recording = Recording::open(path)?;
@@ -104,7 +115,7 @@ fn make(entry: &Entry, path: &Path) -> anyhow::Result<()> {
     }
 }
 
-/// The grade of what can be graded.
+/// Writes the grade of `recording` to `path`. A recording without a score gets no file.
 fn golden(recording: &Recording, path: &Path) -> anyhow::Result<()> {
     let graded = grade(recording, &grade::Options::default(), &mut |_| {})?;
     if graded.grade.score.is_none() {

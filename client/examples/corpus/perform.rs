@@ -1,4 +1,4 @@
-//! Performing an entry: once to see where things happen, once to record that.
+//! Performances of an entry: the first finds the part with the most changes of contact, the second records it.
 
 use std::path::Path;
 
@@ -11,24 +11,24 @@ use sulcus_sessions::{Level, Recorder, Row, SessionEnd, SessionHeader, StationKe
 
 use crate::entries::Entry;
 
-/// When the corpus says that it began: the first of January 2026.
+/// Start of every session in the corpus, nanoseconds since 1970: 1 January 2026, 00:00 UTC.
 const BEGAN_UNIX_NS: u64 = 1_767_225_600_000_000_000;
-/// Seed of the key that signs the corpus: no station's.
+/// Seed of the key that signs the corpus. No station has this key.
 const KEY: [u8; 32] = *b"sulcus corpus: nobody's station.";
 
-/// The part that is recorded.
+/// Part of a performance that is recorded.
 pub struct Window {
-    /// The snapshot that it begins with is that after this tick of the performance.
+    /// Number of ticks before the part. The part begins with the snapshot after them.
     pub from: u64,
-    /// Its last tick.
+    /// Last tick of the part.
     pub to: u64,
-    /// Tool-ticks in contact.
+    /// Number of tool-ticks in contact.
     pub contact: usize,
-    /// Times that a tool touched or let go.
+    /// Number of times that a tool's contact began or ended.
     pub changes: usize,
 }
 
-/// A performance under way.
+/// State of a performance, tick by tick.
 struct Performance<'a> {
     entry: &'a Entry,
     scene: &'a Scene,
@@ -64,7 +64,10 @@ impl<'a> Performance<'a> {
     }
 }
 
-/// Performs all of it; says for each tick which tools bear load, one bit each.
+/// Performs the whole entry. Returns the loaded tools of each tick, one bit per tool; the last tool has bit 0.
+///
+/// # Errors
+/// The operator of the entry cannot be made.
 pub fn look(entry: &Entry, scene: &Scene) -> anyhow::Result<Vec<u8>> {
     let mut performance = Performance::new(entry, scene)?;
     let ticks = performance.operator.ticks();
@@ -77,15 +80,17 @@ pub fn look(entry: &Entry, scene: &Scene) -> anyhow::Result<Vec<u8>> {
         .collect())
 }
 
-/// The window of at most `length` ticks with the most changes of contact, among those in which at least half of what any window
-/// touches is touched.
+/// Window of at most `length` ticks with the most changes of contact; the first of equal windows.
+///
+/// Only windows with at least half as much contact as the window with the most contact are considered. `touched` is the
+/// result of [`look`].
 pub fn window(touched: &[u8], length: u64) -> Window {
     let length = (length as usize).min(touched.len());
     let contact_in = |from: usize| -> usize {
         let bits = touched[from..from + length].iter();
         bits.map(|bits| bits.count_ones() as usize).sum()
     };
-    // Often enough: windows overlap by nine tenths.
+    // Successive windows overlap by nine tenths.
     let starts = (0..=touched.len() - length).step_by((length / 10).max(1));
     let starts: Vec<usize> = starts.collect();
     let most = starts
@@ -102,7 +107,7 @@ pub fn window(touched: &[u8], length: u64) -> Window {
     let busy = starts
         .into_iter()
         .filter(|from| 2 * contact_in(*from) >= most);
-    // (The first of the best.)
+    // `max_by_key` returns the last of equal windows. In reverse order this is the first.
     let best = busy
         .rev()
         .max_by_key(|from| changes_in(*from))
@@ -115,13 +120,16 @@ pub fn window(touched: &[u8], length: u64) -> Window {
     }
 }
 
-/// Performs it again and records the window, with a snapshot in the middle.
+/// Performs the entry again and records `window` to `path`, with a snapshot at the start and in the middle.
+///
+/// # Errors
+/// The operator cannot be made, or the recording cannot be written.
 pub fn record(entry: &Entry, scene: &Scene, window: &Window, path: &Path) -> anyhow::Result<()> {
     let mut performance = Performance::new(entry, scene)?;
     for _ in 0..window.from {
         performance.step();
     }
-    // What was called until then was not heard.
+    // Calls before the window are not recorded.
     drop(calls(&mut performance.operator));
     let mut header = SessionHeader::new(scene.to_bytes()?);
     header.exercise_name = entry.exercise.into();

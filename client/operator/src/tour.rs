@@ -1,8 +1,12 @@
-//! Whole teeth probed in turn. On each side of a tooth the tip goes in once, walks from zone to zone in short bobs without
-//! leaving the pocket, comes back to the deepest place of each zone, is read there, and a depth is called.
+//! Script of a tour: a probe measures whole teeth in turn.
 //!
-//! The hand goes by what it feels and the eye by what it sees: neither knows how deep a pocket is. The path is laid on the
-//! teeth's own spheres, and the margin is what is seen of the gingiva.
+//! The tip enters once on each side of a tooth and walks from zone to zone in short bobs, without leaving the pocket.
+//! After the walk through a zone the tip returns to the deepest felt place. There the depth is read and called.
+//!
+//! The hand uses only the displayed force, and the eye only the drawn probe. Neither knows the depth of a pocket. The
+//! path follows the spheres of the teeth, and only the margin of the gingiva is visible.
+//!
+//! A place is an angle about the tooth's axis, radians from mesial over buccal, and a depth below the margin, metres.
 
 mod strokes;
 
@@ -19,38 +23,42 @@ use crate::tour_params::{TourParams, Visit};
 use crate::travel::Travel;
 use strokes::Stroke;
 
-/// How far above the margin the tip waits, metres.
+/// Height of the tip above the margin before and after an insertion, metres.
 const ABOVE: f64 = 2e-3;
-/// How far above the crown it travels, and how far outside.
+/// Height of the tip above the crown on its way through the air, metres.
 const OVER: f64 = 3e-3;
+/// Distance of that way outward from the tooth, metres.
 const OUTSIDE: f64 = 2e-3;
-/// How far below margin and neighbours the tip stays between two places, metres.
+/// Depth of the tip between two stops, below the margin and below the room that the neighbours leave, metres.
 const BELOW: f64 = 0.25e-3;
-/// How fast the hand brings a tip back that is pushed aside, 1/s, and how far it means it to be then, metres.
+/// Rate at which the hand corrects a tip that is pushed aside along the tooth, 1/s.
 const KEEP: f64 = 6.0;
+/// Largest correction along the tooth, metres.
 const MOST_ASIDE: f64 = 1.2e-3;
 /// Time constant of a hand's sense of force, seconds.
 const FEEL: f64 = 0.02;
-/// Nearest to the mesial or distal midline that the hand means the tip to be, radians.
+/// Smallest angle between the target of the tip and the mesial or distal midline, radians.
 const MIDLINE: f64 = 0.02;
-/// Fastest change of tilt, rad/s.
+/// Largest rate of change of the tilt, rad/s.
 const TURN: f64 = 1.5;
-/// Time constant of an eye, seconds.
+/// Time constant of the eye that reads the bands, seconds.
 const LOOK: f64 = 0.1;
-/// Time to come out of the mouth, seconds.
+/// Time for the way out of the mouth, seconds.
 const LEAVING: f64 = 2.5;
-/// Most that a zone and an insertion take, seconds, for the length of the script.
+/// Largest time for a zone, for the length of the script, seconds.
 const MOST_ZONE: f64 = 14.0;
+/// Largest further time for an insertion, for the length of the script, seconds.
 const MOST_INSERTION: f64 = 8.0;
 
-/// One side of a tooth.
+/// One insertion of the probe: a side of a tooth, or a single zone for a hand that does not walk.
 #[derive(Clone, Debug)]
 struct Insertion {
+    /// Index into the paths of the tour.
     path: usize,
     zones: Vec<Zone>,
 }
 
-/// The script.
+/// Script of a probe that measures teeth in turn.
 #[derive(Clone, Debug)]
 pub struct Tour {
     params: TourParams,
@@ -62,47 +70,52 @@ pub struct Tour {
     insertions: Vec<Insertion>,
     blur: Option<Blur>,
     calls: Vec<Call>,
-    // What changes while it is performed.
+    // State of the performance.
     time: f64,
     travel: Travel,
     stroke: Stroke,
-    /// Insertion, zone and stop under way.
+    /// Indices of insertion, zone and stop under way. The first equals the number of insertions after the last one.
     now: [usize; 3],
-    /// Whether the zone's deepest place is being gone back to, and whether the insertion is at its end.
+    /// Whether the tip returns to the deepest place of the zone.
     returning: bool,
+    /// Whether the insertion is at its end.
     leaving: bool,
-    /// Angles and depths at which the floor was felt in this insertion, and whether the tip was seen in the zone then.
+    /// Places of this insertion at which the floor was felt: target angle, radians, and seen depth, metres. The third
+    /// value tells whether the tip was aimed at the zone and seen in it.
     felt: Vec<(f64, f64, bool)>,
-    /// Angle at which the tip is seen.
+    /// Angle at which the tip is seen, radians.
     at: f64,
-    /// Where the hand means the tip to be.
+    /// Target angle of the tip, radians.
     around: f64,
+    /// Target depth of the tip, metres.
     depth: f64,
+    /// Further tilt away from the tooth at present, radians.
     tilt: f64,
-    /// How far the hand means the tip to be aside of there, radians, to make up for what pushes it aside.
+    /// Correction of the target angle against a push along the tooth, radians.
     aside: f64,
-    /// How far along the tooth the tip is seen from where the hand means it to be, and how far out from where it lies on the
-    /// tooth, metres.
+    /// Distance along the tooth from the target to the seen tip, metres, never negative.
     beside: f64,
+    /// Distance of the seen tip outward from a tip on the tooth's surface, metres.
     away: f64,
-    /// How long the hand has waited for the tip to come along, seconds, and how often it was put in again for one stop.
+    /// Time that the hand has waited for the tip at a stop, seconds.
     waited: f64,
+    /// Number of new attempts at the present stop.
     again: u8,
-    /// Where to go on once the floor is felt again, after the tip had slipped out.
+    /// Angle at which the walk goes on when the floor is felt again, radians; `None` if the tip has not slipped out.
     resumes: Option<f64>,
-    /// Resistance that the hand feels along the probe, newtons.
+    /// Force along the probe, out of the pocket, with the time constant [`FEEL`], newtons.
     force: f64,
-    /// Where the eye sees the tip below the margin.
+    /// Depth of the tip below the margin as seen, metres.
     seen: f64,
-    /// How long a part of the working end it sees there.
+    /// Length of the working end below the margin as seen, with the time constant [`LOOK`], metres.
     length: f64,
 }
 
 impl Tour {
-    /// Probes `tour` in its order with the first tool that has bands.
+    /// Tour of the visits in `tour`, in their order, with the first tool that has bands, else with the first tool.
     ///
     /// # Errors
-    /// When the scene lacks a tooth of the tour or its gingiva, or there is nothing to do.
+    /// The scene lacks a tooth of the tour or its gingiva, or the tour has no site.
     pub fn new(scene: &Scene, tour: &[Visit], params: TourParams) -> Result<Self, NoPocket> {
         let mut paths: Vec<PocketPath> = Vec::new();
         let mut insertions = Vec::new();
@@ -123,7 +136,7 @@ impl Tour {
             let once = |a: &Site, b: &Site| !params.single && a.is_buccal() == b.is_buccal();
             for sites in visit.sites.chunk_by(once) {
                 let mut zones = zones(&paths[path], sites, &walk);
-                // In where there is room above, then on.
+                // The tip enters at the nearest angle with room above, then walks to the first stop.
                 let (first, entry) = (zones[0].stops[0], free(&paths[path], zones[0].stops[0]));
                 if entry != first {
                     zones[0].stops.insert(0, entry);
@@ -132,7 +145,9 @@ impl Tour {
             }
         }
         let Some(first) = insertions.first() else {
-            return Err(NoPocket("a tour wants at least one site of a tooth".into()));
+            return Err(NoPocket(
+                "the tour has no site, expected at least one site of a tooth".into(),
+            ));
         };
         let slot = paths[0].slot;
         let around = first.zones[0].stops[0];
@@ -172,29 +187,29 @@ impl Tour {
         Ok(tour)
     }
 
-    /// Share of the insertions that are begun, 0 to 1.
+    /// Share of finished insertions, 0 to 1. Insertions that [`Tour::break_off`] dropped do not count.
     pub fn progress(&self) -> f64 {
         self.now[0] as f64 / self.insertions.len() as f64
     }
 
-    /// FDI number of the tooth at hand or headed for; none when all are done.
+    /// FDI number of the tooth that is probed or approached; `None` after the last insertion.
     pub fn tooth(&self) -> Option<u8> {
         let insertion = self.insertions.get(self.now[0])?;
         Some(self.paths[insertion.path].fdi)
     }
 
-    /// Where a tooth of the tour stands: the origin of its frame, world.
+    /// Origin of a tooth's frame, world, metres; `None` for a tooth outside the tour.
     pub fn origin_of(&self, fdi: u8) -> Option<Vec3> {
         let path = self.paths.iter().find(|path| path.fdi == fdi)?;
         Some(path.tooth().origin)
     }
 
-    /// Whether the tip is out of every pocket, on its way.
+    /// Whether the hand travels through the air, or the tour is finished.
     pub fn is_outside(&self) -> bool {
         matches!(self.stroke, Stroke::Travel | Stroke::Rest)
     }
 
-    /// The ways that it goes, one for each tooth.
+    /// Paths of the tour, one for each tooth, in the order of the first visits.
     pub fn paths(&self) -> &[PocketPath] {
         &self.paths
     }
@@ -207,19 +222,19 @@ impl Tour {
         &self.insertions[self.now[0]].zones[self.now[1]]
     }
 
-    /// Where the hand means to be in and at the pocket.
+    /// Target device pose (`world_from_tool`) in and at the pocket.
     fn meant(&self) -> Pose {
         let off = Vec3::zeros();
-        // Never over to the other side of the tooth, where the shaft leans the other way.
+        // The correction never leads to the other side of the tooth, where the shaft leans the other way.
         let side = self.around.signum();
         let around = side * (side * (self.around + self.aside)).clamp(MIDLINE, PI - MIDLINE);
-        // As high as where it means the tip to be: aside of there the margin is another.
+        // The height is that at the target angle. The margin at the corrected angle has another height.
         let gingiva = self.path().gingiva();
         let rise = gingiva.margin_at(around) - gingiva.margin_at(self.around);
         self.path().pose(around, self.depth + rise, self.tilt, off)
     }
 
-    /// Over the crown at an angle; `times` as far as usual.
+    /// Device pose (`world_from_tool`) over the crown at an angle, with `times` the clearance [`OVER`].
     fn over(&self, around: f64, times: f64) -> Pose {
         let path = self.path();
         let place = path.place(around, -ABOVE, 0.0);
@@ -228,30 +243,30 @@ impl Tour {
         path.pose(around, -ABOVE, 0.0, off)
     }
 
-    /// How far the tip is out from where it would lie on the tooth at the angle and depth at which it is seen, metres.
+    /// Distance of the drawn tip outward from a tip on the tooth's surface at the same angle and depth, metres.
     fn away(&self, graphic: &Pose) -> f64 {
         let from = graphic.transform(&self.tool.tip) - self.path().tooth().origin;
         let axis = self.path().tooth().axis;
         (from - axis * from.dot(&axis)).norm() - self.path().radius(self.at, self.seen)
     }
 
-    /// Whether the hand leans and looks as taught.
+    /// Whether the hand tilts the probe and watches the tip as taught.
     fn is_taught(&self) -> bool {
         self.params.manner == Manner::Taught
     }
 
-    /// Whether the hand keeps the tip from sliding on to where the walk into the col ended.
+    /// Whether the correction holds the tip back from a slide towards the innermost stop of the zone, in the col.
     fn holds_back(&self) -> bool {
         let zone = self.zone();
         let from_midline = |around: f64| from_midline(zone.site, around);
         let stops = zone.stops.iter().map(|stop| from_midline(*stop));
         let inmost = stops.fold(PI, f64::min);
         let outwards = from_midline(self.around + self.aside) > from_midline(self.around);
-        // (A hand that probes upright knows of no col.)
+        // An upright probe never enters the col.
         self.is_taught() && outwards && from_midline(self.at) > inmost
     }
 
-    /// Shallowest depth that the tip may have at an angle without leaving the pocket or meeting a neighbour.
+    /// Smallest depth of the tip at an angle, metres, at which it stays in the pocket and clear of the neighbours.
     fn ceiling(&self, around: f64) -> f64 {
         let room = self.path().ceiling(around);
         room.map_or(BELOW, |ceiling| ceiling.max(0.0) + BELOW)
@@ -273,7 +288,7 @@ impl Script for Tour {
             self.force += (along - self.force) * (self.dt / FEEL);
             if let Some(graphic) = &felt.shown.graphics[self.slot] {
                 (self.at, self.seen) = self.path().seen(&graphic.transform(&self.tool.tip));
-                // The floor slopes; the hand keeps the tip where it means to be.
+                // The floor slopes, so the hand corrects the tip towards the target angle.
                 let turned = self.at - self.around;
                 let off = turned - TAU * (turned / TAU).round();
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
@@ -282,13 +297,13 @@ impl Script for Tour {
                 self.away = self.away(graphic);
                 self.aside = match self.stroke {
                     Stroke::Travel => 0.0,
-                    // (Let go of gently: all at once the handle would swing by millimetres.)
+                    // The correction fades, because a sudden end would swing the handle by millimetres.
                     Stroke::Out => self.aside * (1.0 - KEEP * self.dt),
-                    // Towards the col a tip may slide while it is read: a hand that held it back would press it into the wall.
+                    // During a reading, a correction against a slide towards the col would press the tip into the wall.
                     Stroke::Read(..) if self.holds_back() => self.aside * (1.0 - KEEP * self.dt),
                     _ => {
-                        // What it was led on to make up for is made up for once it has come past where it is meant to be: led
-                        // on, it would go as far to the other side.
+                        // Beyond the target the correction also decays. Otherwise the tip would swing as far to the
+                        // other side.
                         let past = self.aside * off > 0.0;
                         let kept = if past { 1.0 - KEEP * self.dt } else { 1.0 };
                         (kept * self.aside - KEEP * off * self.dt).clamp(-most, most)
@@ -336,7 +351,7 @@ impl Script for Tour {
     }
 }
 
-/// How far an angle is from the mesial or distal midline that `site` lies at, radians; nothing in the middle of a side.
+/// Distance of an angle from the mesial or distal midline beside `site`, radians; 0 for a site in the middle of a side.
 fn from_midline(site: Site, around: f64) -> f64 {
     match site.is_mesial() {
         Some(true) => around.abs(),
@@ -345,7 +360,9 @@ fn from_midline(site: Site, around: f64) -> f64 {
     }
 }
 
-/// The nearest angle towards the middle of the side at which the tip can go straight up and out.
+/// Nearest angle towards the middle of the side at which the tip can leave straight up, in steps of a degree, radians.
+///
+/// Without such an angle the result is the middle of the side, to a degree.
 fn free(path: &PocketPath, around: f64) -> f64 {
     let middle = around.signum() * 0.5 * std::f64::consts::PI;
     let step = (middle - around).signum() * 1f64.to_radians();

@@ -1,17 +1,16 @@
-//! How a tour is performed, and what each bad habit makes of it.
+//! Parameters of a tour, and their changes by a bad habit.
 
 use sulcus_core::tissue::gingiva::Site;
 
 use crate::habit::Habit;
 use crate::pocket_path::Manner;
 
-/// A tooth of a tour with its sites, in the order of the visit. Sites of one side that follow each other are probed in one
-/// insertion.
+/// Visit of a tooth in a tour. Successive sites of one side are probed in one insertion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Visit {
-    /// FDI number.
+    /// FDI number of the tooth.
     pub tooth: u8,
-    /// Its sites.
+    /// Sites in the order of probing.
     pub sites: Vec<Site>,
 }
 
@@ -32,46 +31,47 @@ impl Visit {
     }
 }
 
-/// How pockets are probed. SI units.
+/// Parameters of a tour, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TourParams {
-    /// When the hand is to be out of the mouth, done or not, seconds. Default: when it is done.
+    /// Time by which the hand is to be out of the mouth, finished or not, seconds. Default: infinite.
     pub duration: f64,
-    /// Force on the floor at which a depth is read, newtons. Default 0.205: 0.20 to 0.25 N are taught.
+    /// Force on the floor at which a depth is read, newtons. Default 0.205; 0.20 to 0.25 N are taught.
     pub force: f64,
-    /// Force at which a walking stroke turns back, newtons. Default 0.14: the floor is felt, not pressed.
+    /// Force on the floor at which the way down of a bob ends, newtons. Default 0.14: the floor is only felt.
     pub turn_force: f64,
-    /// Speed of the first way down, m/s. Default 6 mm/s.
+    /// Speed of the first way down of an insertion, m/s. Default 6 mm/s.
     pub insert_speed: f64,
     /// Speed of the way down of a bob, m/s. Default 9 mm/s.
     pub walk_speed: f64,
-    /// Speed of the way up, and along the tooth, m/s. Default 12 mm/s.
+    /// Speed of a bob up and along the tooth, m/s. Default 12 mm/s. The way out of the pocket has twice this speed.
     pub bob_speed: f64,
     /// Speed through the air, m/s. Default 60 mm/s.
     pub air_speed: f64,
-    /// Height of a bob over the floor that was felt. Default 1.2 mm (1 to 1.5 mm; 1 to 2 are taught).
+    /// Height of a bob over the felt floor, metres. Default 1.2 mm; 1 to 2 mm are taught.
     pub bob: f64,
-    /// How far a bob goes on along the tooth. Default 1 mm.
+    /// Distance between two stops along the tooth, metres. Default 1 mm.
     pub advance: f64,
-    /// How long the force stands before a depth is called, seconds. Default 1.
+    /// Time with a steady force before a depth is called, seconds. Default 1.
     pub read: f64,
-    /// Whether a zone's deepest place is gone back to and read; else each zone is read where the walk through it ends.
+    /// Whether the hand returns to the deepest felt place of a zone and reads it. Otherwise the depth is read at the
+    /// end of the walk through the zone. Default yes.
     pub returns: bool,
-    /// How far inside the tooth's surface the hand means the tip to be, so that its side stays on it. Default 0.25 mm: about
-    /// 0.05 N.
+    /// Depth of the target tip inside the tooth's surface, metres, so that its side stays on the tooth. Default
+    /// 0.25 mm, which gives about 0.05 N.
     pub hug: f64,
-    /// How near to the mesial and distal midlines the walk goes, metres. Default 0.85 mm: in the col under the contact (8 to 10
-    /// degrees from the midline of a molar, 25 of an incisor).
+    /// Smallest distance of a stop from the plane through the mesial and the distal midline, metres. Default 0.85 mm,
+    /// in the col under the contact: 8 to 10 degrees from the midline of a molar, 25 degrees from that of an incisor.
     pub col: f64,
-    /// Which tilts the operator knows. Default as taught.
+    /// Tilts that the operator uses. Default [`Manner::Taught`].
     pub manner: Manner,
     /// Further tilt away from the tooth, radians. Default 0.
     pub tilt: f64,
-    /// One insertion for each site, withdrawn in between, instead of a walk. Default no.
+    /// Whether each site has its own insertion, with a withdrawal in between, instead of a walk. Default no.
     pub single: bool,
-    /// Deepest that the hand goes looking for a floor below the margin. Default 14 mm.
+    /// Largest target depth below the margin, metres. Default 14 mm.
     pub deepest: f64,
-    /// Seed of mistakes in reading the marks; none for an eye that reads them right.
+    /// Seed of the errors in reading the marks; `None`: correct reading. Default none.
     pub misread: Option<u64>,
 }
 
@@ -100,14 +100,14 @@ impl Default for TourParams {
     }
 }
 
-/// How far from the midline the line angle is, metres: where an upright probe goes down beside a neighbour.
+/// Distance of the line angle from the midline, metres. There an upright probe can enter beside a neighbour.
 const LINE_ANGLE: f64 = 3.3e-3;
 
-/// How far below the margin a hand goes that stops before the floor, metres.
+/// Largest target depth of the habit `stops-short`, metres below the margin.
 const SHORT: f64 = 1.2e-3;
 
 impl Habit {
-    /// What the habit makes of a tour; `seed` decides mistakes.
+    /// Changes the parameters and the visits of a tour to those of the habit. `seed` decides the errors of `misreads`.
     pub fn spoil(self, params: &mut TourParams, tour: &mut Vec<Visit>, seed: u64) {
         match self {
             Habit::HeavyHand => {
@@ -139,7 +139,7 @@ impl Habit {
                 params.insert_speed = 10e-3;
                 params.walk_speed = 12e-3;
             }
-            // The mirror's matter.
+            // The habit concerns only the mirror: see `Habit::holds_until`.
             Habit::LetsTongueGo => {}
             Habit::SpotProbes => {
                 params.single = true;

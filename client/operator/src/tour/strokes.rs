@@ -1,4 +1,4 @@
-//! What the hand does in and at a pocket, millisecond by millisecond: down to the floor, up, on along the tooth, a reading, out.
+//! Strokes of the hand in and at a pocket, period by period: down to the floor, up, along the tooth, a reading, out.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,78 +9,88 @@ use crate::bands;
 use crate::script::Call;
 use crate::travel::Travel;
 
-/// Forces count as a floor's from this depth seen below the margin on, metres.
+/// Smallest seen depth below the margin at which a force counts as that of a floor, metres.
 const IN_POCKET: f64 = 0.3e-3;
-/// Farthest that the hand means the tip to be from where it is seen, metres, and how fast it makes up for it, 1/s.
+/// Largest difference between the target depth and the depth that a bob is to hold, metres.
 const STUCK: f64 = 0.7e-3;
+/// Rate at which the target depth follows a difference between the seen depth and the depth to hold, 1/s.
 const HOLD: f64 = 12.0;
-/// Fastest that the handle swings while the tip is in a pocket, m/s.
+/// Largest speed of the handle while the tip is in a pocket, m/s.
 const HANDLE_SPEED: f64 = 50e-3;
-/// Speed at which the hand gives way to a floor that comes up, m/s.
+/// Speed at which the hand gives way to a rising floor, m/s.
 const GIVE: f64 = 8e-3;
-/// How fast a way up ends, 1/s.
+/// Rate at which a way up slows down near its end, 1/s.
 const NEAR: f64 = 40.0;
-/// Correction of the press by the force missing, m/(N s): slower than the tremor, faster than a reading.
+/// Change of the target depth per missing force, m/(N s). The correction is slower than the tremor and faster than a
+/// reading.
 const CORRECTION: f64 = 0.05;
-/// Speed of the way down to a reading over that of a bob: a floor that is met fast is pressed before it is felt.
+/// Ratio of the speed down to a reading to that of a bob. A fast tip would press the floor before the hand feels it.
 const READ_SPEED: f64 = 0.4;
-/// A reading counts while the force is so near to what is meant, share.
+/// Relative tolerance of the force during a reading. Only time within the tolerance counts.
 const STEADY: f64 = 0.15;
-/// Push of a pocket's walls on a probe, per depth below [`DEEP`], N/m: a hand presses so much harder. A probe that leans over a bulging
-/// crown is pushed against a root that flares. (Of 60 readings between two molars: 0.01 +-0.01 N at 4 mm, 0.05 +-0.02 N at 5 mm,
-/// 0.07 +-0.03 N at 6 mm, 0.11 N at 7 mm; of 10 beside premolars and incisors 0.05 N at 5 mm.)
+/// Push of a pocket's walls along the probe, per depth below [`DEEP`], N/m. The hand presses harder by this push.
+///
+/// A probe that leans over a bulging crown is pushed against a root that flares. Measured over 60 readings between two
+/// molars: 0.01 +-0.01 N at 4 mm, 0.05 +-0.02 N at 5 mm, 0.07 +-0.03 N at 6 mm, 0.11 N at 7 mm. Measured over 10
+/// readings beside premolars and incisors: 0.05 N at 5 mm.
 const WALLS: f64 = 30.0;
-/// Depth from which the walls push, between teeth, and how much deeper in the middle of a side, metres.
+/// Smallest depth at which the walls push between teeth, metres.
 const DEEP: f64 = 3.3e-3;
+/// Increase of [`DEEP`] in the middle of a side, metres.
 const DEEPER: f64 = 1e-3;
-/// Push of the tip against the tooth, newtons, in the middle of a side; half of it between teeth. A leaning probe feels its share along
-/// the shaft. (Of 90 readings of two molars at depths of 1 to 4 mm.)
+/// Push of the tip against the tooth in the middle of a side, newtons; half of it between teeth.
+///
+/// A leaning probe transmits a share of the push along its shaft. Measured over 90 readings of two molars at depths of
+/// 1 to 4 mm.
 const AGAINST_TOOTH: f64 = 0.065;
-/// A tip that is caught on something before it is in a pocket is pressed no harder than this many times a floor.
+/// Ratio of the force along the probe that ends a way down to the force on a floor that ends it. The limit holds for a
+/// tip that is caught before it is in the pocket.
 const CAUGHT: f64 = 3.0;
-/// A tip this far out from where it lies on the tooth is no longer between tooth and gingiva, metres.
+/// Smallest distance outward from the tooth at which the tip has slipped out from between tooth and gingiva, metres.
 const SLIPPED: f64 = 0.9e-3;
-/// A raised tip that is this far out lies outside the wall, metres: in the pocket it was within 0.13 mm of the tooth at 972 stops
-/// in three mouths, outside of it 0.3 to 0.8 mm away at seven. And how often it is put in again for one stop; twice as often
-/// where it slips out at another time.
+/// Smallest distance outward from the tooth at which a raised tip lies outside the wall, metres.
+///
+/// Measured in three mouths: at 972 stops the tip was in the pocket and within 0.13 mm of the tooth. At seven stops it
+/// was outside and 0.3 to 0.8 mm away.
 const STANDS_OFF: f64 = 0.25e-3;
+/// Largest number of new attempts for one stop; twice as many for a tip that slips out during a stroke.
 const AGAIN: u8 = 2;
-/// A raised tip that is farther along the tooth than this from where it is meant to be is waited for, metres, and for how
-/// long, seconds.
+/// Distance along the tooth from the target above which the hand waits for a raised tip, metres.
 const BEHIND: f64 = 0.3e-3;
+/// Longest wait for a raised tip, seconds.
 const WAITS: f64 = 0.4;
-/// A tip that slid along the tooth farther than this while it was pressed is not read there, metres.
+/// Distance along the tooth from the target above which a pressed tip counts as slid and is not read, metres.
 const SLID: f64 = 0.4e-3;
-/// Depths felt in bobs that differ by no more than this feel alike, metres.
+/// Largest difference between two felt depths that count as equal, metres.
 const ALIKE: f64 = 0.3e-3;
-/// Longest that a hand tries for a steady force, in lengths of a reading.
+/// Longest attempt at a steady force, as a multiple of [`TourParams::read`](crate::tour_params::TourParams::read).
 const PATIENCE: f64 = 4.0;
-/// In a shallow sulcus the tip comes up to this share of its depth between two places.
+/// Smallest depth between two stops, as a share of the felt depth. It limits the bob in a shallow sulcus.
 const SHALLOW: f64 = 0.6;
-/// A way through the air longer than this goes as high again, metres.
+/// Length of a way through the air above which the tip has twice the clearance over the crown, metres.
 const LONG_WAY: f64 = 15e-3;
 
-/// What the hand is doing.
+/// Stroke of the hand. Depths are in metres, angles in radians, times in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stroke {
-    /// Through the air to where the next insertion begins, or away.
+    /// Through the air to the start of the next insertion, or out of the mouth.
     Travel,
     /// Down until the floor is felt.
     Down,
-    /// Up until the tip is seen at a depth, then on along the tooth to an angle.
+    /// Up until the tip is seen at the depth, then along the tooth to the angle.
     Up(f64, f64),
-    /// On along the tooth, at that depth as seen, to that angle.
+    /// Along the tooth to the angle, with the tip held at the depth as seen.
     On(f64, f64),
-    /// Holding the force until it stood for so many seconds; time spent trying.
+    /// Press with the force of a reading: the time with a steady force that is left, and the time spent so far.
     Read(f64, f64),
     /// Up and out of the pocket.
     Out,
-    /// All is done.
+    /// End of the tour.
     Rest,
 }
 
 impl Tour {
-    /// Depth at which the way to `to` is free as far as the floor is known.
+    /// Depth at which the way to the angle `to` is free of the floor as far as felt, metres.
     fn clear_to(&self, to: f64) -> f64 {
         let (low, high) = (self.around.min(to) - 1e-6, self.around.max(to) + 1e-6);
         let passed = self
@@ -94,7 +104,7 @@ impl Tour {
             .max(ceiling)
     }
 
-    /// Load on the floor along the tooth's axis as the hand infers it, newtons.
+    /// Load on the floor along the tooth's axis as inferred from the force along the probe, newtons.
     fn floor_force(&self) -> f64 {
         let depth = self.seen.max(0.0);
         let place = self.path().place(self.around, self.depth, self.tilt);
@@ -106,7 +116,7 @@ impl Tour {
         (self.force - walls - tooth) / upright
     }
 
-    /// One millisecond of the stroke under way.
+    /// Advances the stroke under way by one period.
     pub(super) fn go_on(&mut self) {
         let p = self.params;
         match self.stroke {
@@ -137,7 +147,7 @@ impl Tour {
                     } else {
                         p.walk_speed
                     };
-                    // The more it feels the slower it goes.
+                    // The way down slows with the felt force.
                     let share = (1.2 - self.floor_force() / enough).clamp(0.2, 1.0);
                     let down = speed * share * self.dt;
                     self.depth += down * self.paced(0.0, down);
@@ -155,7 +165,7 @@ impl Tour {
                 let radius = self.path().radius(self.around, self.depth).max(1e-3);
                 let (step, way) = (p.bob_speed * self.dt / radius, to - self.around);
                 let step = step * self.paced(step * way.signum(), 0.0);
-                // The walls lift the tip; where the floor comes up it is let be lifted.
+                // The walls lift the tip, and the hand holds it down. A rising floor may lift the tip.
                 let hit = self.force > p.turn_force;
                 let pull = if hit {
                     -GIVE
@@ -163,11 +173,11 @@ impl Tour {
                     HOLD * (held - self.seen)
                 };
                 let wanted = (self.depth + pull * self.dt).clamp(held - STUCK, held + STUCK);
-                // (A hand that pressed against a wall comes back as fast as it goes up, not at once.)
+                // After a press against a wall, the speed of the return is limited to that of a bob.
                 let most = p.bob_speed * self.dt;
                 self.depth += (wanted - self.depth).clamp(-most, most);
                 if way.abs() > step {
-                    // It waits until it is clear, or as clear as it gets.
+                    // The hand waits until the tip is clear of the floor, or lifted by the largest difference.
                     let waits = hit && self.depth > held - STUCK;
                     self.around += if waits { 0.0 } else { step * way.signum() };
                 } else {
@@ -176,7 +186,7 @@ impl Tour {
                 }
             }
             Stroke::Read(left, tried) => {
-                // A hand gives way faster than it presses.
+                // The hand gives way twice as fast as it presses.
                 let missing = p.force - self.floor_force();
                 let correction = if missing < 0.0 {
                     2.0 * CORRECTION
@@ -198,7 +208,7 @@ impl Tour {
                     return;
                 }
                 if self.resumes.is_some() {
-                    // Back in where there is room above.
+                    // The tip enters again at the nearest angle with room above.
                     let mut travel = Travel::at(self.meant());
                     self.around = free(self.path(), self.around);
                     (self.aside, self.tilt) = (0.0, 0.0);
@@ -213,14 +223,14 @@ impl Tour {
         }
     }
 
-    /// The hand is over the next place: down there, once the eye sees that the tip came along.
+    /// Continues at a stop: down, as soon as the eye sees that the tip has followed; or out at the end of an insertion.
     fn arrived(&mut self) {
         if self.leaving {
             self.stroke = Stroke::Out;
             return;
         }
-        // Where the floor has a ridge between two places a tip that is let down too early slides back. (Who was not taught
-        // how to lean does not look.)
+        // On a ridge of the floor between two stops, a tip that goes down too early slides back. Only a hand that tilts
+        // as taught watches for this.
         if self.is_taught() && self.beside > BEHIND && self.waited < WAITS {
             self.waited += self.dt;
             return;
@@ -233,8 +243,9 @@ impl Tour {
         }
     }
 
-    /// The share of a step (radians along the tooth, metres down) that the hand can make: the handle swings far where the
-    /// probe has to turn, and a hand that follows late there pulls the tip away.
+    /// Share of a step that the hand can make, 0 to 1. The step is `along` the tooth, radians, and `down`, metres.
+    ///
+    /// The handle swings far where the probe has to turn. A hand that follows too late pulls the tip away.
     fn paced(&self, along: f64, down: f64) -> f64 {
         let at = |around: f64, depth: f64| {
             let off = Vec3::zeros();
@@ -244,7 +255,7 @@ impl Tour {
         (HANDLE_SPEED * self.dt / way.norm().max(1e-9)).min(1.0)
     }
 
-    /// The floor was felt at a stop: what comes next.
+    /// Starts the next stroke after the floor was felt at a stop.
     fn reached(&mut self) {
         if let Some(to) = self.resumes.take() {
             self.go_to(to);
@@ -267,12 +278,12 @@ impl Tour {
             return;
         }
         self.returning = true;
-        // (Where the tip slid on into a deeper zone, that one was felt.)
+        // A tip that slid on into a deeper zone has felt the floor of that zone, so this place does not count.
         let ours = self.felt[self.felt.len() - walked..].iter();
         let ours = ours.copied().filter(|(.., inside)| *inside);
         let deepest = ours.clone().fold(0.0, |most: f64, at| most.max(at.1));
-        // Of places that feel alike the one farthest into the col: there it is deepest, and what was felt is as good as a bob. On
-        // the side of a tooth the one in the middle: there the margin is level.
+        // Among equal depths, a proximal zone takes the place farthest into the col, where the pocket is deepest. The
+        // middle of a side takes the place nearest to its middle, where the margin is level.
         let from_best = |around: f64| {
             if site.is_proximal() {
                 from_midline(site, around)
@@ -294,19 +305,19 @@ impl Tour {
         }
     }
 
-    /// Up, and along the tooth to an angle.
+    /// Starts the way up, then along the tooth to the angle `to`, radians.
     fn go_to(&mut self, to: f64) {
         self.stroke = Stroke::Up(self.clear_to(to), to);
     }
 
-    /// Calls what is read here, and goes on to the next zone or out.
+    /// Calls the depth that is read here, and continues with the next zone or the way out.
     fn call(&mut self) {
         let right = bands::read(&self.tool.bands, self.length);
         let depth_mm = match &mut self.blur {
             Some(blur) => blur.call(&self.tool.bands, right),
             None => right,
         };
-        // A zone is read when the walk has been through it: by then blood shows.
+        // A zone is read after the walk through it. Bleeding is visible by then.
         let (site, gingiva) = (self.zone().site, self.path().gingiva());
         let (seen, trauma) = (gingiva.prescribed(site), gingiva.params.trauma);
         self.calls.push(Call {
@@ -328,7 +339,7 @@ impl Tour {
         }
     }
 
-    /// Whether the tip was pressed to be read and is seen to have slid out of the col, up the slope beside it.
+    /// Whether the tip is pressed for a reading and is seen to have slid out of the col, up the slope beside it.
     fn has_slid(&self) -> bool {
         let site = self.zone().site;
         let pressed = matches!(self.stroke, Stroke::Down | Stroke::Read(..)) && self.returning;
@@ -336,8 +347,8 @@ impl Tour {
         self.is_taught() && pressed && outwards && self.beside > SLID
     }
 
-    /// Where the eye sees that the tip has slid away from where it is to be read, it is lifted and let down again; where it has
-    /// slipped out of the pocket, over the margin, it is taken up and put in again.
+    /// Corrects a tip that is seen to have left its place. A tip that slid from its place of reading is lifted and let
+    /// down again. A tip that slipped out of the pocket over the margin leaves and enters again.
     pub(super) fn see_to_it(&mut self) {
         let walking = match self.stroke {
             Stroke::Down => !self.felt.is_empty(),
@@ -354,13 +365,13 @@ impl Tour {
         }
         let to = match self.stroke {
             Stroke::Up(_, to) | Stroke::On(_, to) => to,
-            // (It may be on its way back already.)
+            // The tip may already be on its way back.
             _ => self.resumes.unwrap_or(self.around),
         };
         self.once_more(to);
     }
 
-    /// Out, in again and on to an angle; on the way out it just goes out.
+    /// Starts a new attempt: out, in again and on to the angle `to`. At the end of an insertion the tip only leaves.
     fn once_more(&mut self, to: f64) {
         self.again += 1;
         self.waited = 0.0;
@@ -368,7 +379,7 @@ impl Tour {
         self.stroke = Stroke::Out;
     }
 
-    /// The time is up: the tip comes out, and this insertion was the last one.
+    /// Ends the tour early: the tip leaves its pocket, and the insertion under way is the last one.
     pub fn break_off(&mut self) {
         self.resumes = None;
         let begun = (self.now[0] + 1).min(self.insertions.len());
@@ -380,7 +391,7 @@ impl Tour {
         }
     }
 
-    /// From over the margin to the next insertion, or away.
+    /// Starts the way through the air from above the margin to the next insertion, or out of the mouth.
     fn go_away(&mut self) {
         let speed = self.params.air_speed;
         let here = self.around;
