@@ -14,7 +14,7 @@ use sulcus_operator::HandParams;
 
 use super::mouth::off_drawn;
 use super::rates::LOOKS_S;
-use super::rows::tissues;
+use super::rows::{solver_name, tissues};
 use super::shipped::{SEED, SHIPPED, Shipped};
 use super::times::Times;
 use super::together::on_all_cores;
@@ -150,14 +150,6 @@ fn of_scene(shipped: &Shipped, quick: bool, share: &dyn Fn(f64)) -> Vec<Cell> {
     let mut cells: Vec<Cell> = wanted.iter().zip(&runs).enumerate().map(cell).collect();
     cells.sort_by_key(|cell| (cell.method, cell.solver, cell.level));
     cells
-}
-
-/// Name of a solver in the JSON.
-pub(super) fn solver_name(solver: SolverKind) -> &'static str {
-    match solver {
-        SolverKind::ActiveSet => "active_set",
-        SolverKind::Clarabel => "clarabel",
-    }
 }
 
 /// Level at which the first object is touched.

@@ -7,7 +7,6 @@ use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Scene, TickInput, ToolOutput};
 
-use super::matrix::solver_name;
 use super::times::Times;
 use super::together::on_all_cores;
 
@@ -277,6 +276,14 @@ fn timed(case: &Case, printed: bool, solver: SolverKind, ran: Ran, quick: bool) 
         },
         broken: report.broken,
         nearest,
+    }
+}
+
+/// Name of a solver in the JSON.
+pub(super) fn solver_name(solver: SolverKind) -> &'static str {
+    match solver {
+        SolverKind::ActiveSet => "active_set",
+        SolverKind::Clarabel => "clarabel",
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod crown;
 mod depths;
+mod earlier;
 mod findings;
 mod forces;
 mod hands;
@@ -47,6 +48,11 @@ pub struct Definition {
 }
 
 impl Definition {
+    /// Whether a recorded definition has the meaning of this one: the same words, or earlier words of the same function.
+    pub fn is_meant_by(&self, recorded: &str) -> bool {
+        recorded == self.definition || earlier::is_same(self.name, recorded)
+    }
+
     /// Value in a session, in the metric's unit. None without anything to measure.
     pub(super) fn value(&self, session: &Measured<'_>) -> Option<f64> {
         (self.value)(session)

@@ -200,11 +200,14 @@ impl Rubric {
         toml::to_string(&full).map_err(|error| Self::syntax(&error))
     }
 
-    /// Names of the metrics whose recorded definition or unit differs from this program's, in words or in meaning.
+    /// Names of the metrics whose recorded definition or unit differs from this program's in meaning. Earlier words
+    /// of the same meaning do not count.
     pub fn redefined(&self) -> Vec<&str> {
         let differs = |weighed: &&Weighed, known: &Definition| {
-            let other = |was: &Option<String>, is| was.as_deref().is_some_and(|was| was != is);
-            other(&weighed.definition, known.definition) || other(&weighed.unit, known.unit)
+            let meaning = weighed.definition.as_deref();
+            let unit = weighed.unit.as_deref();
+            meaning.is_some_and(|was| !known.is_meant_by(was))
+                || unit.is_some_and(|was| was != known.unit)
         };
         let all = self.metrics.iter().filter(|weighed| {
             definitions::find(&weighed.name).is_some_and(|known| differs(weighed, known))

@@ -5,6 +5,7 @@
 
 mod key;
 mod lines;
+mod place;
 mod row;
 mod site;
 
@@ -14,7 +15,7 @@ use super::tooth::ToothKind;
 use crate::grade::patient::PatientChart;
 use crate::grade::sites::SiteGrade;
 use key::Key;
-use row::Row;
+use place::Row;
 use sulcus_core::tissue::gingiva::Site;
 
 /// Length of a millimetre, units of the drawing.

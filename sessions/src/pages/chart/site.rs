@@ -2,7 +2,7 @@
 
 use super::super::svg::Svg;
 use super::RED;
-use super::row::Row;
+use super::place::Row;
 use crate::grade::sites::SiteGrade;
 
 /// Depth or attachment loss from which a number is bold, mm.
