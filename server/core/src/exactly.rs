@@ -26,15 +26,18 @@ where
     T::deserialize(Watched::new(from, &Place::root()))
 }
 
-/// Kind of a value, as far as messages distinguish kinds.
+/// Kind of a value, as far as messages about a list distinguish kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
+    /// Neither, or not read yet.
     Other,
+    /// Integer.
     Whole,
+    /// Floating-point number.
     Decimal,
 }
 
-/// Step from a value to a value inside.
+/// Step from a value to a value inside: from the file to its root value, by a key, or by an index from 0.
 enum Step {
     Root,
     Key(String),
@@ -45,7 +48,7 @@ enum Step {
 struct Place<'p> {
     parent: Option<&'p Place<'p>>,
     step: Step,
-    /// Kind of the value, once read.
+    /// Kind of the value; [`Kind::Other`] until the value is read.
     kind: Cell<Kind>,
 }
 
@@ -67,7 +70,8 @@ impl<'p> Place<'p> {
     }
 }
 
-/// Path of keys to a value, starting at the nearest table of a list of tables. A message names the line anyway.
+/// Writes the path of keys and indices to a value, such as `depth_mm.buccal` or `points[2]`. The path starts at the
+/// nearest table of a list of tables. A message names the line anyway.
 impl fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let above = self.parent;
@@ -312,7 +316,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Watched<'_, V> {
     }
 }
 
-/// Description of the value that a visitor expects, from the visitor.
+/// Displays the description of the value that a visitor expects.
 struct Wanted<'a, V>(&'a V);
 
 impl<'de, V: Visitor<'de>> fmt::Display for Wanted<'_, V> {
@@ -321,7 +325,7 @@ impl<'de, V: Visitor<'de>> fmt::Display for Wanted<'_, V> {
     }
 }
 
-/// List during reading.
+/// Accessor of a list that counts the elements read and keeps their kinds.
 struct List<'p, A> {
     access: A,
     place: &'p Place<'p>,
@@ -329,6 +333,7 @@ struct List<'p, A> {
     taken: usize,
     /// Whether the end of the list was reached.
     ended: bool,
+    /// Kinds of the elements read, in order.
     kinds: Vec<Kind>,
 }
 
@@ -380,7 +385,7 @@ impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for List<'_, A> {
     }
 }
 
-/// Table during reading.
+/// Accessor of a table that keeps the last key for the position of its value.
 struct Table<'p, A> {
     access: A,
     place: &'p Place<'p>,

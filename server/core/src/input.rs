@@ -3,17 +3,18 @@
 
 use crate::MAX_TOOLS;
 
-/// Pose as sent over the network: `world_from_tool` at the tool's device point, f32, unchecked.
+/// Pose as sent over the network: `world_from_tool` at the tool's device point, the origin of the tool's frame, f32,
+/// unchecked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawPose {
-    /// Position, metres.
+    /// Position of the device point, world axes, metres.
     pub position: [f32; 3],
-    /// Quaternion `[w, x, y, z]`, of approximately unit length.
+    /// Quaternion `[w, x, y, z]` from the tool's to world axes, of approximately unit length.
     pub orientation: [f32; 4],
 }
 
 impl RawPose {
-    /// Pose at the origin without rotation.
+    /// Pose at the world's origin without rotation.
     pub const IDENTITY: RawPose = RawPose {
         position: [0.0; 3],
         orientation: [1.0, 0.0, 0.0, 0.0],
@@ -33,15 +34,15 @@ impl From<&crate::Pose> for RawPose {
 /// Input of one tool in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolInput {
-    /// Newest known pose of the *haptic tool*.
+    /// Newest known haptic pose.
     pub pose: RawPose,
     /// Whether a hand holds this tool.
     pub present: bool,
     /// Whether the watchdog outside found the pose too old. The force then ramps to zero.
     pub stale: bool,
-    /// Age of the pose in ticks.
+    /// Age of the pose in ticks; 65535 for that age or more.
     pub age_ticks: u16,
-    /// Buttons held, one bit each.
+    /// Buttons held, or pressed since the last tick, one bit each.
     pub buttons: u16,
 }
 
@@ -72,9 +73,10 @@ pub struct TickInput {
     pub tools: [ToolInput; MAX_TOOLS],
     /// Whether the instructor paused the session. Forces then ramp to zero.
     pub paused: bool,
-    /// Force limit of the instructor, newtons. The scene's limit holds if this is 0 or above the scene's.
+    /// Force limit of the instructor, newtons. The scene's limit holds unless this value is above 0 and under the
+    /// scene's.
     pub force_limit_n: f32,
-    /// Ticks of the clock's grid that were skipped just before this tick.
+    /// Number of ticks of the clock's grid that were skipped just before this tick.
     pub skipped: u16,
     /// Level of detail of tissues with several levels: 0 (the coarsest) to [`TickInput::MAX_DETAIL`].
     ///
@@ -87,7 +89,7 @@ impl TickInput {
     /// Finest level of detail.
     pub const MAX_DETAIL: u8 = 1;
 
-    /// Length of [`TickInput::to_bytes`].
+    /// Length of [`TickInput::to_bytes`], bytes.
     pub const BYTES: usize = HEAD_BYTES + MAX_TOOLS * TOOL_BYTES;
 
     /// Input without a tool, a pause or a force limit.
@@ -167,9 +169,9 @@ impl TickInput {
     }
 }
 
-/// Length of the head: pause, skipped ticks, force limit, level of detail.
+/// Length of the head of [`TickInput::to_bytes`], bytes: pause, skipped ticks, force limit, level of detail.
 const HEAD_BYTES: usize = 1 + 2 + 4 + 1;
-/// Length of one tool: flags, age, buttons and seven f32.
+/// Length of one tool in [`TickInput::to_bytes`], bytes: flags, age, buttons and seven f32.
 const TOOL_BYTES: usize = 5 + 7 * 4;
 
 #[cfg(test)]

@@ -17,6 +17,26 @@
 //! SI throughout: metres, newtons, newton-metres, radians, seconds. World frame: x anterior, y to the patient's left, z
 //! up. A transform is named `a_from_b`.
 //!
+//! # Terms
+//! - *Node*: sphere of a tree. *Family*: the children of one node. *Leaf*: node of the finest level.
+//! - *Haptic pose*: pose of the hand. *Graphic pose*: pose of the displayed tool, which never penetrates.
+//! - *Coupling*: spring between both poses. *Twist*: rotation from the graphic to the haptic pose. *Turn*: angle of a
+//!   rotation of a tool, radians.
+//! - *Working point*: origin of a tool's six unknowns. *Arm*: vector from the working point to a contact, metres.
+//!   *Lever*: length of an arm. *Scaled* unknowns: unknowns times the square roots of the metric, in sqrt(J).
+//! - *Gap* of two spheres: distance of the surfaces, metres, negative in penetration.
+//! - *Prediction distance*: gap up to which a pair of spheres is in the contact list. A pair with a longer lever has a
+//!   longer distance, because a turn moves the pair farther; see [`contact::Distance`].
+//! - *Row*: one inequality of the optimisation, `gap >= 0` after the step. *Multiplier* of a row: its force, newtons.
+//! - *Substep*: one contact list, one optimisation and one step. *Group*: tools that share a substep. *Exhausted*: a
+//!   tick that reached the limit of substeps.
+//! - *Seed*: pair of spheres whose row stands for the smooth surface around the pair. *Members*: pairs that contribute
+//!   to the row. *Blended gap*: gap of a seed to the smooth surface. *Blend length* (`blend`, `kappa`): radius of the
+//!   smoothing, metres. *Compatibility*: 1 for pairs on one smooth surface, 0 for pairs on opposite walls; see
+//!   [`blend`].
+//! - *Core* of a sphere: the sphere less its *inset*, metres. Blended gaps are gaps of cores.
+//! - *Shape* or *configuration* of a tissue: displacements from rest. *Still*: at rest and untouched.
+//!
 //! # Example
 //! A ball of 1 mm, pressed 1 mm into a rigid ball of the same size. `examples/press.rs` prints a whole second of it.
 //! ```

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Three-vector; the unit (metres, newtons) follows from the name.
 pub type Vec3 = nalgebra::Vector3<f64>;
-/// 3x3 matrix.
+/// 3x3 matrix; the unit follows from the name.
 pub type Mat3 = nalgebra::Matrix3<f64>;
 /// Unit quaternion: a rotation.
 pub type Quat = nalgebra::UnitQuaternion<f64>;
@@ -24,13 +24,14 @@ pub fn fmin(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
 }
 
-/// Returns `x` clamped to `[low, high]`.
+/// Returns `x` clamped to `[low, high]`; NaN stays NaN.
 #[inline]
 pub fn fclamp(x: f64, low: f64, high: f64) -> f64 {
     fmin(fmax(x, low), high)
 }
 
-/// Returns the Euclidean length. Uses only the IEEE square root, so the bits are the same on every platform.
+/// Returns the Euclidean length of `v`, in the unit of `v`. Uses only the IEEE square root, so the bits are the same on
+/// every platform.
 #[inline]
 pub fn norm(v: &Vec3) -> f64 {
     v.dot(v).sqrt()
@@ -91,7 +92,7 @@ impl Wrench {
         torque: Vec3::new(0.0, 0.0, 0.0),
     };
 
-    /// Returns the same load about another point: `lever = old_point - new_point`.
+    /// Returns the same load about another point: `lever = old_point - new_point`, metres, in the axes of the wrench.
     #[inline]
     pub fn moved(&self, lever: &Vec3) -> Wrench {
         Wrench {
@@ -101,7 +102,7 @@ impl Wrench {
     }
 }
 
-/// Smallest argument of [`exp_of_loss`].
+/// Smallest argument of [`exp_of_loss`], and smallest argument that [`exp_of_libm`] computes itself.
 const MOST_LOSS: f64 = -700.0;
 
 /// Returns `exp(x)` for `x` in `[-700, 0]`, with a relative error of at most 4e-16; `x` outside is clamped.
@@ -212,7 +213,8 @@ pub fn log_rotation(q: &Quat) -> Vec3 {
     vector * (2.0 * libm::atan2(sine, scalar) / sine)
 }
 
-/// Returns the unit quaternion of four numbers of approximately unit length.
+/// Returns the quaternion `w + xi + yj + zk` of the four numbers, scaled to unit length. The numbers must be
+/// approximately of unit length.
 pub fn normalised(w: f64, i: f64, j: f64, k: f64) -> Quat {
     let inverse = 1.0 / (w * w + i * i + j * j + k * k).sqrt();
     Quat::new_unchecked(nalgebra::Quaternion::new(

@@ -14,7 +14,7 @@ use crate::math::{Vec3, fmax, norm};
 
 /// Largest number of children of a node.
 pub const MAX_CHILDREN: usize = 8;
-/// Deepest level of a tree.
+/// Number of the deepest level that a tree may have; the root is level 0.
 pub const MAX_LEVEL: u8 = 7;
 /// Ball: centre and radius, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ pub struct Node {
     pub contact_radius: f64,
     /// Radius about `centre` that encloses the contact spheres of this node and of all its descendants, metres.
     pub bound_radius: f64,
-    /// Index of the first child; meaningless without children.
+    /// Index of the first child in the tree's list of nodes; meaningless without children.
     pub first_child: u32,
     /// Number of children, 0 to 8.
     pub children: u8,
@@ -100,11 +100,11 @@ pub enum TreeError {
     /// Blend lengths or insets do not fit the nodes.
     #[error("{field} {index}: found {found}, expected {expected}")]
     BadBlending {
-        /// Name of the list.
+        /// Name of the list's entry, or of the list's length.
         field: &'static str,
         /// Index in the list, or the length of a list with a wrong length.
         index: usize,
-        /// Value found, or the length of a list with a wrong length.
+        /// Value found, metres, or the length of a list with a wrong length.
         found: f64,
         /// Value expected.
         expected: &'static str,
@@ -199,7 +199,8 @@ impl SphereTree {
         self.nodes.last().map_or(0, |node| node.level)
     }
 
-    /// Returns the nodes that form the shape at `level`: nodes of that level and childless nodes above.
+    /// Returns index and node of all nodes that form the shape at `level`: nodes of that level and childless nodes
+    /// above.
     pub fn shape_at(&self, level: u8) -> impl Iterator<Item = (u32, &Node)> {
         self.nodes
             .iter()
@@ -223,7 +224,7 @@ impl Node {
         self.level == level || (self.children == 0 && self.level < level)
     }
 
-    /// Returns the contact sphere.
+    /// Returns the contact sphere, in the frame of the node's centre.
     pub fn sphere(&self) -> Sphere {
         Sphere {
             centre: self.centre,
@@ -237,7 +238,7 @@ impl Node {
     }
 }
 
-/// Relative headroom of bounds over rounding.
+/// Relative margin of bound radii against rounding.
 const BOUND_SLACK: f64 = 1e-12;
 
 /// Computes the bound radii from the contact radii, children before parents.
@@ -371,7 +372,8 @@ fn bounding_node(leaves: &[Sphere], level: u8) -> Node {
     }
 }
 
-/// Cuts a group into up to eight by halving it three times along its longest axis.
+/// Cuts a group of spheres into at most eight parts by three halvings. Each halving is at the median along the longest
+/// axis of the part.
 fn cut(group: Vec<Sphere>) -> Vec<Vec<Sphere>> {
     let mut parts = vec![group];
     for _ in 0..3 {

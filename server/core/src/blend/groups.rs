@@ -13,14 +13,14 @@ pub(crate) struct Group {
     pub object: u16,
     /// Tool slot.
     pub tool: u8,
-    /// Smallest core gap at the pose of the substep, metres.
+    /// Smallest core gap of the group's contacts at the pose of the substep, metres.
     smallest: f64,
-    /// Lower bound of the blended gaps at the pose of the substep, metres. Negative infinity until `Blender::rows` has
-    /// computed it.
+    /// Lower bound of the blended gaps of the group at the pose of the substep, metres. Negative infinity until
+    /// [`write_rows`](crate::rows::write_rows) has stored the bound of `Blender::rows`.
     pub least: f64,
     /// Start of the group's contacts in `Groups::order`.
     first: u32,
-    /// Number of contacts.
+    /// Number of the group's contacts.
     count: u32,
 }
 
@@ -29,13 +29,14 @@ pub(crate) struct Group {
 pub(crate) struct Groups {
     /// Groups in the order of their first contacts in the contact list.
     pub all: Vec<Group>,
-    /// Indices of the contacts, group by group.
+    /// Indices in the contact list, group by group, ascending within a group.
     order: Vec<u32>,
-    /// Scratch: index of the group of each contact of a run.
+    /// Scratch: index in `all` of the group of each contact of the run in [`Groups::add`].
     of: Vec<u32>,
-    /// Number of the group of each node of each tool, counted from 1; 0 for none.
+    /// Scratch of [`Groups::add`]: index in `all`, plus 1, of the group of each tool node; 0 for a node without a
+    /// group. Node `n` of tool slot `t` is at `t * stride + n`.
     number: Vec<u32>,
-    /// Number of nodes per tool in `number`.
+    /// Number of nodes per tool slot in `number`.
     stride: usize,
 }
 
@@ -58,7 +59,8 @@ impl Groups {
         self.order.clear();
     }
 
-    /// Groups a run of contacts with one object. `gap` returns the core gap of a contact, metres.
+    /// Groups a run of contacts with one object. `run` is a range of indices in `contacts`. `gap` returns the core gap
+    /// of a contact, metres.
     pub fn add(&mut self, contacts: &[Contact], run: Range<usize>, gap: impl Fn(&Contact) -> f64) {
         let place = |contact: &Contact| {
             usize::from(contact.tool) * self.stride + contact.tool_sphere as usize
@@ -100,7 +102,8 @@ impl Groups {
         }
     }
 
-    /// Returns the index of the group with the smallest core gap at the pose of the substep; `None` without groups.
+    /// Returns the index in `all` of the group with the smallest core gap at the pose of the substep; `None` without
+    /// groups.
     pub fn nearest(&self) -> Option<usize> {
         (0..self.all.len()).reduce(|best, k| {
             if self.all[k].smallest < self.all[best].smallest {
@@ -111,14 +114,15 @@ impl Groups {
         })
     }
 
-    /// Returns the indices of the contacts of a group, ascending.
+    /// Returns the indices in the contact list of the contacts of a group, ascending.
     pub fn contacts(&self, group: &Group) -> &[u32] {
         &self.order[group.first as usize..(group.first + group.count) as usize]
     }
 }
 
 impl Group {
-    /// Whether no blended gap can be under `limit` (metres) after a motion of at most `moved` (metres).
+    /// Whether no blended gap of the group can be under `limit` after a motion by at most `moved` since the pose of the
+    /// substep. `false` means that a gap may be. `limit`, `moved` and the blend length `blend` are in metres.
     pub fn is_clear_of(&self, limit: f64, blend: f64, moved: f64) -> bool {
         // A motion changes every distance, and therefore the soft minimum, by at most `moved`.
         if self.least - moved >= limit {

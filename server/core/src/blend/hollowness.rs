@@ -6,14 +6,15 @@ use crate::math::{Mat3, fmax};
 
 /// Maximum number of sweeps of Jacobi rotations. The convergence is quadratic; five sweeps diagonalise a 3x3 matrix.
 const JACOBI_SWEEPS: usize = 5;
-/// Tolerance of the Jacobi rotations: sum of the off-diagonal entries relative to the diagonal.
+/// Tolerance of the Jacobi rotations: sum of the magnitudes above the diagonal, relative to the sum on the diagonal.
 const NO_ANGLE: f64 = 1e-13;
 
-/// Hollowness of a blended gap, 1/m: the positive part of minus its second derivative by the position of the tool
-/// sphere.
+/// Returns the hollowness of a blended gap, 1/m, world axes: the positive part of minus its second derivative by the
+/// position of the tool sphere.
 ///
 /// Minus the second derivative is the covariance of the member normals over the blend length, minus the curvature of
-/// the spheres. The positive part is nonzero only in grooves and pits.
+/// the spheres. The positive part is nonzero only in grooves and pits. `members` are those of the row `line`;
+/// `contacts` is the contact list; `blend` is the blend length, metres.
 pub(crate) fn hollowness(
     line: &ContactRow,
     members: &[Member],

@@ -46,28 +46,31 @@ use crate::math::{Vec3, exp_of_loss, fclamp, fmax, fmin};
 pub(crate) use groups::{Group, Groups};
 pub(crate) use hollowness::hollowness;
 
-/// Motion of the surface under which a sphere is ignored in the sum, metres.
+/// Contribution of a sphere to a blended gap under which the sphere is ignored, metres.
 const UNFELT: f64 = 2e-8;
-/// Excess of the sagitta over the rise up to which two spheres are on one smooth surface, in blend lengths. Opposite
-/// spheres over the pit between four spheres of a properly blended lattice have an excess of 4 to 6.
+/// Excess in [`compatibility`] up to which two spheres are on one smooth surface, in blend lengths. Opposite spheres
+/// over the pit between four spheres of a properly blended lattice have an excess of 4 to 6.
 const ONE_SURFACE: f64 = 7.0;
-/// Excess of the sagitta over the rise from which two spheres are on separate surfaces, in blend lengths.
+/// Excess in [`compatibility`] from which two spheres are on separate surfaces, in blend lengths.
 const TWO_SURFACES: f64 = 12.0;
-/// Share of its sum that a left-out seed may hold beyond an earlier row. The seed could bind earlier by at most this
-/// share of the blend length.
+/// Share of its own sum up to which a seed may exceed the sum of an earlier row and still get no row. Such a seed could
+/// bind earlier by at most this share of the blend length.
 const IMPLIED: f64 = 1e-3;
-/// Margin for the rounding of a blended gap, metres: far above the rounding, far below any perceptible distance.
+/// Margin subtracted for rounding from the lower bound of the blended gaps, metres: far above the rounding, far below
+/// any perceptible distance.
 const ROUNDING: f64 = 1e-12;
-/// Margin by which another seed's surface may be closer than that of the nearest core, in blend lengths. The case
-/// occurs where the nearest core stands alone with a small inset and the other core lies deep among many.
+/// Margin by which the blended gap of another seed may be under that of the seed with the nearest core, in blend
+/// lengths. The case occurs where the nearest core stands alone with a small inset and the other core lies deep among
+/// many.
 pub(crate) const OTHER_SEEDS: f64 = 3.0;
 /// Maximum number of rows of one tool sphere against one object: the walls of a pocket, its floor, and a reserve. Seeds
-/// are ordered by their core gap, not by the gap of the surface, so a seed beyond the capacity may be touched. On
-/// overflow only seeds within a smaller limit get rows.
+/// are ordered by their core gap, not by the blended gap, so a seed beyond the capacity may be touched. On overflow
+/// only seeds with a blended gap under a smaller limit get rows.
 pub const MAX_SEEDS: usize = 12;
 
-/// Returns the reach of a sphere, 4 to 10 blend lengths above the smallest core gap. At the reach, unless clamped, the
-/// sphere's share, `exp(-reach)` of the blend length, is 20 nm. Dozens of spheres can lie there.
+/// Returns the reach of spheres in a blended gap, 4 to 10 blend lengths: farther core gaps, counted from the smallest
+/// core gap, are ignored. `blend` is the blend length, metres. Unless the reach is clamped, a sphere at the reach
+/// changes the gap by 20 nm. Dozens of spheres can lie there.
 #[inline]
 pub fn reach(blend: f64) -> f64 {
     fclamp(libm::log(blend / UNFELT), 4.0, 10.0)
@@ -97,18 +100,19 @@ pub fn compatibility(cosine: f64, distance: f64, rise: f64, blend: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Pair of a tool sphere and a sphere of a blended object.
+/// Pair of a tool sphere and a sphere of a blended object, at the pose of the evaluation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
     /// Index in the contact list.
     pub contact: u32,
     /// Core gap, metres.
     pub gap: f64,
-    /// Unit vector from the object's sphere to the tool's.
+    /// Unit vector from the object's sphere to the tool's, world axes.
     pub normal: Vec3,
     /// Distance between the centres, metres.
     pub distance: f64,
-    /// Weight before compatibility: `exp(-(gap - smallest) / kappa)`; 0 until weighed.
+    /// Weight before compatibility, 0 to 1: `exp(-(gap - smallest) / kappa)`, with the smallest core gap of the pairs;
+    /// 0 until [`Blender::weigh`].
     weight: f64,
 }
 
@@ -124,12 +128,12 @@ impl Pair {
     }
 }
 
-/// Share of a contact in a row.
+/// Member of a blended row: a contact with its share of the row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Member {
     /// Index in the contact list.
     pub contact: u32,
-    /// Distance between the centres, metres.
+    /// Distance between the centres of the pair of spheres, metres.
     pub distance: f64,
     /// Share of the row's multiplier, 0 to 1. The shares of a row add up to 1.
     pub weight: f64,
@@ -140,10 +144,10 @@ pub(crate) struct Member {
 pub(crate) struct ContactRow {
     /// Index in the contact list of the contact, or of the seed of a blended row. Determines tool, object and arm.
     pub contact: u32,
-    /// Gap, metres.
+    /// Gap of the spheres for a hard contact, blended gap for a seed, metres. Negative is penetration.
     pub gap: f64,
-    /// Derivative of the gap by the position of the tool sphere: a unit normal, or the weighted mean of the members'
-    /// normals.
+    /// Derivative of the gap by the position of the tool sphere, world axes: a unit normal, or the weighted mean of the
+    /// members' normals. The mean has a length of at most 1.
     pub normal: Vec3,
     /// Start of the members in the list of all members; 0 for a hard contact.
     pub first: u32,
@@ -165,9 +169,9 @@ impl ContactRow {
     }
 }
 
-/// Destination of the written rows.
+/// Lists to which [`Blender::rows`] appends the rows and their members.
 pub(crate) struct Written<'a> {
-    /// Contact rows.
+    /// Contact rows, in the order of their writing.
     pub contact_rows: &'a mut Vec<ContactRow>,
     /// Members of all rows, row by row.
     pub members: &'a mut Vec<Member>,
@@ -182,7 +186,8 @@ pub(crate) struct Core {
     pub inset: f64,
 }
 
-/// Returns the cores of the nodes of object `k`; empty for an object without blending.
+/// Returns the cores of the nodes of object `k` of the scene, in the order of the nodes; empty for an object without
+/// blending.
 pub(crate) fn cores(scene: &Scene, k: usize) -> Vec<Core> {
     if scene.blend_of(k) == 0.0 {
         return Vec::new();
@@ -199,14 +204,15 @@ pub(crate) fn cores(scene: &Scene, k: usize) -> Vec<Core> {
     core.collect()
 }
 
-/// Pair with a share under 1 in the sum of a kept row.
+/// Pair whose compatibility with the seed of an earlier row is under 1.
 #[derive(Clone, Copy, Debug)]
 struct LeftOut {
     /// Index in `Blender::pairs`.
     pair: u32,
-    /// Share of the pair in the sum, 0 to 1.
+    /// Compatibility of the pair with that seed, 0 to 1.
     share: f64,
-    /// Upper bound of what this pair and the later pairs of the same row can add to the sum of another row.
+    /// Upper bound of the weight that this and the later left-out pairs of the same row can add to another row's sum.
+    /// In [`Blender::least`] the value is 0 and unused.
     rest: f64,
 }
 
@@ -216,15 +222,15 @@ struct LeftOut {
 pub(crate) struct Blender {
     /// Pairs of one tool sphere and one object.
     pairs: Vec<Pair>,
-    /// Pairs with a share under 1 in kept rows, row by row.
+    /// Left-out pairs of the rows written so far, row by row; in [`Blender::least`] those of the nearest seed.
     left_out: Vec<LeftOut>,
-    /// Share of each pair in the present row.
+    /// Scratch: share of each pair in the row that is being written, 0 to 1.
     shares: Vec<f64>,
-    /// Natural logarithm of each number of pairs; 0 for no pairs.
+    /// Natural logarithm of each number of pairs, indexed by the number; 0 at index 0.
     logs: Vec<f64>,
-    /// Last blend length, metres, and its [`reach`].
+    /// Last blend length, metres, and its [`reach`] in blend lengths; NaN and 0 before the first use.
     reach: (f64, f64),
-    /// Largest weight of a pair beyond that reach.
+    /// Largest weight of a pair beyond that reach, `exp(-reach)`; 1 before the first use.
     unfelt: f64,
 }
 
@@ -248,13 +254,14 @@ impl Blender {
         self.pairs.clear();
     }
 
-    /// Adds a pair.
+    /// Adds a pair of the present tool sphere and object.
     pub fn push(&mut self, pair: Pair) {
         self.pairs.push(pair);
     }
 
-    /// Moves the nearest pair to the front and sets the weights relative to it. Drops the pairs that are both out of
-    /// its reach and farther than `kept` (metres). Returns the smallest core gap, metres; `None` without pairs.
+    /// Moves the pair with the smallest core gap to the front and sets the weights relative to it. Drops each pair
+    /// whose core gap is both out of [`reach`] and over `kept`. Returns the smallest core gap, metres; `None` without
+    /// pairs. `kept` and the blend length `blend` are in metres.
     fn weigh(&mut self, blend: f64, kept: f64) -> Option<f64> {
         let nearest = (0..self.pairs.len()).reduce(|best, k| {
             let (a, b) = (&self.pairs[k], &self.pairs[best]);
@@ -275,7 +282,8 @@ impl Blender {
         Some(smallest)
     }
 
-    /// Returns the compatibility of pair `k` with `seed`, 0 to 1.
+    /// Returns the compatibility of pair `k` with `seed`: 1 on one smooth surface, 0 on separate surfaces, smooth
+    /// between. `blend` is the blend length, metres.
     #[inline]
     fn shared(&self, seed: &Pair, k: usize, blend: f64) -> f64 {
         let pair = &self.pairs[k];
@@ -287,7 +295,8 @@ impl Blender {
         )
     }
 
-    /// Returns the blended gap of `seed`, metres.
+    /// Returns the blended gap of `seed` over the present pairs, metres. `smallest` is the core gap to which the
+    /// weights refer. `smallest` and the blend length `blend` are in metres.
     fn gap_of(&self, seed: &Pair, smallest: f64, blend: f64) -> f64 {
         let sum = (0..self.pairs.len()).fold(0.0, |sum, k| {
             sum + self.shared(seed, k, blend) * self.pairs[k].weight
@@ -295,7 +304,8 @@ impl Blender {
         smallest - blend * libm::log(sum)
     }
 
-    /// Returns the smaller of `limit` and the smallest blended gap over all seeds, metres.
+    /// Returns the smallest blended gap over all pairs as seeds, metres, but at most `limit`. Without pairs the result
+    /// is `limit`. `limit` and the blend length `blend` are in metres. Drops the pairs out of reach.
     pub fn least(&mut self, blend: f64, limit: f64) -> f64 {
         let Some(smallest) = self.weigh(blend, f64::NEG_INFINITY) else {
             return limit;
@@ -333,11 +343,11 @@ impl Blender {
         least
     }
 
-    /// Writes the rows of the seeds with a gap under `limit` (metres), with their members. On more rows than
-    /// [`MAX_SEEDS`] the limit is lowered until all rows fit.
+    /// Appends the rows of the seeds with a blended gap under `limit`, with their members. On more rows than
+    /// [`MAX_SEEDS`] the limit is lowered until all rows fit. `limit` and the blend length `blend` are in metres.
     ///
-    /// Returns the limit under which all rows are written, metres, and a lower bound of the gaps of these pairs,
-    /// metres. The limit is 0 when not even the smallest limit fits.
+    /// Returns the limit under which all rows are written, metres, and a lower bound of the blended gaps of all present
+    /// seeds, metres. The limit is 0 when not even 1e-6 m fits. The bound is infinite without pairs.
     pub fn rows(&mut self, blend: f64, limit: f64, written: &mut Written<'_>) -> (f64, f64) {
         let count = self.pairs.len();
         // Within the limit the tool may reach any wall in this substep, not only the nearest wall.
@@ -378,7 +388,9 @@ impl Blender {
         (room, least)
     }
 
-    /// Writes the rows of the seeds with a gap under `limit`. Returns false if they are more than [`MAX_SEEDS`].
+    /// Appends the rows of the seeds with a blended gap under `limit`, except those implied by an earlier row. Returns
+    /// false if they are more than [`MAX_SEEDS`]. `smallest` is the smallest core gap. `smallest`, `blend` and `limit`
+    /// are in metres.
     fn seeds(&mut self, smallest: f64, blend: f64, limit: f64, written: &mut Written<'_>) -> bool {
         let n = self.pairs.len();
         let most = blend * self.logs[n];

@@ -21,10 +21,12 @@ use crate::{MAX_TOOLS, Scene};
 /// A larger margin means fewer descents and more near objects, for which neighbour lists are built. A list takes ten
 /// times as long as a bound, and stays valid for 0.05 mm.
 const MARGIN: f64 = 1.5e-4;
-/// Path after which a near object is tested again, metres.
+/// Path of the tool's working point after which a near object is tested again, metres. The motion of a yielding object
+/// counts too.
 const AGAIN: f64 = 3e-4;
-/// Turns for which a bound may stay valid, as sums of Frobenius norms of differences of rotation matrices: about 1.4
-/// times the angle in radians. They are tried in order until the bound exceeds the search distance and its margin.
+/// Turns of the tool for which a bound may stay valid: sums of Frobenius norms of differences of rotation matrices. A
+/// value is about 1.4 times the angle in radians. The turns are tried in order until the bound exceeds the search
+/// distance and its margin.
 ///
 /// A turn of 0.1 takes 10 mm, the width of a tooth, off the bound at the far end of a handle of 100 mm.
 const TURNS: [f64; 3] = [0.1, 0.02, 4e-3];
@@ -33,30 +35,35 @@ const TURNS: [f64; 3] = [0.1, 0.02, 4e-3];
 /// At 256, three of four descents with a mirror's handle among teeth stopped at the limit, and three times as many
 /// lists were built.
 const MOST_TESTS: usize = 2000;
-/// Ratio of the radii of a node pair to its bound below which the pair is not opened. A bound need not be sharp. At 0.5
-/// most descents exceeded the time available for tests.
+/// Largest ratio of size to distance at which a pair of nodes (tool, object) beyond the search distance is not opened.
+/// The size is the sum of both culling radii, the distance is the lower bound for the pair. A bound need not be sharp.
+/// At 0.5 most descents exceeded [`MOST_TESTS`].
 const SMALL: f64 = 2.0;
-/// Rounding allowance, far above the rounding of all sums here, metres.
+/// Length subtracted from each bound for rounding, metres: far above the rounding of all sums here.
 const ROUNDING: f64 = 1e-6;
 
-/// Expiry of cached data: path of the tool (metres) and turn.
+/// Expiry of cached data, or motion so far: path of the tool's working point, metres, and turn of the tool. The turn is
+/// a sum of Frobenius norms as in [`TURNS`].
 #[derive(Clone, Copy, Debug)]
 struct End {
     path: f64,
     turn: f64,
 }
 
-/// Cached data of one tool.
+/// Cached data of one tool: its motion so far, and the bounds of all objects.
 #[derive(Debug)]
 struct OfTool {
-    /// Last position of the working point and last rotation, and the path and turn accumulated so far.
+    /// Working point at the last query, world axes, metres.
     at: Vec3,
+    /// Rotation matrix at the last query, `world_from_tool`.
     rotation: Mat3,
+    /// Path and turn accumulated over all queries.
     gone: End,
-    /// Expiry of the bound, and whether the object is near; per object.
+    /// Per object: values of `gone` at which the bound expires, and whether the object is near.
     known: Vec<(End, bool)>,
-    /// Earliest expiry of all objects; `None` before the first query.
+    /// Earliest expiry over all objects; `None` before the first query and after [`Broad::forget`].
     next: Option<End>,
+    /// Indices of the near objects, ascending.
     near: Vec<u16>,
 }
 
@@ -64,9 +71,12 @@ struct OfTool {
 #[derive(Debug)]
 pub(crate) struct Broad {
     tools: [OfTool; MAX_TOOLS],
-    /// Additional search distance of a pass where spheres are blended, metres; per object.
+    /// Additional search distance of a pass where spheres are blended, metres, per object: the reach of the blending; 0
+    /// without blending.
     farther: Vec<f64>,
+    /// Indices of all objects, the result of a plain predictor.
     all: Vec<u16>,
+    /// Scratch of [`clearance`]: tool node, object node, lower bound for the pair in metres.
     stack: Vec<(u32, u32, f64)>,
 }
 
@@ -112,7 +122,7 @@ impl Broad {
         }
     }
 
-    /// Shortens the cached bounds of object `k` after a motion of its spheres by up to `motion` metres.
+    /// Shortens the cached bounds of object `k` after a motion of its spheres by up to `motion` (metres).
     pub fn object_moved(&mut self, k: usize, motion: f64) {
         for tool in &mut self.tools {
             let end = &mut tool.known[k].0;
@@ -129,8 +139,8 @@ impl Broad {
 
     /// Returns the indices, ascending, of the objects that `tool` may reach within the search distance `d` of a pass.
     ///
-    /// `tool` must be the tool of the last [`Predictor::begin`]. `displaced` returns the largest displacement of an
-    /// object's spheres from rest, metres.
+    /// `tool` must be the tool of the last [`Predictor::begin`], and `longest` its longest lever, metres. `displaced`
+    /// returns the largest displacement of an object's spheres from rest, metres.
     pub fn near(
         &mut self,
         scene: &Scene,
@@ -217,15 +227,16 @@ impl Broad {
     }
 }
 
-/// Returns the Frobenius norm.
+/// Returns the Frobenius norm of `m`: the root of the sum of the squared entries.
 fn norm_of(m: &Mat3) -> f64 {
     m.norm_squared().sqrt()
 }
 
-/// Returns a lower bound of `gap - turn * lever` over all pairs of contact spheres, metres, and the number of tested
-/// node pairs.
+/// Returns a lower bound of `gap - turn * lever` over all pairs of contact spheres of tool and object, metres. The
+/// second value is the number of tested node pairs.
 ///
-/// The bound is `None` when some pair is or may be at or below `enough`, or when the test limit is reached.
+/// The bound is `None` when some pair is or may be at or below `enough` (metres), or when [`MOST_TESTS`] is exceeded.
+/// `nodes` are the object's in world axes, in contact at `level`; `turn` is as in [`TURNS`].
 fn clearance(
     tool: &PosedTool<'_>,
     posed: &mut Posed,

@@ -12,13 +12,14 @@ use crate::math::{Vec3, fmax};
 use crate::scene::tool::Tool;
 use crate::tree::{Node, Sphere};
 
-/// Turn of the tool for which a list of a tissue's spheres is valid: largest Frobenius norm of a difference of rotation
-/// matrices.
+/// Turn of the tool for which a list of a tissue's spheres is valid: largest Frobenius norm of the difference of two
+/// rotation matrices. The norm is about 1.4 times the angle in radians.
 pub(super) const TURN: f64 = 1.7e-2;
 
 /// Families of a tool in the tool's frame, each sphere grown by its motion under a turn of [`TURN`].
 #[derive(Debug)]
 pub(super) struct CoarseSearch {
+    /// Families in the tool's frame, metres.
     packs: Packs,
     /// Largest lever of a sphere of the tool, metres.
     longest: f64,
@@ -39,8 +40,8 @@ fn shape(nodes: &[Node], level: u8) -> (f64, f64) {
 }
 
 impl CoarseSearch {
-    /// Creates the search for `tool` on an object. Returns `None` if the object's spheres are smaller on average, or
-    /// more than twice as numerous as the tool's.
+    /// Creates the search for `tool` on an object with `nodes` in contact at `level`. Returns `None` if the object's
+    /// spheres are smaller on average, or more than twice as numerous as the tool's.
     pub fn new(tool: &Tool, (nodes, level): (&[Node], u8)) -> Option<Self> {
         let own = tool.tree.nodes();
         let ((count, radius), (own_count, own_radius)) =
@@ -68,11 +69,12 @@ impl CoarseSearch {
         })
     }
 
-    /// Calls `found` with each sphere of the tool, ascending, within `reach` (metres) of `sphere` (world axes).
+    /// Calls `found` with the node of each sphere of the tool, ascending, within a gap of `reach` (metres) of `sphere`
+    /// (world axes). A sphere slightly out of reach may be found too.
     ///
-    /// The reach grows by `turn` times the longest lever, in addition to the growth by [`TURN`] of each sphere. The
-    /// search stops when `found` returns false for lack of room. Returns the number of spheres tested, or `None` after
-    /// such a stop.
+    /// The reach grows by `turn` (radians) times the longest lever, in addition to the growth by [`TURN`] of each
+    /// sphere. The search stops when `found` returns false for lack of room. Returns the number of spheres tested, or
+    /// `None` after such a stop.
     pub fn run(
         &mut self,
         (tool, posed): (&PosedTool<'_>, &Posed),

@@ -4,12 +4,17 @@ use super::posed::{Lever, Posed, PosedTool, reach_of};
 use super::{ContactList, ContactsFull, Distance};
 use crate::tree::Node;
 
-/// Capacity of the stack. A pop pushes at most eight pairs, so seven remain for each level of either tree.
+/// Capacity of the stack of a traversal, pairs of nodes. A pop pushes at most eight pairs, so seven remain for each
+/// level of either tree.
 pub(crate) const STACK: usize = 7 * 2 * (crate::tree::MAX_LEVEL as usize + 1) + 8;
 
-/// Appends every pair of contact spheres with a gap under `d` to `out`.
+/// Appends every pair of contact spheres of a tool and an object with a gap under `d` to `out`.
 ///
-/// `levers` are those of the predictor. `tested` counts the tested pairs of nodes.
+/// `object` is the index in the scene, the nodes in world axes and the level in contact. `levers` are those of the
+/// predictor, by tool node. `tested` counts the tested pairs of nodes.
+///
+/// # Errors
+/// `out` is full and its policy is [`super::Overflow::Stop`].
 pub(super) fn traverse(
     tool: &PosedTool<'_>,
     posed: &mut Posed,

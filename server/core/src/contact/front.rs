@@ -10,32 +10,38 @@ use super::packs::{Felt, Packs};
 use super::posed::{Lever, Posed, PosedTool, reach_of};
 use crate::tree::MAX_CHILDREN;
 
-/// Capacity of a front, pairs.
+/// Capacity of a front, pairs (family, tool sphere).
 const MOST: usize = 8192;
-/// Ratio of looseness, object family to tool node, from which the object is opened first. Below this ratio the tool is
-/// opened: its spheres are then tested against fewer families later.
+/// Ratio of looseness, object family to tool node, from which the object is opened first. Looseness is the excess of
+/// the bound radius over the contact radius, metres. Below this ratio the tool is opened: its spheres are then tested
+/// against fewer families later.
 ///
 /// Measured: 3, 10 and 30 cost a little more, 1 costs twice as much.
 const TOOL_FIRST: f64 = 6.0;
 
-/// Pairs of one level of the object's tree.
+/// Front: pairs (family of the object, sphere of the tool) on one level of the object's tree.
 #[derive(Debug)]
 struct Front {
+    /// Index in `Packs::families`, per pair.
     families: Vec<u32>,
+    /// Node of the tool, per pair.
     spheres: Vec<u32>,
+    /// Number of pairs; later entries of the lists have no meaning.
     len: usize,
 }
 
 /// Buffers for building neighbour lists.
 #[derive(Debug)]
 pub(super) struct Search {
+    /// Scratch: open pairs of a tool node and a family.
     stack: Vec<(u32, u32)>,
     now: Front,
     next: Front,
-    /// Search ball of each sphere of the tool; valid only for spheres in the front.
+    /// Search ball of each node of the tool; valid only for spheres in the front.
     felt: Vec<Felt>,
-    /// Pairs found: `family << 32 | sphere`.
+    /// Pairs found, `family << 32 | tool node`; the first `found` entries are valid.
     keys: Vec<u64>,
+    /// Number of pairs found.
     found: usize,
 }
 
@@ -48,7 +54,8 @@ impl Front {
         }
     }
 
-    /// Appends the families `first + lane` for the set bits of `lanes`. Writes all eight slots and counts the set bits.
+    /// Appends the pairs of the families `first + lane`, for the set bits `lane` of `lanes`, with the tool node
+    /// `sphere`. Writes all eight slots and counts the set bits.
     #[inline]
     fn push(&mut self, first: u32, lanes: u8, sphere: u32) {
         let families = &mut self.families[self.len..self.len + MAX_CHILDREN];
@@ -60,7 +67,7 @@ impl Front {
     }
 }
 
-/// Set bits of each byte, ascending.
+/// Positions of the set bits of each byte, ascending, indexed by the byte; unused entries are 0.
 static LANES: [[u32; MAX_CHILDREN]; 256] = {
     let mut lanes = [[0; MAX_CHILDREN]; 256];
     let mut byte = 0;
@@ -91,17 +98,18 @@ impl Search {
         }
     }
 
-    /// Returns the pairs found, `family << 32 | sphere`, ascending.
+    /// Returns the pairs found, `family << 32 | tool node`, ascending.
     pub fn keys(&self) -> &[u64] {
         &self.keys[..self.found]
     }
 
-    /// Returns the search ball of a tool sphere among the pairs found.
+    /// Returns the search ball of the tool node `sphere`, which must be among the pairs found.
     pub fn felt(&self, sphere: u32) -> Felt {
         self.felt[sphere as usize]
     }
 
-    /// Finds the pairs of a family and a tool sphere closer than `slack`, a function of the lever. Returns whether all
+    /// Finds the pairs of a family and a tool sphere with a contact sphere of the family within `slack` of the tool
+    /// sphere. `slack` gives a gap in metres for a lever in metres; `levers` are by tool node. Returns whether all
     /// pairs fit (at most `most`), and the number of spheres tested.
     pub fn run(
         &mut self,
@@ -126,7 +134,8 @@ impl Search {
         (fits, tested)
     }
 
-    /// Starts the front: opens the tool down to its spheres. Returns false if the front is full.
+    /// Starts the front: opens the tool down to its spheres, with the arguments of [`Search::run`]. Adds the tested
+    /// spheres to `tested`. Returns false if the front is full.
     fn open_tool(
         &mut self,
         tool: &PosedTool<'_>,
@@ -179,7 +188,8 @@ impl Search {
         true
     }
 
-    /// Moves the front down by one level. Returns false if the front or the list is full.
+    /// Moves the front down by one level of the object's tree, and adds the families in contact at `level` to the list.
+    /// Returns false if the front is full, or the list has more than `most` pairs.
     fn descend(&mut self, (packs, level): (&Packs, u8), most: usize, tested: &mut u64) -> bool {
         self.next.len = 0;
         let len = self.now.len;

@@ -41,13 +41,13 @@ pub struct Contact {
     pub tool: u8,
     /// Index of the object.
     pub object: u16,
-    /// Node of the object's tree.
+    /// Index of the node in the object's tree.
     pub object_sphere: u32,
-    /// Node of the tool's tree.
+    /// Index of the node in the tool's tree.
     pub tool_sphere: u32,
     /// Unit normal from the object's sphere to the tool's, world axes.
     pub normal: Vec3,
-    /// True gap between the two spheres at the pose of the pass, metres; negative is penetration.
+    /// True gap between the two contact spheres at the pose of the pass, metres; negative is penetration.
     pub gap: f64,
     /// Centre of the tool's sphere minus the tool's working point, world axes, metres.
     pub arm: Vec3,
@@ -83,7 +83,7 @@ pub struct ContactList {
 /// Policy for a contact that finds the list full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {
-    /// The query stops with [`ContactsFull`]; the caller retries with a smaller distance.
+    /// The query stops with [`ContactsFull`]; the caller retries with a smaller prediction distance.
     Stop,
     /// The new contact replaces the contact with the largest gap, if its own gap is smaller.
     KeepSmallestGaps,
@@ -183,36 +183,39 @@ fn outranks(a: &Contact, b: &Contact) -> bool {
 ///
 /// A larger factor costs more queries for a fast tool and lets the tool move farther in a tick.
 pub(crate) const SHORTER: f64 = 0.7;
-/// Prediction distance at which full lists keep the smallest gaps, metres.
+/// Smallest base of a prediction distance, metres. At this base without a turn, a full contact list keeps the smallest
+/// gaps instead of a retry.
 pub(crate) const SMALLEST_PREDICTION: f64 = 1e-6;
 
-/// Prediction distance `base + turn * lever`, with the lever of the tool's sphere from the working point.
+/// Prediction distance `base + turn * lever`, metres. The lever is the distance of the tool's sphere from the working
+/// point, metres.
 ///
-/// A tool that moves by `base` and turns by `turn` carries no sphere farther.
+/// A tool whose working point moves by `base` and which turns by `turn` carries no sphere farther.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     /// Part that is the same for every sphere, metres.
     pub base: f64,
-    /// Part per metre of lever, radians.
+    /// Part per metre of lever, metres per metre: the turn of the tool that the distance covers, radians.
     pub turn: f64,
 }
 
 impl Distance {
-    /// Returns the distance for a sphere with this lever, metres.
+    /// Returns the distance for a sphere with this lever. Lever and distance are in metres.
     #[inline]
     pub fn at(&self, lever: f64) -> f64 {
         self.base + self.turn * lever
     }
 
-    /// Returns the distance shortened by [`SHORTER`]; see [`Distance::shortened`]. `longest` is the longest lever,
-    /// metres.
+    /// Returns the distance shortened by the factor [`SHORTER`]; see [`Distance::shortened`]. `longest` is the longest
+    /// lever of the tool's spheres, metres.
     pub(crate) fn shorter(&self, longest: f64) -> Self {
         self.shortened(SHORTER, longest)
     }
 
-    /// Returns the distance multiplied by `share`, with a base of at least [`SMALLEST_PREDICTION`].
+    /// Returns the distance multiplied by `share` (0 to 1), with a base of at least [`SMALLEST_PREDICTION`]. `longest`
+    /// is the longest lever of the tool's spheres, metres.
     ///
-    /// The turn becomes 0 when the distance at the longest lever is at most `2 * SMALLEST_PREDICTION`.
+    /// The turn becomes 0 when the unshortened distance at the longest lever is at most `2 * SMALLEST_PREDICTION`.
     pub(crate) fn shortened(&self, share: f64, longest: f64) -> Self {
         Self {
             base: crate::math::fmax(share * self.base, SMALLEST_PREDICTION),
@@ -235,13 +238,14 @@ impl From<f64> for Distance {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactsFull;
 
-/// Per-object factor (0.75 to 1.25) on how long cached contact data stays valid. The golden ratio spreads the factors,
-/// so that caches do not all expire in the same tick.
+/// Factor for object `k` (0.75 to 1.25) on how long cached contact data stays valid. The golden ratio spreads the
+/// factors, so that caches do not all expire in the same tick.
 pub(crate) fn spread(k: usize) -> f64 {
     0.75 + 0.5 * (k as f64 * 0.618_033_988_75).fract()
 }
 
-/// Returns the world position of a point of the tool.
+/// Returns the world position of `point`, a point in the tool's frame, metres. `pose` is `world_from_tool`, and
+/// `rotation` its rotation matrix.
 #[inline]
 pub(crate) fn centre(rotation: &Mat3, pose: &Pose, point: &Vec3) -> Vec3 {
     pose.position + rotation * point

@@ -15,55 +15,65 @@ use crate::tree::Node;
 
 /// Largest number of pairs in a list.
 pub(super) const CAPACITY: usize = 4096;
-/// Translation for which a list is valid, metres, times its [`spread`]. A larger value means fewer and longer lists.
+/// Translation of the working point for which a list is valid, metres, times its [`spread`]. A larger value means fewer
+/// and longer lists.
 ///
 /// Measured with a probe round a molar, with this value and the turn doubled. At level 5 the mean tick takes a tenth
 /// longer and the median a fifth longer; at level 3 the mean takes a fifth less.
 const TRANSLATION: f64 = 5e-5;
-/// Turn for which a list is valid, times its [`spread`]: largest Frobenius norm of a difference of rotation matrices.
+/// Turn of the tool for which a list is valid, times its [`spread`]: largest Frobenius norm of the difference of two
+/// rotation matrices. The norm is about 1.4 times the angle in radians.
 const TURN: f64 = 8.5e-3;
-/// Share of a fast tool's motion since the last list for which the next list is valid. A tool is fast if this share
-/// exceeds [`TRANSLATION`] or [`TURN`]. Without the enlargement a fast hand needs a new list in every pass.
+/// Share of the tool's motion during the last list for which the next list is valid. The share applies only where it
+/// exceeds [`TRANSLATION`] or [`TURN`], as with a fast tool. Without the enlargement a fast hand needs a new list in
+/// every pass.
 const FAST: f64 = 0.7;
 /// Limit of the enlargement for a fast tool, in units of [`TRANSLATION`] and [`TURN`].
 const FASTEST: f64 = 4.0;
-/// Largest number of tool spheres tested against one family before its contacts are written. With more spheres the
-/// contacts need sorting.
+/// Largest number of tool spheres tested against one family before the family's contacts are written. With more spheres
+/// the contacts need sorting.
 const RUN: usize = 192;
-/// Length added to every reach, metres. Far above rounding at the 10 m that a scene may span, far below any other
-/// length.
+/// Length added to every search distance, metres. Far above rounding at the 10 m that a scene may span, far below any
+/// other length.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Neighbour list and the range of its validity.
+/// Neighbour list of one tool on one rigid object, and the range of its validity.
 #[derive(Debug)]
 pub(super) struct Neighbours {
-    /// Family and index in `spheres`, sorted by both.
+    /// Pairs: index of the family in `Packs::families`, then index of the tool sphere in `spheres`. Sorted by family,
+    /// then by node of the tool.
     pairs: Vec<(u32, u32)>,
-    /// Nodes of the tool in the list.
+    /// Nodes of the tool in the list, in the order of their first pairs.
     spheres: Vec<u32>,
-    /// World positions and search balls of `spheres` in the current query.
+    /// World positions and search balls of `spheres` in the current query, in the same order.
     placed: Vec<Placed>,
+    /// Rotation matrix of the tool when the list was built, `world_from_tool`.
     rotation: Mat3,
+    /// Working point when the list was built, world axes, metres.
     working_point: Vec3,
-    /// Levels of the tool and of the object; `None` before the first list.
+    /// Levels of the tool's and of the object's tree in contact; `None` before the first list.
     levels: Option<(u8, u8)>,
-    /// Translation plus prediction distance for which the list is valid, metres.
+    /// Largest sum of the working point's translation since the list was built and `Distance::base` of a query, metres.
     reach: f64,
-    /// Turn for which the list is valid, including the turn of the prediction distance.
+    /// Largest sum of the tool's turn since the list was built (Frobenius norm, see [`TURN`]) and `Distance::turn` of a
+    /// query, radians.
     turn: f64,
     /// Factor on the translation and turn of a list; see [`spread`].
     spread: f64,
-    /// Capacity, pairs.
+    /// Capacity of `pairs`.
     most: usize,
     /// Whether all pairs fitted into the list.
     usable: bool,
 }
 
-/// Sphere of the tool in world axes.
+/// Sphere of the tool in the current query.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
+    /// Centre, world axes, metres.
     at: Vec3,
+    /// Search ball: the contact sphere grown by `d`.
     felt: Felt,
+    /// Prediction distance of the sphere, metres.
     d: f64,
 }
 
@@ -96,7 +106,8 @@ impl Neighbours {
         8 * self.pairs.len() as u64
     }
 
-    /// Whether no pair outside the list can be closer than `d` at this pose.
+    /// Whether no pair outside the list can be closer than `d` at the pose of `posed`. False if `levels`, of tool and
+    /// object, are not those of the list.
     pub fn covers(&self, posed: &Posed, levels: (u8, u8), d: Distance) -> bool {
         // Bound on the motion of any point x: |(R - R0) x| <= |R - R0|_F |x|, for any matrices.
         let turned = posed.rotation - self.rotation;
@@ -108,7 +119,8 @@ impl Neighbours {
             && spare >= 0.0
     }
 
-    /// Builds the list for this pose. Returns the number of tested pairs of nodes.
+    /// Builds the list for the pose of `posed` and the distance `d`, on the families `packs` in contact at `level`.
+    /// `levers` are by tool node; `search` and `places` are scratch. Returns the number of tested pairs of nodes.
     pub fn list(
         &mut self,
         tool: &PosedTool<'_>,
@@ -158,7 +170,9 @@ impl Neighbours {
         tested
     }
 
-    /// Appends the contacts under `d`, sorted if no family has more than [`RUN`] tool spheres in the list.
+    /// Appends the contacts with a gap under `d` to `out`, sorted if no family has more than [`RUN`] tool spheres in
+    /// the list. `object` is the index in the scene; `nodes` and `packs` are the object's. The list must cover `d` at
+    /// this pose.
     pub fn query(
         &mut self,
         tool: &PosedTool<'_>,
@@ -215,7 +229,8 @@ impl Neighbours {
     }
 }
 
-/// Returns the search distance beyond the radius of a tool sphere, metres, as a function of its lever.
+/// Returns the search distance beyond the radius of a tool sphere, metres, as a function of its lever, metres. `reach`
+/// (metres) and `turn` (radians) are the limits of the list.
 #[inline]
 pub(super) fn slack(reach: f64, turn: f64) -> impl Fn(f64) -> f64 {
     move |lever| fmax(0.0, reach) + turn * lever + ROUNDING

@@ -5,11 +5,11 @@ use wide::f32x8;
 use crate::math::{Vec3, fmax, norm};
 use crate::tree::{MAX_CHILDREN, Node, Sphere};
 
-/// Relative headroom of the single-precision filter, four times its rounding error.
+/// Relative enlargement of radii in the single-precision filter, four times its rounding error.
 const HEADROOM: f64 = 1e-6;
 
-/// Search ball, tested against eight balls at once, in single precision: centre relative to the object's origin, and
-/// reach.
+/// Search ball, tested against eight balls at once, in single precision: centre relative to `Packs::origin`, and radius
+/// `reach`, metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Felt {
     x: f32,
@@ -19,7 +19,8 @@ pub(super) struct Felt {
 }
 
 impl Felt {
-    /// Creates the ball with its centre at `from`, relative to the object's origin, metres.
+    /// Creates the ball with its centre at `from`, relative to `Packs::origin`, and the radius `reach`. Both are in
+    /// metres.
     #[inline]
     pub fn new(from: &Vec3, reach: f64) -> Self {
         Self {
@@ -31,7 +32,7 @@ impl Felt {
     }
 }
 
-/// Eight balls in single precision, one per lane, coordinates relative to the object's origin.
+/// Eight balls in single precision, one per lane: centres relative to `Packs::origin`, and radii, metres.
 ///
 /// A conservative filter: may report a ball slightly out of reach, never misses a ball in reach. Empty lanes have no
 /// meaning.
@@ -43,39 +44,42 @@ pub(super) struct Balls {
     r: f32x8,
 }
 
-/// Family of siblings in the tree.
+/// Family of siblings in the tree. In the masks of siblings, bit `k` is the node `first + k`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Family {
-    /// Index of the first sibling in the tree.
+    /// Node index of the first sibling in the tree.
     pub first: u32,
-    /// Pack of the first sibling that has children; the packs of the others follow.
+    /// Index in `Packs::families` of the children of the first sibling that has children. The families of the other
+    /// siblings with children follow.
     pub first_pack: u32,
-    /// Bit mask of the siblings.
+    /// Mask of the siblings: bit `k` is set if the node `first + k` belongs to the family.
     pub members: u8,
-    /// Bit mask of the siblings with children.
+    /// Mask of the siblings with children.
     parents: u8,
-    /// Bit mask of the used lanes of `bounds`: the `n` lowest bits for `n` siblings with children.
+    /// Mask of the used lanes of `Packs::bounds`: the `n` lowest bits for `n` siblings with children.
     inner: u8,
     /// Level of the siblings.
     pub level: u8,
 }
 
-/// All families of siblings, in the order of their indices. The first is the root alone.
+/// All families of siblings, in the order of their node indices. The first is the root alone. The lists have one entry
+/// per family.
 #[derive(Debug)]
 pub(super) struct Packs {
     pub families: Vec<Family>,
-    /// Bounds of the siblings with children, in the order of their packs.
+    /// Balls that enclose the contact spheres of the siblings with children and of their descendants. Lane `k` is the
+    /// `k`-th sibling with children.
     pub bounds: Vec<Balls>,
-    /// Contact spheres of the siblings.
+    /// Contact spheres of the siblings. Lane `k` is the node `first + k` of the family.
     pub shapes: Vec<Balls>,
     /// Largest excess of a bound over its node's contact radius in the family, metres.
     pub loose: Vec<f64>,
-    /// Origin of all coordinates: the centre of the root.
+    /// Origin of all coordinates: the centre of the root in the frame of the nodes, metres.
     pub origin: Vec3,
 }
 
 impl Packs {
-    /// Creates the packs of a rigid tree, with tight bounds. These bounds are costly to compute.
+    /// Creates the packs of a rigid tree, with tight bounds. Tight bounds are costly to compute.
     pub fn new(nodes: &[Node]) -> Self {
         Self::about(nodes, &tight_bounds(nodes))
     }
@@ -85,6 +89,7 @@ impl Packs {
         Self::about(nodes, &own_bounds_of(nodes).collect::<Vec<_>>())
     }
 
+    /// Creates the packs of a tree; `bounds` has a bounding ball for each node.
     fn about(nodes: &[Node], bounds: &[Sphere]) -> Self {
         let inner = nodes.iter().filter(|node| node.children > 0).count();
         let mut packs = Self {
@@ -106,7 +111,7 @@ impl Packs {
         packs
     }
 
-    /// Updates packs made by [`Packs::moving`] to the current nodes of the tree.
+    /// Updates packs made by [`Packs::moving`] to the current nodes of the tree: origin, bounds and contact spheres.
     pub fn fit(&mut self, nodes: &[Node]) {
         self.origin = nodes[0].centre;
         let Self {
@@ -126,6 +131,7 @@ impl Packs {
         }
     }
 
+    /// Appends the family `siblings` with its `bounds`. `first` and `first_pack` are those of [`Family`].
     fn add(&mut self, siblings: &[Node], bounds: &[Sphere], first: u32, first_pack: u32) {
         let bits = |chosen: fn(&Node) -> bool| {
             siblings.iter().enumerate().fold(0u8, |bits, (lane, node)| {
@@ -152,7 +158,7 @@ impl Packs {
     }
 }
 
-/// Returns the largest excess of a bound over its node's contact radius, metres.
+/// Returns the largest excess of a bound's radius over its node's contact radius, metres; at least 0.
 fn looseness<'a>(bounded: impl Iterator<Item = (&'a Node, Sphere)>) -> f64 {
     bounded.fold(0.0, |most, (node, bound)| {
         fmax(most, bound.radius - node.contact_radius)
@@ -167,10 +173,11 @@ fn own_bounds_of<'a>(nodes: impl IntoIterator<Item = &'a Node>) -> impl Iterator
     })
 }
 
-/// Iterations towards the smallest enclosing ball.
+/// Number of iterations of [`enclosing`].
 const ROUNDS: u32 = 24;
 
-/// Returns a ball about all contact spheres below each node, no larger than the ball about the node's own centre.
+/// Returns, for each node, a ball about all contact spheres below the node, no larger than the ball about the node's
+/// own centre. A childless node keeps the ball about its own centre.
 ///
 /// The ball about the own centre extends in all directions as far as the farthest descendant needs in one.
 fn tight_bounds(nodes: &[Node]) -> Vec<Sphere> {
@@ -227,7 +234,7 @@ fn enclosing<I: Iterator<Item = Sphere>>(start: Sphere, balls: impl Fn() -> I) -
 }
 
 impl Family {
-    /// Returns the bit mask of the siblings that form the shape at `level`.
+    /// Returns the mask of the siblings that form the shape at `level`: bit `k` is the node `first + k`.
     #[inline]
     pub fn shapes_at(&self, level: u8) -> u8 {
         if self.level == level {
@@ -237,8 +244,8 @@ impl Family {
         }
     }
 
-    /// Returns the mask of [`Family::shapes_at`] and the mask of the `bounds` lanes to descend into for the shape at
-    /// `level`.
+    /// Returns the mask of [`Family::shapes_at`] and the mask of the lanes of `Packs::bounds` to descend into for the
+    /// shape at `level`.
     #[inline]
     pub fn shapes_and_parents(&self, level: u8) -> (u8, u8) {
         if self.level == level {
@@ -263,7 +270,8 @@ impl Balls {
         Self { x, y, z, r }
     }
 
-    /// Returns the mask of the lanes with a ball that may be within the reach of `felt`.
+    /// Returns the mask of the lanes whose ball may overlap `felt`: bit `k` is lane `k`. Bits of empty lanes have no
+    /// meaning.
     #[inline(always)]
     pub fn within(&self, felt: Felt) -> u8 {
         let x = f32x8::splat(felt.x) - self.x;

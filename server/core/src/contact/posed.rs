@@ -7,13 +7,13 @@ use crate::tree::{Node, Sphere};
 /// Sphere tree of a tool at a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedTool<'a> {
-    /// Nodes in the tool's frame.
+    /// Nodes of the tree in the tool's frame, metres.
     pub nodes: &'a [Node],
-    /// `world_from_tool`.
+    /// Pose of the tool, `world_from_tool`.
     pub pose: &'a Pose,
     /// Level of the tree in contact.
     pub level: u8,
-    /// Working point in the tool's frame.
+    /// Working point in the tool's frame, metres.
     pub working_point: &'a Vec3,
     /// Tool slot.
     pub slot: u8,
@@ -22,12 +22,17 @@ pub struct PosedTool<'a> {
 /// Spheres of a tool in world axes, computed on demand.
 #[derive(Debug)]
 pub(super) struct Posed {
+    /// Rotation matrix of the pose, `world_from_tool`.
     pub rotation: Mat3,
+    /// Origin of the tool's frame, world axes, metres.
     pub position: Vec3,
+    /// Working point, world axes, metres.
     pub working_point: Vec3,
+    /// Centre of each node, world axes, metres; valid where the stamp is `pass`.
     centres: Vec<Vec3>,
-    /// Pass in which each centre was computed.
+    /// Number of the pass in which each centre was computed; 0 for none.
     stamps: Vec<u32>,
+    /// Number of the present pass, one for each [`Posed::begin`]; 0 before the first.
     pass: u32,
 }
 
@@ -56,7 +61,7 @@ impl Posed {
         }
     }
 
-    /// Returns the world centre of a node of the tool.
+    /// Returns the centre of a node of the tool at the pose of the last [`Posed::begin`], world axes, metres.
     ///
     /// Always inlined: a result returned through memory piece by piece stalls a read of the whole.
     #[inline(always)]
@@ -71,8 +76,9 @@ impl Posed {
         centre
     }
 
-    /// Returns the contact of two spheres if their gap is under `d` (metres). All methods of contact prediction
-    /// decide here.
+    /// Returns the contact of two spheres if their gap is under `d` (metres). `object` is the object's index, and `o`
+    /// the node of its sphere `sphere` in world axes. `t` is the tool's node, with the centre `at` in world axes. All
+    /// methods of contact prediction decide here.
     #[inline(always)]
     pub fn contact(
         &self,
@@ -106,23 +112,24 @@ impl Posed {
     }
 }
 
-/// Distances of a tool's node from the working point, metres.
+/// Distances of a tool's node from the working point, metres. Scalar levers, without direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lever {
-    /// Distance of the node's own centre.
+    /// Distance of the node's own centre, metres.
     pub own: f64,
-    /// Upper bound of the distances of all centres below the node.
+    /// Upper bound of the distances of all centres below the node, metres.
     pub below: f64,
 }
 
 impl Lever {
-    /// Returns `own` for a node that is the shape, `below` for a node that stands for its descendants.
+    /// Returns `own` for a node that is the shape, `below` for a node that stands for its descendants, metres.
     #[inline]
     pub fn of(&self, is_shape: bool) -> f64 {
         if is_shape { self.own } else { self.below }
     }
 }
 
+/// Returns the levers of all nodes of a tool, in the order of the nodes.
 pub(super) fn levers(tool: &crate::scene::tool::Tool) -> Vec<Lever> {
     let lever = |node: &Node| {
         let own = norm(&(node.centre - tool.working_point));
@@ -134,7 +141,8 @@ pub(super) fn levers(tool: &crate::scene::tool::Tool) -> Vec<Lever> {
     tool.tree.nodes().iter().map(lever).collect()
 }
 
-/// Returns the culling radius, metres: the contact radius of a shape node, the bound radius of an inner node.
+/// Returns the culling radius about the node's centre, metres: the contact radius of a shape node, the bound radius of
+/// an inner node.
 #[inline]
 pub(crate) fn reach_of(node: &Node, is_shape: bool) -> f64 {
     if is_shape {

@@ -15,13 +15,13 @@ use crate::tree::Node;
 pub struct Work {
     /// Queries of one tool against one object.
     pub queries: u64,
-    /// Tested pairs of spheres; every sphere of a tested family counts.
+    /// Tested pairs of nodes. A test of a sphere against a family counts as eight, whatever the number of siblings.
     pub tested: u64,
     /// Neighbour lists built.
     pub lists: u64,
     /// Queries without a usable list, answered by traversal.
     pub unlisted: u64,
-    /// Bounds computed for the distance of a tool to an object.
+    /// Lower bounds computed by the broad phase for the distance of a tool to an object, one for each turn tried.
     pub bounds: u64,
 }
 
@@ -29,17 +29,19 @@ pub struct Work {
 #[derive(Debug)]
 pub struct Predictor {
     pub(super) posed: Posed,
+    /// Scratch of a traversal: open pairs of a tool node and an object node.
     pub(super) stack: Vec<(u32, u32)>,
-    /// Families of each rigid object; `None` for a yielding object.
+    /// Families of each rigid object, by object; `None` for a yielding object.
     packs: Vec<Option<Packs>>,
-    /// Neighbour lists by tool and object, tools outermost.
+    /// Neighbour lists by tool and object, tools outermost; `None` for a yielding object.
     neighbours: Vec<Option<Neighbours>>,
-    /// Levers by tool and node.
+    /// Levers by tool slot and node of the tool; empty for a slot without a tool.
     pub(super) levers: [Vec<Lever>; MAX_TOOLS],
     pub(super) search: Search,
-    /// Index of each tool node in the spheres of the list being built.
+    /// Scratch: index of each tool node in `Neighbours::spheres` of the list being built.
     places: Vec<u32>,
     pub(crate) work: Work,
+    /// Whether every query traverses both trees, without caches.
     plain: bool,
 }
 
@@ -101,7 +103,7 @@ impl Predictor {
         (&mut self.posed, &self.levers[usize::from(slot)])
     }
 
-    /// Returns the work done so far.
+    /// Returns the counts of work since the predictor was created.
     pub fn work(&self) -> Work {
         self.work
     }
@@ -114,11 +116,11 @@ impl Predictor {
     /// Appends every pair of contact spheres of `tool` and `object` with a gap under `d` to `out`.
     ///
     /// `tool` must be the tool of the last [`Predictor::begin`]. `object` is the index in the scene, the nodes in world
-    /// axes and the level in contact. `d` is a constant distance, or a [`Distance`] that grows with the lever of the
+    /// axes and the level in contact. `d` is a distance in metres, or a [`Distance`] that grows with the lever of the
     /// tool's sphere.
     ///
     /// # Errors
-    /// `out` is full and its policy is [`super::Overflow::Stop`]; `out` then holds an arbitrary part of the contacts.
+    /// `out` is full and its policy is [`super::Overflow::Stop`]. `out` then holds an arbitrary part of the contacts.
     pub fn predict(
         &mut self,
         tool: &PosedTool<'_>,

@@ -15,34 +15,39 @@ use crate::scene::tool::Tool;
 use crate::tissue::Tissue;
 use crate::tree::Node;
 
-/// Motion of tool and tissue together for which a list is valid, metres, times its [`spread`].
+/// Motion of working point and tissue together for which a list is valid, metres, times its [`spread`].
 const TRANSLATION: f64 = 2.6e-4;
 
-/// Neighbour list and the range of its validity.
+/// Neighbour list of one tool on one tissue, and the range of its validity.
 #[derive(Debug)]
 pub(crate) struct SoftNeighbours {
-    /// Index in `spheres` and node of the tool, sorted by both.
+    /// Pairs: index of the object's sphere in `spheres`, then node of the tool's tree. Sorted by both.
     pairs: Vec<(u32, u32)>,
     /// Nodes of the object in the list, ascending.
     spheres: Vec<u32>,
-    /// Centres of `spheres` in the current query.
+    /// Centres of `spheres` in the current query, world axes, metres.
     centres: Vec<Vec3>,
-    /// Families of the object, refitted to the tissue's shape for each fine list.
+    /// Families of the object, refitted to the tissue's shape for each list that is built without `coarse`.
     packs: Packs,
-    /// Search in the tool's families, for a tissue with spheres larger than the tool's.
+    /// Search in the tool's families, for a tissue with spheres larger than the tool's; otherwise `None`.
     coarse: Option<CoarseSearch>,
-    /// Buffer: lanes of a family within reach of each tool sphere.
+    /// Scratch: mask of the siblings of a family within reach of each tool sphere; bit `k` is the sibling `k`.
     masks: Vec<u8>,
+    /// Rotation matrix of the tool when the list was built, `world_from_tool`.
     rotation: Mat3,
+    /// Working point when the list was built, world axes, metres.
     working_point: Vec3,
-    /// Shape of the tissue when the list was built, and whether this was the rest shape.
+    /// Shape of the tissue when the list was built.
     shape: Vec<f64>,
+    /// Whether the list was built for the rest shape.
     at_rest: bool,
-    /// Level of the tool; `None` before the first list.
+    /// Level of the tool's tree in contact; `None` before the first list and after [`SoftNeighbours::forget`].
     level: Option<u8>,
-    /// Translation plus prediction distance for which the list is valid, metres.
+    /// Largest sum of three lengths, metres: motion of the working point and of the tissue since the list was built,
+    /// and `Distance::base` of a query.
     reach: f64,
-    /// Turn for which the list is valid, including the turn of the prediction distance.
+    /// Largest sum of the tool's turn since the list was built (Frobenius norm, see [`TURN`]) and `Distance::turn` of a
+    /// query, radians.
     turn: f64,
     /// Factor on [`TRANSLATION`]; see [`spread`].
     spread: f64,
@@ -51,8 +56,8 @@ pub(crate) struct SoftNeighbours {
 }
 
 impl SoftNeighbours {
-    /// Creates the list for a tool on object `k`, whose shape has `shape_len` numbers. `nodes` are the object's at
-    /// `level`.
+    /// Creates the list for a tool on object `k`, whose shape has `shape_len` numbers. `nodes` are the object's, in
+    /// contact at `level`. `tool` is `None` for an empty slot.
     pub fn new(
         tool: Option<&Tool>,
         (k, shape_len): (usize, usize),
@@ -87,8 +92,8 @@ impl SoftNeighbours {
         self.usable
     }
 
-    /// Whether no pair outside the list can be closer than `d` at this pose and shape. The shape `None` is the rest
-    /// shape.
+    /// Whether no pair outside the list can be closer than `d` at this pose and shape. `level` is the tool's. The shape
+    /// `None` is the rest shape.
     pub fn covers(
         &self,
         predictor: &Predictor,
@@ -114,8 +119,8 @@ impl SoftNeighbours {
         }
     }
 
-    /// Builds the list for this pose and shape. `nodes` are the object's, refitted to the shape; `level` is the
-    /// object's.
+    /// Builds the list for the present pose, `shape` and distance `d`. `nodes` are the object's, refitted to the shape;
+    /// `level` is the object's. The shape `None` is the rest shape.
     pub fn list(
         &mut self,
         predictor: &mut Predictor,
@@ -145,7 +150,8 @@ impl SoftNeighbours {
         }
     }
 
-    /// Builds the list sphere by sphere of the object, each down the tool's tree.
+    /// Builds the list by [`CoarseSearch`]: each sphere of the object descends the tool's tree. An overflow leaves the
+    /// list unusable.
     fn list_coarse(
         &mut self,
         search: &mut CoarseSearch,
@@ -189,7 +195,7 @@ impl SoftNeighbours {
         }
     }
 
-    /// Builds the list from the object's families.
+    /// Builds the list from the object's families, refitted to `nodes`. An overflow leaves the list unusable.
     fn list_fine(
         &mut self,
         predictor: &mut Predictor,
@@ -250,7 +256,8 @@ impl SoftNeighbours {
         }
     }
 
-    /// Appends the contacts under `d`, sorted. `nodes` are the object's, used for their radii.
+    /// Appends the contacts with a gap under `d` at the present pose and `shape` to `out`, sorted. `object` is the
+    /// index in the scene. `nodes` are the object's, used only for their radii. The list must cover `d`.
     pub fn query(
         &mut self,
         predictor: &mut Predictor,

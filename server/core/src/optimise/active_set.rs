@@ -26,11 +26,12 @@ use crate::math::fmax;
 
 /// Number of active rows from which a problem without tissue is solved in the six unknowns of each tool.
 const MANY: usize = 32;
-/// Share of the worst violation from which a row enters in the same block.
+/// Share of the worst violation from which a violated row enters in the same block.
 const BLOCK: f64 = 0.5;
-/// Entry tolerance: rows enter while their violation exceeds this share of the problem's scale.
+/// Entry tolerance, relative to [`Problem::scale`]: rows enter while their violation exceeds this share of the largest
+/// `|b_i|`.
 const ENTRY_TOLERANCE: f64 = 1e-11;
-/// Rounding allowance of `w`, per unit of the largest `H_ii lambda_i`.
+/// Rounding allowance of the slack `w`, per unit of the largest `H_ii lambda_i`.
 const ROUNDING: f64 = 1e-14;
 
 /// Active-set solver with its scratch.
@@ -38,24 +39,28 @@ const ROUNDING: f64 = 1e-14;
 pub struct ActiveSet {
     /// Scratch for problems without tissue.
     rigid: RigidScratch,
-    /// Row indices in the order of entry.
+    /// Indices of the active rows, those that may bear load, in the order of entry.
     active: Vec<usize>,
     /// State of each row.
     state: Vec<RowState>,
-    /// Lower Cholesky factor of `H` over `active`, row-major with stride `capacity`.
+    /// Lower Cholesky factor of the dual matrix `H` over `active`, row-major with stride `capacity`.
     factor: Vec<f64>,
-    /// Right-hand side and solution over `active`.
+    /// Right-hand side (metres) and solution (newtons) of a system over `active`, in its order.
     work: Vec<f64>,
-    /// Slack of each row, metres; in use with tissue only.
+    /// Slack of each row, metres, negative for a violation; in use with tissue only.
     slack: Vec<f64>,
-    /// Rows that enter together.
+    /// Indices of the rows that enter together.
     block: Vec<usize>,
+    /// Largest number of active rows.
     capacity: usize,
 }
 
+/// State of a row in a solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RowState {
+    /// Not active: bears no load.
     Free,
+    /// In the active set: may bear load.
     Active,
     /// Entered and left at once through rounding; excluded until another row makes progress.
     Barred,
@@ -81,6 +86,7 @@ impl ActiveSet {
         }
     }
 
+    /// Returns a solver with a factor for `capacity` active rows, and empty scratch for problems without tissue.
     fn dense(capacity: usize) -> Self {
         Self {
             rigid: RigidScratch::with_capacity(0),
@@ -94,7 +100,8 @@ impl ActiveSet {
         }
     }
 
-    /// Appends row `p` to the factor. Returns false when the matrix is not numerically positive definite.
+    /// Appends row `p` to the active set and the factor. Returns false when the matrix is not numerically positive
+    /// definite.
     fn append(&mut self, problem: &Problem<'_>, p: usize) -> bool {
         let n = self.active.len();
         let mut pivot = problem.gram(p, p);
@@ -150,7 +157,7 @@ impl ActiveSet {
         }
     }
 
-    /// Solves `H_PP s = work` in place.
+    /// Solves `H_PP s = work` in place, with the dual matrix `H` over the active set `P`.
     fn substitute(&mut self) {
         let (n, stride) = (self.active.len(), self.capacity);
         for i in 0..n {

@@ -9,12 +9,14 @@ use crate::{MAX_TOOLS, Scene, Workspace};
 /// Verdict of the other solver on the last problems of a tick, the worst of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Residual of the optimality conditions of the tick's own solution, relative ([`super::Problem::kkt_residual`]).
+    /// Residual of the optimality conditions of the tick's own solution, relative to the largest bias
+    /// ([`super::Problem::kkt_residual`]).
     pub kkt_residual: f64,
     /// Whether the other solver solved every problem.
     pub judge_solved: bool,
-    /// Largest distance between the working points of the two solutions, metres; 0 without a solution of the other
-    /// solver.
+    /// Largest difference of the scaled translations of the two solutions over the root of the coupling stiffness,
+    /// metres. Without curvature of blended surfaces this is the distance of the working points. 0 without a solution
+    /// of the other solver.
     pub pose_difference: f64,
 }
 

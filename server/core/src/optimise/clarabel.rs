@@ -30,7 +30,7 @@ const BATCH: usize = 16;
 const DROPPING: u32 = 20;
 /// Load under which a row counts as unloaded, as a share of the largest load.
 const NOTHING: f64 = 1e-9;
-/// Slack from which a row counts as open, metres.
+/// Slack (gap after the step) from which a row counts as open, metres.
 const OPEN: f64 = 1e-8;
 
 /// Tolerated violation of a left-out row, metres: a hundredth of the violation that a solution leaves in its own rows.
@@ -94,16 +94,20 @@ impl ContactSolver for Clarabel {
     }
 }
 
-/// Subset of the rows of a problem.
+/// Subset of the rows of a problem: the rows that the interior point sees.
 #[derive(Default)]
 struct Part {
+    /// Indices of the rows in the whole problem, in the order of entry.
     of: Vec<usize>,
+    /// Rows of the subset, in the order of `of`.
     rows: Vec<ProblemRow>,
+    /// Compliance of the tissue over `of`, row-major, m/N; empty without tissue.
     tissue: Vec<f64>,
 }
 
 impl Part {
-    /// Adds the most violated rows. Returns whether any row was violated.
+    /// Adds the most violated rows at the multipliers `lambda` (newtons) and the scaled step `y` (sqrt(J)). Returns
+    /// whether any row outside the subset was violated.
     fn add_violated(&mut self, problem: &Problem<'_>, lambda: &[f64], y: &[f64; UNKNOWNS]) -> bool {
         let mut violated: Vec<(f64, usize)> = (0..problem.rows.len())
             .filter(|i| !self.of.contains(i))
@@ -116,7 +120,7 @@ impl Part {
         !violated.is_empty()
     }
 
-    /// Drops the open rows without load, and sets their multipliers to zero.
+    /// Drops the rows that have a slack of at least [`OPEN`] and no load, and sets their multipliers to zero.
     fn drop_open(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         let most = solution.lambda.iter().fold(0.0, |most, x| fmax(most, *x));
         let bears = |i: usize| {
@@ -165,6 +169,7 @@ fn is_finite(problem: &Problem<'_>) -> bool {
     rows.chain(tissue).all(f64::is_finite)
 }
 
+/// Sets the solution to zero for `rows` rows, with the status of a numerical error.
 fn reset(solution: &mut Solution, rows: usize) {
     solution.lambda.clear();
     solution.lambda.resize(rows, 0.0);
@@ -175,8 +180,8 @@ fn reset(solution: &mut Solution, rows: usize) {
 
 /// Solves the problem with all of its rows. `solution` must be reset before the call.
 ///
-/// Variables `x = (y, z)`: minimise `1/2 |y|^2 + 1/2 |z|^2` subject to `b + A y + L z >= 0` with `L L' = C + eps I`.
-/// The multipliers of the rows are lambda.
+/// Variables `x = (y, z)`: minimise `1/2 |y|^2 + 1/2 |z|^2` subject to `b + A y + L z >= 0`. `L` is the Cholesky factor
+/// of `C + eps I`. The multipliers of the rows are lambda.
 fn solve_as_it_is(problem: &Problem<'_>, solution: &mut Solution) {
     let m = problem.rows.len();
     if m == 0 {
@@ -220,7 +225,8 @@ fn solve_as_it_is(problem: &Problem<'_>, solution: &mut Solution) {
     }
 }
 
-/// Runs the solver once. Returns `None` when the solver refuses the problem.
+/// Runs Clarabel once on the constraint matrix `a` and the biases `b` (millimetres), with `n` variables and `m` rows.
+/// `tolerance` is that of gap and feasibility. Returns `None` when Clarabel refuses the problem.
 fn attempt(
     (a, b): (&CscMatrix<f64>, &[f64]),
     (n, m): (usize, usize),
@@ -243,7 +249,8 @@ fn attempt(
     Some(solver.solution)
 }
 
-/// Returns `[-A, -L]` in compressed columns, millimetres and newtons.
+/// Returns the `m` x `n` matrix `[-A, -L]` in compressed columns, millimetres and newtons. `L` is the Cholesky factor
+/// `factor` of `C + eps I`.
 fn constraint_matrix(problem: &Problem<'_>, factor: &Factor, n: usize) -> CscMatrix<f64> {
     let m = problem.rows.len();
     // The unit of `y` is sqrt(J). Lengths scale by 1e3 and stiffness by 1e-3, so `a` scales by sqrt(1e3).
@@ -278,12 +285,15 @@ fn constraint_matrix(problem: &Problem<'_>, factor: &Factor, n: usize) -> CscMat
     CscMatrix::new(m, n, starts, rows, values)
 }
 
-/// Cholesky factor of `C + eps I`, mm/N.
+/// Lower Cholesky factor of `C + eps I`, the compliance of tissue and contact, in sqrt(mm/N).
 enum Factor {
+    /// Diagonal with this value, without tissue.
     Diagonal(f64),
+    /// Row-major m x m, with tissue.
     Dense(Vec<f64>),
 }
 
+/// Returns the Cholesky factor of `C + eps I`; `None` if the matrix is not positive definite.
 fn compliance_factor(problem: &Problem<'_>) -> Option<Factor> {
     let eps = problem.contact_compliance * MM;
     let Some(c) = problem.tissue else {

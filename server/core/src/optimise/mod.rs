@@ -37,29 +37,32 @@ pub enum SolverKind {
     Clarabel,
 }
 
-/// Problem row: one row of `A` with its bias.
+/// Problem row: one row of the matrix `A` with its bias `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProblemRow {
-    /// Nonzero part of the row of `A`, in G-scaled coordinates: translation, then rotation.
+    /// Nonzero part of the row of `A`, m/sqrt(J): derivative of the gap by the six scaled unknowns of the tool,
+    /// translation, then rotation. Scaled unknowns have the unit sqrt(J); in them the metric of the substep is the
+    /// identity.
     pub a: [f64; 6],
     /// Slot of the tool whose six unknowns the row acts on.
     pub tool: u8,
-    /// Gap at the unconstrained optimum, metres.
+    /// Linearised gap after the step that tool and tissue would make without contact, metres.
     pub bias: f64,
 }
 
-/// Contact problem of one substep.
+/// Contact problem of one substep: one inequality `w >= 0` per row, solved for one multiplier per row.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
     /// Problem rows, at most the capacity of the solver.
     pub rows: &'a [ProblemRow],
-    /// Compliance `C` of the tissue, row-major m x m, metres per newton; `None` when no touched object yields.
+    /// Compliance `C` of the tissue along the rows' normals, row-major m x m, metres per newton; `None` when no touched
+    /// object yields.
     pub tissue: Option<&'a [f64]>,
-    /// Contact compliance `eps`, metres per newton; positive.
+    /// Contact compliance `eps`, added on the diagonal of every row, metres per newton; positive.
     pub contact_compliance: f64,
     /// Warm start: indices of the rows that bore load in the previous similar problem. Does not affect the solution.
     pub warm_start: &'a [u32],
-    /// Maximum number of iterations.
+    /// Maximum number of iterations of the active-set solver; Clarabel has its own limit.
     pub max_iterations: usize,
 }
 
@@ -79,7 +82,8 @@ pub enum SolveStatus {
 pub struct Solution {
     /// Multipliers, newtons, one per row. The capacity is that of the solver.
     pub lambda: Vec<f64>,
-    /// Step relative to the unconstrained optimum, `A' lambda`, G-scaled.
+    /// Step `A' lambda` relative to the step without contact, in scaled unknowns, sqrt(J): six per tool slot,
+    /// translation, then rotation.
     pub y: [f64; UNKNOWNS],
     /// Result status.
     pub status: SolveStatus,
@@ -106,13 +110,13 @@ pub trait ContactSolver {
 }
 
 impl Problem<'_> {
-    /// Returns `C_ij` of the tissue, metres per newton; 0 without tissue.
+    /// Returns the compliance `C_ij` of the tissue between rows `i` and `j`, metres per newton; 0 without tissue.
     #[inline]
     pub fn tissue_at(&self, i: usize, j: usize) -> f64 {
         self.tissue.map_or(0.0, |c| c[i * self.rows.len() + j])
     }
 
-    /// Returns `H_ij`, metres per newton.
+    /// Returns the dual matrix `H_ij = a_i . a_j + C_ij + eps delta_ij` of rows `i` and `j`, metres per newton.
     #[inline]
     pub fn gram(&self, i: usize, j: usize) -> f64 {
         let (a, b) = (&self.rows[i], &self.rows[j]);
@@ -124,7 +128,8 @@ impl Problem<'_> {
         geometry + self.tissue_at(i, j) + if i == j { self.contact_compliance } else { 0.0 }
     }
 
-    /// Returns the slack `w_i = b_i + a_i y + ((C + eps I) lambda)_i`, metres.
+    /// Returns the slack of row `i`, `w_i = b_i + a_i y + ((C + eps I) lambda)_i`, metres. Negative is a violation.
+    /// `lambda` has the multipliers (newtons), `y` the scaled step (sqrt(J)).
     #[inline]
     pub fn slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
         let mut w = self.rigid_slack(i, lambda, y);
@@ -135,14 +140,14 @@ impl Problem<'_> {
         w
     }
 
-    /// Returns the slack without the part of the tissue, metres.
+    /// Returns the slack of row `i` without the part of the tissue, metres: `b_i + a_i y + eps lambda_i`.
     #[inline]
     pub(crate) fn rigid_slack(&self, i: usize, lambda: &[f64], y: &[f64; UNKNOWNS]) -> f64 {
         let row = &self.rows[i];
         row.bias + dot6(&row.a, y_of(y, row.tool)) + self.contact_compliance * lambda[i]
     }
 
-    /// Returns `A' lambda`.
+    /// Returns the scaled step `y = A' lambda`, sqrt(J), for the multipliers `lambda` in newtons.
     #[inline]
     pub fn primal(&self, lambda: &[f64]) -> [f64; UNKNOWNS] {
         let mut y = [0.0; UNKNOWNS];
@@ -165,7 +170,7 @@ impl Problem<'_> {
     }
 
     /// Returns the residual of the optimality conditions, `max_i |min(H_ii lambda_i, w_i)|` relative to the largest
-    /// `|b_i|`.
+    /// `|b_i|`. `lambda` has the multipliers, newtons; `w_i` is the slack.
     ///
     /// The residual is zero exactly at the solution. `w` is evaluated from the rows, not from values cached by a
     /// solver. Without a nonzero bias the residual is absolute, metres.
@@ -180,6 +185,7 @@ impl Problem<'_> {
     }
 }
 
+/// Returns the six scaled unknowns of the tool slot `tool`.
 #[inline]
 fn y_of(y: &[f64; UNKNOWNS], tool: u8) -> &[f64] {
     &y[6 * usize::from(tool)..][..6]
@@ -203,7 +209,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Returns the inner product of six numbers, summed in index order.
+/// Returns the inner product of `a` with the first six numbers of `b`, summed in index order.
 #[inline]
 pub fn dot6(a: &[f64; 6], b: &[f64]) -> f64 {
     let b = &b[..6];

@@ -20,20 +20,23 @@
 use super::{Problem, Solution, SolveStatus, dot6};
 use crate::math::fmax;
 
-/// Scratch: gaps at the present `y`, metres, and their rates along the step.
+/// Scratch of the solver without tissue: gaps at the present `y`, and their rates along the step.
 #[derive(Debug)]
 pub(super) struct RigidScratch {
+    /// Gap `b_i + a_i y` of each row, metres, negative for a violation; 0 for the rows of the other tool.
     gaps: Vec<f64>,
+    /// Rate `a_i step` of each gap along the whole step, metres; 0 for the rows of the other tool.
     rates: Vec<f64>,
 }
 
-/// Rounding of a gap, per unit of its summands: a few units in the last place.
+/// Relative rounding error of a gap: a few units in the last place of its summands.
 const GAP_ROUNDING: f64 = 1e-15;
-/// Number of refinements of the final multipliers.
+/// Number of refinement steps of the final multipliers.
 const REFINEMENTS: u32 = 2;
 /// Maximum number of steps of the exact line search. Each step passes at least one kink or halves the bracket.
 const LINE_SEARCH_STEPS: u32 = 64;
 
+/// The six scaled unknowns of one tool, or numbers by them: translation, then rotation.
 type Six = [f64; 6];
 
 impl RigidScratch {
@@ -44,7 +47,8 @@ impl RigidScratch {
         }
     }
 
-    /// Solves the problem of each tool. `solution.lambda` must hold one zero per row on entry.
+    /// Solves the problem of each tool. `solution.lambda` must hold one zero per row on entry. The status is
+    /// [`SolveStatus::Solved`] only if all tools are solved.
     pub fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         solution.status = SolveStatus::Solved;
         for tool in 0..crate::MAX_TOOLS {
@@ -58,6 +62,8 @@ impl RigidScratch {
         solution.y = problem.primal(&solution.lambda);
     }
 
+    /// Solves the problem of the tool slot `tool` by Newton's method and writes the tool's multipliers. Returns the
+    /// status.
     fn solve_tool(
         &mut self,
         problem: &Problem<'_>,
@@ -95,8 +101,8 @@ impl RigidScratch {
         }
     }
 
-    /// Computes gaps, gradient and Hessian at `y`, both derivatives times `eps`. Compares the gaps with those of the
-    /// previous point.
+    /// Computes gaps, gradient and Hessian of the objective at `y` (sqrt(J)), both derivatives times `eps`, for the
+    /// rows of one tool. Compares the signs of the gaps with those of the previous point.
     fn at(&mut self, problem: &Problem<'_>, tool: usize, y: &Six) -> Local {
         let eps = problem.contact_compliance;
         let mut local = Local {
@@ -139,8 +145,9 @@ impl RigidScratch {
         local
     }
 
-    /// Computes `lambda_i = -g_i / eps` on the active set and refines the result. `g_i` is a small difference of large
-    /// numbers. The solution of `(A A' + eps I) delta = residual` restores the lost digits (Woodbury, six by six).
+    /// Computes the multipliers `lambda_i = -g_i / eps` (newtons) of the violated rows from their gaps `g_i`, and
+    /// refines them. `g_i` is a small difference of large numbers. The solution of `(A A' + eps I) delta = residual`
+    /// restores the lost digits (Woodbury, six by six). `factor` is that of [`factorise`].
     fn multipliers(
         &self,
         problem: &Problem<'_>,
@@ -173,9 +180,9 @@ impl RigidScratch {
         }
     }
 
-    /// Returns the share of `step`, 0 to 1, at which the derivative of `f` along the step vanishes; 1 if the derivative
-    /// stays negative. The derivative is piecewise linear and rising. Newton steps are kept inside a bracket of the
-    /// root.
+    /// Returns the share of `step`, 0 to 1, at which the derivative of the objective along the step vanishes; 1 if the
+    /// derivative stays negative. The derivative is piecewise linear and rising. Newton steps are kept inside a bracket
+    /// of the root.
     fn line_search(
         &mut self,
         problem: &Problem<'_>,
@@ -235,20 +242,22 @@ impl RigidScratch {
     }
 }
 
-/// Derivatives of `f` at a point, both times `eps`.
+/// Derivatives of the objective by the six unknowns of one tool at a point, both times `eps`.
 struct Local {
+    /// Gradient times `eps`.
     gradient: Six,
-    /// Lower half of `A_P' A_P`.
+    /// Lower half of `A_P' A_P` over the violated rows `P`: the Hessian times `eps`, without `eps I`.
     hessian: [Six; 6],
     /// Largest absolute entry of the gradient.
     norm: f64,
-    /// Estimate of the gradient that rounding leaves at the solution.
+    /// Estimate of the largest gradient entry, times `eps`, that rounding leaves at the solution.
     rounding: f64,
-    /// Whether a gap changed its sign since the previous point.
+    /// Whether a row changed between violated and not violated since the previous point.
     changed: bool,
 }
 
-/// Returns the lower Cholesky factor of `eps I + hessian`; `None` when that matrix is not positive definite.
+/// Returns the lower Cholesky factor of `eps I + l`, given the lower half of `l`; `None` when that matrix is not
+/// positive definite.
 fn factorise(mut l: [Six; 6], eps: f64) -> Option<[Six; 6]> {
     for i in 0..6 {
         l[i][i] += eps;
@@ -270,7 +279,7 @@ fn factorise(mut l: [Six; 6], eps: f64) -> Option<[Six; 6]> {
     Some(l)
 }
 
-/// Solves `L L' x = b`.
+/// Solves `L L' x = b` for the Cholesky factor `l`; `x` holds `b` on entry.
 fn substitute(l: &[Six; 6], mut x: Six) -> Six {
     for i in 0..6 {
         for k in 0..i {

@@ -8,32 +8,37 @@
 use crate::math::{Mat3, Vec3, norm};
 use crate::scene::tool::Tool;
 
-/// Tolerance of the force that the added curvature contributes: share of the coupling force, plus newtons.
+/// Tolerance of [`Metric::settled`]: the force from the added curvature may be this share of the coupling force, plus
+/// this force in newtons.
 const SETTLED: (f64, f64) = (2e-3, 2e-5);
 
-/// Metric of one tool, around its working point, world axes.
+/// Quadratic form `1/2 x' K x`, joules, that the substep minimises for one tool. `x` is the step less the step without
+/// contact: translation of the working point (metres), rotation vector about it (radians), world axes. The stiffness
+/// `K` is that of the coupling, plus that of hollow surfaces under load.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metric {
     /// Stiffness of the coupling: translation (N/m) and rotation (N m/rad).
     stiffness: (f64, f64),
-    /// Square roots of both stiffnesses.
+    /// Square roots of both stiffnesses, in the same order and SI units.
     roots: (f64, f64),
-    /// Stiffness added to the coupling; `None` in most substeps.
+    /// Stiffness of hollow surfaces, added to the coupling's; `None` in most substeps.
     bent: Option<Bent>,
-    /// Force of the coupling at the start of the substep, newtons.
+    /// Force of the coupling at the start of the substep, newtons; 0 before [`Metric::scaled_free_step`].
     force: f64,
 }
 
+/// Stiffness that hollow surfaces add, and the factor of the sum. Both are 6 x 6 about the working point, translation,
+/// then rotation, world axes, SI units.
 #[derive(Clone, Copy, Debug)]
 struct Bent {
-    /// Stiffness added to the coupling: translation, then rotation.
+    /// Stiffness added to that of the coupling.
     added: [[f64; 6]; 6],
-    /// Lower Cholesky factor of the whole stiffness.
+    /// Lower Cholesky factor `L` of the whole stiffness, coupling included.
     factor: [[f64; 6]; 6],
 }
 
 impl Metric {
-    /// Metric of an absent tool.
+    /// Metric of an absent tool: stiffnesses 1 N/m and 1 N m/rad.
     pub const UNIT: Metric = Metric {
         stiffness: (1.0, 1.0),
         roots: (1.0, 1.0),
@@ -41,7 +46,7 @@ impl Metric {
         force: 0.0,
     };
 
-    /// Returns the metric of the coupling of `tool`.
+    /// Returns the metric of the coupling of `tool`, without added stiffness.
     pub fn of(tool: &Tool) -> Self {
         let stiffness = (tool.stiffness_n_per_m, tool.stiffness_nm_per_rad);
         Self {
@@ -52,8 +57,8 @@ impl Metric {
         }
     }
 
-    /// Adds the stiffness `hollow` of a point at `arm` from the working point. `hollow` (N/m) is symmetric and positive
-    /// semi-definite. `arm` is in metres, world axes.
+    /// Adds the stiffness `hollow` of a hollow surface at the point `arm` from the working point. `hollow` (N/m) is
+    /// symmetric and positive semi-definite. `arm` is in metres. Both are in world axes.
     pub fn add(&mut self, hollow: &Mat3, arm: &Vec3) {
         let mut added = self.bent.map_or([[0.0; 6]; 6], |bent| bent.added);
         // Motion of the point: `v + w x arm = v - [arm] w`.
@@ -90,9 +95,9 @@ impl Metric {
         self.bent = Some(Bent { added, factor });
     }
 
-    /// Returns the step that the substep would make without contact, in coordinates in which the metric is the
-    /// identity. `v` (metres) and `w` (radians) lead from the graphic to the haptic pose. Stores the force of the
-    /// coupling.
+    /// Returns the step that the substep would make without contact, in scaled unknowns (sqrt(J)), in which the metric
+    /// is the identity. `v` (metres, of the working point) and `w` (radians) lead from the graphic to the haptic pose,
+    /// world axes. Stores the force of the coupling.
     pub fn scaled_free_step(&mut self, v: &Vec3, w: &Vec3) -> [f64; 6] {
         self.force = self.stiffness.0 * norm(v);
         match &self.bent {
@@ -107,8 +112,8 @@ impl Metric {
         }
     }
 
-    /// Returns a row in the coordinates of [`Metric::scaled_free_step`], from the derivative of the gap by translation
-    /// and by rotation.
+    /// Returns a row in the scaled unknowns of [`Metric::scaled_free_step`], m/sqrt(J). `translation` (m/m) and
+    /// `rotation` (m/rad) are the derivatives of the gap, world axes.
     #[inline]
     pub fn scaled_row(&self, translation: &Vec3, rotation: &Vec3) -> [f64; 6] {
         match &self.bent {
@@ -123,8 +128,8 @@ impl Metric {
         }
     }
 
-    /// Returns translation (metres) and rotation vector (radians) of the step `y` in the coordinates of
-    /// [`Metric::scaled_free_step`].
+    /// Returns translation of the working point (metres) and rotation vector (radians), world axes, of the scaled step
+    /// `y` (sqrt(J)).
     pub fn step(&self, y: &[f64; 6]) -> (Vec3, Vec3) {
         match &self.bent {
             None => (
@@ -138,7 +143,8 @@ impl Metric {
         }
     }
 
-    /// Whether the force that the added curvature contributes over this step is within the tolerance.
+    /// Whether the force that the added curvature contributes over the step `v` (metres), `w` (radians) is within
+    /// [`SETTLED`]. True without added curvature.
     pub fn settled(&self, v: &Vec3, w: &Vec3) -> bool {
         let Some(bent) = &self.bent else {
             return true;
@@ -151,7 +157,7 @@ impl Metric {
 }
 
 impl Bent {
-    /// Solves `L x = b`.
+    /// Solves `L x = b` for the factor `L`; `x` holds `b` on entry.
     fn forward(&self, mut x: [f64; 6]) -> [f64; 6] {
         for i in 0..6 {
             for k in 0..i {
@@ -162,7 +168,7 @@ impl Bent {
         x
     }
 
-    /// Solves `L' x = b`.
+    /// Solves `L' x = b` for the factor `L`; `x` holds `b` on entry.
     fn backward(&self, mut x: [f64; 6]) -> [f64; 6] {
         for i in (0..6).rev() {
             for k in i + 1..6 {

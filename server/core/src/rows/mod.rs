@@ -12,12 +12,14 @@ use crate::math::{Vec3, fmin, norm};
 use crate::rows::metric::Metric;
 use crate::tick::substep::Substep;
 
-/// Blended gap up to which a surface counts as touched, metres.
+/// Blended gap up to which a blended surface counts as touched, metres.
 const TOUCHING: f64 = 2e-6;
-/// Share of the coupling's stiffness under which the curvature of a surface is ignored.
+/// Share of the coupling's translational stiffness under which the stiffness of a hollow surface (hollowness times
+/// press) is ignored.
 const LEAST_BEND: f64 = 0.1;
 
-/// Returns the ranges of items of the same object, in a list sorted by object.
+/// Returns the index ranges of items of the same object, in a list sorted by object. `object` returns the object's
+/// index of an item.
 pub(crate) fn runs<T>(
     items: &[T],
     object: impl Fn(&T) -> u16,
@@ -35,8 +37,8 @@ pub(crate) fn runs<T>(
     })
 }
 
-/// Groups the contacts with blended objects by tool sphere and object. `cores` has the cores of each object's nodes.
-/// Runs once per contact list.
+/// Groups the contacts of the substep with blended objects by tool sphere and object. `cores` has the cores of each
+/// object's nodes, by object and node. Runs once per contact list.
 pub(crate) fn group_contacts(scene: &Scene, substep: &mut Substep, cores: &[Vec<Core>]) {
     let Substep {
         contacts, groups, ..
@@ -58,7 +60,8 @@ pub(crate) fn group_contacts(scene: &Scene, substep: &mut Substep, cores: &[Vec<
 /// objects. The rows are in the order of the contacts' objects, and on a blended object grouped by tool sphere.
 ///
 /// `cores` has the cores of each object's nodes. `narrowed` means that `d` is shorter than the distance of the contact
-/// list. Returns the share of `d` within which the rows of every tool sphere fit, normally 1.
+/// list. Returns the share of `d` within which the rows of every tool sphere fit, normally 1; 0 if not even the
+/// smallest distance fits.
 pub(crate) fn write_rows(
     scene: &Scene,
     substep: &mut Substep,
@@ -122,8 +125,8 @@ pub(crate) fn write_rows(
     share
 }
 
-/// Drops the rows with the largest gaps until `most` rows are left. `gaps` is scratch. Returns false when no row was
-/// dropped.
+/// Drops the rows with the largest gaps until `most` rows are left, in unchanged order. `gaps` is scratch. Returns
+/// false when no row was dropped.
 pub(crate) fn keep_smallest_gaps(
     contact_rows: &mut Vec<ContactRow>,
     gaps: &mut Vec<f64>,
@@ -146,14 +149,15 @@ pub(crate) fn keep_smallest_gaps(
     true
 }
 
-/// Returns the lever of a group's tool sphere around the working point, metres.
+/// Returns the distance of a group's tool sphere from the working point, metres.
 pub(crate) fn lever(group: &Group, groups: &Groups, contacts: &[Contact]) -> f64 {
     let first = groups.contacts(group)[0];
     norm(&contacts[first as usize].arm)
 }
 
-/// Adds to the metric of tool `t` the inward curvature of the touched surfaces times the press. `stretch` is the way
-/// from the graphic to the haptic working point, metres.
+/// Adds to the metric of tool `t` the stiffness of the touched hollow surfaces: hollowness (1/m) times press (newtons).
+/// The press of a row is the coupling force along its normal. `stretch` leads from the graphic to the haptic working
+/// point, world axes, metres.
 ///
 /// In a groove with a radius smaller than the depth of the press, substeps that know only the slope oscillate without
 /// end. With the curvature they are Newton steps and converge in two or three. The curvature changes the path, not its

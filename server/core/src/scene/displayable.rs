@@ -81,7 +81,7 @@ impl fmt::Display for TooStiff {
     }
 }
 
-/// Positive number, displayed with three significant digits (three decimals below 1).
+/// Positive number, displayed with three significant digits, or with three decimals below 1.
 struct Short(f64);
 
 impl fmt::Display for Short {
@@ -106,7 +106,7 @@ pub fn too_stiff(scene: &Scene) -> Vec<TooStiff> {
     tools.flat_map(|tool| of(tool, scene.tick_s())).collect()
 }
 
-/// Returns the couplings of one tool that are too stiff.
+/// Returns the couplings of one tool, translation first, that are too stiff for a loop of `period` (seconds).
 fn of(tool: &Tool, period: f64) -> Vec<TooStiff> {
     let couplings = [
         (false, tool.stiffness_n_per_m, DEVICE_DAMPING),

@@ -37,15 +37,15 @@ const MAX_SCENE_BYTES: usize = 256 << 20;
 pub struct Object {
     /// Name for display.
     pub name: String,
-    /// FDI number of a tooth; 0 for other objects.
+    /// Two-digit FDI number of a tooth; 0 for other objects.
     pub fdi: u8,
     /// Sphere tree, in **world** axes at rest, metres.
     pub tree: SphereTree,
-    /// Level of the tree in contact.
+    /// Level of the tree in contact; 0 is the root.
     pub level: u8,
     /// Tissue model: rigid or yielding.
     pub tissue: TissueModel,
-    /// Display mesh, world axes at rest.
+    /// Display mesh, world axes at rest, metres.
     pub mesh: DisplayMesh,
     /// Leaf of the tree that carries each vertex of `mesh` when the tissue moves. Empty where the mesh does not show
     /// the surface of the tree.
@@ -70,7 +70,7 @@ pub struct Scene {
 /// Error of compiled bytes that are no scene, or of a scene that is not usable.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// The bytes are no compiled scene: wrong first bytes, wrong length or not decodable.
+    /// The bytes are no compiled scene: wrong first bytes, wrong length or not decodable. The text has the reason.
     #[error("not a compiled scene: {0}")]
     Format(String),
     /// The layout has another version.
@@ -93,7 +93,7 @@ pub enum SceneError {
     /// A tissue model is invalid.
     #[error("{part}: {source}")]
     Tissue {
-        /// Object.
+        /// Object, such as ``object `tongue` ``.
         part: String,
         /// Error of the tissue model.
         source: TissueError,
@@ -101,7 +101,7 @@ pub enum SceneError {
     /// A field is invalid.
     #[error("{part}: {field} is {found}, expected {expected}")]
     Field {
-        /// Name of the tool or object.
+        /// Part of the scene: `scene`, or the tool or object with its name.
         part: String,
         /// Name of the field.
         field: &'static str,
@@ -113,8 +113,9 @@ pub enum SceneError {
 }
 
 impl Object {
-    /// Returns the highest point of the spheres in contact, and the box about the spheres with centres at most `below`
-    /// metres under that point. Metres, world axes at rest.
+    /// Returns the height z of the highest point of the spheres in contact, and the corners (lowest, highest) of a box.
+    /// The box encloses the spheres with centres less than `below` under that height. All lengths are in metres, world
+    /// axes at rest.
     ///
     /// For a tooth, the box encloses the crown. The result does not depend on the density of the spheres.
     pub fn top(&self, below: f64) -> (f64, [Vec3; 2]) {
@@ -143,8 +144,8 @@ impl Scene {
         self.params.tick_s()
     }
 
-    /// Returns the blend length used on object `k`, metres; 0 without blending. Only rigid objects are blended: tissue
-    /// compliance acts on single spheres.
+    /// Returns the blend length used on object `k`, metres; 0 for an object touched sphere by sphere. Only rigid
+    /// objects are blended: tissue compliance acts on single spheres.
     #[inline]
     pub fn blend_of(&self, k: usize) -> f64 {
         let object = &self.objects[k];
@@ -155,7 +156,8 @@ impl Scene {
         }
     }
 
-    /// Returns the capacity of the contact list per tool. A blended row has many contacts.
+    /// Returns the capacity of the contact list per tool, contacts. A blended row has many contacts, so a scene with
+    /// blended objects has four times the capacity.
     pub(crate) fn most_contacts(&self) -> usize {
         let rows = usize::from(self.params.max_contacts);
         let blended = (0..self.objects.len()).any(|k| self.blend_of(k) > 0.0);
@@ -237,7 +239,7 @@ impl Scene {
     /// Checks every part of the scene. A tick on a valid scene does not panic.
     ///
     /// # Errors
-    /// A part is invalid: the error has the part, the field, the value found and the value expected.
+    /// A part is invalid. The error has the part, the field, the value found and the value expected.
     pub fn validate(&self) -> Result<(), SceneError> {
         self.params.validate()?;
         let field = |part: &str, field, found: String, expected| {
@@ -376,6 +378,8 @@ impl Scene {
     }
 }
 
+/// Checks the vertex indices of the triangles and the number of vertex colours. `part` is the tool or object for the
+/// error.
 fn check_mesh(part: &str, mesh: &DisplayMesh) -> Result<(), SceneError> {
     let n = mesh.vertices.len();
     let field = |field, found, expected| {

@@ -9,42 +9,42 @@ use crate::optimise::SolverKind;
 #[serde(default, deny_unknown_fields)]
 pub struct Params {
     /// Tick rate, 1/s. Default 1000, range 250..8000. A higher rate displays textures and harder walls, and leaves less
-    /// time for a tick. A device displays a stiffness of at most about `2 b / T`. Parameters per millisecond do not
-    /// depend on the rate.
+    /// time for a tick. A device with the damping `b` (N s/m) displays a stiffness of at most about `2 b rate_hz`.
+    /// Parameters per millisecond do not depend on the rate.
     pub rate_hz: u16,
-    /// Smallest contact-prediction distance, metres. Default 3e-6, range 1e-6..1e-3. Larger: fewer substeps, more rows.
-    /// Source: notes of the prototype, section 2. The paper's fixed 0.5 mm is larger than the sphere spacing at level
-    /// 3.
+    /// Smallest prediction distance, metres. Default 3e-6, range 1e-6..1e-3. Larger: fewer substeps, more rows. A full
+    /// contact list can shorten the distance further. Source: notes of the prototype, section 2. The paper's fixed 0.5
+    /// mm is larger than the sphere spacing at level 3.
     pub predict_min: f64,
-    /// Largest contact-prediction distance, metres. Default 5e-4 (the paper's d, section 3.2), range
-    /// `predict_min`..1e-2.
+    /// Largest prediction distance, metres. Default 5e-4 (the paper's d, section 3.2), range `predict_min`..1e-2.
     pub predict_max: f64,
-    /// Prediction distance per metre of motion, and per radian of rotation and metre of lever. Default 1.2, range
+    /// Prediction distance in metres per metre of motion, and per radian of turn and metre of lever. Default 1.2, range
     /// 0..10.
     ///
-    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. With tissue near,
+    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. With a tissue out of rest nearby,
     /// the distance per metre of motion is 2.5 times as large.
     pub predict_gain: f64,
     /// Prediction distance added to the motion, metres. Default 3e-6, range 0..1e-3. A tenth of the prototype's value
     /// costs a few more passes and saves most of the rows at fine levels.
     pub predict_bias: f64,
-    /// Share of the prediction distance that the graphic tool may move between two collision passes. Default 0.95,
-    /// range 0.1..0.99. At 1 or more contacts could be missed.
+    /// Share of the prediction distance that the graphic tool and the tissue together may move in a substep. Default
+    /// 0.95, range 0.1..0.99. At 1 or more contacts could be missed.
     pub trust: f64,
     /// Largest number of substeps in a tick. Default 8, range 1..64. More substeps keep faster hands exact and lengthen
     /// the worst tick.
     pub max_substeps: u8,
-    /// Largest step of a substep that ends the tick, metres. Default 5e-5, range 1e-9..1e-3.
+    /// Largest step of a substep that ends the tick, metres: motion of the sphere with the longest lever, plus that of
+    /// the tissue. Default 5e-5, range 1e-9..1e-3.
     pub converged_step: f64,
     /// Deepest penetration (true gap below zero) of a converged tick, metres. Default 5e-7, range 1e-10..1e-5.
     pub converged_gap: f64,
-    /// Compliance on the diagonal of every row, m/N. Default 1e-8 (1e-5 mm/N), range 1e-12..1e-3. The compliance keeps
-    /// any set of rows feasible. The prototype's 1e-7 uses up the allowed gap (0.5 um) with 5 N on one sphere, and no
-    /// tick converges. At 1e-8 the solver's residual is still under 1e-9.
+    /// Compliance of a contact, added on the diagonal of every row, m/N. Default 1e-8 (1e-5 mm/N), range 1e-12..1e-3.
+    /// The compliance keeps any set of rows feasible. The prototype's 1e-7 uses up the allowed gap (0.5 um) with 5 N on
+    /// one sphere, and no tick converges. At 1e-8 the solver's residual is still under 1e-9.
     pub contact_compliance: f64,
     /// Solver used in the tick. Default: the active set.
     pub solver: SolverKind,
-    /// Iteration limit of the solver. Default 400, range 10..10000.
+    /// Iteration limit of the active-set solver. Default 400, range 10..10000.
     pub max_iterations: u16,
     /// Capacity of each tool's contact list. Default 1024, range 16..4096. With blended surfaces the capacity is four
     /// times as large, because a blended row has many contacts. With a yielding object a problem holds at most 256
@@ -55,27 +55,30 @@ pub struct Params {
     /// time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3: 2.0 % of the force without
     /// blending, 0.6 % with. Source: the bench `ripple`.
     pub blend: bool,
-    /// Speed limit of the hand, m/s. Default 10, range 0.1..100. Faster input is clamped and flagged as
-    /// `SPEED_CLAMPED`.
+    /// Speed limit of the hand at the device point, m/s. Default 10, range 0.1..100. Faster input is clamped and
+    /// flagged as `SPEED_CLAMPED`.
     pub max_hand_speed: f64,
-    /// Limit of the hand's angular speed, rad/s. Default 100, range 1..1000.
+    /// Limit of the hand's angular speed, rad/s. Default 100, range 1..1000. Faster input is clamped and flagged as
+    /// `SPEED_CLAMPED`.
     pub max_hand_spin: f64,
     /// Largest force sent to a hand, N. Default 3.3 (continuous force of common 6-DoF styluses), range 0.01..50.
     pub max_force: f64,
-    /// Largest torque sent to a hand, N m. Default 0.2, range 1e-4..5.
+    /// Largest torque sent to a hand, about the device point, N m. Default 0.2, range 1e-4..5.
     pub max_torque: f64,
-    /// Largest change of force per millisecond, N. Default 0.5, range 1e-3..50. A wall at 2 m/s takes 1 N per
-    /// millisecond.
+    /// Largest change of the force sent to a hand per millisecond, N. Default 0.5, range 1e-3..50. A wall at 2 m/s
+    /// takes 1 N per millisecond.
     pub max_force_step: f64,
-    /// Largest change of torque per millisecond, N m. Default 0.03, range 1e-5..5.
+    /// Largest change of the torque sent to a hand per millisecond, N m. Default 0.03, range 1e-5..5.
     pub max_torque_step: f64,
     /// Largest change of the **raw** force per millisecond beyond the change by the hand's own motion (`k_t |dq_h|`),
     /// N. Applies to a tool that already bears load. Default 0.02, range 1e-3..50. At the default a tool that comes
     /// loose settles at 20 N/s, which is not felt as a click. A value of 50 has practically no effect.
     pub max_settle_step: f64,
-    /// Duration of the wrench's ramp from zero to full after entry or re-entry, milliseconds. Default 100.
+    /// Duration of the wrench's linear ramp from zero to full after entry, pause or a stale pose, milliseconds. Default
+    /// 100; 0 counts as 1.
     pub ramp_up_ms: u16,
-    /// Duration of the ramp to zero on pause, stale pose or absence, milliseconds. Default 20.
+    /// Duration of the linear ramp from full to zero on pause, stale pose, absence or solver failure, milliseconds.
+    /// Default 20; 0 counts as 1.
     pub ramp_down_ms: u16,
 }
 
@@ -141,7 +144,7 @@ impl Params {
         1e3 / f64::from(self.rate_hz)
     }
 
-    /// Returns the number of ticks in `seconds`, to the nearest.
+    /// Returns the number of ticks in `seconds`, rounded to the nearest; 0 for a negative duration.
     #[inline]
     pub fn ticks_in(&self, seconds: f64) -> u64 {
         (seconds * f64::from(self.rate_hz) + 0.5) as u64

@@ -22,14 +22,16 @@ use crate::scene::Object;
 use crate::tissue::TissueModel;
 use crate::tree::SphereTree;
 
-/// Rank of the neighbours whose mean distance determines the range of the spheres.
+/// Rank, by distance from a vertex, of the spheres whose mean distance determines the range of the spheres that carry
+/// the vertex; see [`reach`].
 const CARRIERS: usize = 48;
-/// Factor on that distance.
+/// Ratio of the range of the spheres that carry a vertex to the mean distance of the spheres with ranks about
+/// [`CARRIERS`].
 const REACH: f64 = 1.3;
-/// Limit of the sum of the weights' magnitudes up to which the linear fit is used alone. The sum is 1 for a mean; more
+/// Sum of the weights' magnitudes of a vertex up to which the linear fit is used alone. The sum is 1 for a mean; more
 /// means an extrapolation.
 const TRUSTED: f64 = 8.0;
-/// Sum of the weights' magnitudes from which only the weighted mean is used.
+/// Sum of the weights' magnitudes of a vertex from which only the weighted mean is used.
 const DISTRUSTED: f64 = 16.0;
 /// Ridge on the slope terms of the normalised normal equations. Decides only slopes that the data leave undetermined.
 const RIDGE: f64 = 1e-14;
@@ -39,9 +41,9 @@ const RIDGE: f64 = 1e-14;
 /// [`crate::Workspace::carriers_moved`] returns the displacements of the carriers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisplaySkin {
-    /// Index of each vertex's first entry, followed by the number of entries.
+    /// Index in `entries` of each vertex's first entry, followed by the number of all entries.
     first: Vec<u32>,
-    /// Carrier (node of the tree, or master) and weight.
+    /// Carriers and weights, vertex by vertex: node of the tree or index of the master, and dimensionless weight.
     entries: Vec<(u32, f64)>,
 }
 
@@ -84,8 +86,8 @@ impl DisplaySkin {
         Self::of_tissue(&object.tree, object.level, &object.tissue, &vertices)
     }
 
-    /// Creates the skin of `vertices` (metres, the frame of the tree), over the masters of the tissue. A tissue without
-    /// masters uses the spheres of `level`.
+    /// Creates the skin of `vertices` (metres, in the frame of the tree), over the masters of a tissue with a surface
+    /// compliance. Any other tissue uses the spheres of `level`.
     pub fn of_tissue(
         tree: &SphereTree,
         level: u8,
@@ -116,7 +118,7 @@ impl DisplaySkin {
         self.first.len().saturating_sub(1)
     }
 
-    /// Returns the carriers of vertex `v`, with their weights.
+    /// Returns the carriers of vertex `v` (node of the tree or index of the master), with their dimensionless weights.
     #[inline]
     pub fn carriers(&self, v: usize) -> &[(u32, f64)] {
         &self.entries[self.first[v] as usize..self.first[v + 1] as usize]
@@ -131,7 +133,8 @@ impl DisplaySkin {
         }
     }
 
-    /// Adds the loads by `forces` on the vertices to `loads` (by carrier, newtons).
+    /// Adds the loads on the carriers by `forces` on the vertices to `loads`. `forces` are by vertex, `loads` by
+    /// carrier, both in newtons and the same axes.
     pub fn loads(&self, forces: &[Vec3], loads: &mut [Vec3]) {
         for (v, force) in forces.iter().enumerate().take(self.vertices()) {
             for (node, w) in self.carriers(v) {
@@ -141,7 +144,8 @@ impl DisplaySkin {
     }
 }
 
-/// Returns the range of the spheres about a vertex, metres, from their distances in ascending order.
+/// Returns the range about a vertex within which spheres carry the vertex, metres. `near` has the distances of all
+/// spheres, metres, ascending.
 ///
 /// The range is a mean over ranks, so that an exchange of two neighbours causes hardly a kink.
 fn reach(near: &[(f64, usize)]) -> f64 {
@@ -159,7 +163,8 @@ fn reach(near: &[(f64, usize)]) -> f64 {
     fmax(REACH * sum / total, 1e-9)
 }
 
-/// Returns the weights of neighbours at `offsets` from the vertex, in units of the range.
+/// Returns the dimensionless weights of neighbours at `offsets` from the vertex, in units of the range. Their sum is 1;
+/// single weights can be negative.
 fn weights(offsets: &[Vec3]) -> Vec<f64> {
     // Wendland's function, smooth to the second derivative (1995, doi:10.1007/BF02123482).
     let kernel = |offset: &Vec3| {

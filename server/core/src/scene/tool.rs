@@ -8,7 +8,7 @@ use crate::tree::SphereTree;
 /// Triangle mesh for display only; the tick never reads the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DisplayMesh {
-    /// Vertices in the object's frame, metres.
+    /// Vertices, metres: in the tool's frame for a tool, in world axes at rest for an object.
     pub vertices: Vec<[f32; 3]>,
     /// Triangles as vertex indices; the outward normal follows the right-hand rule.
     pub triangles: Vec<[u32; 3]>,
@@ -19,7 +19,7 @@ pub struct DisplayMesh {
     pub vertex_colours: Vec<[u8; 4]>,
 }
 
-/// Band on a periodontal probe, measured from the tip.
+/// Band on a periodontal probe, measured from the tip along the probe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Band {
     /// Start of the band, metres from the tip.
@@ -35,9 +35,9 @@ pub struct Band {
 pub struct Tool {
     /// Name for display.
     pub name: String,
-    /// Sphere tree, in the tool's frame.
+    /// Sphere tree, in the tool's frame, metres.
     pub tree: SphereTree,
-    /// Level of the tree in contact.
+    /// Level of the tree in contact; 0 is the root.
     pub level: u8,
     /// Reference point of the optimisation: the working end, in the tool's frame, metres.
     pub working_point: Vec3,
@@ -54,6 +54,6 @@ pub struct Tool {
     pub park: Pose,
     /// Bands of a probe; empty for other tools.
     pub bands: Vec<Band>,
-    /// Display mesh, in the tool's frame.
+    /// Display mesh, in the tool's frame, metres.
     pub mesh: DisplayMesh,
 }

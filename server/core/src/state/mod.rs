@@ -11,37 +11,40 @@ use crate::{MAX_TOOLS, Scene};
 /// State of one tool between ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
-    /// Last haptic pose after sanitising; meaningful if `entered`.
+    /// Last haptic pose after validation and speed limit, `world_from_tool`; the parked pose before the first entry.
     pub haptic: Pose,
-    /// Graphic pose.
+    /// Graphic pose, `world_from_tool`.
     pub graphic: Pose,
     /// Whether the tool was present in the last tick.
     pub entered: bool,
-    /// Number of consecutive ticks with an invalid pose.
+    /// Number of consecutive ticks with an invalid pose up to the last tick; 65535 for that number or more.
     pub bad_ticks: u16,
-    /// Ramp factor of the wrench, 0 to 1.
+    /// Ramp factor of the wrench sent, 0 to 1.
     pub gain: f64,
-    /// Wrench sent last, about the device point.
+    /// Wrench sent last, about the device point, world axes, N and N m.
     pub sent: Wrench,
-    /// Raw wrench of the last tick in which the tool was present, about the device point.
+    /// Wrench before ramp, clamp and slew in the last tick in which the tool was present. About the device point, world
+    /// axes, N and N m.
     pub raw: Wrench,
-    /// Axis of the last twist between haptic and graphic tool. Kept beyond 170 degrees, where the logarithm flips its
-    /// sign.
+    /// Unit axis of the last twist, the rotation from the graphic to the haptic pose, world axes; zero before the first
+    /// twist. A twist under 1e-3 rad or beyond 170 degrees keeps the former axis: near 180 degrees the logarithm flips
+    /// its sign.
     pub twist_axis: Vec3,
 }
 
 /// State of a simulation between two ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Number of the last tick; 0 before the first.
+    /// Number of the last tick on the clock's grid; 0 before the first.
     pub tick: u64,
     /// Chained hash after the last tick; 0 before the first.
     pub hash: u64,
     /// State per tool slot.
     pub tools: [ToolState; MAX_TOOLS],
-    /// Load by each tool on each object, tools outermost: force and torque about the world's origin.
+    /// Load by each tool on each object, tools outermost: force (newtons) and torque about the world's origin
+    /// (newton-metres), world axes.
     pub loads: Vec<Wrench>,
-    /// State of all tissues, object after object.
+    /// State numbers of all tissues, object after object.
     pub tissue: Tissues,
 }
 
@@ -59,15 +62,15 @@ pub enum StateError {
         "state has {found} bytes, expected {expected} bytes for this scene and their own counts"
     )]
     Length {
-        /// Bytes found.
+        /// Length of the given bytes.
         found: usize,
-        /// Bytes expected, as far as they were read.
+        /// Length expected, bytes, as far as the given bytes were read.
         expected: usize,
     },
     /// The bytes contain a number that no tick produces.
     #[error("state, byte {offset}: {what}")]
     Value {
-        /// Offset of the number, bytes.
+        /// Offset of the number, or of the flag before it, in bytes; 0 for a number that only the range checks refuse.
         offset: usize,
         /// Description of the error.
         what: &'static str,
@@ -76,7 +79,7 @@ pub enum StateError {
 
 /// Version of the layout of [`State::to_bytes`].
 pub const STATE_VERSION: u16 = 2;
-/// Bytes of one tool: two poses, a flag, a count, the ramp, two wrenches, an axis.
+/// Length of one tool in [`State::to_bytes`], bytes: two poses, a flag, a count, the ramp, two wrenches, an axis.
 const TOOL_BYTES: usize = 2 * 7 * 8 + 1 + 2 + 8 + 2 * 6 * 8 + 3 * 8;
 
 impl State {
@@ -107,7 +110,8 @@ impl State {
         }
     }
 
-    /// Returns the largest number of bytes of a state of `scene`: with no load zero and no tissue at rest.
+    /// Returns the largest length of [`State::to_bytes`] of a state of `scene`, bytes: with no load zero and no tissue
+    /// at rest.
     pub fn most_bytes(scene: &Scene) -> usize {
         let tissues = Tissues::new(scene);
         18 + MAX_TOOLS * TOOL_BYTES
@@ -130,7 +134,7 @@ impl State {
         bytes
     }
 
-    /// Appends the exact bytes. Allocates only if `bytes` lacks capacity.
+    /// Appends the bytes of [`State::to_bytes`]. Allocates only if `bytes` lacks capacity.
     pub fn write_bytes(&self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&STATE_VERSION.to_le_bytes());
         bytes.extend_from_slice(&self.tick.to_le_bytes());
@@ -256,12 +260,13 @@ fn check_ranges(scene: &Scene, state: &State) -> Result<(), StateError> {
     Ok(())
 }
 
+/// Appends a number as little-endian f64.
 fn put(x: f64, bytes: &mut Vec<u8>) {
     bytes.extend_from_slice(&x.to_bits().to_le_bytes());
 }
 
-/// Appends all numbers in one step. Separate appends each check the capacity, which takes longer than hashing the
-/// numbers.
+/// Appends all numbers as little-endian f64 in one step. Separate appends each check the capacity, which takes longer
+/// than hashing the numbers.
 fn put_all(numbers: &[f64], bytes: &mut Vec<u8>) {
     let begin = bytes.len();
     bytes.resize(begin + 8 * numbers.len(), 0);
@@ -270,6 +275,7 @@ fn put_all(numbers: &[f64], bytes: &mut Vec<u8>) {
     }
 }
 
+/// Appends force and torque as six little-endian f64.
 fn put_wrench(wrench: &Wrench, bytes: &mut Vec<u8>) {
     let numbers = wrench.force.iter().chain(wrench.torque.iter());
     numbers.for_each(|x| put(*x, bytes));
@@ -281,6 +287,7 @@ fn is_plain_zero(wrench: &Wrench) -> bool {
     numbers.fold(0, |bits, x| bits | x.to_bits()) == 0
 }
 
+/// Reader of the bytes of a state, at the offset `at`.
 struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,

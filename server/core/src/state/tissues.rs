@@ -5,7 +5,8 @@ use std::ops::{Deref, Range};
 
 use crate::Scene;
 
-/// Numbers of all tissues, object after object, with a flag for each yielding object: whether all its numbers are zero.
+/// State numbers of all tissues, object after object, with a flag for each yielding object: whether all its numbers are
+/// zero. Each tissue model defines the number and the units.
 ///
 /// The flag is part of the state and always agrees with the numbers: every change must end with `Tissues::settle`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,7 +15,7 @@ pub struct Tissues {
     parts: Vec<Part>,
 }
 
-/// Numbers of one yielding object.
+/// Range of one yielding object in `Tissues::numbers`, and whether all its numbers are zero.
 #[derive(Clone, Debug, PartialEq)]
 struct Part {
     range: Range<usize>,
@@ -57,7 +58,8 @@ impl Tissues {
         self.parts.len()
     }
 
-    /// Whether all numbers of the yielding object `slot` (index among the yielding objects) are zero.
+    /// Whether all numbers of the yielding object `slot` (index among the yielding objects) are zero: the tissue is at
+    /// rest.
     #[inline]
     pub fn at_rest(&self, slot: usize) -> bool {
         self.parts[slot].at_rest
@@ -69,13 +71,14 @@ impl Tissues {
         &self.numbers[self.parts[slot].range.clone()]
     }
 
-    /// Returns the numbers of the yielding object `slot` for a change; `Tissues::settle` must follow.
+    /// Returns the numbers of the yielding object `slot` (index among the yielding objects) for a change;
+    /// `Tissues::settle` must follow.
     pub(crate) fn of_mut(&mut self, slot: usize) -> &mut [f64] {
         &mut self.numbers[self.parts[slot].range.clone()]
     }
 
-    /// Updates the rest flag of the yielding object `slot` after a change of its numbers. An object with a number that
-    /// is not finite is reset to rest. Returns whether all numbers were finite.
+    /// Updates the rest flag of the yielding object `slot` (index among the yielding objects) after a change of its
+    /// numbers. An object with a number that is not finite is reset to rest. Returns whether all numbers were finite.
     pub(crate) fn settle(&mut self, slot: usize) -> bool {
         let Part { range, at_rest } = &mut self.parts[slot];
         let numbers = &mut self.numbers[range.clone()];

@@ -8,17 +8,18 @@ use crate::state::State;
 use crate::tick::posed::{posed, substep_of};
 use crate::tick::workspace::Workspace;
 
-/// Prediction distance and blend share that fit into the contact list.
+/// Prediction distance, and share of the reach of blended surfaces, with which the contacts fit into the list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fits {
     /// Prediction distance.
     pub d: Distance,
-    /// Share of the reach of blended surfaces, 0 to 1.
+    /// Share of the reach of blended surfaces ([`reach`]) that is added to `d`, 0 to 1; normally 1.
     pub share: f64,
 }
 
-/// Lists the contacts at the present poses and shapes, within `d` or within the distance that fits into the list.
-/// Returns the distance and the share used, and whether either was cut or a contact was dropped.
+/// Lists the contacts of the tools `group` (slots) at the present poses and shapes, within `d` or within the distance
+/// that fits into the list. Returns the distance and the share used, and whether either was cut or a contact was
+/// dropped.
 ///
 /// On overflow `d` shrinks by a factor of 0.7, which costs only more substeps. With blended surfaces, once `d` is
 /// within twice `Params::predict_min`, the share of their reach is halved instead. Blended surfaces then consist of

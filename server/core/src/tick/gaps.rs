@@ -10,11 +10,12 @@ use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 use crate::{MAX_TOOLS, Scene};
 
-/// Computes the smallest true gap of each tool, metres, into `outcomes`, and returns the smallest of all. `gone` is an
-/// upper bound of the motion since the contact list.
+/// Computes the smallest true gap of each tool after a step, metres, into `outcomes`, and returns the smallest of all;
+/// infinite without a gap. `index` is that of the substep in `Workspace::substeps`. `gone` is an upper bound of the
+/// tool's motion, plus that of the tissue, since the contact list.
 ///
 /// The gaps are those between contact spheres. On a blended object the gaps are those of the surface, evaluated again
-/// at the present poses, as far as under `d`.
+/// at the present poses, as far as under the prediction distance `d`.
 pub(crate) fn true_gaps(
     scene: &Scene,
     state: &State,
@@ -82,7 +83,8 @@ pub(crate) fn true_gaps(
         .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
 }
 
-/// Returns the gap of a pair at the present pose and shape, metres, from the centres, not from the linearisation.
+/// Returns the gap of the contact spheres of a pair at the present graphic pose and shape, metres, from the centres,
+/// not from the linearisation. `rotation` is the rotation matrix of the tool's pose.
 #[inline]
 fn true_gap(
     scene: &Scene,

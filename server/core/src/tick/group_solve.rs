@@ -29,29 +29,34 @@ use crate::{MAX_TOOLS, Scene};
 
 /// Factor by which the minimum prediction distance grows from substep to substep of a tick.
 const WIDENING: f64 = 6.0;
-/// Limit of that growth, metres. A prediction distance far beyond the motion only lists more rows.
+/// Limit up to which the minimum prediction distance grows within a tick, metres; `Params::predict_min` if that is
+/// larger. A prediction distance far beyond the motion only lists more rows.
 const WIDEST: f64 = 5e-5;
-/// Factor on `Params::predict_gain` for a group with tissue near. Tissue moves about as far as the tool, and the
-/// prediction distance must cover both motions. Measured with the mirror on the tongue: at 1, three of four ticks took
-/// a second substep. At 4, the additional rows cost as much as the saved substeps.
+/// Factor on `Params::predict_gain` for a group near a tissue that is out of rest. Tissue moves about as far as the
+/// tool, and the prediction distance must cover both motions. Measured with the mirror on the tongue: at 1, three of
+/// four ticks took a second substep. At 4, the additional rows cost as much as the saved substeps.
 const YIELDS: f64 = 2.5;
 
-/// Substeps of one group of tools in a tick.
+/// Run of the substeps of one group of tools in a tick: prediction distance, counters and outcomes so far.
 pub(crate) struct GroupSolve<'a> {
-    /// Tool slots, ascending.
+    /// Slots of the group's tools, ascending.
     group: &'a [usize],
-    /// Index in `Workspace::substeps`.
+    /// Index of the group's substep in `Workspace::substeps`: the slot of the group's first tool.
     index: usize,
-    /// Largest distance of a tool's sphere from its working point, metres.
+    /// Largest distance from the working point to the centre of a sphere, over all tools of the group, metres.
     longest: f64,
-    /// Prediction distance per metre of motion.
+    /// Prediction distance per metre of motion: `Params::predict_gain`, times [`YIELDS`] if the group claims a tissue
+    /// out of rest at the start of the tick.
     gain: f64,
-    /// Prediction distance of this substep.
+    /// Prediction distance of the present or next substep: part common to all spheres, and turn.
     d: Distance,
-    /// Minimum prediction distance of the next substeps, metres.
+    /// Minimum of the common part of the prediction distance in the next substeps, metres. Starts at
+    /// `Params::predict_min`. Each substep without convergence raises the minimum by the factor [`WIDENING`], up to
+    /// [`WIDEST`]. A tick of many substeps then advances in longer steps.
     floor: f64,
-    /// Distance that fits into the contact list, after an overflow. The next substep starts near it, because a new
-    /// search costs more than all the rest.
+    /// Prediction distance and blend share that fitted after the last overflow of contact list or rows; `None` before
+    /// any overflow. The next substep starts with at most twice this distance, because a new search costs more than all
+    /// the rest.
     fits: Option<Fits>,
     substeps: u8,
     status: u16,
@@ -86,7 +91,8 @@ impl<'a> GroupSolve<'a> {
         solve
     }
 
-    /// Returns the prediction distance of the first substep.
+    /// Returns the prediction distance of the first substep, from the largest motion and turn of the group's hands in
+    /// this tick.
     fn first_distance(&self, request: &TickRequest<'_>) -> Distance {
         let moved = self.group.iter().map(|&t| request.goals[t].moved);
         let turned = self.group.iter().map(|&t| request.goals[t].turned);
@@ -94,8 +100,9 @@ impl<'a> GroupSolve<'a> {
         self.distance(request, moved.fold(0.0, most), turned.fold(0.0, most))
     }
 
-    /// Returns the prediction distance of a substep that may move by `moved` (metres) and turn by `turned` (radians). A
-    /// turn moves spheres by their levers, so spheres near the tip need less distance than the shaft.
+    /// Returns the prediction distance of a substep in which the tools may move by `moved` (metres) and turn by
+    /// `turned` (radians). A turn moves spheres by their levers, so spheres near the tip need less distance than the
+    /// shaft.
     fn distance(&self, request: &TickRequest<'_>, moved: f64, turned: f64) -> Distance {
         let params = &request.scene.params;
         let base = fclamp(
@@ -171,7 +178,7 @@ impl<'a> GroupSolve<'a> {
         Ok(())
     }
 
-    /// Predicts the contacts of the next substep, and claims every tissue among them.
+    /// Lists the contacts of the next substep, writes their rows, and claims every tissue among them.
     ///
     /// # Errors
     /// Another group has claimed such a tissue.
@@ -239,7 +246,8 @@ impl<'a> GroupSolve<'a> {
         Ok(())
     }
 
-    /// Solves the substep and moves tools, tissue and loads. Returns whether another substep is due.
+    /// Solves the substep and moves tools, tissue and loads. Returns whether another substep is due: false after
+    /// convergence, a failure of the solver, or `Params::max_substeps` substeps.
     pub fn solve_and_step<P: StageProbe>(
         &mut self,
         request: &TickRequest<'_>,
@@ -336,7 +344,8 @@ impl<'a> GroupSolve<'a> {
     }
 }
 
-/// Claims the tissue in `slot` for the group with the substep `index`.
+/// Claims the tissue `slot` (index in `Workspace::yielding`) for the group with the substep `index` (in
+/// `Workspace::substeps`).
 ///
 /// # Errors
 /// Another group has claimed the tissue.
@@ -352,10 +361,11 @@ fn claim_tissue(ws: &mut Workspace, slot: usize, index: usize) -> Result<(), Tis
     }
 }
 
-/// Step of each tool: translation of the working point (metres) and rotation vector (radians).
+/// Step of each tool, by slot: translation of the working point (metres) and rotation vector (radians), world axes.
 type Steps = [(Vec3, Vec3); MAX_TOOLS];
 
-/// Builds and solves the problem of this substep. Returns `None` when the solution is unusable.
+/// Builds and solves the problem of this substep and returns the steps of the group's tools. Returns `None` when the
+/// solution is unusable.
 fn optimise(
     scene: &Scene,
     state: &State,
@@ -443,14 +453,15 @@ fn optimise(
     finite.then_some(answer)
 }
 
-/// Solution of a substep.
+/// Usable solution of a substep's problem, as steps of the tools.
 struct Answer {
     steps: Steps,
-    /// Whether the forces are those of the coupling, without a relevant part of the added curvature.
+    /// Whether the forces on all tools of the group are those of the coupling. False if the curvature of a blended
+    /// surface, added to the metric of a tool, contributes more force than its tolerance.
     settled: bool,
 }
 
-/// Moves tools, tissue and loads by the same share of the step.
+/// Moves the group's tools, tissues and loads by the same `share` (0 to 1) of the way to the solution of the substep.
 fn apply(
     scene: &Scene,
     state: &mut State,

@@ -21,7 +21,7 @@ use crate::tick::stage::{Stage, StageProbe};
 use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 
-/// Advances the tools in the slots `present` (ascending) and all tissues by one tick.
+/// Advances the tools in the slots `present` (ascending) and all tissues by one tick. Returns the outcome of each slot.
 pub(crate) fn advance<P: StageProbe>(
     request: &TickRequest<'_>,
     state: &mut State,
@@ -44,7 +44,7 @@ pub(crate) fn advance<P: StageProbe>(
     solve(request, state, ws, &[present], probe).unwrap_or([ToolOutcome::IMPOSSIBLE; MAX_TOOLS])
 }
 
-/// Runs the substeps of every group.
+/// Runs the substeps of every group and returns the outcome of each tool slot. A group is a list of tool slots.
 ///
 /// # Errors
 /// Two groups claim one tissue.
@@ -77,7 +77,7 @@ fn solve<P: StageProbe>(
     Ok(outcomes)
 }
 
-/// Moves every tissue without an owner to its shape without contact.
+/// Moves every tissue that no group has claimed to its shape at the end of the tick without contact.
 fn relax(ws: &mut Workspace) {
     for &slot in &ws.awake {
         let yielding = &mut ws.yielding[slot];

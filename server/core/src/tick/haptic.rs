@@ -9,10 +9,12 @@ use crate::state::ToolState;
 
 /// Largest twist that still raises the torque, radians (90 degrees).
 const TWIST_LIMIT: f64 = std::f64::consts::FRAC_PI_2;
-/// Angle beyond which the axis of the logarithm may flip and the last axis is kept, radians (170 degrees).
+/// Twist beyond which the kept axis determines the sign of the twist's axis, radians (170 degrees). Near 180 degrees
+/// the axis of the shortest rotation can flip.
 const AXIS_KEPT_BEYOND: f64 = 170.0 * std::f64::consts::PI / 180.0;
 
-/// Returns the raw pose if all numbers are finite and plausible and the quaternion is a rotation. `-0.0` becomes `0.0`.
+/// Returns the raw pose in f64 with a unit quaternion; `-0.0` becomes `0.0`. Returns `None` if a number is not finite
+/// or a coordinate is beyond 10 m. A quaternion must be between 0.9 and 1.1 long.
 fn checked(raw: &RawPose) -> Option<Pose> {
     let widen = |x: f32| f64::from(x) + 0.0;
     let p = raw.position.map(widen);
@@ -28,8 +30,9 @@ fn checked(raw: &RawPose) -> Option<Pose> {
     })
 }
 
-/// Returns the haptic pose of this tick and status bits. Speed and spin of the hand are clamped to the limits of
-/// `params` over `ticks` ticks. An invalid input gives the last pose and [`status::BAD_INPUT`].
+/// Returns the haptic pose of this tick and status bits. `ticks` is the number of ticks since the last pose. Speed and
+/// spin of the hand are clamped to the limits of `params` over `ticks` ticks, except for a tool absent in the last
+/// tick. An invalid input gives the last pose and [`status::BAD_INPUT`].
 pub(crate) fn sanitise(
     raw: &RawPose,
     params: &Params,
@@ -66,7 +69,7 @@ pub(crate) fn renormalised(q: &Quat) -> Quat {
 }
 
 /// Returns the rotation vector from the graphic to the haptic tool and whether it was clamped. World axes, radians, at
-/// most 90 degrees long.
+/// most 90 degrees long. Beyond 170 degrees the sign of the axis follows `kept_axis`, a unit vector, or zero for none.
 pub(crate) fn twist(haptic: &Quat, graphic: &Quat, kept_axis: &Vec3) -> (Vec3, bool) {
     let mut w = log_rotation(&(haptic * graphic.inverse()));
     let mut angle = norm(&w);
@@ -82,7 +85,8 @@ pub(crate) fn twist(haptic: &Quat, graphic: &Quat, kept_axis: &Vec3) -> (Vec3, b
     }
 }
 
-/// Returns the twist axis to keep for the next tick.
+/// Returns the axis of the twist for the next tick: unit vector, world axes. A twist of at most 1e-3 rad or beyond 170
+/// degrees has no reliable axis, and the result is then `before`.
 pub(crate) fn kept_axis(haptic: &Quat, graphic: &Quat, before: &Vec3) -> Vec3 {
     let w = log_rotation(&(haptic * graphic.inverse()));
     let angle = norm(&w);

@@ -50,7 +50,7 @@ use crate::tick::workspace::Workspace;
 use crate::tick::wrench::{Conditions, limited};
 use crate::tissue::SiteLoad;
 
-/// Time without a valid pose after which a tool is stale, seconds: the timeout of the watchdog.
+/// Time without a valid pose after which a tool is stale, seconds. Equal to the server's timeout for missing poses.
 const BAD_STALE_S: f64 = 0.05;
 
 /// Runs one tick and advances `state` by it. The work is bounded, no input panics, and nothing is allocated with
@@ -135,8 +135,8 @@ pub fn tick<P: StageProbe>(
     }
 }
 
-/// Evaluates the shapes of all tissues at the start of the tick and without contact. Tissues that stay at rest are
-/// skipped.
+/// Evaluates two shapes of every tissue: the present shape, and the shape at the end of the tick without contact.
+/// Tissues that stay at rest are skipped. `detail` is the level of detail, 0 for the coarsest.
 fn begin_tissues(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, detail: u8) {
     let hands = hands(scene, state, held, detail);
     ws.awake.clear();
@@ -152,8 +152,8 @@ fn begin_tissues(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, 
     }
 }
 
-/// Stores the final shapes of the tissues in the state and reads the pockets. Returns the pocket reading of each tool,
-/// and whether a shape was not finite: such a tissue is reset to rest.
+/// Stores the final shapes of the tissues in the state and reads the pockets. Returns the pocket reading of each tool
+/// slot, `None` outside pockets. The flag is true if a state was not finite: such a tissue is reset to rest.
 fn commit_tissues(
     scene: &Scene,
     state: &mut State,
@@ -261,7 +261,8 @@ fn applied(
     })
 }
 
-/// Computes the limited wrench of one tool and stores its values in the state.
+/// Computes the wrench of tool `t` after ramp, clamp and slew, stores the tool's values in the state and returns its
+/// output. `bits` are the status bits found so far.
 fn finish_tool(
     scene: &Scene,
     state: &mut State,

@@ -4,7 +4,7 @@ use crate::Scene;
 use crate::contact::PosedTool;
 use crate::state::State;
 
-/// Returns tool `t` at its present graphic pose.
+/// Returns the tool in slot `t` at its present graphic pose.
 pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTool<'a> {
     let tool = &scene.tools[t];
     PosedTool {
@@ -16,7 +16,8 @@ pub(crate) fn posed<'a>(scene: &'a Scene, state: &'a State, t: usize) -> PosedTo
     }
 }
 
-/// Returns the index in `Workspace::substeps` of the substep of a group: the slot of its first tool.
+/// Returns the index in `Workspace::substeps` of the substep of a group: the slot of its first tool, 0 for an empty
+/// group.
 pub(crate) fn substep_of(group: &[usize]) -> usize {
     group.first().copied().unwrap_or(0)
 }

@@ -30,7 +30,8 @@ pub(crate) struct ToolOutcome {
     pub active: u16,
     /// Smallest true gap after the last substep, metres; infinite without contact.
     pub min_gap: f64,
-    /// Whether the step reached its goal within the tolerances of [`crate::Params`].
+    /// Whether the last substep converged: its step was small or limited with [`status::SETTLING`], and no true gap is
+    /// below minus `Params::converged_gap`. True for an absent tool.
     pub converged: bool,
 }
 
@@ -45,7 +46,7 @@ impl ToolOutcome {
         converged: true,
     };
 
-    /// Outcome of a case that the program rules out. The tick flags a fault and sends no force.
+    /// Outcome of a case that the program rules out. The tick flags a fault, and the force ramps to zero.
     pub(crate) const IMPOSSIBLE: ToolOutcome = ToolOutcome {
         status: status::FAULT | status::SOLVER_FAILED,
         converged: false,
@@ -60,7 +61,7 @@ pub(crate) struct TickRequest<'a> {
     pub scene: &'a Scene,
     /// Goal of each tool, by slot.
     pub goals: &'a [ToolGoal; MAX_TOOLS],
-    /// Haptic poses of the present tools, by slot.
+    /// Haptic poses of the present tools, by slot; `None` for an absent tool.
     pub held: &'a Held,
     /// Level of detail of the tissues, 0 for the coarsest.
     pub detail: u8,
@@ -70,15 +71,16 @@ pub(crate) struct TickRequest<'a> {
 #[derive(Debug)]
 pub(crate) struct TissueConflict;
 
-/// Haptic poses of the present tools, by slot.
+/// Haptic poses of the present tools, by slot, `world_from_tool`; `None` for an absent tool.
 pub(crate) type Held = [Option<Pose>; MAX_TOOLS];
 
-/// Haptic poses of the tools in the slots `present`.
+/// Returns the haptic poses of the tools in the slots `present`; `None` in all other slots.
 pub(crate) fn held(present: &[usize], goals: &[ToolGoal; MAX_TOOLS]) -> Held {
     std::array::from_fn(|t| present.contains(&t).then(|| goals[t].haptic))
 }
 
-/// View of the present tools for the tissue models: poses and loads at the start of a substep.
+/// Returns the present tools as visible to the tissue models: the haptic poses `held`, and the graphic poses and loads
+/// now in `state`. `detail` is the level of detail, 0 for the coarsest.
 pub(crate) fn hands<'a>(scene: &'a Scene, state: &'a State, held: &Held, detail: u8) -> Hands<'a> {
     let objects = scene.objects.len();
     Hands {

@@ -22,9 +22,10 @@ use crate::tick::workspace::Workspace;
 /// within one or two tenths of a second, whatever the distance.
 const CATCH_UP: f64 = 0.03;
 
-/// Limits on the change of each tool's force in this tick, newtons.
+/// Limits on the change of the contact force on each tool in this tick, newtons.
 pub(crate) struct Settle {
-    /// Limit per tool slot, newtons; infinite without limit.
+    /// Largest change of the contact force on each tool in this tick, by slot, newtons. Infinite for a tool without
+    /// contact force in the last tick.
     most: [f64; MAX_TOOLS],
     objects: usize,
 }

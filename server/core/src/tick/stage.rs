@@ -1,17 +1,17 @@
 //! Stages of a tick, and the probe that times them without a clock in the core.
 
-/// Stages of a tick, in order.
+/// Stages of a tick, in order. `Collide` and `Optimise` begin again in every substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Input checks and free step of the tissues.
     Prepare,
-    /// Contact prediction: tree against tree.
+    /// Contact prediction, tree against tree, and the rows of the contacts.
     Collide,
-    /// The constrained optimisation.
+    /// Optimisation of a substep, its step, and the check of the true gaps.
     Optimise,
     /// Commit of the tissues, wrench and ramps.
     Apply,
-    /// State hash.
+    /// Hash of the input and the state.
     Hash,
 }
 

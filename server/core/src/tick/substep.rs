@@ -24,10 +24,11 @@ pub(crate) struct Substep {
     pub solution: Solution,
     /// Keys of the contacts whose rows bore load in the previous substep of this tick, sorted.
     pub bearing: Vec<(u16, u32, u8, u32)>,
-    /// Warm start: rows of the contacts in `bearing`, or the touching rows if `bearing` is empty.
+    /// Warm start of the solver, indices in `rows`: rows of the contacts in `bearing`, or the touching rows if
+    /// `bearing` is empty.
     pub warm_start: Vec<u32>,
-    /// Compliance of the tissue in the directions of the rows, row-major, m/N; empty in a scene without yielding
-    /// objects.
+    /// Compliance of the tissue between the rows, m/N: motion along the normal of one row for a unit load on another.
+    /// The first `m * m` entries are in use for `m` rows, row-major. Empty in a scene without yielding objects.
     pub gram: Vec<f64>,
     /// Whether `gram` is part of the problem of this substep.
     pub tissue: bool,
@@ -38,7 +39,9 @@ pub(crate) struct Substep {
 }
 
 impl Substep {
-    /// Returns an empty substep with capacity for `rows` rows, and for `dense` rows in the dense matrix.
+    /// Returns an empty substep with capacity for `rows` contacts and rows, for `dense` rows in the dense matrix and
+    /// for `tissues` tissues. `blended` tells whether the scene has blended objects. `tool_nodes` is the largest number
+    /// of nodes of a tool.
     pub fn with_capacity(
         (rows, dense): (usize, usize),
         blended: bool,
@@ -76,7 +79,7 @@ impl Substep {
         self.tissues.clear();
     }
 
-    /// Stores the keys of the contacts whose rows bear load.
+    /// Stores the keys of the contacts whose rows bear load in `bearing`, for the warm start of the next substep.
     pub fn note_bearing(&mut self) {
         self.bearing.clear();
         let contacts = self.contacts.as_slice();
@@ -114,7 +117,7 @@ impl Substep {
             .zip(self.shares.iter().copied())
     }
 
-    /// Distributes the multipliers of the rows to the contacts.
+    /// Distributes the multipliers of the rows to the contacts: writes `shares`, newtons.
     pub fn share_out(&mut self) {
         self.shares.clear();
         self.shares.resize(self.contacts.as_slice().len(), 0.0);

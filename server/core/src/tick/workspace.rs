@@ -27,7 +27,7 @@ pub struct Workspace {
     pub(crate) blender: Blender,
     /// Cores of the nodes of each object; empty for an object without blending.
     pub(crate) cores: Vec<Vec<Core>>,
-    /// Scratch: gaps of the rows, for the selection of the smallest.
+    /// Scratch: gaps of the rows, metres, for the selection of the smallest.
     pub(crate) gaps: Vec<f64>,
     pub(crate) sites: Vec<Site>,
     pub(crate) site_loads: Vec<f64>,
@@ -38,17 +38,19 @@ pub struct Workspace {
     pub(crate) slots: Vec<Option<usize>>,
     /// Indices in `yielding` of the tissues evaluated in this tick: out of rest, driven by the hands, or near a tool.
     pub(crate) awake: Vec<usize>,
-    /// Index of the substep that owns each tissue in this tick; `None` without an owner.
+    /// Index in `substeps` of the group that has claimed each tissue in this tick, in the order of `yielding`; `None`
+    /// without a claim.
     pub(crate) owners: Vec<Option<usize>>,
     /// Contact list of capacity 1, which ends a query at the first pair.
     pub(crate) any: ContactList,
     /// Zeros, as many as the longest configuration has numbers.
     pub(crate) zeros: Vec<f64>,
-    /// Graphic poses and loads at the start of the tick.
+    /// Graphic poses by slot and loads at the start of the tick, for a restart of the tick.
     pub(crate) before: ([Pose; MAX_TOOLS], Vec<Wrench>),
     /// Whether both tools always share one problem; for tests.
     pub(crate) together: bool,
-    /// Indices in `yielding` of the pockets, each with the ball outside of which no tip reads the pocket.
+    /// Indices in `yielding` of the pockets, each with the ball (world axes, metres) outside of which no tip reads the
+    /// pocket.
     pub(crate) pockets: Vec<(usize, Sphere)>,
     pub(crate) tick_loads: Vec<SiteLoad>,
     /// Largest distance of a sphere's centre from the working point, per tool, metres.
@@ -128,7 +130,7 @@ impl Workspace {
     }
 
     /// Returns the last problem of each group with its solution, for a check by an independent solver. A group is one
-    /// tool, or both together.
+    /// tool, or both together. Groups without rows are left out.
     pub fn last_problems(&self, scene: &Scene) -> impl Iterator<Item = (Problem<'_>, &Solution)> {
         let contact_compliance = scene.params.contact_compliance;
         let max_iterations = usize::from(scene.params.max_iterations);
@@ -165,13 +167,14 @@ impl Workspace {
         }
     }
 
-    /// Returns the counts of contact prediction since this workspace was created.
+    /// Returns the work counters of contact prediction, such as queries and tested pairs, since this workspace was
+    /// created.
     pub fn work(&self) -> Work {
         self.predictor.work()
     }
 
-    /// Returns the configuration of object `k` at the end of the last tick: displacements from rest; empty for a rigid
-    /// object.
+    /// Returns the configuration of object `k` at the end of the last tick; empty for a rigid object. The tissue model
+    /// defines the layout: displacements from rest, metres, and further numbers in some models.
     pub fn shape_of(&self, k: usize) -> &[f64] {
         self.slots[k].map_or(&[], |slot| &self.yielding[slot].shape)
     }
@@ -181,8 +184,9 @@ impl Workspace {
         self.slots[k].is_some_and(|slot| !self.yielding[slot].still)
     }
 
-    /// Returns the displacements of the carriers of object `k`'s [`crate::DisplaySkin`] at the end of the last tick, by
-    /// index, world axes, metres.
+    /// Returns the displacements of the carriers of object `k`'s [`crate::DisplaySkin`] at the end of the last tick,
+    /// world axes, metres. Carriers are the moving masters of a surface compliance, otherwise the nodes of the tree;
+    /// zero for a rigid object.
     pub fn carriers_moved(&self, scene: &Scene, k: usize) -> Vec<Vec3> {
         let (object, shape) = (&scene.objects[k], self.shape_of(k));
         if let TissueModel::Surface(_) = object.tissue {

@@ -14,8 +14,9 @@ pub(crate) struct Conditions {
     pub force_limit: f64,
 }
 
-/// Applies ramp, clamp and slew to one wrench. Returns the wrench to send, the new ramp value (0 to 1) and status bits.
-/// A value that is not finite gives a zero wrench and [`status::FAULT`].
+/// Applies ramp, clamp and slew to the wrench `raw`. `sent` is the wrench sent in the last tick, `gain` the ramp factor
+/// after the last tick. Returns the wrench to send, the new ramp factor (0 to 1) and status bits. A value that is not
+/// finite gives a zero wrench, a ramp factor of 0 and [`status::FAULT`].
 pub(crate) fn limited(
     raw: &Wrench,
     sent: &Wrench,

@@ -8,18 +8,18 @@ use crate::tissue::{Hands, Site, Tissue, refit};
 use crate::tree::Node;
 use crate::{MAX_TOOLS, Scene};
 
-/// Yielding object in a workspace.
+/// Yielding object of the scene in a workspace: its model, its shapes in the present tick, and its caches.
 #[derive(Debug)]
 pub(crate) struct Yielding {
-    /// Index in the scene.
+    /// Index of the object in the scene.
     pub object: usize,
     /// Tissue model, prepared for this object.
     pub model: Box<dyn Tissue>,
-    /// Present configuration: displacements from rest.
+    /// Present configuration: displacements from rest, in the layout of `model`.
     pub shape: Vec<f64>,
     /// Configuration at the end of the tick without contact.
     pub free: Vec<f64>,
-    /// Configuration under the multipliers.
+    /// Configuration at the end of the tick under the multipliers of the present substep.
     target: Vec<f64>,
     /// Largest motion of a sphere from `shape` to `target`, metres.
     to_target: f64,
@@ -29,14 +29,14 @@ pub(crate) struct Yielding {
     evaluated: bool,
     /// Whether the model must be evaluated in every tick ([`Tissue::goes_by_hands`]).
     goes_by_hands: bool,
-    /// Largest motion of a sphere to the free configuration, metres.
+    /// Largest motion of a sphere from its place at the last evaluation to `free`, metres; 0 for a tissue at rest.
     pub relaxing: f64,
-    /// Nodes at the present shape if `fitted`; invalid while `still`.
+    /// Nodes of the object's tree, at the present shape if `fitted`; invalid while `still`.
     nodes: Vec<Node>,
     fitted: bool,
-    /// Cached neighbours of each tool.
+    /// Cached neighbour list of each tool slot on this object.
     near: [SoftNeighbours; MAX_TOOLS],
-    /// Indices of all nodes, and scratch for their centres, for a refit.
+    /// Indices of all nodes of the tree, for a refit. The next field is scratch for their centres.
     ids: Vec<u32>,
     centres: Vec<Vec3>,
 }
@@ -72,7 +72,8 @@ impl Yielding {
         ready.collect()
     }
 
-    /// Whether a tick with `state` may skip the tissue in `slot`, as the previous tick did.
+    /// Whether a tick with `state` may skip the tissue `slot` (index among the yielding objects), as the previous tick
+    /// did.
     #[inline]
     pub fn may_sleep(&self, state: &State, slot: usize) -> bool {
         !self.evaluated && !self.goes_by_hands && state.tissue.at_rest(slot)
@@ -127,7 +128,7 @@ impl Yielding {
         }
     }
 
-    /// Sets the configuration to the one without contact.
+    /// Sets the present configuration to `free`, the configuration without contact.
     pub fn relax(&mut self) {
         self.shape.copy_from_slice(&self.free);
         self.fitted = false;
@@ -203,8 +204,9 @@ impl Yielding {
         centre[0]
     }
 
-    /// Sets the target configuration under `loads` at `sites`, newtons, for [`Yielding::advance`]. Returns the largest
-    /// motion of a sphere to the target, metres; 0 for a tissue at rest without a load, which has no target.
+    /// Sets the target configuration under `loads` at `sites`, newtons against the normals, for [`Yielding::advance`].
+    /// Returns the largest motion of a sphere to the target, metres; 0 for a tissue at rest without a load, which has
+    /// no target.
     pub fn aim(&mut self, sites: &[Site], loads: &[f64]) -> f64 {
         if self.still {
             if !loads.iter().any(|load| *load > 0.0) {
@@ -217,7 +219,8 @@ impl Yielding {
         self.to_target
     }
 
-    /// Moves by `share` of the way to the target configuration. Returns the largest motion of a sphere, metres.
+    /// Moves by `share` (0 to 1) of the way to the target configuration. Returns the largest motion of a sphere,
+    /// metres.
     pub fn advance(&mut self, share: f64) -> f64 {
         if self.still {
             return 0.0;

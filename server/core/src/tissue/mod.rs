@@ -31,7 +31,7 @@ use crate::scene::tool::Tool;
 use crate::tree::{Sphere, SphereTree};
 use printed::{PrintedGingiva, PrintedSkeleton, ReadyGingiva, ReadySkeleton};
 
-/// Contact row on a tissue.
+/// Sphere and direction of one contact row on a tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
     /// Node of the object's tree in contact.
@@ -40,7 +40,8 @@ pub struct Site {
     pub normal: Vec3,
 }
 
-/// Square, row-major view of the tissue's part of the dual matrix, metres per newton.
+/// View of the rows and columns of one object in the compliance matrix `C` of the tissue, m/N. `C` has a row and a
+/// column for each row of the problem and is stored row-major.
 pub struct Gram<'a> {
     entries: &'a mut [f64],
     stride: usize,
@@ -48,7 +49,7 @@ pub struct Gram<'a> {
 }
 
 impl<'a> Gram<'a> {
-    /// Returns a view of the rows and columns from `first` on of a `stride` by `stride` matrix.
+    /// Returns a view of the rows and columns from `first` on of a `stride` by `stride` matrix, stored row-major.
     pub fn new(entries: &'a mut [f64], stride: usize, first: usize) -> Self {
         debug_assert!(entries.len() >= stride * stride);
         Self {
@@ -71,7 +72,7 @@ impl<'a> Gram<'a> {
 pub struct Hands<'a> {
     /// Hand at each tool slot; `None` for a slot without a tool in a hand.
     pub tools: [Option<Hand<'a>>; MAX_TOOLS],
-    /// Level of detail requested by the input ([`crate::TickInput::detail`]).
+    /// Level of detail requested by the input ([`crate::TickInput::detail`]), 0 (the coarsest) to 1.
     pub detail: u8,
 }
 
@@ -85,8 +86,9 @@ pub struct Hand<'a> {
     /// Graphic pose, `world_from_tool`: at the start of the tick or substep in [`Tissue::free_step`], at the end of the
     /// tick in [`Tissue::commit`].
     pub graphic: Pose,
-    /// Loads by this tool on each object of the scene, about the world's origin. In [`Tissue::free_step`] at the start
-    /// of a tick, the loads are of the last tick. In [`Tissue::commit`] the loads are of this tick.
+    /// Loads by this tool on each object of the scene: force and torque about the world's origin. In
+    /// [`Tissue::free_step`] at the start of a tick, the loads are of the last tick. In [`Tissue::commit`] the loads
+    /// are of this tick.
     pub loads: &'a [Wrench],
 }
 
@@ -105,7 +107,7 @@ pub struct SiteLoad {
 /// displacements from rest. Their lengths are constant for a scene. Methods with `&mut self` may keep scratch and
 /// tables, but no cached value may affect a result.
 pub trait Tissue: Debug + Send {
-    /// Returns the length of a configuration.
+    /// Returns the count of numbers in a configuration.
     fn shape_len(&self) -> usize;
     /// Writes the final configuration of the last tick to `shape`, and to `free` the configuration `u0` at the end of
     /// this tick without contact. Returns whether both are exactly the rest and the state needs no change. The tissue
@@ -119,8 +121,8 @@ pub trait Tissue: Debug + Send {
     ) -> bool;
     /// Writes the centres of the nodes `ids` in configuration `shape`, world axes, metres.
     fn centres(&self, shape: &[f64], ids: &[u32], out: &mut [Vec3]);
-    /// Adds `n_i' C_ij n_j` for all pairs of `sites`, metres per newton. The matrix is symmetric and positive
-    /// semi-definite.
+    /// Adds `n_i' C_ij n_j` for all pairs of `sites`, metres per newton. `C_ij` is the displacement of sphere `i` at
+    /// the end of the tick for a unit force on sphere `j`. The matrix is symmetric and positive semi-definite.
     fn add_gram(&mut self, sites: &[Site], gram: &mut Gram<'_>);
     /// Writes the configuration under the load `-lambda_i n_i` (newtons) on each site:
     /// `shape = free - sum_j C_ij n_j lambda_j`.
@@ -141,7 +143,8 @@ pub trait Tissue: Debug + Send {
     fn goes_by_hands(&self) -> bool {
         false
     }
-    /// Returns the ball, world axes, outside of which no tip gives a reading; `None` for a tissue without a pocket.
+    /// Returns the ball, world axes, metres, outside of which no tip gives a reading; `None` for a tissue without a
+    /// pocket.
     fn pocket(&self) -> Option<Sphere> {
         None
     }
@@ -235,7 +238,7 @@ impl TissueModel {
         }
     }
 
-    /// Returns the length of the state that outlives a tick.
+    /// Returns the count of numbers in the state of an object with the tree `rest`; 0 for a rigid object.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         match self {
             TissueModel::Rigid => 0,
@@ -273,7 +276,8 @@ impl TissueModel {
     }
 }
 
-/// Returns the largest difference of two lists of displacements (x, y, z of each node in turn), metres.
+/// Returns the largest distance between two positions of a node, from two lists of displacements (x, y, z of each node
+/// in turn), metres.
 pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
     let squared = |a: &[f64; 3], b: &[f64; 3]| {
         let (x, y, z) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
@@ -296,8 +300,9 @@ pub(crate) fn largest_difference(from: &[f64], to: &[f64]) -> f64 {
 
 /// Updates the nodes of a yielding object to configuration `shape`.
 ///
-/// Centres come from the model, bounds from the children up (the paper's Eq. 17). Bounds always start from the rest
-/// radii, so that they shrink again. `ids` lists all nodes in order; `centres` has room for all.
+/// Centres come from the model, world axes, metres. Bounds come from the children up (the paper's Eq. 17) and always
+/// start from the constant contact radii, so that they shrink again. `ids` holds 0, 1, 2 and so on for all nodes.
+/// `centres` is scratch for as many.
 pub(crate) fn refit(
     model: &dyn Tissue,
     shape: &[f64],

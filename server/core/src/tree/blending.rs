@@ -42,7 +42,8 @@ impl SphereTree {
         &self.blending
     }
 
-    /// Returns the blend length at `level`, metres; 0 without blending.
+    /// Returns the blend length at `level`, metres; 0 without blending. A level below the finest has the length of the
+    /// finest.
     #[inline]
     pub fn blend_at(&self, level: u8) -> f64 {
         let lengths = &self.blending.lengths;
@@ -53,7 +54,8 @@ impl SphereTree {
         }
     }
 
-    /// Returns the core radius of node `index` for a tree in contact at `level`, metres.
+    /// Returns the core radius of node `index` for a tree in contact at `level`, metres: the contact radius minus the
+    /// inset. The inset of a node above `level` shrinks with the blend length.
     #[inline]
     pub fn core_radius(&self, index: u32, level: u8) -> f64 {
         let node = &self.nodes[index as usize];

@@ -14,13 +14,13 @@
 
 use crate::math::{Vec3, exp_of_libm, norm};
 
-/// Symmetric 3x3 root of a compliance, (m/N)^1/2, entries xx, xy, xz, yy, yz, zz.
+/// Symmetric 3x3 root of a compliance, (m/N)^1/2, world axes, entries xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Root([f64; 6]);
 
 impl Root {
-    /// Returns `a uu' + b vv' + c ww'` for an orthonormal basis `u, v, w`. This is the root of the compliances `a^2`,
-    /// `b^2` and `c^2` along the basis.
+    /// Returns `a uu' + b vv' + c ww'` for an orthonormal basis `u, v, w` and factors `a, b, c` in (m/N)^1/2. This is
+    /// the root of the compliances `a^2`, `b^2` and `c^2` along the basis.
     pub fn along(basis: [(f64, Vec3); 3]) -> Self {
         let mut root = [0.0; 6];
         for (size, v) in basis {
@@ -39,7 +39,7 @@ impl Root {
         Self(root)
     }
 
-    /// Returns the matrix times `v`.
+    /// Returns the root times the vector `v`.
     #[inline]
     pub fn times(&self, v: &Vec3) -> Vec3 {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -51,14 +51,14 @@ impl Root {
     }
 }
 
-/// Largest number of places for which the whole matrix `E` is stored.
+/// Largest number of places for which the whole falloff matrix is stored.
 const WHOLE: usize = 1024;
-/// Number of rows of `E` in the cache when there are more than `WHOLE` places.
+/// Number of rows of the falloff matrix in the cache when there are more than `WHOLE` places.
 const KEPT: usize = 192;
 /// Marker of a place without a stored row, and of an empty cache slot.
 const NONE: u32 = u32::MAX;
 
-/// Stretch of surface along the tooth's axis, stored as its two Gauss points, metres.
+/// Stretch of surface along the tooth's axis, stored as its two Gauss points, world axes, metres.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch([Vec3; 2]);
 
@@ -69,8 +69,8 @@ impl Stretch {
         Self([middle - half, middle + half])
     }
 
-    /// Returns the mean of `exp(-distance / reach)` over the four pairs of Gauss points of two stretches. The result
-    /// has the same bits in both directions.
+    /// Returns the mean of `exp(-distance / reach)` over the four pairs of Gauss points of two stretches, 0 to 1.
+    /// `reach` is in metres. The result has the same bits in both directions.
     #[inline]
     fn falloff(&self, other: &Self, reach: f64) -> f64 {
         let between = |a: usize, b: usize| exp_of_libm(-norm(&(self.0[a] - other.0[b])) / reach);
@@ -78,9 +78,9 @@ impl Stretch {
     }
 }
 
-/// Falloff `E` between all places. Up to 1024 places (8 MiB, enough for a patient's gingivae), the whole matrix is
-/// stored. For more places (134 MB at level 4), a cache holds 192 rows of places loaded lately. Entries outside the
-/// cache are computed on demand.
+/// Falloff matrix `E` of the compliance between all places of a gingiva: entries 0 to 1, without unit. Up to 1024
+/// places (8 MiB, enough for a patient's gingivae), the whole matrix is stored. For more places (134 MB at level 4), a
+/// cache holds 192 rows of places loaded lately. Entries outside the cache are computed on demand.
 #[derive(Debug)]
 pub struct Falloff {
     reach: f64,
@@ -95,7 +95,7 @@ pub struct Falloff {
 }
 
 impl Falloff {
-    /// Returns the falloff with the length `reach` (metres) between `places`.
+    /// Returns the falloff matrix of `places` with the length `reach` (metres) of the exponential.
     pub fn new(places: Vec<Stretch>, reach: f64) -> Self {
         let n = places.len();
         let kept = if n <= WHOLE { n } else { KEPT };

@@ -42,7 +42,7 @@ pub use params::GingivaParams;
 pub(super) use ready::Ready;
 pub use sites::{Prescribed, Site};
 
-/// Length of the state before the displacements: floor force, force zone and entry flag of each tool.
+/// Count of numbers in the state before the displacements: floor force, force zone and entry flag of each tool.
 const MEMORY: usize = 3 * MAX_TOOLS;
 
 /// Position and orientation of a tooth, world axes.
@@ -77,7 +77,7 @@ impl ToothFrame {
 /// Geometry of one node of the gingiva's tree, relative to tooth and pocket.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// Unit vector away from the tooth, across its axis.
+    /// Unit vector away from the tooth, across its axis, world axes.
     pub away: Vec3,
     /// Point of the pocket's surface that the sphere represents, world axes, metres. Compliance falls with the distance
     /// between these points. Centres are unsuitable, because they lie deeper at coarser levels.
@@ -92,7 +92,7 @@ pub struct Place {
     pub floor: bool,
 }
 
-/// Gingiva in a scene.
+/// Gingiva around one tooth, as stored in a scene: material, frame, margin, geometry of the nodes and prescriptions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gingiva {
     /// Material parameters and force thresholds.
@@ -115,7 +115,8 @@ pub struct Gingiva {
 }
 
 impl Gingiva {
-    /// Returns the height of the margin at an angle (radians from mesial over buccal), metres.
+    /// Returns the height of the margin at an angle (radians from mesial over buccal), metres along the tooth's axis
+    /// over the tooth's origin.
     pub fn margin_at(&self, around: f64) -> f64 {
         let n = self.margin.len();
         let turn = around / (2.0 * std::f64::consts::PI);
@@ -125,7 +126,8 @@ impl Gingiva {
         self.margin[k] + share * (self.margin[(k + 1) % n] - self.margin[k])
     }
 
-    /// Returns the length of the state that outlives a tick.
+    /// Returns the count of numbers in the state: the memory of each tool, then x, y and z of each displaced sphere of
+    /// `rest`.
     pub fn state_len(&self, rest: &SphereTree) -> usize {
         MEMORY + 3 * rest.shape_at(self.level).count()
     }

@@ -13,8 +13,8 @@ pub struct GingivaParams {
     /// Stiffness `k_d` of one place of a pocket's wall pushed away from the tooth, N/m. Default 500, range 10 to 1e6.
     /// Larger values give a tighter pocket. Chosen: 0.3 to 1 N/mm gave no buzz and small jumps in closed loop.
     pub wall_stiffness: f64,
-    /// Stiffness `k_t` of one place of the wall dragged along the tooth, N/m. Default 1500, range 10 to 1e6. Chosen:
-    /// the tissue is bound to the tooth below the pocket, so it yields less along the tooth than away from it.
+    /// Stiffness `k_t` of one place of the wall dragged along the tooth's surface, N/m. Default 1500, range 10 to 1e6.
+    /// Chosen: the tissue is bound to the tooth below the pocket, so it yields less along the tooth than away from it.
     pub shear_stiffness: f64,
     /// Length `l` of the compliance's falloff `exp(-distance / l)`, m. Default 8.3e-4, range 1e-5 to 1e-2, at least
     /// half of `reading_tip`. Source: the paper's factor of 0.3 per millimetre (Eq. 14), doi:10.1109/TOH.2014.2304734.
@@ -150,7 +150,7 @@ impl GingivaParams {
         }
     }
 
-    /// Returns the factor of inflammation on every stiffness, 0.05 to 1.
+    /// Returns the factor of inflammation on every stiffness, 0.05 to 1; 1 for healthy tissue.
     pub fn firmness(&self) -> f64 {
         1.0 - self.softening * self.inflammation
     }
@@ -161,7 +161,7 @@ impl GingivaParams {
         self.reading_force / self.floor_stiffness
     }
 
-    /// Returns the compliance of one place of the floor, m/N.
+    /// Returns the compliance of one place of the floor along the tooth's axis, m/N, with the effect of inflammation.
     ///
     /// The floor is a line round the tooth, which the tip covers from wall to wall. A load spread evenly over a disc
     /// moves the disc by the mean of `exp(-distance / l)` over all pairs of its points. The distance is measured along
@@ -172,7 +172,7 @@ impl GingivaParams {
         libm::exp(distance / self.reach) / (self.firmness() * self.floor_stiffness)
     }
 
-    /// Returns the thresholds of the zones above light, N.
+    /// Returns the floor forces from which the zones too heavy, trauma and damage begin, N.
     pub(super) fn thresholds(&self) -> [f64; 3] {
         [self.too_heavy, self.trauma, self.damage]
     }

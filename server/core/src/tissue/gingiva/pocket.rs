@@ -31,7 +31,8 @@ fn zone_of(number: f64) -> ForceZone {
         .unwrap_or_default()
 }
 
-/// Writes the memory of each tool after a tick in which the tool `pressed` on the floor (newtons).
+/// Writes the `memory` of all tools after a tick: floor force, zone and entry flag. `pressed` is the force of each tool
+/// on the floor, newtons; a negative force counts as 0.
 pub fn remember(params: &GingivaParams, pressed: &[f64; MAX_TOOLS], memory: &mut [f64]) {
     for (memory, pressed) in memory.chunks_exact_mut(PER_TOOL).zip(pressed) {
         let force = fmax(0.0, *pressed);
@@ -76,7 +77,8 @@ pub fn tip_below_margin(
     })
 }
 
-/// Returns the reading of the tool in `slot`, whose tip is in the pocket.
+/// Returns the reading of the tool in `slot`, whose tip is in the pocket. `memory` holds the numbers of all tools. The
+/// object's index is 0 until the tick writes it.
 pub fn reading(tip: &Tip, slot: usize, memory: &[f64]) -> PocketReading {
     let memory = &memory[slot * PER_TOOL..(slot + 1) * PER_TOOL];
     PocketReading {

@@ -13,9 +13,9 @@ use crate::output::PocketReading;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, all_zero, largest_difference};
 use crate::tree::{Sphere, SphereTree};
 
-/// Slot of a node that does not yield.
+/// Marker in `Ready::slots` of a node that does not yield.
 const NONE: u32 = u32::MAX;
-/// Largest number of rows of both tools on one tissue.
+/// Capacity for the rows of both tools on one tissue.
 const MOST_ROWS: usize = 1024 * crate::MAX_TOOLS;
 /// Weight of the squared distance across the wall in the search for the wall beside a tip. The weight is small because
 /// of tips that slipped out between two papillae. Such a tip can be nearer to the wall at its side than to the wall
@@ -23,10 +23,10 @@ const MOST_ROWS: usize = 1024 * crate::MAX_TOOLS;
 const ACROSS: f64 = 0.1;
 /// Number of sectors round the tooth. The wall of a tip lies in the tip's sector or in a neighbouring sector.
 const SECTORS: usize = 8;
-/// Threshold of displacement below which the free configuration is set to rest, metres.
+/// Threshold of all displacement components below which the free configuration is set to rest, metres.
 const AT_REST: f64 = 1e-9;
 
-/// Returns the sector of an angle (radians).
+/// Returns the sector of an angle (radians), counted from mesial over buccal, 0 to 7.
 fn sector(around: f64) -> usize {
     let turns = around / TAU;
     ((turns - libm::floor(turns)) * SECTORS as f64) as usize % SECTORS
@@ -36,14 +36,14 @@ fn sector(around: f64) -> usize {
 #[derive(Debug)]
 pub struct Ready {
     model: Gingiva,
-    /// Rest centre of each node, metres.
+    /// Rest centre of each node, world axes, metres.
     rest: Vec<Vec3>,
-    /// Bound radius of the root at rest, metres.
+    /// Bound radius of the tree's root node at rest, metres.
     bound: f64,
-    /// Yielding sphere that each node moves with, or `NONE`.
+    /// Index of the yielding sphere that each node moves with, or `NONE`.
     slots: Vec<u32>,
-    /// Wall spheres by sector: yielding sphere, rest centre (metres), direction to the outer side. Wall spheres yield
-    /// and lie above the floor, so they have a tooth's side and an outer side.
+    /// Wall spheres by sector: index of the yielding sphere, rest centre (metres), unit vector to the outer side. Wall
+    /// spheres yield and lie above the floor, so they have a tooth's side and an outer side.
     walls: [Vec<(u32, Vec3, Vec3)>; SECTORS],
     /// Root of each yielding sphere's compliance over one tick, (m/N)^1/2.
     roots: Vec<Root>,
@@ -52,7 +52,7 @@ pub struct Ready {
     kept: f64,
     /// Scratch of [`Tissue::add_gram`]: for each row the root times the normal, and the yielding sphere.
     turned: Vec<(Vec3, u32)>,
-    /// Scratch of [`Tissue::apply`]: sums over the loads, by axis.
+    /// Scratch of [`Tissue::apply`]: for each yielding sphere the falloff-weighted sum of roots times loads, by axis.
     sums: [Vec<f64>; 3],
 }
 
@@ -131,7 +131,7 @@ impl Ready {
     /// tip from the centre of the nearest wall sphere, m^2.
     ///
     /// A tip in the pocket is below the margin. The tip lies on the tooth's side of the nearest wall sphere and of the
-    /// wall sphere beside it, at their displaced positions.
+    /// wall sphere beside it, at their displaced positions. `shape` holds the displacements, metres.
     fn tip_in_pocket(&self, slot: usize, hands: &Hands<'_>, shape: &[f64]) -> Option<(f64, Tip)> {
         let root = (&self.rest[0], self.bound);
         let tip = pocket::tip_below_margin(&self.model, slot, hands, root)?;

@@ -59,7 +59,8 @@ impl Followers {
         self
     }
 
-    /// Displacement of a tree node under the movers' displacements `u`, metres; `u` holds x, y, z of each mover.
+    /// Displacement of a tree node under the movers' displacements `u`, world axes, metres; `u` holds x, y, z of each
+    /// mover.
     #[inline]
     fn displacement(&self, u: &[f64], node: u32) -> Vec3 {
         self.place[node as usize].map_or_else(Vec3::zeros, |at| {
@@ -75,7 +76,8 @@ impl Followers {
         }
     }
 
-    /// Returns all nodes under the movers' displacements `u`, with refitted bounds, and the field `place`.
+    /// Returns all nodes under the movers' displacements `u` (x, y, z of each mover, metres), with refitted bounds, and
+    /// the field `place`.
     pub fn posed(&mut self, u: &[f64]) -> (&[Node], &[Option<u32>]) {
         if u.iter().all(|x| *x == 0.0) {
             return (&self.rest, &self.place);

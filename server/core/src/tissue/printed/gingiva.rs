@@ -12,11 +12,12 @@ use crate::tissue::gingiva::Gingiva;
 use crate::tissue::{Gram, Hands, Site, SiteLoad, Tissue, TissueError, largest_difference};
 use crate::tree::SphereTree;
 
-/// Gingiva model **as printed**, for comparison: Hooke's law at fringe spheres, attenuation at their neighbours.
+/// Gingiva model **as printed**, for comparison: Hooke's law at fringe spheres, attenuation at their neighbours. A
+/// fringe sphere is a sphere of the gingiva within the prediction distance of the tool.
 ///
 /// Two properties of the paper's equations are kept:
-/// - The displacement depends on the last tick's graphic tool, which the displacement itself moves. For a press `h`,
-///   `ds(t+1) = (K_p/k_d)(h - ds(t))`. This oscillation does not decay for `K_p/k_d` of 1 or more.
+/// - The displacement `ds` depends on the last tick's graphic tool, which the displacement itself moves. For a press
+///   `h`, `ds(t+1) = (K_p/k_d)(h - ds(t))`, all in metres. This oscillation does not decay for `K_p/k_d` of 1 or more.
 /// - Eq. 15 jumps between nearly zero and `2R` at a change of the load's sign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrintedGingiva {
@@ -24,28 +25,31 @@ pub struct PrintedGingiva {
     pub level: u8,
     /// Index of the tooth of this pocket in the scene's objects. Loads on tooth and gingiva are a hybrid contact.
     pub tooth: u16,
-    /// `n_inward` (Eq. 13) of each sphere of that level, in the tree's order: unit vector, world axes.
+    /// `n_inward` (Eq. 13) of each sphere of `level`, in the tree's order: unit vector, world axes.
     ///
     /// The vector points from the nearest sphere of the tooth to the gingiva. Spheres below the pocket's bottom have a
     /// zero vector and never move (section 5.2).
     pub inward: Vec<Vec3>,
     /// Direction out of the pocket along the tooth's axis: unit vector, world axes.
     pub axis: Vec3,
-    /// `k_d`, stiffness of a fringe sphere, N/m. Default 1000, range 1 to 1e6.
+    /// `k_d`, stiffness of a sphere of the gingiva near the tool (fringe sphere), N/m. Default 1000, range 1 to 1e6.
     pub stiffness_n_per_m: f64,
-    /// `K_p`, stiffness of the penalty, N/m. Default 500, range 0 to 1e6. `K_p/k_d` is the gain of the delayed
-    /// feedback.
+    /// `K_p`, stiffness of the penalty, N/m: load on a fringe sphere per metre from the graphic to the haptic tool.
+    /// Default 500, range 0 to 1e6. `K_p/k_d` is the gain of the delayed feedback.
     pub penalty_n_per_m: f64,
-    /// `a` of Eq. 14, attenuation per millimetre. Default 0.3, range 0.01 to 0.99. A larger value widens the dents.
+    /// `a` of Eq. 14: share of a fringe sphere's displacement that is left at a distance of one millimetre. Default
+    /// 0.3, range 0.01 to 0.99. A larger value widens the dents.
     pub attenuation_per_mm: f64,
-    /// Range of the attenuation, metres. Default 4e-3, range 0 to 2e-2.
+    /// Range of the attenuation: largest distance between a fringe sphere and a neighbour that moves along, metres.
+    /// Default 4e-3, range 0 to 2e-2.
     ///
-    /// Neighbours beyond this distance do not move. At the default, they would move by less than a hundredth of the
-    /// fringe sphere's displacement.
+    /// At the default, neighbours beyond this distance would move by less than a hundredth of the fringe sphere's
+    /// displacement.
     pub neighbourhood_m: f64,
     /// `2R` of Eq. 15, diameter of the tool's tip, metres. Default 5e-4, range 0 to 5e-3.
     pub tip_diameter_m: f64,
-    /// `d`, prediction distance, metres. Default 5e-4, range 0 to 5e-3.
+    /// `d`, prediction distance: gap under which spheres of tool and gingiva count as a pair, metres. Default 5e-4,
+    /// range 0 to 5e-3.
     pub contact_distance_m: f64,
 }
 
@@ -85,7 +89,8 @@ impl PrintedGingiva {
         }
     }
 
-    /// Length of the state: three components of displacement per sphere and a flag of hybrid contact per tool.
+    /// Count of numbers in the state: x, y, z of displacement per sphere, metres, and a flag of hybrid contact per
+    /// tool.
     pub(crate) fn state_len(&self, rest: &SphereTree) -> usize {
         3 * rest.shape_at(self.level).count() + MAX_TOOLS
     }
@@ -142,25 +147,28 @@ impl PrintedGingiva {
 struct Neighbour {
     /// Index in `Followers::movers`.
     place: u32,
-    /// `a^d` of Eq. 14, 0 to 1.
+    /// Share of the sphere's displacement that the neighbour takes, 0 to 1: `a^d` of Eq. 14, with `d` in millimetres.
     share: f64,
 }
 
-/// Gingiva as printed, prepared for the tick. A configuration holds the displacements of all spheres of the level.
+/// Gingiva as printed, prepared for the tick. A configuration holds the displacements of all spheres of the level: x,
+/// y, z of each, metres.
 #[derive(Debug)]
 pub(crate) struct ReadyGingiva {
     model: PrintedGingiva,
     followers: Followers,
-    /// Level of the tree in contact.
+    /// Level of the gingiva's tree at which contact is predicted.
     level: u8,
     /// Neighbour lists of all spheres, concatenated. The list of a moving sphere includes the sphere itself; the list
     /// of a sphere that never moves is empty.
     neighbours: Vec<Neighbour>,
     /// End of each sphere's list in `neighbours`.
     ends: Vec<u32>,
-    /// Height of the gingival margin along the axis, metres: top of the highest sphere that can move.
+    /// Height of the gingival margin along the axis from the world's origin, metres: top of the highest sphere that can
+    /// move.
     margin: f64,
-    /// Displacement of each sphere along its direction, metres; zero for all but fringe spheres.
+    /// Displacement of each sphere by the tool alone, along its direction `inward`, metres; zero for all but fringe
+    /// spheres.
     fringe: Vec<f64>,
 }
 
@@ -205,7 +213,9 @@ impl ReadyGingiva {
         }
     }
 
-    /// Computes the displacements of the fringe spheres (Eq. 11 to 13, 15, 16). Returns whether any is positive.
+    /// Computes the displacements of the fringe spheres (Eq. 11 to 13, 15, 16). Returns whether any is positive. `u`
+    /// holds the displacements after the last tick, metres. `hybrid` holds a flag of hybrid contact per tool slot, 0
+    /// for none.
     fn press(&mut self, u: &[f64], hybrid: &[f64], hands: &Hands<'_>) -> bool {
         let Self {
             model,
@@ -256,7 +266,8 @@ impl ReadyGingiva {
         fringe.iter().any(|ds| *ds > 0.0)
     }
 
-    /// Spreads the displacements to the neighbours (Eq. 14). Each neighbour takes the largest of its displacements.
+    /// Spreads the displacements of the fringe spheres to their neighbours (Eq. 14) in `shape`, metres. Each neighbour
+    /// takes the largest of its displacements.
     fn spread(&self, shape: &mut [f64]) {
         let mut first = 0;
         for (at, &end) in self.ends.iter().enumerate() {

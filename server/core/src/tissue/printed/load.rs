@@ -8,8 +8,9 @@ use crate::tree::Node;
 /// Calls `press(tissue node, tool node, dp)` for every pair of contact prediction and returns the number of pairs.
 ///
 /// Contact prediction compares the graphic tool of the last tick, grown by `d` (metres), with the tissue's shape after
-/// the last tick. `dp = C_h - C_g` is the displacement of Eq. 3, metres, world axes. `dp` is zero if no sphere of the
-/// haptic tool overlaps that shape.
+/// the last tick. `tissue` holds nodes at that shape and the contact level. `dp = C_h - C_g` of Eq. 3 leads from the
+/// graphic to the haptic centre of the tool's sphere, metres, world axes. `dp` is zero if no sphere of the haptic tool
+/// overlaps that shape.
 pub(super) fn for_each_press(
     hand: &Hand<'_>,
     d: f64,

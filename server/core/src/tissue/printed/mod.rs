@@ -54,7 +54,8 @@ pub use whole::as_printed;
 use super::{TissueError, wrong};
 use crate::scene::params::within;
 
-/// Checks that the parameter `field` lies in the range from `low` to `high`, inclusive.
+/// Checks that `found`, the value of the parameter `field`, lies in the range from `low` to `high`, inclusive. `unit`
+/// is the unit of all three numbers, for the message.
 ///
 /// # Errors
 /// The value is outside the range or NaN.

@@ -19,9 +19,9 @@ use crate::tree::SphereTree;
 pub struct PrintedSkeleton {
     /// Level of the tree whose spheres are the skeleton. The paper uses 2.
     pub level: u8,
-    /// Springs: pairs of tree nodes of that level, or of childless nodes above that level.
+    /// Springs: pairs of tree nodes of `level`, or of childless nodes above that level.
     pub springs: Vec<[u32; 2]>,
-    /// Fixed tree nodes of that level: root and bottom layer of the paper's tongue.
+    /// Fixed tree nodes of `level`: the root of the tongue and the bottom layer in the paper.
     pub fixed: Vec<u32>,
     /// Carriers: for each node of the tree the skeleton sphere (a tree node) that the node follows and loads.
     ///
@@ -40,11 +40,13 @@ pub struct PrintedSkeleton {
     pub damping_n_s_per_m: f64,
     /// `m`, mass of every sphere, kg. Default 0.02 (Table 1), range 1e-4 to 100.
     pub mass_kg: f64,
-    /// `K_p`, penalty stiffness per pair of spheres, N/m. Default 5 (Table 1), range 0 to 1e5.
+    /// `K_p`, penalty stiffness per pair of spheres, N/m: load per metre from the graphic to the haptic tool. Default 5
+    /// (Table 1), range 0 to 1e5.
     ///
     /// The penalty acts once per pair, so a finer level carries more load: 7 to 27 times the device's force at level 3.
     pub penalty_n_per_m: f64,
-    /// `d`, prediction distance, metres. Default 5e-4 (section 3.2), range 0 to 5e-3.
+    /// `d`, prediction distance: gap under which spheres of tool and organ count as a pair, metres. Default 5e-4
+    /// (section 3.2), range 0 to 5e-3.
     pub contact_distance_m: f64,
 }
 
@@ -110,15 +112,17 @@ impl PrintedSkeleton {
         }
     }
 
-    /// Length of the state: three components of displacement and velocity per sphere of the skeleton.
+    /// Count of numbers in the state: x, y, z of displacement (m) of each sphere of the skeleton, then of velocity
+    /// (m/s).
     pub(crate) fn state_len(&self, rest: &SphereTree) -> usize {
         6 * rest.shape_at(self.level).count()
     }
 
     /// Computes the largest stable spring stiffness (N/m) at the mass of this model, and its damping (N s/m).
     ///
-    /// `dt` is the time step in seconds. The damping is that of this model, if any stiffness is stable with that
-    /// damping.
+    /// `unit` is the spectrum of springs of unit stiffness, `dt` the time step in seconds. The damping is that of this
+    /// model, if any stiffness is stable with that damping. Otherwise the lower and the upper bound of the damping meet
+    /// at the result.
     fn stiffest(&self, unit: &Spectrum, dt: f64) -> (f64, f64) {
         let (b, m, kp) = (self.damping_n_s_per_m, self.mass_kg, self.penalty_n_per_m);
         // b >= lambda_max dt, and b <= 2m/dt + lambda_min dt/2.
@@ -175,7 +179,8 @@ impl PrintedSkeleton {
         self.stable(&graph.unit_spectrum(), tick_s)
     }
 
-    /// Checks the stability of the whole skeleton (section 4.4) at a time step of `tick_s` seconds.
+    /// Checks the stability of the whole skeleton (section 4.4) at a time step of `tick_s` seconds. `unit` is the
+    /// spectrum of springs of unit stiffness.
     ///
     /// # Errors
     /// A mode is unstable; the error states the stable stiffness, mass and time step.
@@ -292,7 +297,7 @@ impl PenaltyMeter {
 /// Spring graph, by index of the sphere in the skeleton.
 #[derive(Clone, Debug)]
 pub(super) struct Graph {
-    /// Springs: pairs of spheres.
+    /// Springs: pairs of indices of spheres.
     pub springs: Vec<[u32; 2]>,
     /// Whether each sphere is fixed.
     pub fixed: Vec<bool>,
@@ -374,13 +379,13 @@ const AT_REST: (f64, f64) = (1e-9, 1e-6);
 
 /// Skeleton as printed, prepared for the tick.
 ///
-/// A configuration holds displacements, velocities and a flag of divergence (1.0 if diverged).
+/// A configuration holds displacements (m), velocities (m/s) and a flag of divergence (1.0 if diverged).
 #[derive(Debug)]
 pub(crate) struct ReadySkeleton {
     model: PrintedSkeleton,
     graph: Graph,
     followers: Followers,
-    /// Level of the tree in contact.
+    /// Level of the organ's tree at which contact is predicted.
     level: u8,
     /// External force on each sphere of the skeleton (x, y, z), newtons.
     force: Vec<f64>,
@@ -406,7 +411,8 @@ impl ReadySkeleton {
         }
     }
 
-    /// Sums Eq. 2 over all pairs into `force` and returns the number of pairs.
+    /// Sums the penalty load of Eq. 2 over all pairs into `force` and returns the number of pairs. `u` holds the
+    /// displacements of the skeleton after the last tick, metres.
     fn load(&mut self, u: &[f64], hands: &Hands<'_>) -> u32 {
         let Self {
             model,

@@ -25,7 +25,7 @@ pub fn largest_time_step(stiffness: f64, damping: f64, mass: f64) -> f64 {
     }
 }
 
-/// Smallest and largest stiffness of the modes, N/m.
+/// Smallest and largest stiffness of the modes of a skeleton, N/m; without unit for springs of unit stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spectrum {
     /// Smallest eigenvalue of the stiffness matrix, N/m.
@@ -60,7 +60,8 @@ impl Spectrum {
         }
     }
 
-    /// Returns the spectrum scaled to springs of stiffness `stiffness`, N/m, with a contact penalty.
+    /// Returns the spectrum scaled from springs of unit stiffness to springs of `stiffness`, N/m, with a contact
+    /// penalty.
     ///
     /// The penalty adds up to `contact` N/m at any node. By Weyl's inequality, no eigenvalue rises by more than
     /// `contact`.
@@ -71,7 +72,7 @@ impl Spectrum {
         }
     }
 
-    /// Returns the largest stable time step of all modes, seconds.
+    /// Returns the largest stable time step of all modes, seconds. `damping` is in N s/m, `mass` in kg.
     ///
     /// The two extreme modes determine the result. The stable time step falls with the stiffness of underdamped modes
     /// and rises with the stiffness of overdamped modes.
@@ -98,7 +99,7 @@ impl Spectrum {
 /// Largest number of steps of Lanczos' method.
 pub const STEPS: usize = 160;
 
-/// Computes `out = L x` on the free nodes for springs of unit stiffness.
+/// Computes `out = L x`, with the Laplacian matrix `L` of springs of unit stiffness between the free nodes.
 ///
 /// `place` holds the index of each node among the free nodes, `usize::MAX` for a fixed node.
 fn laplacian(springs: &[[u32; 2]], place: &[usize], x: &[f64], out: &mut [f64]) {
@@ -116,7 +117,8 @@ fn laplacian(springs: &[[u32; 2]], place: &[usize], x: &[f64], out: &mut [f64]) 
     }
 }
 
-/// Computes diagonal and off-diagonal of the tridiagonal matrix of Lanczos' method, on the free nodes.
+/// Computes diagonal and off-diagonal of the tridiagonal matrix of Lanczos' method, for springs of unit stiffness.
+/// `free` holds the indices of the free nodes among all `nodes`.
 fn tridiagonal(nodes: usize, springs: &[[u32; 2]], free: &[usize]) -> (Vec<f64>, Vec<f64>) {
     let n = free.len();
     let mut place = vec![usize::MAX; nodes];

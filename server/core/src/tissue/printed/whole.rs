@@ -7,10 +7,11 @@ use crate::tissue::TissueModel;
 /// Replaces every skeleton and every gingiva of the scene by its model as printed.
 ///
 /// Trees, springs and directions from the tooth stay the same. A skeleton contributes its coarse level.
-/// `Params::max_settle_step` becomes 50 N, which in effect disables the limit on the change of force. Tissue models
-/// without a counterpart in the paper stay unchanged.
+/// `Params::max_settle_step` becomes 50 N per millisecond, which in effect disables the limit on the change of force.
+/// Tissue models without a counterpart in the paper stay unchanged.
 ///
-/// The tooth of a gingiva is the rigid object with the same FDI number, else the first rigid object.
+/// The tooth of a gingiva is the first rigid object with the same FDI number other than 0, else the first rigid object.
+/// Without a rigid object the index is 0.
 pub fn as_printed(scene: &mut Scene) {
     scene.params.max_settle_step = 50.0;
     let tooth_of = |fdi: u8| {

@@ -36,7 +36,7 @@ pub struct SkeletonLevel {
     pub springs: Vec<Spring>,
     /// Parameters common to all nodes.
     pub params: SkeletonParams,
-    /// Carriers of each node of the tree.
+    /// Carriers of each node of the tree, in the order of the tree's nodes.
     pub skin: Vec<Skin>,
 }
 
@@ -77,9 +77,9 @@ pub struct SkeletonParams {
 /// path of a hand gains energy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StretchLaw {
-    /// Stiffness at very large stretch over that at rest, 1 (constant stiffness) to 100.
+    /// Ratio of the stiffness at very large stretch to that at rest, 1 (constant stiffness) to 100.
     pub limit: f64,
-    /// Stretch at half of the growth of stiffness, 0.01 to 100.
+    /// Stretch at half of the growth of stiffness, in units of the rest length, 0.01 to 100.
     pub half: f64,
 }
 
@@ -90,13 +90,14 @@ impl StretchLaw {
         half: 1.0,
     };
 
-    /// Returns the stiffness over that at rest for `x`, the square of the stretch in units of `half`.
+    /// Returns the ratio of the stiffness to that at rest for `x`, the square of the stretch in units of `half`.
     #[inline]
     pub fn factor(&self, x: f64) -> f64 {
         1.0 + (self.limit - 1.0) * x / (1.0 + x)
     }
 
-    /// Returns the steepest slope of force over displacement at any stretch, over that at rest. The slope is
+    /// Returns the steepest slope of force over displacement at any stretch, as ratio to the slope at rest. The ratio
+    /// at a stretch is
     ///
     /// `1 + (limit - 1) (3 y - 2 y^2)` at `y = x / (1 + x)`. The maximum is at `y = 3/4`.
     pub fn steepest(&self) -> f64 {
@@ -153,8 +154,8 @@ impl Skeleton {
             .map_or(Ok(()), |fine| fine.validate(rest))
     }
 
-    /// Returns the length of the state: displacements and velocities of all free nodes, and with two levels also the
-    /// share of the fine level.
+    /// Returns the count of numbers in the state: displacements (m) and velocities (m/s) of all free nodes. With two
+    /// levels the state also has the share of the fine level, 0 to 1.
     pub fn state_len(&self) -> usize {
         let fine = self.fine.as_ref().map_or(0, |fine| 6 * fine.free() + 1);
         6 * self.coarse.free() + fine
@@ -281,14 +282,14 @@ impl SkeletonLevel {
         Ok(())
     }
 
-    /// Returns the vector from end `a` to end `b` of a spring at rest, metres.
+    /// Returns the vector from end `a` to end `b` of a spring at rest, world axes, metres.
     pub(super) fn reach(&self, spring: &Spring, rest: &SphereTree) -> Vec3 {
         let centre = |k: u16| rest.nodes()[self.nodes[usize::from(k)] as usize].centre;
         centre(spring.b) - centre(spring.a)
     }
 
-    /// Returns a free node that springs do not join to any fixed node, if there is one. Such a node would drift for
-    /// ever.
+    /// Returns a free node that springs do not join to any fixed node, as index in [`SkeletonLevel::nodes`]; `None` if
+    /// there is no such node. Such a node would drift for ever.
     pub fn lost(&self) -> Option<usize> {
         let mut held = self.fixed.clone();
         loop {

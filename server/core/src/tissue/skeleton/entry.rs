@@ -4,7 +4,8 @@ use std::fmt::Debug;
 
 use crate::math::Vec3;
 
-/// Numbers for the axes x, y and z. The fourth lane is padding and stays zero.
+/// Vector of three numbers for the world's axes x, y and z, or the diagonal of a 3x3 matrix. The fourth lane is padding
+/// and stays zero.
 pub(super) type Axes = [f64; 4];
 
 /// Computes `y += a x`, lane by lane.
@@ -23,34 +24,38 @@ pub(super) fn subtract_product(y: &mut Axes, a: &Axes, x: &Axes) {
     }
 }
 
-/// 3x3 matrix between two nodes: [`Axes`] for independent axes (the diagonal), [`Block`] for coupled axes.
+/// 3x3 matrix between two nodes of a skeleton, world axes: [`Axes`] for independent axes (the diagonal), [`Block`] for
+/// coupled axes. The unit depends on the use: N/m in a stiffness, m/N in an inverse.
 pub(super) trait Entry: Copy + Debug + Send + 'static {
     const ZERO: Self;
-    /// Returns the stiffness of a spring, given along x, y, z, and between y and z, z and x, x and y.
+    /// Returns the symmetric matrix with the diagonal `stiffness` (x, y, z) and the entries `coupling` between y and z,
+    /// z and x, x and y. Independent axes ignore `coupling`.
     fn of(stiffness: [f64; 3], coupling: [f64; 3]) -> Self;
     fn is_zero(&self) -> bool;
-    /// Adds `own` to the diagonal.
+    /// Adds the number `own` to the three entries of the diagonal.
     fn add_diagonal(&mut self, own: f64);
-    /// Adds `factor other`.
+    /// Adds the matrix `other` times `factor`.
     fn add_scaled(&mut self, factor: f64, other: &Self);
-    /// Subtracts `a b'`.
+    /// Subtracts the matrix product `a b'`.
     fn subtract_outer(&mut self, a: &Self, b: &Self);
-    /// Returns the product with `other`.
+    /// Returns the matrix product `self other`.
     fn times(&self, other: &Self) -> Self;
     /// Returns the inverse of a symmetric, positive definite matrix.
     fn inverse(&self) -> Self;
     fn transposed(&self) -> Self;
-    /// Returns the product with `factor x`.
+    /// Returns the vector `self x` times `factor`.
     fn product(&self, factor: f64, x: &Axes) -> Axes;
-    /// Computes `y -= self x`.
+    /// Computes `y -= self x` for vectors `x` and `y`.
     fn subtract_from(&self, y: &mut Axes, x: &Axes);
-    /// Computes `y -= self' x`.
+    /// Computes `y -= self' x` for vectors `x` and `y`.
     fn subtract_transposed_from(&self, y: &mut Axes, x: &Axes);
-    /// Returns `a' self`.
+    /// Returns the row vector `a' self`.
     fn before(&self, a: &Vec3) -> Vec3;
-    /// Returns `d' self d`.
+    /// Returns the number `d' self d` for a vector `d`. With a stiffness (N/m) and a displacement (m) this is twice the
+    /// energy, joules.
     fn quadratic(&self, d: &Axes) -> f64;
-    /// Writes row `j` of a symmetric inverse, whose columns `solve` computes in place.
+    /// Writes row `j` of the inverse of a symmetric matrix of entries to `row`, which must be zero before. `solve`
+    /// turns a right-hand side, one vector per node, into the solution in place.
     fn inverse_row(j: usize, solve: &dyn Fn(&mut [Axes]), row: &mut [Self]);
     /// Returns the number at a row and a column.
     #[cfg(test)]
@@ -134,7 +139,7 @@ impl Entry for Axes {
     }
 }
 
-/// Full 3x3 matrix, column by column.
+/// Full 3x3 matrix, column by column, each column padded with a zero.
 pub(super) type Block = [Axes; 3];
 
 impl Entry for Block {

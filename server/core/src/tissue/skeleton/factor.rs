@@ -4,7 +4,8 @@
 
 use super::entry::{Axes, Entry};
 
-/// Symmetric positive definite matrix before the factorisation, dense, row-major.
+/// Symmetric positive definite matrix before the factorisation: `n` by `n` entries, one for each pair of nodes, dense,
+/// row-major.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix<E> {
     pub n: usize,
@@ -24,7 +25,8 @@ impl<E: Entry> Matrix<E> {
     }
 }
 
-/// Returns the elimination order of least degree: each step takes the node with the fewest neighbours left.
+/// Returns the elimination order of least degree for `n` nodes joined by `edges`: each step takes the node with the
+/// fewest neighbours left.
 pub(super) fn elimination_order(
     n: usize,
     edges: impl Iterator<Item = (usize, usize)>,
@@ -69,7 +71,7 @@ pub(super) struct Factor<E> {
     /// Rows of the entries below the diagonal, column by column.
     rows: Vec<u16>,
     entries: Vec<E>,
-    /// Inverse `1 / D`, zero in the padding.
+    /// Inverse of each entry of `D`, zero in the padding.
     inverse_diagonal: Vec<E>,
 }
 
@@ -129,8 +131,8 @@ impl<E: Entry> Factor<E> {
         }
     }
 
-    /// Returns the dense inverse, row by row. Blocks off the diagonal are exact transposes of each other. Blocks on the
-    /// diagonal are symmetric to rounding.
+    /// Returns the dense inverse of the factored matrix, row by row. Blocks off the diagonal are exact transposes of
+    /// each other. Blocks on the diagonal are symmetric to rounding.
     pub fn inverse(&self) -> Vec<E> {
         let n = self.inverse_diagonal.len();
         let mut all = vec![E::ZERO; n * n];

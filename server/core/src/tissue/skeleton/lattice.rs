@@ -14,9 +14,10 @@ use super::factor::{Factor, Matrix, elimination_order};
 struct Bond<E> {
     a: u32,
     b: u32,
-    /// Stiffness at rest, N/m.
+    /// Stiffness at rest, N/m, world axes.
     stiffness: E,
-    /// Product of `stiffness` and `unit`, 1/m2: its quadratic form of the change is `x` of [`StretchLaw`].
+    /// Stiffness scaled to 1/m2. `d' stretch d`, with `d` the difference of the ends' displacements in metres, is the
+    /// `x` of [`StretchLaw`].
     stretch: E,
     /// Factor from `stiffness` to `stretch`, 1/(N m).
     #[cfg(test)]
@@ -41,9 +42,10 @@ pub(super) struct Lattice<E> {
     mass: f64,
     damping: f64,
     factor: Factor<E>,
-    /// Inverse `A^-1`, row by row: displacement of each node in this tick for a unit load on one node, m/N.
+    /// Inverse of the step matrix `A = M/dt2 + B/dt + K`, with the stiffest `K` of the law: row-major, m/N. Entry `(i,
+    /// j)` is the displacement of free node `i` in one tick for a unit force on free node `j`.
     inverse: Vec<E>,
-    /// Carriers of each node of the tree.
+    /// Carriers of each node of the tree, in the order of the tree's nodes.
     carriers: Vec<Carrier>,
     /// Node of the tree at each free node.
     tree_nodes: Vec<u32>,
@@ -54,23 +56,24 @@ pub(super) struct Lattice<E> {
     loads: Loads<E>,
 }
 
-/// Scratch for rows and loads.
+/// Scratch for the contact rows on the tissue and their loads.
 #[derive(Debug)]
 struct Loads<E> {
     /// Free nodes that carry a touched sphere.
     touched: Vec<u16>,
     /// Index in `touched` of each free node, or `NOWHERE`.
     places: Vec<u16>,
-    /// Compliance of one sphere to each touched node, m/N.
+    /// Displacement of one sphere for a unit force on each touched node, m/N, times the scale of [`Lattice::add_gram`].
     column: Vec<E>,
-    /// Force on each touched node, newtons.
+    /// Minus the force on each touched node, newtons: sum of normals times loads, weighted by the carriers of each
+    /// sphere.
     pushed: Vec<Axes>,
     /// Runs of rows on one sphere: first row and end.
     runs: Vec<(u32, u32)>,
 }
 
 const NOWHERE: u16 = u16::MAX;
-/// Largest number of rows of one tissue in a problem.
+/// Capacity for the runs of rows on one tissue in a problem.
 const MOST_SITES: usize = 2048;
 
 impl<E: Entry> Lattice<E> {
@@ -162,7 +165,7 @@ impl<E: Entry> Lattice<E> {
         }
     }
 
-    /// Returns the length of a configuration: four numbers for each free node, the last of them zero.
+    /// Returns the count of numbers in a configuration: x, y, z (metres) and a zero for each free node.
     pub fn shape_len(&self) -> usize {
         4 * self.free
     }
@@ -181,8 +184,8 @@ impl<E: Entry> Lattice<E> {
     ///
     /// `(M/dt2 + B/dt + K) u0 = M/dt2 (u + dt v) + B/dt u + r`,
     ///
-    /// with the stiffest `K` of the law in the matrix. `r` is the excess of the stiffest force over the present force,
-    /// at the present displacement.
+    /// with the displacements `u` (m) and velocities `v` (m/s) at the start of the tick, and the stiffest `K` of the
+    /// law in the matrix. `r` is the excess of the stiffest force over the present force, at the present displacement.
     ///
     /// The stiffest `K` is a bound on the curvature of the elastic energy. The sum of kinetic and elastic energy
     /// therefore never grows in a free step, at any stretch. Over a step `d`, the elastic energy grows by at most
@@ -220,7 +223,8 @@ impl<E: Entry> Lattice<E> {
         self.factor.solve(free);
     }
 
-    /// Returns the displacement of a node of the tree, metres.
+    /// Returns the displacement of a node of the tree, world axes, metres, for the displacements `u` of the free nodes.
+    /// Maps velocities in the same way.
     #[inline(always)]
     pub fn displacement(&self, u: &[Axes], node: u32) -> Axes {
         let carrier = &self.carriers[node as usize];
@@ -232,7 +236,8 @@ impl<E: Entry> Lattice<E> {
         sum
     }
 
-    /// Writes the centres of the nodes `ids` of the tree: the centres `rest` plus the displacements, metres.
+    /// Writes the centres of the nodes `ids` of the tree: the centres `rest` plus the displacements, world axes,
+    /// metres. `u` holds the displacements of the free nodes.
     pub fn centres(&self, u: &[Axes], rest: &[Vec3], ids: &[u32], out: &mut [Vec3]) {
         for (id, centre) in ids.iter().zip(out) {
             let [x, y, z, _] = self.displacement(u, *id);
@@ -241,7 +246,8 @@ impl<E: Entry> Lattice<E> {
         }
     }
 
-    /// Adds `scale n_i' C_ij n_j` for all pairs of `sites`, metres per newton.
+    /// Adds `scale n_i' C_ij n_j` for all pairs of `sites`, metres per newton. `C_ij` is the displacement of sphere `i`
+    /// in one tick for a unit force on sphere `j`. `scale` is the share of this level, 0 to 1.
     pub fn add_gram(&mut self, sites: &[Site], scale: f64, gram: &mut Gram<'_>) {
         self.touch(sites);
         let Loads {
@@ -291,7 +297,8 @@ impl<E: Entry> Lattice<E> {
         self.forget();
     }
 
-    /// Adds to `shape` the displacements under the load `-lambda_i n_i` (newtons) on each site.
+    /// Adds to `shape` the displacements of the free nodes (metres) under the load `-lambda_i n_i` (newtons) on each
+    /// site.
     pub fn load(&mut self, sites: &[Site], lambda: &[f64], shape: &mut [Axes]) {
         self.touch(sites);
         let Loads {
@@ -404,7 +411,7 @@ impl<E: Entry> Lattice<E> {
         self.factor.fill()
     }
 
-    /// Returns `K` at rest, N/m.
+    /// Returns the stiffness matrix `K` of the free nodes at rest, N/m.
     #[cfg(test)]
     pub fn stiffness_at_rest(&self) -> Matrix<E> {
         stiffness(&self.bonds, self.free, 1.0)
@@ -412,7 +419,8 @@ impl<E: Entry> Lattice<E> {
 }
 
 impl<E: Entry> Bond<E> {
-    /// Returns the difference of the displacements of the ends, and the present stiffness over that at rest.
+    /// Returns the displacement of end `a` minus that of end `b`, metres, and the ratio of the present stiffness to
+    /// that at rest.
     #[inline(always)]
     fn stretched(&self, padded: &[Axes], law: &StretchLaw) -> (Axes, f64) {
         let (a, b) = (&padded[self.a as usize], &padded[self.b as usize]);
@@ -436,7 +444,7 @@ fn stiffness<E: Entry>(bonds: &[Bond<E>], free: usize, factor: f64) -> Matrix<E>
     matrix
 }
 
-/// Returns the largest motion of a node between two configurations, metres.
+/// Returns the largest motion of a free node between two lists of displacements, metres.
 pub(super) fn farthest(from: &[Axes], to: &[Axes]) -> f64 {
     let most = from.iter().zip(to).fold(0.0, |most, (a, b)| {
         let mut squared = 0.0;
@@ -448,7 +456,7 @@ pub(super) fn farthest(from: &[Axes], to: &[Axes]) -> f64 {
     most.sqrt()
 }
 
-/// Returns the largest displacement of a node, metres.
+/// Returns the largest displacement of a free node, metres.
 pub(super) fn longest(u: &[Axes]) -> f64 {
     let most = u.iter().fold(0.0, |most, a| {
         fmax(most, a[0] * a[0] + a[1] * a[1] + a[2] * a[2])

@@ -10,17 +10,18 @@ use super::lattice::{Lattice, farthest, longest};
 
 /// Largest rate of change of the fine level's share, 1/s: a whole transition takes 0.2 s.
 const SHIFT: f64 = 5.0;
-/// Threshold of displacement below which an unloaded skeleton is set to rest, metres: a hundredth of the bound on a
-/// return to rest.
+/// Threshold of every displacement component below which an unloaded skeleton is set to rest, metres: a hundredth of a
+/// micrometre.
 const REST_M: f64 = 1e-8;
-/// Threshold of velocity below which an unloaded skeleton is set to rest, m/s.
+/// Threshold of every velocity component below which an unloaded skeleton is set to rest, m/s.
 const REST_M_PER_S: f64 = 1e-6;
 
 /// [`Skeleton`] prepared for ticks.
 ///
-/// The state lists `u` and `v` of the coarse level's free nodes (three numbers a node), then of the fine level's. The
-/// last number is the share of the fine level. An inactive level is all zeros. A configuration is `u` of both levels,
-/// four numbers a node, then the share. The configuration alone determines the position of every sphere.
+/// The state lists displacements `u` (m) and velocities `v` (m/s) of the coarse level's free nodes (three numbers a
+/// node), then of the fine level's. With two levels the last number is the share of the fine level. An inactive level
+/// is all zeros. A configuration is `u` of each level, four numbers a node, and with two levels the share. The
+/// configuration alone determines the position of every sphere.
 ///
 /// While the share `s` is between 0 and 1, both levels bear the whole load. The displacement of a sphere is the mixture
 /// of both levels' displacements with weights `1 - s` and `s`. The compliance is the same mixture. For a constant share
@@ -36,7 +37,7 @@ pub(in crate::tissue) struct Ready<E> {
     tick_s: f64,
     /// Displacements of both levels at the start of this tick, metres.
     start: Vec<f64>,
-    /// Velocities of both levels, m/s.
+    /// Velocities of both levels at the start of this tick, and at its end after the commit, m/s.
     velocity: Vec<f64>,
 }
 
@@ -125,7 +126,8 @@ fn read(state: &[f64], u: &mut [f64], v: &mut [f64]) {
     widen(vs, v);
 }
 
-/// Transfers the motion of the active level `from` to the nodes of the level `to`, which becomes active.
+/// Transfers displacements `u` (m) and velocities `v` (m/s) of the active level `from` to the nodes of the level `to`,
+/// which becomes active.
 fn map<E: Entry>(
     from: &Lattice<E>,
     u: &[f64],

@@ -7,23 +7,24 @@ use crate::scene::params::within;
 use crate::tissue::{TissueError, wrong};
 use crate::tree::SphereTree;
 
-/// Largest number of moving masters.
+/// Largest number of moving masters of one organ. Masters are the points to which the finite elements are condensed.
 pub const MAX_MASTERS: usize = 256;
 /// Largest number of cells of one organ. The cells carry the large-displacement term.
 pub const MAX_CELLS: usize = 64;
 
-/// Organ condensed to its surface.
+/// Organ as finite elements condensed to masters, points on its surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceCompliance {
     /// Parameters of the material. All but Poisson's ratio may change without a new condensation.
     pub params: SurfaceParams,
     /// Masters. The tables below list x, y and z of each moving master in turn.
     pub masters: Masters,
-    /// Compliance between the moving masters at a Young's modulus of 1 Pa, 1/m: the lower triangle, row by row.
+    /// Compliance between the moving masters at a Young's modulus of 1 Pa, 1/m: the lower triangle, row by row. Divided
+    /// by Young's modulus, an entry is in m/N.
     pub compliance: Vec<f32>,
     /// Cells of the large-displacement term.
     pub cells: Cells,
-    /// Carriers of each node of the tree.
+    /// Carriers of each node of the tree, in the order of the tree's nodes.
     pub skin: Vec<SurfaceSkin>,
 }
 
@@ -99,13 +100,14 @@ impl SurfaceParams {
 }
 
 impl SurfaceCompliance {
-    /// Returns the length of the state: the displacement of the masters with the large-displacement term, its linear
-    /// part, and the gradients of the cells.
+    /// Returns the count of numbers in the state. The state has the displacement of the masters with the
+    /// large-displacement term, its linear part (both in metres), and the displacement gradients of the cells.
     pub fn state_len(&self) -> usize {
         6 * self.masters.moving() + 9 * self.cells.volumes.len()
     }
 
-    /// Returns the compliance between two coordinates of the masters at a Young's modulus of 1 Pa, 1/m.
+    /// Returns the compliance between the coordinates `i` and `j` of the moving masters at a Young's modulus of 1 Pa,
+    /// 1/m. A coordinate is three times the master's index, plus 0, 1 or 2 for x, y or z.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
         let (row, column) = if i < j { (j, i) } else { (i, j) };
         f64::from(self.compliance[row * (row + 1) / 2 + column])
@@ -179,8 +181,8 @@ impl SurfaceCompliance {
         Ok(())
     }
 
-    /// Returns the first pivot of a Cholesky factor that is not positive, if there is one. Diagonal entries are raised
-    /// by 1e-5 of the largest, to allow for single precision.
+    /// Returns the first pivot of the compliance's Cholesky factor that is not positive, 1/m; `None` if all are.
+    /// Diagonal entries are raised by 1e-5 of the largest, to allow for single precision.
     fn negative_pivot(&self) -> Option<f64> {
         let n = 3 * self.masters.moving();
         let most = (0..n).fold(0.0, |most, i| crate::math::fmax(most, self.entry(i, i)));

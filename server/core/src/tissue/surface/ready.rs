@@ -8,13 +8,13 @@ use crate::tree::SphereTree;
 
 /// Threshold of displacement below which the free configuration is set to rest, metres.
 const AT_REST: f64 = 1e-8;
-/// Size of a displacement gradient at which the large-displacement term has its maximum. A series of second order has
-/// no meaning at such gradients.
+/// Frobenius norm of a cell's displacement gradient at which the large-displacement term has its maximum. A series of
+/// second order has no meaning at such gradients.
 const LARGEST: f64 = 0.7;
 
 /// Largest number of spheres for which the compliance between any two is stored (15 MB); level 3 has 512.
 const KEPT: usize = 640;
-/// Slot of a node that cannot be touched.
+/// Marker in `Ready::slots` of a node that cannot be touched.
 const NONE: u32 = u32::MAX;
 
 /// [`SurfaceCompliance`] prepared for ticks. A configuration is the displacement of the moving masters, metres, x, y, z
@@ -28,38 +28,39 @@ pub(in crate::tissue) struct Ready {
     rest: Vec<Vec3>,
     skin: Vec<SurfaceSkin>,
     poisson: f64,
-    /// Length of a configuration.
+    /// Count of numbers in a configuration: three for each moving master.
     len: usize,
-    /// Fraction of a displacement that is left after a tick without load.
+    /// Fraction of a linear displacement that is left after a tick without load.
     kept: f64,
-    /// Displacement of all masters for a load on each touchable sphere, `W_i S dt / (tau + dt)`, m/N: three rows for
-    /// each sphere.
+    /// Displacement of all moving masters at the end of the tick for a unit load on each touchable sphere, `W_i S dt /
+    /// (tau + dt)`, m/N. Each sphere has three rows, for loads along x, y and z.
     compliance: Vec<f32>,
-    /// Slot of each node of the tree in `compliance`, or `NONE`.
+    /// Index of each node of the tree among the touchable spheres, or `NONE`.
     slots: Vec<u32>,
     /// Compliance `W_i S W_j' dt / (tau + dt)` between any two touchable spheres, m/N, row by row. Empty if there are
     /// more than `KEPT` spheres.
     blocks: Vec<[f32; 9]>,
-    /// Number of touchable spheres.
+    /// Number of touchable spheres: those of the contact level.
     touchable: usize,
-    /// Gradients `R_e' / V_e dt / (tau + dt)`, 1/N: the part of each coordinate of a force on the masters in all
-    /// gradients.
+    /// Displacement gradients of all cells for a unit force on each coordinate of the moving masters, `R_e' / V_e dt /
+    /// (tau + dt)`, 1/N. Each coordinate has a row, with nine numbers for each cell.
     gradients: Vec<f32>,
     /// Displacement `R_e` times `SurfaceParams::large`, metres for a stress in units of Young's modulus.
     ///
     /// Each cell has nine rows, one for each component of the stress. A row has x, y and z of every moving master.
     response: Vec<f32>,
-    /// The large-displacement term in this tick, metres.
+    /// The large-displacement term in this tick, metres: x, y and z of each moving master.
     term: Vec<f32>,
-    /// Force on each master, newtons.
+    /// Scratch of the commit: force on each moving master, world axes, newtons.
     forces: Vec<Vec3>,
-    /// Whether each master bears a force.
+    /// Scratch of the commit: whether each moving master bears a force.
     loaded: Vec<bool>,
     /// Scratch for the change of a configuration or of the gradients.
     change: Vec<f32>,
 }
 
-/// Returns the displacement of the sphere with the carriers `skin`, for the displacements `moved` of the masters.
+/// Returns the displacement of the sphere with the carriers `skin`, in the unit of `moved`. `moved` has the
+/// displacements of the moving masters, x, y, z in turn.
 #[inline]
 fn carried<T: Copy + Into<f64>>(skin: &SurfaceSkin, moved: &[T]) -> Vec3 {
     let mut sum = Vec3::zeros();
@@ -153,7 +154,7 @@ impl Ready {
         self
     }
 
-    /// Computes the large-displacement term from the gradients of the cells.
+    /// Computes the large-displacement term, metres, from the displacement gradients of the cells, nine numbers each.
     fn write_term(&mut self, gradients: &[f64]) {
         self.term.fill(0.0);
         let cells = self.response.chunks_exact(9 * self.len);
@@ -173,7 +174,8 @@ impl Ready {
         }
     }
 
-    /// Adds to `sum` the displacement of all masters for a load of `by` newtons along the normal of `site`.
+    /// Adds to `sum` the displacement of all moving masters (metres) for a load of `by` newtons along the normal of
+    /// `site`.
     fn add_column(&self, site: &Site, by: f64, sum: &mut [f32]) {
         let slot = self.slots[site.sphere as usize];
         // Only nodes of the contact level have a slot, and only they are touched.

@@ -2,8 +2,8 @@
 
 use crate::math::Mat3;
 
-/// Returns the part of the first Piola-Kirchhoff stress that is quadratic in the displacement gradient `g`, over
-/// Young's modulus. `poisson` is Poisson's ratio.
+/// Returns the part of the first Piola-Kirchhoff stress that is quadratic in the displacement gradient `g`, divided by
+/// Young's modulus. `poisson` is Poisson's ratio. Neither result nor `g` has a unit.
 ///
 /// The energy density is `mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2` (Bonet and Wood 2008, chapter 6). With `t = tr g` and
 /// `j = (t^2 - tr g^2) / 2`, the second order of the volume's change, the part is
