@@ -96,8 +96,7 @@ fn another_version_is_refused_by_name() {
         };
         assert_eq!(refused.reason, RefusedReason::Version);
         let (server, client) = (PROTOCOL_VERSION, PROTOCOL_VERSION + 1);
-        let expected =
-            format!("this server speaks protocol version {server}, the client {client}; ");
+        let expected = format!("this server has protocol version {server}, the client {client}; ");
         assert!(refused.text.starts_with(&expected), "{}", refused.text);
     });
 }

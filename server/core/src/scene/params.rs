@@ -21,8 +21,8 @@ pub struct Params {
     /// Prediction distance in metres per metre of motion, and per radian of turn and metre of lever. Default 1.2, range
     /// 0..10.
     ///
-    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. With a tissue out of rest nearby,
-    /// the distance per metre of motion is 2.5 times as large.
+    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. If a tissue nearby
+    /// is out of rest, the distance per metre of motion is 2.5 times as large.
     pub predict_gain: f64,
     /// Prediction distance added to the motion, metres. Default 3e-6, range 0..1e-3. A tenth of the prototype's value
     /// costs a few more passes and saves most of the rows at fine levels.
