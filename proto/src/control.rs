@@ -172,7 +172,7 @@ pub struct Event {
 /// Last message of the server in a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Goodbye {
-    /// Reason for the end as one sentence, for display.
+    /// Reason for the end, for display. Usually one sentence; a second one says that the recording has lost rows.
     pub text: String,
     /// Statistics of the session, with the reason for its end.
     pub summary: SessionSummary,

@@ -147,9 +147,10 @@ mod tests {
     }
 
     proptest! {
-        /// Property for any shuffle of a run of packets with duplicates.
+        /// Property for packets in any order, with duplicates and losses.
         ///
-        /// Used packets are in ascending order, and the counts add up to the number of packets.
+        /// Used packets are in ascending order. Used, late and duplicate packets add up to all packets. The number lost is
+        /// right.
         #[test]
         fn every_packet_is_accounted_for(
             start in any::<u32>(),

@@ -165,7 +165,7 @@ pub struct Passivity {
 }
 
 impl Passivity {
-    /// A controller without a hand.
+    /// Creates a controller that has seen no pose of a hand yet, with an empty energy budget.
     pub fn new(params: PassivityParams) -> Self {
         Self {
             params,

@@ -26,7 +26,7 @@ where
     T::deserialize(Watched::new(from, &Place::root()))
 }
 
-/// Kind of a value, as far as messages about a list distinguish kinds.
+/// Whether a value is an integer, a decimal number or neither, for the message about a list of wrong length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Neither, or not read yet.

@@ -29,7 +29,7 @@ const MANY: usize = 32;
 /// Share of the worst violation from which a violated row enters in the same block.
 const BLOCK: f64 = 0.5;
 /// Entry tolerance, relative to [`Problem::scale`]: rows enter while their violation exceeds this share of the largest
-/// `|b_i|`.
+/// `|b_i|`, plus the allowance [`ROUNDING`]. Rows of the warm start enter without this test.
 const ENTRY_TOLERANCE: f64 = 1e-11;
 /// Rounding allowance of the slack `w`, per unit of the largest `H_ii lambda_i`.
 const ROUNDING: f64 = 1e-14;

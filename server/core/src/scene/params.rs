@@ -36,7 +36,8 @@ pub struct Params {
     /// Largest step of a substep that ends the tick, metres: motion of the sphere with the longest lever, plus that of
     /// the tissue. Default 5e-5, range 1e-9..1e-3.
     pub converged_step: f64,
-    /// Deepest penetration (true gap below zero) of a converged tick, metres. Default 5e-7, range 1e-10..1e-5.
+    /// Deepest penetration allowed in a converged tick, metres. The gap is that of the pose reached, on a blended object
+    /// the blended gap. Default 5e-7, range 1e-10..1e-5.
     pub converged_gap: f64,
     /// Compliance of a contact, added on the diagonal of every row, m/N. Default 1e-8 (1e-5 mm/N), range 1e-12..1e-3.
     /// The compliance keeps any set of rows feasible. The prototype's 1e-7 uses up the allowed gap (0.5 um) with 5 N on
@@ -50,10 +51,10 @@ pub struct Params {
     /// times as large, because a blended row has many contacts. With a yielding object a problem holds at most 256
     /// rows, because the compliance matrix is dense. On overflow the tick uses a shorter prediction distance.
     pub max_contacts: u16,
-    /// Whether trees calibrated for blending are touched as one smooth surface ([`crate::blend`]); otherwise every
-    /// sphere is touched as it is. Default true. Without blending a tick on a tooth takes a third to a tenth of the
-    /// time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3: 2.0 % of the force without
-    /// blending, 0.6 % with. Source: the bench `ripple`.
+    /// Whether rigid objects with trees calibrated for blending are touched as one smooth surface ([`crate::blend`]).
+    /// Otherwise, and always on tissue, every sphere is touched as it is. Default true. Without blending a tick on a tooth
+    /// takes a third to a tenth of the time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3:
+    /// 2.0 % of the force without blending, 0.6 % with. Source: the bench `ripple`.
     pub blend: bool,
     /// Speed limit of the hand at the device point, m/s. Default 10, range 0.1..100. Faster input is clamped and
     /// flagged as `SPEED_CLAMPED`.

@@ -11,7 +11,7 @@ use crate::tick::workspace::Workspace;
 /// Prediction distance, and share of the reach of blended surfaces, with which the contacts fit into the list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fits {
-    /// Prediction distance.
+    /// Prediction distance that was used: the one requested, or a shorter one if the list was full.
     pub d: Distance,
     /// Share of the reach of blended surfaces ([`reach`]) that is added to `d`, 0 to 1; normally 1.
     pub share: f64,

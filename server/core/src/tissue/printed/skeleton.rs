@@ -17,7 +17,7 @@ use crate::tree::SphereTree;
 /// Explicit Euler integrates the motion. Validation refuses a scene beyond the stability limit of explicit Euler.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrintedSkeleton {
-    /// Level of the tree whose spheres are the skeleton. The paper uses 2.
+    /// Level of the tree whose shape is the skeleton: its nodes, and childless nodes above. The paper uses 2.
     pub level: u8,
     /// Springs: pairs of tree nodes of `level`, or of childless nodes above that level.
     pub springs: Vec<[u32; 2]>,
