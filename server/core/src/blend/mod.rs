@@ -234,6 +234,13 @@ pub(crate) struct Blender {
     unfelt: f64,
 }
 
+/// Soft minimum of core gaps, metres: `smallest - blend ln(sum)`. `sum` adds up the compatibilities times
+/// `exp((smallest - gap) / blend)` over all pairs; `smallest` and `blend` are in metres.
+#[inline]
+fn soft_minimum(smallest: f64, blend: f64, sum: f64) -> f64 {
+    smallest - blend * libm::log(sum)
+}
+
 impl Blender {
     /// Returns scratch for lists of at most `contacts` contacts.
     pub fn with_capacity(contacts: usize) -> Self {
@@ -301,7 +308,7 @@ impl Blender {
         let sum = (0..self.pairs.len()).fold(0.0, |sum, k| {
             sum + self.shared(seed, k, blend) * self.pairs[k].weight
         });
-        smallest - blend * libm::log(sum)
+        soft_minimum(smallest, blend, sum)
     }
 
     /// Returns the smallest blended gap over all pairs as seeds, metres, but at most `limit`. Without pairs the result
@@ -324,7 +331,7 @@ impl Blender {
                 });
             }
         }
-        let mut least = fmin(limit, smallest - blend * libm::log(sum));
+        let mut least = fmin(limit, soft_minimum(smallest, blend, sum));
         if self.left_out.is_empty() {
             return least;
         }
@@ -336,7 +343,7 @@ impl Blender {
                 let now = self.shared(seed, k, blend);
                 more + fmax(0.0, now - left_out.share) * self.pairs[k].weight
             });
-            if smallest - blend * libm::log(more) < least {
+            if soft_minimum(smallest, blend, more) < least {
                 least = fmin(least, self.gap_of(seed, smallest, blend));
             }
         }
@@ -361,7 +368,7 @@ impl Blender {
             .pairs
             .iter()
             .fold(dropped, |sum, pair| sum + pair.weight);
-        let least = smallest - blend * libm::log(sum) - ROUNDING;
+        let least = soft_minimum(smallest, blend, sum) - ROUNDING;
         // No row if even the surface of the nearest seed is beyond the limit, with the margin for other seeds.
         if least >= limit
             || self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
@@ -435,7 +442,7 @@ impl Blender {
                 sum += share * self.pairs[k].weight;
                 self.shares.push(share);
             }
-            let gap = smallest - blend * libm::log(sum);
+            let gap = soft_minimum(smallest, blend, sum);
             if beyond <= IMPLIED * sum || gap >= limit {
                 continue;
             }
