@@ -98,7 +98,7 @@ fn a_seed_where_no_patient_is_generated() {
         place.run(Program::Server, &[&serve[..], &["--scene", scene]].concat())
     };
     let scene = scene_with(&place, "kind = \"molar\"\n");
-    serve(&scene).refused(&["--seed", "none", "[mouth]"]);
+    serve(&scene).refused(&["--seed", "no patient", "[mouth]"]);
     let make = ["patient", "make", "--seed", "1", "--out", "patient.toml"];
     place.run(Program::Server, &make).ok();
     let mouth = "name = \"test\"\n[[tool]]\nname = \"probe\"\nkind = \"periodontal_probe\"\npark_mm = [0, 0, 120]\n[mouth]\npatient = \"patient.toml\"\nteeth = [31]\ntooth_level = 3\ntooth_levels = 3\n";
