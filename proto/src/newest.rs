@@ -149,8 +149,8 @@ mod tests {
     proptest! {
         /// Property for packets in any order, with duplicates and losses.
         ///
-        /// Used packets are in ascending order. Used, late and duplicate packets add up to all packets. The number lost is
-        /// right.
+        /// Used packets are in ascending order. Used, late and duplicate packets add up to all packets. The number lost
+        /// is right.
         #[test]
         fn every_packet_is_accounted_for(
             start in any::<u32>(),

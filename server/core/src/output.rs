@@ -79,8 +79,8 @@ pub struct PocketReading {
     pub depth: f64,
     /// Force of the tool on the floor of the pocket along the tooth's axis, newtons, at least 0.
     pub floor_force: f64,
-    /// Zone of `floor_force`. A heavier zone begins at its threshold. A zone is left for a lighter one only when the force
-    /// is under `GingivaParams::rearm` times the threshold of the zone.
+    /// Zone of `floor_force`. A heavier zone begins at its threshold. A zone is left for a lighter one only when the
+    /// force is under `GingivaParams::rearm` times the threshold of the zone.
     pub zone: ForceZone,
     /// Whether the zone was entered in this tick from a lighter zone: an event.
     pub entered_zone: bool,

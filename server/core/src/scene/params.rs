@@ -21,8 +21,8 @@ pub struct Params {
     /// Prediction distance in metres per metre of motion, and per radian of turn and metre of lever. Default 1.2, range
     /// 0..10.
     ///
-    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. If a tissue nearby
-    /// is out of rest, the distance per metre of motion is 2.5 times as large.
+    /// The motion is that of the hand in the first substep, and the remaining step in later substeps. If a tissue
+    /// nearby is out of rest, the distance per metre of motion is 2.5 times as large.
     pub predict_gain: f64,
     /// Prediction distance added to the motion, metres. Default 3e-6, range 0..1e-3. A tenth of the prototype's value
     /// costs a few more passes and saves most of the rows at fine levels.
@@ -36,8 +36,8 @@ pub struct Params {
     /// Largest step of a substep that ends the tick, metres: motion of the sphere with the longest lever, plus that of
     /// the tissue. Default 5e-5, range 1e-9..1e-3.
     pub converged_step: f64,
-    /// Deepest penetration allowed in a converged tick, metres. The gap is that of the pose reached, on a blended object
-    /// the blended gap. Default 5e-7, range 1e-10..1e-5.
+    /// Deepest penetration allowed in a converged tick, metres. The gap is that of the pose reached, on a blended
+    /// object the blended gap. Default 5e-7, range 1e-10..1e-5.
     pub converged_gap: f64,
     /// Compliance of a contact, added on the diagonal of every row, m/N. Default 1e-8 (1e-5 mm/N), range 1e-12..1e-3.
     /// The compliance keeps any set of rows feasible. The prototype's 1e-7 uses up the allowed gap (0.5 um) with 5 N on
@@ -52,8 +52,8 @@ pub struct Params {
     /// rows, because the compliance matrix is dense. On overflow the tick uses a shorter prediction distance.
     pub max_contacts: u16,
     /// Whether rigid objects with trees calibrated for blending are touched as one smooth surface ([`crate::blend`]).
-    /// Otherwise, and always on tissue, every sphere is touched as it is. Default true. Without blending a tick on a tooth
-    /// takes a third to a tenth of the time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3:
+    /// Otherwise, and always on tissue, every sphere is touched as it is. Default true. Without blending a tick on a
+    /// tooth takes a third to a tenth of the time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3:
     /// 2.0 % of the force without blending, 0.6 % with. Source: the bench `ripple`.
     pub blend: bool,
     /// Speed limit of the hand at the device point, m/s. Default 10, range 0.1..100. Faster input is clamped and

@@ -187,7 +187,7 @@ pub enum TissueModel {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field} is {found}, expected {expected}")]
 pub struct TissueError {
-    /// What is invalid: the name of a field, or words such as `number of masters`.
+    /// Name of the invalid field, or its content in words, such as `number of masters`.
     pub field: &'static str,
     /// Value found.
     pub found: String,

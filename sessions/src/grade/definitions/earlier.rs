@@ -2,8 +2,8 @@
 
 /// Name of a metric, and the first 16 hexadecimal digits of the BLAKE3 of an earlier definition.
 ///
-/// A row says that the function of the metric is the same. A change of a function deletes the rows of its metric; a change
-/// of words alone adds a row.
+/// A row says that the function of the metric is the same. A change of a function deletes the rows of its metric. A
+/// change of words alone adds a row.
 #[rustfmt::skip]
 const SAME_MEANING: [(&str, &str); 31] = [
     ("zones_charted", "7c6985287e472205"),

@@ -48,7 +48,8 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// Whether a recorded definition has the meaning of this one: the same words, or earlier words of the same function.
+    /// Whether a recorded definition has the meaning of this one: the same words, or earlier words of the same
+    /// function.
     pub fn is_meant_by(&self, recorded: &str) -> bool {
         recorded == self.definition || earlier::is_same(self.name, recorded)
     }
