@@ -53,8 +53,8 @@ pub struct Params {
     pub max_contacts: u16,
     /// Whether rigid objects with trees calibrated for blending are touched as one smooth surface ([`crate::blend`]).
     /// Otherwise, and always on tissue, every sphere is touched as it is. Default true. Without blending a tick on a
-    /// tooth takes a third to a tenth of the time, and the spheres are felt as ripple. Measured on the ellipsoid at level 3:
-    /// 2.0 % of the force without blending, 0.6 % with. Source: the bench `ripple`.
+    /// tooth takes a third to a tenth of the time, and the spheres are felt as ripple. Measured on the ellipsoid at
+    /// level 3: 2.0 % of the force without blending, 0.6 % with. Source: the bench `ripple`.
     pub blend: bool,
     /// Speed limit of the hand at the device point, m/s. Default 10, range 0.1..100. Faster input is clamped and
     /// flagged as `SPEED_CLAMPED`.
