@@ -1,4 +1,4 @@
-//! One session on a link, from the start to the goodbye, with the device's loop on a thread of its own.
+//! A session on a link, from the start to the goodbye, with the device's loop on a thread of its own.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;

@@ -50,7 +50,7 @@ const MOST_ZONE: f64 = 14.0;
 /// Largest further time for an insertion, for the length of the script, seconds.
 const MOST_INSERTION: f64 = 8.0;
 
-/// One insertion of the probe: a side of a tooth, or a single zone for a hand that does not walk.
+/// Insertion of the probe: a side of a tooth, or a single zone for a hand that does not walk.
 #[derive(Clone, Debug)]
 struct Insertion {
     /// Index into the paths of the tour.

@@ -26,7 +26,7 @@ pub struct LinkModel {
     pub seed: u64,
 }
 
-/// One direction of a link: data on the way, and the data that arrived last.
+/// Direction of a link: data on the way, and the data that arrived last.
 struct Way<T> {
     delay: u64,
     flying: VecDeque<(u64, T)>,

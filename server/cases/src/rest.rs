@@ -13,7 +13,7 @@ use sulcus_operator::{Hand, HandParams, present};
 
 use crate::table::{Case, Driver};
 
-/// One hour at 1 kHz, ticks.
+/// Ticks of an hour at 1 kHz.
 pub const HOUR: u64 = 3_600_000;
 /// Time after which everything has settled, ticks. A later motion is drift.
 pub const SETTLED: u64 = 10_000;
