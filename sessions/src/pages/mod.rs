@@ -4,7 +4,7 @@
 //! every colour for prints in grey.
 //!
 //! The words and the structure of the pages are in `templates`. View structs hold the facts of a template, numbers and
-//! texts. Drawings are built as [`svg::Svg`]. All text is escaped by [`markup::PageText`], in templates and drawings.
+//! texts. Drawings are built as `svg::Svg`. All text is escaped by `markup::PageText`, in templates and drawings.
 
 mod chart;
 mod class;
