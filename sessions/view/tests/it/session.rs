@@ -284,7 +284,7 @@ fn the_program_writes_beside_the_recording_and_says_how_to_look() {
         (&["--from", "3"][..], "window is 3 s"),
         (&["--from", "0.2", "--to", "0.1"], "--from is 0.2 s"),
         (&["--from", "nan"], "--from is NaN s"),
-        (&["--out", path.to_str().unwrap()], "the recording itself"),
+        (&["--out", path.to_str().unwrap()], "--out is the recording"),
         (&["--out", "no/such/folder/a.rrd"], "cannot write"),
     ] {
         let all = [&[path.to_str().unwrap()], args].concat();
