@@ -54,8 +54,8 @@ output that cannot be written.";
 #[derive(Clone, Debug, Args)]
 #[command(long_about = ABOUT, after_long_help = NOTES)]
 pub struct ServeArgs {
-    /// UDP address to listen on, or a name. 127.0.0.1: clients on this machine only. 0.0.0.0 or `[::]`: every address of
-    /// this machine. Port 0: any free port
+    /// UDP address to listen on, or a name. 127.0.0.1: clients on this machine only. 0.0.0.0 or `[::]`: every address
+    /// of this machine. Port 0: any free port
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:4433")]
     pub listen: String,
     /// Scene file (TOML) or compiled scene (.scene). Default: the scene of the exercise

@@ -1,4 +1,5 @@
-//! Loop at a single rate against two rates, in the same task: a mirror in one hand presses the soft tongue, slides on it and lets go.
+//! Loop at a single rate against two rates, in the same task: a mirror in one hand presses the soft tongue, slides on
+//! it and lets go.
 
 use sulcus_core::math::norm;
 use sulcus_core::output::status;
