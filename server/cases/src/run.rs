@@ -23,7 +23,7 @@ pub struct CaseReport {
     pub broken: Vec<String>,
 }
 
-/// One tick of a case, for an observer.
+/// Tick of a case, for an observer.
 pub struct Seen<'a> {
     /// Scene of the run, with its changes.
     pub scene: &'a Scene,
@@ -120,7 +120,7 @@ pub fn run_at(
     }
 }
 
-/// One tick of [`record`].
+/// Tick of [`record`].
 #[derive(Clone, Copy, Debug)]
 pub struct Played<'a> {
     /// Input of the tick.

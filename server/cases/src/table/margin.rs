@@ -7,7 +7,7 @@ use sulcus_core::{Scene, TickOutput, Vec3, Workspace};
 
 use crate::scenes::TIP_BELOW_DEVICE;
 
-/// One tick, for a margin.
+/// Tick, for a margin.
 #[derive(Clone, Copy)]
 pub struct Moment<'a> {
     /// Scene of the case.

@@ -23,7 +23,7 @@ pub struct Residual {
     pub exhausted_ticks: u64,
 }
 
-/// One engine in one scene, from the first tick on.
+/// Engine in a scene, from the first tick on.
 pub trait Engine {
     /// Hands it the next pose of the hand; not timed.
     fn aim(&mut self, hand: &Pose);

@@ -125,7 +125,7 @@ pub fn try_text(
     read_msh(&path, Unit::Metre, volume).map_err(|error| error.to_string())
 }
 
-/// One tetrahedron of four nodes with tags far apart, an unused node, a held triangle, line ends of another system,
+/// Tetrahedron of four nodes with tags far apart, an unused node, a held triangle, line ends of another system,
 /// and an unknown section.
 pub const ONE: &str =
     "$MeshFormat\r\n2.2 0 8\r\n$EndMeshFormat\r\n$Comments\nanything $Nodes\n$EndComments

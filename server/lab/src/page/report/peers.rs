@@ -19,7 +19,7 @@ pub(super) struct Ratio {
     pub(super) holds: bool,
 }
 
-/// One engine in one scene.
+/// Engine in a scene.
 pub(super) struct Run {
     pub(super) note: String,
     pub(super) scene: String,
