@@ -1,12 +1,18 @@
 //! Control messages: rare, reliable, in order, on one bidirectional stream.
 //!
-//! The client sends [`ClientMessage::Hello`] first. The server answers with [`ServerMessage::Hello`] or
-//! [`ServerMessage::Refused`]. The simulation runs from [`ClientMessage::Start`] to [`ClientMessage::Stop`] or another
-//! [`EndReason`]. [`ServerMessage::Goodbye`] is the last message.
+//! The client sends [`ClientMessage::Hello`] with its role first. The server answers a student with
+//! [`ServerMessage::Hello`], any other role with [`ServerMessage::Welcome`], or refuses with
+//! [`ServerMessage::Refused`]. [`crate::permission`] lists the messages of each role.
+//!
+//! The simulation runs from [`ClientMessage::Start`] to [`ClientMessage::Stop`] or another [`EndReason`].
+//! [`ServerMessage::Goodbye`] is the last message. A student whose connection is lost connects again with the same
+//! token, and the session goes on under a new epoch.
 
 use serde::{Deserialize, Serialize};
 
 use crate::datagram::WirePose;
+use crate::role::Role;
+use crate::station::{StationEvent, StationStatus};
 pub use crate::summary::EndReason;
 use crate::summary::SessionSummary;
 
@@ -25,6 +31,14 @@ pub enum ClientMessage {
     Event(Event),
     /// End of the session. The server answers with [`ServerMessage::Goodbye`].
     Stop,
+    /// Exact inputs of ticks that ran at the hand. A server whose plan ticks by itself refuses them.
+    Inputs(InputBatch),
+    /// Subscription of a display to the shapes of its station.
+    Show(Show),
+    /// Subscription of an instructor to the status and the events of all permitted stations.
+    Watch,
+    /// Instruction to a station. The server answers with [`ServerMessage::Answer`].
+    Instruct(Instruct),
 }
 
 /// Message from the server to the client.
@@ -38,6 +52,16 @@ pub enum ServerMessage {
     Epoch(u32),
     /// End of the session, with its reason. The connection then closes.
     Goodbye(Goodbye),
+    /// Acceptance of a connection that is no student's.
+    Welcome(Welcome),
+    /// Message of an instructor for the student's screen.
+    Say(Say),
+    /// Answer to an instruction.
+    Answer(Answer),
+    /// Status of a station, five times a second.
+    Status(StationStatus),
+    /// Event of a station.
+    Event(StationEvent),
 }
 
 /// Identity of a client and its choice of exercise. The frame carries the protocol version.
@@ -47,12 +71,192 @@ pub struct ClientHello {
     pub program: String,
     /// Shared secret, as printed by the server.
     pub token: String,
-    /// Kind of haptic device, for the recording.
-    pub device: String,
+    /// Role of the connection. The token's role must permit it.
+    pub role: Role,
+    /// Station; empty for the station of the token.
+    pub station: String,
+    /// Haptic device, for the recording; the default for a connection without a device.
+    pub device: DeviceInfo,
     /// Opaque learner id, never a name ([`crate::learner`]); empty for an anonymous learner.
     pub learner: String,
     /// Requested exercise; empty for the server's choice.
     pub exercise: String,
+    /// Attach epoch of the connection that this one follows; 0 for the first connection of a program.
+    pub epoch: u32,
+    /// Bits of [`capability`].
+    pub capabilities: u64,
+    /// Hash of the tick self-test: equal hashes mean equal bits of equal ticks. 0: not computed.
+    pub self_test: u64,
+}
+
+/// Abilities of a program, one bit each. Unknown bits are ignored.
+pub mod capability {
+    /// The client can run the tick at the hand.
+    pub const TICK_AT_HAND: u64 = 1;
+    /// The client shows messages of an instructor.
+    pub const SHOWS_MESSAGES: u64 = 1 << 1;
+}
+
+/// Haptic device of a client, as fields of the recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DeviceInfo {
+    /// Name of the device or of its kind.
+    pub name: String,
+    /// Period of the device's loop, nanoseconds; 0 if unknown.
+    pub period_ns: u64,
+    /// Length in the world per length at the device, above 0.
+    pub workspace_scale: f32,
+    /// Largest force that the device displays, newtons; 0 if unknown.
+    pub max_force_n: f32,
+    /// Largest torque that the device displays, newton-metres; 0 for a device without torque.
+    pub max_torque_nm: f32,
+    /// Number of translational axes with force, 0 to 3.
+    pub force_axes: u8,
+    /// Number of rotational axes with torque, 0 to 3.
+    pub torque_axes: u8,
+}
+
+impl Default for DeviceInfo {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            period_ns: 0,
+            workspace_scale: 1.0,
+            max_force_n: 0.0,
+            max_torque_nm: 0.0,
+            force_axes: 0,
+            torque_axes: 0,
+        }
+    }
+}
+
+impl DeviceInfo {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A number is out of its range: one phrase with name, value found and value expected.
+    pub fn validate(&self) -> Result<(), String> {
+        let number = |field: &str, found: f32, valid: bool, expected: &str| {
+            if valid {
+                Ok(())
+            } else {
+                Err(format!("{field} is {found}, expected {expected}"))
+            }
+        };
+        let (scale, force, torque) = (self.workspace_scale, self.max_force_n, self.max_torque_nm);
+        let limit = "0 or a positive finite number";
+        let is_limit = |x: f32| x.is_finite() && x >= 0.0;
+        let is_scale = scale.is_finite() && scale > 0.0;
+        number("workspace_scale", scale, is_scale, "a positive finite number")?;
+        number("max_force_n", force, is_limit(force), limit)?;
+        number("max_torque_nm", torque, is_limit(torque), limit)?;
+        for (field, found) in [("force_axes", self.force_axes), ("torque_axes", self.torque_axes)] {
+            if found > 3 {
+                return Err(format!("{field} is {found}, expected 0 to 3"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Exact inputs of consecutive ticks, as recordings hold them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputBatch {
+    /// First tick of the batch.
+    pub first_tick: u64,
+    /// Inputs in the encoding of the recording's rows.
+    pub rows: Vec<u8>,
+}
+
+/// Subscription of a display.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Show {
+    /// Hash of a display scene that the client has; zero for none. The server does not send that scene again.
+    pub scene_hash: [u8; 32],
+}
+
+/// Instruction of an instructor to a station.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Instruct {
+    /// Number of the instruction in this connection, for its answer.
+    pub number: u64,
+    /// Name of the station.
+    pub station: String,
+    /// Content.
+    pub instruction: Instruction,
+}
+
+/// Content of an instruction. Each text has at most [`crate::limits::TEXT_BYTES`] bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Instruction {
+    /// Pause of the station's side: forces ramp to zero and stay zero until [`Instruction::Resume`].
+    Pause,
+    /// End of the pause of the station's side.
+    Resume,
+    /// Force limit of the station's side, newtons; 0 for the scene's limit.
+    ForceLimit(f32),
+    /// Note for the recording.
+    Note(String),
+    /// Mark of this moment in the recording, with a text that may be empty.
+    Flag(String),
+    /// Message for the student's screen; the recording holds it too.
+    Say(String),
+    /// End of the session.
+    End,
+    /// Plan for the next session, as TOML.
+    Plan(String),
+}
+
+/// Answer of the server to an instruction.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Number of the instruction.
+    pub number: u64,
+    /// Whether the instruction is in force.
+    pub taken: bool,
+    /// First tick that obeys the instruction; 0 without a session.
+    pub tick: u64,
+    /// Reason of a refusal, or a remark; may be empty.
+    pub text: String,
+}
+
+/// Message of an instructor for the student's screen.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Say {
+    /// Opaque id of the instructor's token.
+    pub by: String,
+    /// Text for display.
+    pub text: String,
+}
+
+/// Acceptance of an instructor, an examiner, an administrator or a display.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Welcome {
+    /// Version of the server program.
+    pub program: String,
+    /// Role of the connection.
+    pub role: Role,
+    /// Opaque id of the token, as other instructors and recordings see it.
+    pub id: String,
+    /// Names of the permitted stations.
+    pub stations: Vec<String>,
+}
+
+/// Plan of a session, as far as a student may know it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlanInfo {
+    /// Revision of the plan, from 1 on.
+    pub revision: u32,
+    /// Purpose of the session: practice, assessment or exam.
+    pub mode: String,
+    /// Time limit of the session, seconds; 0 for none.
+    pub time_limit_s: u32,
+    /// Time for a return after a lost connection, milliseconds; 0: a lost connection ends the session.
+    pub resume_within_ms: u32,
+    /// Whether the session's clock runs while the student is gone.
+    pub clock_in_gap: bool,
+    /// Whether the tick runs at the hand. The present server always ticks by itself.
+    pub tick_at_hand: bool,
 }
 
 /// Description of the session for a client.
@@ -60,8 +264,18 @@ pub struct ClientHello {
 pub struct ServerHello {
     /// Version of the server program.
     pub program: String,
-    /// Session epoch of the datagrams at the start. [`ServerMessage::Epoch`] replaces it.
+    /// Name of the station.
+    pub station: String,
+    /// Attach epoch, which the datagrams carry. [`ServerMessage::Epoch`] replaces it.
     pub epoch: u32,
+    /// Whether this connection continues a running session. The client then sends no start.
+    pub resumed: bool,
+    /// Plan of the session.
+    pub plan: PlanInfo,
+    /// Bits of [`capability`].
+    pub capabilities: u64,
+    /// Hash of the server's tick self-test; 0: not computed.
+    pub self_test: u64,
     /// Period of a tick, nanoseconds.
     pub tick_ns: u64,
     /// Name of the scene, for display.
@@ -72,8 +286,6 @@ pub struct ServerHello {
     pub exercise: String,
     /// Instructions of the exercise for the student.
     pub exercise_text: String,
-    /// Seed of the random numbers of the exercise.
-    pub seed: u64,
     /// Limit of the force sent to the client, newtons.
     pub max_force_n: f32,
     /// Limit of the torque sent to the client, newton-metres.
@@ -108,8 +320,14 @@ pub enum RefusedReason {
     Version,
     /// The token is wrong.
     Token,
-    /// Another client is connected.
+    /// The token has expired or was revoked.
+    Expired,
+    /// The token does not permit the role or the station.
+    Role,
+    /// Another learner uses the station.
     Busy,
+    /// The machine has no room for a further session.
+    Full,
     /// The server does not offer the exercise.
     Exercise,
     /// The hello is missing or invalid.

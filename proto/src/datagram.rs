@@ -13,8 +13,6 @@ use crate::{PROTOCOL_VERSION, TOOLS};
 const PREFIX: usize = 2;
 /// Largest body of a datagram that decoding reads, bytes.
 const LIMIT: usize = 512;
-/// Capacity of a tool's slot for contact planes.
-pub const PLANES: usize = 4;
 
 /// Force and torque in world axes about the tool's device point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -55,6 +53,12 @@ pub struct ToolPose {
     pub present: bool,
     /// Buttons held, one bit per button.
     pub buttons: u16,
+    /// Number of the device's reading, wrapping at 2^32. The devices of two hands count apart.
+    pub sequence: u32,
+    /// Time of the device's reading, nanoseconds of the client's monotonic clock.
+    pub device_time_ns: u64,
+    /// Period of the device's loop, microseconds; 0 if unknown.
+    pub period_us: u32,
     /// Haptic pose, as measured by the device.
     pub pose: WirePose,
     /// Last wrench displayed by the device, after the client's own gates and limits.
@@ -66,12 +70,8 @@ pub struct ToolPose {
 pub struct PoseDatagram {
     /// Session epoch. The server drops poses of another epoch.
     pub epoch: u32,
-    /// Number of the pose, wrapping at 2^32.
+    /// Number of the datagram, wrapping at 2^32.
     pub sequence: u32,
-    /// Time of the device's reading, nanoseconds of the client's monotonic clock.
-    pub device_time_ns: u64,
-    /// Newest tick whose wrench has arrived; 0 before the first.
-    pub last_tick: u64,
     /// Slots of the tools, always two.
     pub tools: [ToolPose; TOOLS],
 }
@@ -80,7 +80,7 @@ impl PoseDatagram {
     /// Kind byte.
     pub const KIND: u8 = 1;
     /// Fixed length on the wire, bytes.
-    pub const BYTES: usize = PREFIX + 24 + TOOLS * (3 + 28 + 24);
+    pub const BYTES: usize = PREFIX + 8 + TOOLS * (3 + 16 + 28 + 24);
 
     /// Encodes the datagram. Allocates nothing.
     ///
@@ -99,13 +99,13 @@ impl PoseDatagram {
     }
 }
 
-/// Echo of the pose that a tick used, with its hold time at the server. The client computes the age of the pose and the
-/// round trip on its own clock.
+/// Echo of the device's reading that a tick used, with its hold time at the server. The client computes the age of the
+/// pose and the round trip on its own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Echo {
-    /// Whether any pose had arrived. The other fields are zero if not.
+    /// Whether a pose of the tool had arrived in this epoch. The other fields are zero if not.
     pub valid: bool,
-    /// Sequence number of the pose.
+    /// Number of the device's reading.
     pub sequence: u32,
     /// Device time of the pose, nanoseconds of the client's monotonic clock.
     pub device_time_ns: u64,
@@ -113,13 +113,15 @@ pub struct Echo {
     pub hold_us: u32,
 }
 
-/// Plane touched by the graphic tool, in world axes. The half-space `normal . x >= offset` is free.
+/// Pause and force limit in force, in every wrench datagram.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Plane {
-    /// Unit normal, pointing out of the tissue.
-    pub normal: [f32; 3],
-    /// Signed distance from the world's origin along the normal, metres.
-    pub offset: f32,
+pub struct WireLevels {
+    /// Whether the station's side has paused.
+    pub paused_by_station: bool,
+    /// Whether the student has paused.
+    pub paused_by_student: bool,
+    /// Smaller force limit of both sides, newtons; 0 for the scene's limit.
+    pub force_limit_n: f32,
 }
 
 /// Slot of a tool in a wrench datagram.
@@ -131,10 +133,8 @@ pub struct ToolWrench {
     pub graphic: WirePose,
     /// Status bits of [`crate::status`].
     pub status: u16,
-    /// Number of planes in use, 0 to [`PLANES`]. The other planes are zero.
-    pub plane_count: u8,
-    /// Planes of a local contact model. Reserved: the server always sends a `plane_count` of 0.
-    pub planes: [Plane; PLANES],
+    /// Echo of the device's reading used by the tick.
+    pub echo: Echo,
 }
 
 /// Wrench datagram, server to client, once per tick.
@@ -146,8 +146,8 @@ pub struct WrenchDatagram {
     pub sequence: u32,
     /// Tick that computed this wrench.
     pub tick: u64,
-    /// Echo of the pose used by the tick.
-    pub echo: Echo,
+    /// Pause and force limit that the tick obeyed.
+    pub levels: WireLevels,
     /// Slots of the tools, always two.
     pub tools: [ToolWrench; TOOLS],
 }
@@ -156,13 +156,13 @@ impl WrenchDatagram {
     /// Kind byte.
     pub const KIND: u8 = 2;
     /// Fixed length on the wire, bytes.
-    pub const BYTES: usize = PREFIX + 16 + 17 + TOOLS * (24 + 28 + 2 + 1 + PLANES * 16);
+    pub const BYTES: usize = PREFIX + 16 + 6 + TOOLS * (24 + 28 + 2 + 17);
 
     /// Encodes the datagram. Allocates nothing.
     ///
     /// # Errors
-    /// A wrench, a graphic pose or a plane is not finite, or a slot or the echo is not canonical. Such a datagram is
-    /// never sent.
+    /// A wrench, a graphic pose or the force limit is not finite, or an echo is not canonical. Such a datagram is never
+    /// sent.
     pub fn to_bytes(&self) -> Result<[u8; Self::BYTES], CodecError> {
         self.check()?;
         encode(Self::KIND, self)
@@ -180,50 +180,33 @@ impl WrenchDatagram {
     }
 
     fn check(&self) -> Result<(), CodecError> {
-        let echo = &self.echo;
-        if !echo.valid && (echo.sequence != 0 || echo.device_time_ns != 0 || echo.hold_us != 0) {
-            return Err(CodecError::NotCanonical("an echo of no pose is not zero"));
+        let limit = self.levels.force_limit_n;
+        if !limit.is_finite() {
+            return Err(CodecError::NotFinite("the force limit"));
+        }
+        if limit < 0.0 {
+            return Err(CodecError::NotCanonical("the force limit is negative"));
         }
         for tool in &self.tools {
-            if !tool
-                .wrench
-                .force
-                .iter()
-                .chain(&tool.wrench.torque)
-                .all(|x| x.is_finite())
-            {
+            let WireWrench { force, torque } = &tool.wrench;
+            if !force.iter().chain(torque).all(|x| x.is_finite()) {
                 return Err(CodecError::NotFinite("a wrench"));
             }
-            if !tool
-                .graphic
-                .position
-                .iter()
-                .chain(&tool.graphic.orientation)
-                .all(|x| x.is_finite())
-            {
+            let WirePose {
+                position,
+                orientation,
+            } = &tool.graphic;
+            if !position.iter().chain(orientation).all(|x| x.is_finite()) {
                 return Err(CodecError::NotFinite("a graphic pose"));
             }
-            let used = usize::from(tool.plane_count);
-            let Some(unused) = tool.planes.get(used..) else {
-                return Err(CodecError::NotCanonical(
-                    "more planes than there is room for",
-                ));
-            };
-            // Compared as bits, because encoding never writes minus zero here.
-            if unused.iter().flat_map(numbers).any(|x| x.to_bits() != 0) {
-                return Err(CodecError::NotCanonical("an unused plane is not zero"));
-            }
-            if !tool.planes.iter().flat_map(numbers).all(f32::is_finite) {
-                return Err(CodecError::NotFinite("a plane"));
+            let echo = &tool.echo;
+            let is_zero = echo.sequence == 0 && echo.device_time_ns == 0 && echo.hold_us == 0;
+            if !echo.valid && !is_zero {
+                return Err(CodecError::NotCanonical("an echo of no pose is not zero"));
             }
         }
         Ok(())
     }
-}
-
-fn numbers(plane: &Plane) -> [f32; 4] {
-    let [x, y, z] = plane.normal;
-    [x, y, z, plane.offset]
 }
 
 fn encode<T: Serialize, const N: usize>(kind: u8, value: &T) -> Result<[u8; N], CodecError> {

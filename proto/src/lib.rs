@@ -31,6 +31,9 @@ pub mod frame;
 pub mod learner;
 pub mod limits;
 pub mod newest;
+pub mod permission;
+pub mod role;
+pub mod station;
 pub mod status;
 pub mod summary;
 pub mod ticket;
@@ -39,6 +42,7 @@ pub use codec::CodecError;
 pub use control::{ClientMessage, ServerMessage};
 pub use datagram::{PoseDatagram, WrenchDatagram};
 pub use newest::NewestWins;
+pub use role::Role;
 pub use summary::{Percentiles, SessionSummary};
 pub use ticket::Ticket;
 
@@ -46,7 +50,7 @@ pub use ticket::Ticket;
 pub const ALPN: &[u8] = b"sulcus/1";
 
 /// Version of every message: first byte of each datagram and of the body of each control frame.
-pub const PROTOCOL_VERSION: u8 = 2;
+pub const PROTOCOL_VERSION: u8 = 3;
 
 /// Number of tool slots in every datagram: one slot per hand.
 pub const TOOLS: usize = 2;

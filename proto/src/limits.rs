@@ -44,5 +44,7 @@ pub const WRENCH_SILENT: Duration = Duration::from_millis(20);
 pub const CONTROL_BYTES: usize = 64 * 1024;
 /// Largest length of each string in a client's hello, bytes: program version, token, device, learner, exercise.
 pub const NAME_BYTES: usize = 256;
+/// Largest length of a text from an instructor, bytes: note, message, plan.
+pub const TEXT_BYTES: usize = 16 * 1024;
 /// Timeout from the first packet of a client to its hello.
 pub const HELLO: Duration = Duration::from_secs(5);

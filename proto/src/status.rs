@@ -34,3 +34,7 @@ pub const FAULT: u16 = 1 << 12;
 ///
 /// The full step would have changed the force by more than the hand's own motion and the settle limit allow.
 pub const SETTLING: u16 = 1 << 13;
+/// The *haptic* tool has no contact within 0.5 mm of any object. Devices arm only with this bit.
+///
+/// The server computes the bit once in 16 ticks and adds it to the tick's own bits.
+pub const FREE: u16 = 1 << 14;

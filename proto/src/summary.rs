@@ -27,7 +27,7 @@ pub enum EndReason {
     TimeUp,
     /// The server was shut down.
     Shutdown,
-    /// The client sent nothing within the timeout, or closed the connection.
+    /// The client sent nothing within the timeout, or its connection was lost and it did not return in time.
     ConnectionLost,
     /// The client violated the protocol.
     Protocol,
@@ -35,17 +35,25 @@ pub enum EndReason {
     Recording,
     /// The simulation could not run.
     Simulation,
+    /// An instructor ended the session.
+    Instructor,
 }
 
 /// Statistics of a session. If the simulation never started, all numbers are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SessionSummary {
+    /// Name of the station.
+    pub station: String,
     /// Reason for the end of the session.
     pub end: EndReason,
     /// File name of the recording, without folder; empty without a recording.
     pub recording: String,
     /// Whether the recording is complete: no row dropped, no error. Only a complete recording can be graded.
     pub complete: bool,
+    /// Number of gaps in which the student was gone.
+    pub gaps: u32,
+    /// Number of ticks in gaps.
+    pub gap_ticks: u64,
     /// Number of ticks computed.
     pub ticks: u64,
     /// Number of grid points missed and skipped.
@@ -86,9 +94,12 @@ impl SessionSummary {
     /// Creates the summary of a session without ticks.
     pub fn empty(end: EndReason) -> Self {
         Self {
+            station: String::new(),
             end,
             recording: String::new(),
             complete: false,
+            gaps: 0,
+            gap_ticks: 0,
             ticks: 0,
             skipped: 0,
             deadline_misses: 0,

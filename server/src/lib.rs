@@ -1,7 +1,7 @@
-//! Server of a station: QUIC, the real-time simulation thread, recording.
+//! Server of stations: QUIC, one real-time simulation thread for each session, recording.
 //!
 //! # Threads of one server
-//! - *network*: a current-thread tokio runtime; owns the endpoint, the control stream, the socket.
+//! - *network*: a current-thread tokio runtime; one task for each station and one for each connection.
 //! - *simulation*, one per session: a plain thread at SCHED_FIFO where permitted. It ticks at the scene's rate on
 //!   absolute deadlines, and while it ticks, it never allocates, locks, or touches a tokio type.
 //! - *recorder*, one per session: writes and signs the recording behind a bounded queue.
@@ -17,7 +17,7 @@
 
 pub mod cli;
 pub mod error;
-mod net;
+pub mod net;
 mod outlets;
 pub mod serve;
 pub mod session;
@@ -26,6 +26,7 @@ pub mod station;
 pub use error::ServerError;
 pub use net::identity::fingerprint;
 pub use session::detail::{Budget, Detail};
-pub use station::config::{Exercise, ServerConfig};
+pub use session::handoff::Provoked;
+pub use station::config::{Exercise, ServerConfig, SessionPlan, StationConfig};
 pub use station::handle::{Server, ServerHandle};
 pub use sulcus_link::clock::monotonic_ns;

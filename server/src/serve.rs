@@ -17,7 +17,9 @@ use sulcus_sessions::{Events, Mode, Rubric};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use crate::net::addresses::{for_clients, resolve};
-use crate::{Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerHandle};
+use crate::{
+    Budget, Detail, Exercise, Server, ServerConfig, ServerError, ServerHandle, SessionPlan, StationConfig,
+};
 use sulcus_program::ProgressLines;
 
 /// Long text of the help.
@@ -107,6 +109,9 @@ pub struct ServeArgs {
     /// Longest session, seconds, 1 or more. Default: no limit
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_session: Option<u64>,
+    /// Time for a student's return after a lost connection, seconds, 0 to 3600. 0: a lost connection ends the session
+    #[arg(long, value_name = "S", default_value_t = 30, value_parser = clap::value_parser!(u64).range(0..=3600))]
+    pub resume_within: u64,
     /// File of the key that signs recordings, created on first use. The public key beside it ends in .pub; graders of
     /// exams need it. Default: station.key in $SULCUS_STATE_DIR, else in $XDG_STATE_HOME/sulcus, else in
     /// ~/.local/state/sulcus
@@ -148,21 +153,27 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
         }
         tell!("warning: {coupling}");
     }
-    let mut config = ServerConfig::new(Arc::new(scene), Arc::new(bytes), args.recordings.clone())?;
-    config.patient = patient;
-    config.station.clone_from(&args.station);
-    config.learner.clone_from(&args.learner);
-    config.mode = args.mode;
-    (config.exercise, config.rubric) = (exercise, rubric);
-    config.station_key.clone_from(&args.key);
+    let mut plan = SessionPlan::new(Arc::new(scene), Arc::new(bytes));
+    plan.patient = patient;
+    plan.learner.clone_from(&args.learner);
+    plan.mode = args.mode;
+    (plan.exercise, plan.rubric) = (exercise, rubric);
     if let Some(budget_us) = args.detail_budget {
-        config.detail = Detail::ByTime(Budget {
+        plan.detail = Detail::ByTime(Budget {
             budget_us,
             ..Budget::default()
         });
     }
-    config.force_limit_n = args.force_limit.unwrap_or_default();
-    config.max_session = args.max_session.map(Duration::from_secs);
+    plan.max_session = args.max_session.map(Duration::from_secs);
+    plan.resume_within = Duration::from_secs(args.resume_within);
+    let (scene_name, exercise_name) = (plan.scene.name.clone(), plan.exercise.name.clone());
+    let station = StationConfig {
+        name: args.station.clone(),
+        plan,
+        force_limit_n: args.force_limit.unwrap_or_default(),
+    };
+    let mut config = ServerConfig::new(station, args.recordings.clone())?;
+    config.station_key.clone_from(&args.key);
     config.real_time = !args.no_realtime;
     let from_environment = || {
         std::env::var("SULCUS_TOKEN")
@@ -172,8 +183,6 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     if let Some(token) = args.token.clone().or_else(from_environment) {
         config.token = token;
     }
-    let scene_name = config.scene.name.clone();
-    let exercise_name = config.exercise.name.clone();
     let server = start(config, &args.listen)?;
     if let Some(path) = &args.certificate_out {
         std::fs::write(path, server.certificate_der())

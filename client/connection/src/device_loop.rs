@@ -17,8 +17,9 @@ use crate::link::{Link, PosePacket, now_ns};
 
 /// SCHED_FIFO priority of the device thread, below that of an embedded simulation.
 const PRIORITY: i32 = 45;
-/// Time of a closed gate after which the server counts as gone, nanoseconds.
-const GONE_NS: u64 = 1_000_000_000;
+/// Time of a closed gate after which the server counts as gone although its connection lives, nanoseconds. A lost
+/// connection shows earlier, as the end of the link or as its attempt to return.
+const GONE_NS: u64 = 10_000_000_000;
 /// Longest wait for the first wrench of a started session, nanoseconds.
 const START_NS: u64 = 5_000_000_000;
 
@@ -161,12 +162,13 @@ pub fn run(
         }
         report.overslept += late;
         grid_ns += (late + 1) * period_ns;
-        link.send_pose(&packet(now, &input.tools, &felt));
+        link.send_pose(&packet((report.periods, now, period_ns), &input.tools, &felt));
         done.store(report.periods, Ordering::Relaxed);
 
         report.gate_closings += u64::from(was_open && gate < 1.0);
         was_open = gate >= 1.0;
-        closed_for = if gate > 0.0 { 0 } else { closed_for + 1 + late };
+        let silent = gate == 0.0 && !link.is_returning();
+        closed_for = if silent { closed_for + 1 + late } else { 0 };
         // In a new session the gate is still rising: a closed link alone does not end the loop.
         if closed_for >= GONE_NS / period_ns
             || !link.is_open() && is_let_go(&displayed) && gate == 0.0
@@ -188,13 +190,21 @@ fn is_let_go(displayed: &[Wrench; MAX_TOOLS]) -> bool {
     displayed.iter().all(|wrench| *wrench == Wrench::ZERO)
 }
 
-fn packet(now: u64, tools: &[ToolInput; MAX_TOOLS], displayed: &[Wrench; MAX_TOOLS]) -> PosePacket {
+/// Packet of the reading `number` at `now`, of a loop with a period of `period_ns`.
+fn packet(
+    (number, now, period_ns): (u64, u64, u64),
+    tools: &[ToolInput; MAX_TOOLS],
+    displayed: &[Wrench; MAX_TOOLS],
+) -> PosePacket {
     let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
     PosePacket {
-        device_time_ns: now,
         tools: std::array::from_fn(|t| ToolPose {
             present: tools[t].present,
             buttons: tools[t].buttons,
+            // Wraps, as the wire's number does.
+            sequence: number as u32,
+            device_time_ns: now,
+            period_us: u32::try_from(period_ns / 1000).unwrap_or(u32::MAX),
             pose: WirePose {
                 position: tools[t].pose.position,
                 orientation: tools[t].pose.orientation,

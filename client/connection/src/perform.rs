@@ -50,7 +50,7 @@ pub fn perform(
                 // The stop is sent here and at once, because the server records until it arrives. A silent server sends
                 // no goodbye. After a close by the server, the link already holds the goodbye.
                 let goodbye = if report.server_silent && link.is_open() {
-                    Err(LinkError::Lost("no wrench for more than a second".into()))
+                    Err(LinkError::Lost("no wrench for ten seconds".into()))
                 } else {
                     link.finish_with_text()
                 };

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use sulcus_program::{PathText, tell};
 use sulcus_proto::control::EndReason;
-use sulcus_server::{Exercise, Server, ServerConfig};
+use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 
 use crate::args::DemoArgs;
 use crate::check;
@@ -23,22 +23,20 @@ use sulcus_connection::progress::Steps;
 /// The server does not start or is lost, the server ends the session, or the recording cannot be read.
 pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
     let (name, scene) = (prepared.exercise.name.clone(), prepared.scene.clone());
-    let mut config = ServerConfig::new(
-        prepared.scene.clone(),
-        prepared.scene_bytes.clone(),
-        args.recordings.clone(),
-    )?;
-    config.exercise = Exercise {
+    let mut plan = SessionPlan::new(prepared.scene.clone(), prepared.scene_bytes.clone());
+    plan.exercise = Exercise {
         name: name.clone(),
         text: prepared.exercise.task.clone(),
         definition: prepared.definition(args.hand_seed())?,
         seed: args.hand_seed(),
     };
-    config.station = "demo".into();
-    config.patient.clone_from(&prepared.patient);
-    config.rubric = prepared.rubric()?;
-    config.learner.clone_from(&args.learner);
-    config.mode = args.mode;
+    plan.patient.clone_from(&prepared.patient);
+    plan.rubric = prepared.rubric()?;
+    plan.learner.clone_from(&args.learner);
+    plan.mode = args.mode;
+    let mut station = StationConfig::new(plan);
+    station.name = "demo".into();
+    let config = ServerConfig::new(station, args.recordings.clone())?;
     let server = Server::start(config)?;
     let link = Link::connect(LinkConfig::new(
         server.local_addr(),

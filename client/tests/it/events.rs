@@ -20,6 +20,7 @@ use sulcus_demo::{check, lockstep};
 use sulcus_haptics::Device;
 use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
+use sulcus_server::{SessionPlan, StationConfig};
 use sulcus_sessions::exercise::Target;
 use sulcus_sessions::exercise::events::call::{Call, READING_CALLED};
 use sulcus_sessions::{
@@ -143,18 +144,16 @@ impl EventDevice for Calling {
 fn a_live_session_tells_what_its_replay_tells_and_keeps_what_was_called() {
     let folder = tempfile::tempdir().unwrap();
     let prepared = prepared(6.0, 4);
-    let mut config = sulcus_server::ServerConfig::new(
-        prepared.scene.clone(),
-        prepared.scene_bytes.clone(),
-        folder.path().to_owned(),
-    )
-    .unwrap();
-    config.exercise = sulcus_server::Exercise {
+    let mut plan = SessionPlan::new(prepared.scene.clone(), prepared.scene_bytes.clone());
+    plan.exercise = sulcus_server::Exercise {
         name: prepared.exercise.name.clone(),
         text: prepared.exercise.task.clone(),
         definition: prepared.definition(4).unwrap(),
         seed: 4,
     };
+    let station = StationConfig::new(plan);
+    let mut config =
+        sulcus_server::ServerConfig::new(station, folder.path().to_owned()).unwrap();
     config.station_key = Some(folder.path().join("station.key"));
     let server = sulcus_server::Server::start(config).unwrap();
     let link = Link::connect(LinkConfig::new(

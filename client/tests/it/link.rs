@@ -8,7 +8,7 @@ use crate::common::{Station, force_up, press, press_on, status_of};
 use sulcus_connection::link::{Link, LinkError, Pin, now_ns};
 use sulcus_proto::control::{ButtonEdge, Command, EndReason, Event};
 use sulcus_proto::status;
-use sulcus_server::ServerError;
+use sulcus_server::{ServerConfig, ServerError, StationConfig};
 use sulcus_sessions::{Ending, Message, Recording, ReplayOptions, replay};
 
 #[test]
@@ -98,7 +98,7 @@ fn one_server_serves_one_client_after_the_other() {
         let mut link = station.connect().unwrap();
         link.start();
         press(&mut link, |link, _| {
-            link.latest_wrench().is_some_and(|w| w.datagram.echo.valid)
+            link.latest_wrench().is_some_and(|w| w.datagram.tools[0].echo.valid)
         });
         let second = station.connect();
         assert!(
@@ -220,7 +220,7 @@ fn a_server_that_vanishes_closes_the_gate() {
 
 #[test]
 fn a_client_that_vanishes_ends_the_session() {
-    let mut station = Station::new();
+    let mut station = Station::planned(|plan| plan.resume_within = Duration::ZERO);
     let mut link = station.connect().unwrap();
     link.start();
     press(&mut link, |link, _| link.latest_wrench().is_some());
@@ -241,7 +241,7 @@ fn a_client_that_vanishes_ends_the_session() {
 /// The link keeps itself alive, whatever becomes of the device: such a session would have held the station, and recorded, for ever.
 #[test]
 fn a_client_that_sends_no_poses_does_not_hold_the_station() {
-    let station = Station::with(|config| config.max_silence = Duration::from_millis(400));
+    let station = Station::planned(|plan| plan.max_silence = Duration::from_millis(400));
     let mut link = station.connect().unwrap();
     link.start();
     press(&mut link, |link, _| link.latest_wrench().is_some());
@@ -255,7 +255,7 @@ fn a_client_that_sends_no_poses_does_not_hold_the_station() {
 
 #[test]
 fn a_time_limit_and_a_shutdown_say_goodbye() {
-    let station = Station::with(|config| config.max_session = Some(Duration::from_millis(300)));
+    let station = Station::planned(|plan| plan.max_session = Some(Duration::from_millis(300)));
     let mut link = station.connect().unwrap();
     link.start();
     press(&mut link, |link, _| !link.is_open());
@@ -289,7 +289,7 @@ fn a_folder_that_cannot_be_written_ends_with_a_sentence() {
 
 #[test]
 fn strangers_are_told_why() {
-    let station = Station::with(|config| config.exercise.name = "crown".into());
+    let station = Station::planned(|plan| plan.exercise.name = "crown".into());
     let mut token = station.config();
     token.token = "guess".into();
     let error = Link::connect(token).err().unwrap();
@@ -307,7 +307,7 @@ fn strangers_are_told_why() {
     );
 
     let mut device = station.config();
-    device.device = "x".repeat(1000);
+    device.device.name = "x".repeat(1000);
     assert!(matches!(
         Link::connect(device).err(),
         Some(LinkError::Refused(_))
@@ -380,12 +380,9 @@ fn all_addresses_of_a_name_are_tried_and_told() {
 fn a_busy_port_is_named() {
     let station = Station::new();
     let busy = station.server().local_addr();
-    let scene = crate::common::scene();
-    let bytes = scene.to_bytes().unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let mut config =
-        sulcus_server::ServerConfig::new(scene.into(), bytes.into(), folder.path().to_owned())
-            .unwrap();
+    let plan = StationConfig::new(crate::common::plan());
+    let mut config = ServerConfig::new(plan, folder.path().to_owned()).unwrap();
     config.listen = busy;
     config.station_key = Some(folder.path().join("station.key"));
     let error = sulcus_server::Server::start(config).err().unwrap();

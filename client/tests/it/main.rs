@@ -9,3 +9,5 @@ mod link;
 mod long;
 mod patient;
 mod protocol;
+mod roles;
+mod stations;

@@ -7,9 +7,11 @@ use std::sync::atomic::AtomicBool;
 use crate::common::Station;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_connection::link::{Pin, client_config};
-use sulcus_proto::control::{ClientHello, EndReason, Event, RefusedReason, ServerHello};
+use sulcus_proto::control::{
+    ClientHello, DeviceInfo, EndReason, Event, RefusedReason, ServerHello,
+};
 use sulcus_proto::frame::{self, LENGTH_BYTES};
-use sulcus_proto::{ClientMessage, PROTOCOL_VERSION, PoseDatagram, ServerMessage};
+use sulcus_proto::{ClientMessage, PROTOCOL_VERSION, PoseDatagram, Role, ServerMessage};
 
 struct Raw {
     _endpoint: Endpoint,
@@ -69,7 +71,12 @@ fn hello(station: &Station) -> ClientMessage {
     ClientMessage::Hello(ClientHello {
         program: "0".into(),
         token: station.server().ticket().token.clone(),
-        device: "raw".into(),
+        role: Role::Student,
+        station: String::new(),
+        device: DeviceInfo::default(),
+        epoch: 0,
+        capabilities: 0,
+        self_test: 0,
         learner: String::new(),
         exercise: String::new(),
     })

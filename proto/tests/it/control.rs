@@ -2,13 +2,15 @@
 
 use proptest::prelude::*;
 use sulcus_proto::control::{
-    ButtonEdge, ClientHello, Command, EndReason, Event, Goodbye, Refused, RefusedReason,
-    ServerHello, ToolInfo,
+    Answer, ButtonEdge, ClientHello, Command, DeviceInfo, EndReason, Event, Goodbye, InputBatch,
+    Instruct, Instruction, PlanInfo, Refused, RefusedReason, Say, ServerHello, Show, ToolInfo,
+    Welcome,
 };
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::frame::{self, LENGTH_BYTES, body_length, decode, encode};
 use sulcus_proto::limits::CONTROL_BYTES;
-use sulcus_proto::{ClientMessage, CodecError, ServerMessage, SessionSummary};
+use sulcus_proto::station::{Phase, StationEvent, StationStatus};
+use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, SessionSummary};
 
 fn tool() -> impl Strategy<Value = ToolInfo> {
     (".{0,30}", -1.0f32..1.0, 1.0f32..1e4).prop_map(|(name, at, stiffness)| ToolInfo {
@@ -23,19 +25,65 @@ fn tool() -> impl Strategy<Value = ToolInfo> {
     })
 }
 
+fn device() -> impl Strategy<Value = DeviceInfo> {
+    (".{0,20}", any::<u64>(), 0.1f32..10.0, 0u8..4).prop_map(|(name, period_ns, scale, axes)| {
+        DeviceInfo {
+            name,
+            period_ns,
+            workspace_scale: scale,
+            max_force_n: scale * 2.0,
+            max_torque_nm: 0.0,
+            force_axes: axes,
+            torque_axes: 3 - axes,
+        }
+    })
+}
+
+fn role() -> impl Strategy<Value = Role> {
+    prop::sample::select(Role::ALL.to_vec())
+}
+
+fn instruction() -> impl Strategy<Value = Instruction> {
+    prop_oneof![
+        Just(Instruction::Pause),
+        Just(Instruction::Resume),
+        (-1e3f32..1e3).prop_map(Instruction::ForceLimit),
+        ".{0,40}".prop_map(Instruction::Note),
+        ".{0,40}".prop_map(Instruction::Flag),
+        ".{0,40}".prop_map(Instruction::Say),
+        Just(Instruction::End),
+        ".{0,40}".prop_map(Instruction::Plan),
+    ]
+}
+
 fn client() -> impl Strategy<Value = ClientMessage> {
     prop_oneof![
-        prop::array::uniform5(".{0,40}").prop_map(|[program, token, device, learner, exercise]| {
-            ClientMessage::Hello(ClientHello {
-                program,
-                token,
-                device,
-                learner,
-                exercise,
-            })
-        }),
+        (
+            prop::array::uniform5(".{0,40}"),
+            role(),
+            device(),
+            any::<(u32, u64, u64)>()
+        )
+            .prop_map(
+                |([program, token, station, learner, exercise], role, device, numbers)| {
+                    let (epoch, capabilities, self_test) = numbers;
+                    ClientMessage::Hello(ClientHello {
+                        program,
+                        token,
+                        role,
+                        station,
+                        device,
+                        learner,
+                        exercise,
+                        epoch,
+                        capabilities,
+                        self_test,
+                    })
+                }
+            ),
         Just(ClientMessage::Start),
         Just(ClientMessage::Stop),
+        Just(ClientMessage::Watch),
         Just(ClientMessage::Command(Command::Pause)),
         Just(ClientMessage::Command(Command::Resume)),
         (-1e3f32..1e3).prop_map(|force| ClientMessage::Command(Command::ForceLimit(force))),
@@ -51,28 +99,72 @@ fn client() -> impl Strategy<Value = ClientMessage> {
         ),
         (any::<u64>(), ".{0,20}", ".{0,200}")
             .prop_map(|(tick, kind, json)| ClientMessage::Event(Event { tick, kind, json })),
+        (any::<u64>(), prop::collection::vec(any::<u8>(), 0..200))
+            .prop_map(|(first_tick, rows)| ClientMessage::Inputs(InputBatch { first_tick, rows })),
+        any::<[u8; 32]>().prop_map(|scene_hash| ClientMessage::Show(Show { scene_hash })),
+        (any::<u64>(), ".{0,20}", instruction()).prop_map(|(number, station, instruction)| {
+            ClientMessage::Instruct(Instruct {
+                number,
+                station,
+                instruction,
+            })
+        }),
     ]
+}
+
+fn status() -> impl Strategy<Value = StationStatus> {
+    (
+        prop::array::uniform4(".{0,20}"),
+        any::<(u32, u64, bool)>(),
+        0.0f32..9.0,
+    )
+        .prop_map(|([station, learner, recording, site], numbers, force)| {
+            let mut status = StationStatus {
+                station,
+                phase: Phase::Waiting,
+                learner,
+                recording,
+                gaps: numbers.0,
+                tick: numbers.1,
+                paused: numbers.2,
+                force_limit_n: force,
+                ..StationStatus::default()
+            };
+            status.tools[1].site = site;
+            status.tools[0].peak_force_n = force;
+            status
+        })
 }
 
 fn server() -> impl Strategy<Value = ServerMessage> {
     prop_oneof![
         (
-            prop::array::uniform4(".{0,40}"),
-            any::<u32>(),
+            prop::array::uniform5(".{0,40}"),
+            any::<(u32, u64, bool)>(),
             any::<[u8; 32]>(),
             prop::collection::vec(tool(), 0..3)
         )
             .prop_map(
-                |([program, scene, exercise, exercise_text], epoch, scene_hash, tools)| {
+                |([program, station, scene, exercise, exercise_text], numbers, scene_hash, tools)| {
+                    let (epoch, self_test, resumed) = numbers;
                     ServerMessage::Hello(ServerHello {
                         program,
+                        station,
                         epoch,
+                        resumed,
+                        plan: PlanInfo {
+                            revision: epoch,
+                            mode: "exam".into(),
+                            resume_within_ms: 30_000,
+                            ..PlanInfo::default()
+                        },
+                        capabilities: 0,
+                        self_test,
                         tick_ns: 1_000_000,
                         scene,
                         scene_hash,
                         exercise,
                         exercise_text,
-                        seed: u64::from(epoch) << 20,
                         max_force_n: 3.3,
                         max_torque_nm: 0.2,
                         max_force_step_n: 0.5,
@@ -92,6 +184,31 @@ fn server() -> impl Strategy<Value = ServerMessage> {
                 ..SessionSummary::empty(EndReason::Stopped)
             };
             ServerMessage::Goodbye(Goodbye { text, summary })
+        }),
+        (".{0,20}", ".{0,20}", role(), prop::collection::vec(".{0,9}", 0..5)).prop_map(
+            |(program, id, role, stations)| ServerMessage::Welcome(Welcome {
+                program,
+                role,
+                id,
+                stations
+            })
+        ),
+        (".{0,20}", ".{0,80}").prop_map(|(by, text)| ServerMessage::Say(Say { by, text })),
+        (any::<(u64, bool, u64)>(), ".{0,40}").prop_map(|((number, taken, tick), text)| {
+            ServerMessage::Answer(Answer {
+                number,
+                taken,
+                tick,
+                text,
+            })
+        }),
+        status().prop_map(ServerMessage::Status),
+        (".{0,20}", any::<u64>(), ".{0,80}").prop_map(|(station, tick, text)| {
+            ServerMessage::Event(StationEvent {
+                station,
+                tick,
+                text,
+            })
         }),
     ]
 }

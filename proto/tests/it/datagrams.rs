@@ -1,13 +1,13 @@
 //! Tests of datagrams: fixed sizes, exact round trips, strict refusals, no panic on any bytes.
 
 use proptest::prelude::*;
-use sulcus_proto::datagram::{Echo, Plane, ToolPose, ToolWrench, WirePose, WireWrench};
+use sulcus_proto::datagram::{Echo, ToolPose, ToolWrench, WireLevels, WirePose, WireWrench};
 use sulcus_proto::{CodecError, PROTOCOL_VERSION, PoseDatagram, WrenchDatagram, limits};
 
 #[test]
 fn sizes_are_fixed_and_small() {
-    assert_eq!(PoseDatagram::BYTES, 136);
-    assert_eq!(WrenchDatagram::BYTES, 273);
+    assert_eq!(PoseDatagram::BYTES, 152);
+    assert_eq!(WrenchDatagram::BYTES, 166);
     assert_eq!(
         PoseDatagram::default().to_bytes().expect("encodes").len(),
         PoseDatagram::BYTES
@@ -17,8 +17,8 @@ fn sizes_are_fixed_and_small() {
         WrenchDatagram::BYTES
     );
     // A send buffer holds four datagrams, four milliseconds at 1 kHz.
-    assert_eq!(limits::POSE_SEND_BUFFER, 672);
-    assert_eq!(limits::WRENCH_SEND_BUFFER, 1220);
+    assert_eq!(limits::POSE_SEND_BUFFER, 736);
+    assert_eq!(limits::WRENCH_SEND_BUFFER, 792);
 }
 
 #[test]
@@ -26,13 +26,14 @@ fn the_layout_is_the_published_one() {
     let mut pose = PoseDatagram {
         epoch: 0x0403_0201,
         sequence: 5,
-        device_time_ns: 6,
-        last_tick: 7,
         ..Default::default()
     };
     pose.tools[0] = ToolPose {
         present: true,
         buttons: 0x0908,
+        sequence: 6,
+        device_time_ns: 7,
+        period_us: 8,
         ..Default::default()
     };
     let bytes = pose.to_bytes().expect("encodes");
@@ -40,9 +41,23 @@ fn the_layout_is_the_published_one() {
         bytes[..10],
         [PROTOCOL_VERSION, PoseDatagram::KIND, 1, 2, 3, 4, 5, 0, 0, 0]
     );
-    assert_eq!((bytes[10], bytes[18]), (6, 7));
-    assert_eq!(bytes[26..29], [1, 8, 9]);
+    assert_eq!(bytes[10..13], [1, 8, 9]);
+    assert_eq!((bytes[13], bytes[17], bytes[25]), (6, 7, 8));
     assert_eq!(bytes[41..45], 1f32.to_le_bytes());
+    let levels = WireLevels {
+        paused_by_station: true,
+        paused_by_student: false,
+        force_limit_n: 1.0,
+    };
+    let wrench = WrenchDatagram {
+        tick: 9,
+        levels,
+        ..Default::default()
+    };
+    let bytes = wrench.to_bytes().expect("encodes");
+    assert_eq!((bytes[1], bytes[10]), (WrenchDatagram::KIND, 9));
+    assert_eq!(bytes[18..20], [1, 0]);
+    assert_eq!(bytes[20..24], 1f32.to_le_bytes());
 }
 
 #[test]
@@ -76,7 +91,7 @@ fn what_is_not_exactly_so_is_refused() {
     );
     // The flag `present` must be 0 or 1.
     let mut flag = pose;
-    flag[26] = 2;
+    flag[10] = 2;
     assert!(matches!(
         PoseDatagram::from_bytes(&flag),
         Err(CodecError::Malformed(_))
@@ -89,8 +104,8 @@ fn a_wrench_that_could_hurt_is_refused_on_both_sides() {
     bad.tools[1].wrench.torque[2] = f32::NAN;
     assert_eq!(bad.to_bytes(), Err(CodecError::NotFinite("a wrench")));
     let mut bytes = WrenchDatagram::default().to_bytes().expect("encodes");
-    // The first force component of the first tool follows prefix, epoch, sequence, tick and echo.
-    bytes[35..39].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    // The first force component of the first tool follows prefix, epoch, sequence, tick and levels.
+    bytes[24..28].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert_eq!(
         WrenchDatagram::from_bytes(&bytes),
         Err(CodecError::NotFinite("a wrench"))
@@ -98,29 +113,15 @@ fn a_wrench_that_could_hurt_is_refused_on_both_sides() {
 }
 
 #[test]
-fn planes_and_echo_have_one_form() {
-    let mut five = WrenchDatagram::default();
-    five.tools[0].plane_count = 5;
-    assert!(matches!(five.to_bytes(), Err(CodecError::NotCanonical(_))));
-    let mut unused = WrenchDatagram::default();
-    unused.tools[0].planes[3].offset = -0.0;
-    assert!(matches!(
-        unused.to_bytes(),
-        Err(CodecError::NotCanonical(_))
-    ));
-    let echo = Echo {
-        valid: false,
-        sequence: 1,
-        ..Default::default()
-    };
-    assert!(matches!(
-        WrenchDatagram {
-            echo,
-            ..Default::default()
-        }
-        .to_bytes(),
-        Err(CodecError::NotCanonical(_))
-    ));
+fn echo_and_levels_have_one_form() {
+    let mut echo = WrenchDatagram::default();
+    echo.tools[1].echo.sequence = 1;
+    assert!(matches!(echo.to_bytes(), Err(CodecError::NotCanonical(_))));
+    let mut levels = WrenchDatagram::default();
+    levels.levels.force_limit_n = -1.0;
+    assert!(matches!(levels.to_bytes(), Err(CodecError::NotCanonical(_))));
+    levels.levels.force_limit_n = f32::NAN;
+    assert_eq!(levels.to_bytes(), Err(CodecError::NotFinite("the force limit")));
 }
 
 fn finite() -> impl Strategy<Value = f32> {
@@ -146,16 +147,38 @@ fn pose() -> impl Strategy<Value = WirePose> {
         })
 }
 
+fn echo() -> impl Strategy<Value = Echo> {
+    any::<Option<(u32, u64, u32)>>().prop_map(|some| {
+        some.map_or_else(Echo::default, |(sequence, device_time_ns, hold_us)| Echo {
+            valid: true,
+            sequence,
+            device_time_ns,
+            hold_us,
+        })
+    })
+}
+
 prop_compose! {
     fn tool_wrench()(
-        wrench in wrench(), graphic in pose(), status in any::<u16>(),
-        used in prop::collection::vec(prop::array::uniform4(finite()), 0..=4),
+        wrench in wrench(), graphic in pose(), status in any::<u16>(), echo in echo(),
     ) -> ToolWrench {
-        let mut slot = ToolWrench { wrench, graphic, status, plane_count: used.len() as u8, ..Default::default() };
-        for (plane, [x, y, z, offset]) in slot.planes.iter_mut().zip(used) {
-            *plane = Plane { normal: [x, y, z], offset };
-        }
-        slot
+        ToolWrench { wrench, graphic, status, echo }
+    }
+}
+
+prop_compose! {
+    fn tool_pose()(
+        present in any::<bool>(), numbers in any::<(u16, u32, u64, u32)>(), pose in pose(),
+        displayed in wrench(),
+    ) -> ToolPose {
+        let (buttons, sequence, device_time_ns, period_us) = numbers;
+        ToolPose { present, buttons, sequence, device_time_ns, period_us, pose, displayed }
+    }
+}
+
+prop_compose! {
+    fn levels()(paused in any::<[bool; 2]>(), force_limit_n in 0f32..50.0) -> WireLevels {
+        WireLevels { paused_by_station: paused[0], paused_by_student: paused[1], force_limit_n }
     }
 }
 
@@ -174,7 +197,7 @@ proptest! {
         present in any::<[bool; 2]>(),
     ) {
         pose[..2].copy_from_slice(&[PROTOCOL_VERSION, PoseDatagram::KIND]);
-        (pose[26], pose[81]) = (present[0].into(), present[1].into());
+        (pose[10], pose[81]) = (present[0].into(), present[1].into());
         let decoded = PoseDatagram::from_bytes(&pose).expect("flags are valid");
         prop_assert_eq!(decoded.to_bytes().expect("encodes").to_vec(), pose);
         wrench[..2].copy_from_slice(&[PROTOCOL_VERSION, WrenchDatagram::KIND]);
@@ -185,23 +208,18 @@ proptest! {
 
     #[test]
     fn wrenches_survive(
-        epoch in any::<u32>(), sequence in any::<u32>(), tick in any::<u64>(),
-        echo in (any::<u32>(), any::<u64>(), any::<u32>()),
+        epoch in any::<u32>(), sequence in any::<u32>(), tick in any::<u64>(), levels in levels(),
         tools in prop::array::uniform2(tool_wrench()),
     ) {
-        let echo = Echo { valid: true, sequence: echo.0, device_time_ns: echo.1, hold_us: echo.2 };
-        let sent = WrenchDatagram { epoch, sequence, tick, echo, tools };
+        let sent = WrenchDatagram { epoch, sequence, tick, levels, tools };
         prop_assert_eq!(WrenchDatagram::from_bytes(&sent.to_bytes().expect("encodes")), Ok(sent));
     }
 
     #[test]
     fn poses_survive(
-        numbers in (any::<u32>(), any::<u32>(), any::<u64>(), any::<u64>()),
-        slots in prop::array::uniform2((any::<bool>(), any::<u16>(), pose(), wrench())),
+        epoch in any::<u32>(), sequence in any::<u32>(), tools in prop::array::uniform2(tool_pose()),
     ) {
-        let (epoch, sequence, device_time_ns, last_tick) = numbers;
-        let tools = slots.map(|(present, buttons, pose, displayed)| ToolPose { present, buttons, pose, displayed });
-        let sent = PoseDatagram { epoch, sequence, device_time_ns, last_tick, tools };
+        let sent = PoseDatagram { epoch, sequence, tools };
         prop_assert_eq!(PoseDatagram::from_bytes(&sent.to_bytes().expect("encodes")), Ok(sent));
     }
 }

@@ -1,5 +1,5 @@
 //! Datagrams of one session: poses in, through the newest-wins filter; wrenches out, with epoch, sequence and hold
-//! time.
+//! time. The datagrams outlive the student's connections; each connection has an epoch of its own.
 
 use quinn::Connection;
 use sulcus_proto::newest::{Arrival, ArrivalCounts};
@@ -10,7 +10,8 @@ use crate::session::handoff::{PoseIn, WrenchOut};
 use sulcus_link::clock::monotonic_ns;
 
 /// The network's ends of the two triple buffers, and counters of datagrams.
-pub(super) struct Datagrams {
+#[derive(Debug)]
+pub(crate) struct Datagrams {
     epoch: u32,
     filter: NewestWins,
     poses: Input<Option<PoseIn>>,
@@ -40,6 +41,16 @@ impl Datagrams {
     pub fn begin_epoch(&mut self, epoch: u32) {
         self.epoch = epoch;
         self.filter.restart();
+    }
+
+    /// Epoch of the datagrams.
+    pub fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// Takes all tools away: the student is gone. The next pose brings them back.
+    pub fn let_go(&mut self) {
+        self.poses.write(None);
     }
 
     /// Takes one datagram: the newest pose of the present epoch goes to the simulation.
@@ -72,9 +83,10 @@ impl Datagrams {
         } = *self.wrenches.output_buffer();
         datagram.epoch = self.epoch;
         datagram.sequence = self.sent;
-        if datagram.echo.valid {
-            let hold_us = monotonic_ns().saturating_sub(pose_arrived_ns) / 1000;
-            datagram.echo.hold_us = u32::try_from(hold_us).unwrap_or(u32::MAX);
+        let hold_us = monotonic_ns().saturating_sub(pose_arrived_ns) / 1000;
+        let hold_us = u32::try_from(hold_us).unwrap_or(u32::MAX);
+        for tool in datagram.tools.iter_mut().filter(|tool| tool.echo.valid) {
+            tool.echo.hold_us = hold_us;
         }
         match datagram.to_bytes() {
             Ok(bytes) => {

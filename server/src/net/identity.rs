@@ -11,6 +11,14 @@ pub(crate) struct Identity {
 }
 
 impl Identity {
+    /// Certificate and key from their DER forms.
+    pub fn from_der(certificate: &[u8], key: &[u8]) -> Self {
+        Self {
+            certificate: certificate.to_vec().into(),
+            key: PrivatePkcs8KeyDer::from(key.to_vec()).into(),
+        }
+    }
+
     /// A new self-signed certificate for `localhost` and, if the station's name can be a host name, for that name.
     pub fn generate(station: &str) -> Result<Self, ServerError> {
         let mut names = vec!["localhost".to_owned()];

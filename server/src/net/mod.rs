@@ -1,64 +1,52 @@
-//! The network thread: endpoint, admission, and one station's session at a time.
+//! The network thread: endpoint, first messages, one task for each connection and one for each station.
 
 pub(crate) mod addresses;
-mod admission;
 mod control;
-mod datagrams;
+pub(crate) mod datagrams;
+pub(crate) mod hello;
 pub(crate) mod identity;
-mod session;
+mod instructor;
+mod rate;
+mod student;
+pub mod tokens;
 pub(crate) mod transport;
 
+use std::panic::AssertUnwindSafe;
+use std::pin::pin;
 use std::sync::Arc;
+use std::task::Poll;
 use std::time::Duration;
 
 use quinn::{Connection, Endpoint, EndpointConfig, TokioRuntime, VarInt};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::EndReason;
 use sulcus_proto::limits::HELLO;
-use tokio::sync::{Mutex, watch};
 use tokio::task::JoinSet;
 
-use crate::session::levels::Levels;
-use crate::{ServerConfig, ServerError};
+use crate::ServerError;
+use crate::station::actor::Station;
+use crate::station::config::StationConfig;
+use crate::station::door::{Behind, Door};
+use crate::station::shared::Shared;
 
-/// Phase of the whole server.
+/// Stage in the life of the whole server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Phase {
+pub(crate) enum Stage {
     /// Accept connections and run sessions.
     Serve,
-    /// End the running session with a goodbye, then close.
+    /// End the running sessions with goodbyes, then close.
     Shutdown,
-    /// Close at once without a goodbye. The recording is still finished.
+    /// Close at once without a goodbye. The recordings are still finished.
     Halt,
 }
 
-/// Data shared by all connections.
-pub(crate) struct Shared {
-    pub config: ServerConfig,
-    pub scene_hash: [u8; 32],
-    pub phase: watch::Receiver<Phase>,
-    /// Pause and force limit of the station's side.
-    pub levels: Levels,
-    /// Number of pauses that the station's side has lifted. Each change begins a new epoch.
-    pub lifted: watch::Receiver<u64>,
-    /// State of the station, locked by the client that uses it. A client that finds it locked is refused as busy.
-    pub station: Arc<Mutex<Station>>,
-}
-
-/// State of the station from session to session.
-pub(crate) struct Station {
-    /// Newest epoch; every accepted client and every resume takes the next one.
-    pub epoch: u32,
-    /// Summaries of the sessions so far, oldest first.
-    pub summaries: Vec<SessionSummary>,
-}
-
-impl Station {
-    /// Takes the next epoch. After the largest number comes 1; 0 is never used.
-    pub fn next_epoch(&mut self) -> u32 {
-        self.epoch = self.epoch.wrapping_add(1).max(1);
-        self.epoch
-    }
+/// Data of the network thread that all connections share.
+pub(crate) struct Net {
+    pub shared: Arc<Shared>,
+    /// Doors of all stations, in the order of the configuration.
+    pub doors: Vec<Door>,
+    /// Hash of the tick self-test.
+    pub self_test: u64,
 }
 
 /// Application code of a close after a goodbye, or at the end of the server.
@@ -73,36 +61,44 @@ const LAST_WORD: Duration = Duration::from_secs(2);
 const FAREWELL: Duration = Duration::from_secs(10);
 /// Further time for a recording on a slow disk.
 const FINISHING: Duration = Duration::from_secs(20);
-/// Largest number of connections served at once, refused clients included.
-const CONNECTIONS: usize = 64;
+/// Largest number of connections served at once, refused clients included: student, display and instructor at each of
+/// 64 stations, and as many again.
+const CONNECTIONS: usize = 384;
 /// Number of connections from which a new client must prove its address first. Senders with false addresses must not
 /// take all slots.
 const CROWD: usize = CONNECTIONS / 2;
 /// Largest length of an error in a log line, characters. The error may quote a peer.
 const ERROR_CHARACTERS: usize = 256;
 
-/// Serves until the phase is no longer [`Phase::Serve`]. Returns the summaries of the sessions, oldest first.
+/// Serves until the stage is no longer [`Stage::Serve`]. Returns the summaries of the sessions, in the order of their
+/// ends.
 pub(crate) async fn serve(
     socket: std::net::UdpSocket,
     quic: quinn::ServerConfig,
-    shared: Arc<Shared>,
+    net: Arc<Net>,
+    stations: Vec<(StationConfig, Door, Behind)>,
 ) -> Result<Vec<SessionSummary>, ServerError> {
+    let shared = net.shared.clone();
     let endpoint = Endpoint::new(
         EndpointConfig::default(),
         Some(quic),
         socket,
         Arc::new(TokioRuntime),
     )?;
-    let mut phase = shared.phase.clone();
+    let mut stage = shared.stage.clone();
+    let mut actors = JoinSet::new();
+    for (config, door, behind) in stations {
+        actors.spawn(station(config, door, behind, shared.clone()));
+    }
     let mut connections = JoinSet::new();
-    while *phase.borrow_and_update() == Phase::Serve {
+    while *stage.borrow_and_update() == Stage::Serve {
         tokio::select! {
-            _ = phase.changed() => {}
+            _ = stage.changed() => {}
             Some(_) = connections.join_next() => {}
             incoming = endpoint.accept() => match incoming {
                 Some(incoming) => match answer(connections.len(), incoming.remote_address_validated()) {
                     Answer::Serve => {
-                        connections.spawn(connection(incoming, shared.clone()));
+                        connections.spawn(connection(incoming, net.clone()));
                     }
                     // An error means a validated address, which `answer` excludes.
                     Answer::Retry => drop(incoming.retry()),
@@ -112,27 +108,62 @@ pub(crate) async fn serve(
             },
         }
     }
-    // Sessions read the phase too; each finishes its recording before its task ends.
-    let halted = *phase.borrow() == Phase::Halt;
-    let ended = !halted && all_ended(&mut connections, FAREWELL).await;
+    // Stations read the stage too; each finishes its recording before its task ends.
+    let halted = *stage.borrow() == Stage::Halt;
+    let stopped = all_ended(&mut actors, if halted { FINISHING } else { FAREWELL + FINISHING }).await;
+    if !halted {
+        all_ended(&mut connections, FAREWELL).await;
+    }
     // Nothing waits for a client from here on.
     endpoint.close(CLOSE_OK, b"server stopped");
-    let unfinished = !ended
-        && !all_ended(&mut connections, FINISHING).await
-        // Only a session holds the lock that long.
-        && shared.station.try_lock().is_err();
     connections.shutdown().await;
     // Time for the last packets; lost clients do not extend it.
     let _ = tokio::time::timeout(LAST_WORD, endpoint.wait_idle()).await;
-    let mut station = shared.station.lock().await;
-    if unfinished {
+    let mut summaries = shared.take_summaries();
+    if !stopped {
         tracing::error!(
-            "the session did not end in time; its recording may lack the end: complete it with `sulcus-sessions info --recover`"
+            "a session did not end in time; its recording may lack the end: complete it with `sulcus-sessions info --recover`"
         );
-        let summary = SessionSummary::empty(EndReason::Recording);
-        station.summaries.push(summary);
+        summaries.push(SessionSummary::empty(EndReason::Recording));
     }
-    Ok(std::mem::take(&mut station.summaries))
+    Ok(summaries)
+}
+
+/// Runs a station until the end of the server. After a panic of its task the station begins anew: its session's threads
+/// end, and the recording has no end. Other stations go on.
+async fn station(config: StationConfig, door: Door, behind: Behind, shared: Arc<Shared>) {
+    let mut behind = Some(behind);
+    loop {
+        let Some(ends) = behind.take() else { return };
+        let plan = config.plan.clone();
+        let mut station = Station::new(shared.clone(), door.clone(), ends, plan);
+        if !panics(station.run()).await {
+            return;
+        }
+        tracing::error!(
+            "station {}: its task ended unexpectedly; its session is lost, and a new one can begin",
+            door.name
+        );
+        shared.ended(SessionSummary {
+            station: door.name.to_string(),
+            ..SessionSummary::empty(EndReason::Simulation)
+        });
+        behind = Some(station.into_behind());
+    }
+}
+
+/// Runs a future to its end. `true`: it has panicked.
+async fn panics(future: impl Future<Output = ()>) -> bool {
+    let mut future = pin!(future);
+    std::future::poll_fn(move |context| {
+        let poll = AssertUnwindSafe(|| future.as_mut().poll(context));
+        match std::panic::catch_unwind(poll) {
+            Ok(Poll::Pending) => Poll::Pending,
+            Ok(Poll::Ready(())) => Poll::Ready(false),
+            Err(_) => Poll::Ready(true),
+        }
+    })
+    .await
 }
 
 /// Answer to the first packet of a client.
@@ -160,12 +191,12 @@ async fn all_ended(connections: &mut JoinSet<()>, limit: Duration) -> bool {
     tokio::time::timeout(limit, all).await.is_ok()
 }
 
-async fn connection(incoming: quinn::Incoming, shared: Arc<Shared>) {
+async fn connection(incoming: quinn::Incoming, net: Arc<Net>) {
     let from = incoming.remote_address();
     match tokio::time::timeout(HELLO, incoming).await {
-        Ok(Ok(connection)) => admission::admit(connection, shared).await,
+        Ok(Ok(connection)) => hello::admit(connection, net).await,
         Ok(Err(error)) => {
-            let why = admission::printable(&error.to_string(), ERROR_CHARACTERS);
+            let why = hello::printable(&error.to_string(), ERROR_CHARACTERS);
             tracing::info!("connection from {from} failed: {why}");
         }
         Err(_) => tracing::info!(
@@ -198,9 +229,9 @@ mod tests {
 
     #[test]
     fn a_peers_reason_with_newlines_stays_on_its_log_line() {
-        let why = admission::printable("aborted: \r\n\u{1b}[2Jit is fine", ERROR_CHARACTERS);
+        let why = hello::printable("aborted: \r\n\u{1b}[2Jit is fine", ERROR_CHARACTERS);
         assert_eq!(why, "aborted: [2Jit is fine");
-        let long = admission::printable(&"x".repeat(10_000), ERROR_CHARACTERS);
+        let long = hello::printable(&"x".repeat(10_000), ERROR_CHARACTERS);
         assert_eq!(long.len(), ERROR_CHARACTERS);
     }
 }

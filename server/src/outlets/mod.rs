@@ -1,3 +1,4 @@
-//! Outlets: listeners to the ticks of a session. The recorder is the only one so far.
+//! Outlets: listeners to the ticks of a session, on the recorder's thread. None can delay a tick.
 
 pub(crate) mod recording;
+pub(crate) mod status;

@@ -11,17 +11,22 @@ use sulcus_core::{Scene, State, TickOutput, Vec3};
 use sulcus_link::Bell;
 use sulcus_link::clock::unix_ns;
 use sulcus_proto::SessionSummary;
-use sulcus_proto::control::{ClientHello, Event};
+use sulcus_proto::control::{DeviceInfo, Event};
+use sulcus_proto::station::StationEvent;
 use sulcus_sessions::exercise::events::{LOST, Look};
+use tokio::sync::broadcast;
+
 use sulcus_sessions::{
     Events, Exercise, Level, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
     SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
-use crate::ServerConfig;
+use crate::outlets::status::{Live, StatusOutlet};
 use crate::session::changes::Changes;
-use crate::session::handoff::Flags;
+use crate::session::handoff::{Flags, Provoked};
 use crate::session::levels::InForce;
+use crate::station::config::SessionPlan;
+use crate::station::journal::Predecessor;
 
 /// Pause between two passes over the queue, which holds about four seconds or more. The recorder itself flushes every
 /// 100 ms of recorded time.
@@ -55,6 +60,8 @@ pub(crate) enum Entry {
 pub(crate) enum FromNetwork {
     /// Event of the client.
     Event(Event),
+    /// Event of the station: a gap, an instruction.
+    Occurrence(Box<Occurrence>),
     /// End of the session. The simulation has ended, and no entry follows.
     End(Box<SessionSummary>),
 }
@@ -69,29 +76,51 @@ pub(crate) struct Report {
 }
 
 /// Facts of a session before its recording.
-pub(crate) struct Plan {
-    learner: String,
-    client: String,
-    started_unix_ns: u64,
+pub(crate) struct Opening {
+    /// Plan of the session.
+    pub plan: Arc<SessionPlan>,
+    /// Folder of recordings.
+    pub folder: PathBuf,
+    /// File of the station's key; `None`: the default path.
+    pub key: Option<PathBuf>,
+    /// Name of the station.
+    pub station: String,
+    /// Opaque learner id; empty for an anonymous learner.
+    pub learner: String,
+    /// First line of the log: the client's program and device.
+    pub client: String,
+    /// Device of the client.
+    pub device: DeviceInfo,
+    /// Recording that this one continues.
+    pub predecessor: Option<Predecessor>,
+    /// Status of the session, for the station.
+    pub live: Arc<Live>,
+    /// Events for instructors.
+    pub events: broadcast::Sender<StationEvent>,
 }
 
-impl Plan {
-    pub fn new(config: &ServerConfig, hello: &ClientHello) -> Self {
-        let learner = if hello.learner.is_empty() {
-            &config.learner
-        } else {
-            &hello.learner
-        };
-        Self {
-            learner: learner.clone(),
-            client: format!("client {} with device {}", hello.program, hello.device),
-            started_unix_ns: unix_ns(),
-        }
+/// An open recording with header, scene and the state before the first tick; its file's name; the finder of events;
+/// the listeners besides the recording.
+pub(crate) struct Open(SessionWriter, String, Narrator, Listeners);
+
+/// Listeners besides the recording: status and events for instructors. No listener blocks.
+pub(crate) struct Listeners {
+    station: String,
+    status: StatusOutlet,
+    events: broadcast::Sender<StationEvent>,
+}
+
+impl Listeners {
+    /// Sends an event to all instructors. A slow instructor misses the oldest ones.
+    fn event(&self, occurrence: &Occurrence) {
+        // An error means that nobody listens.
+        let _ = self.events.send(StationEvent {
+            station: self.station.clone(),
+            tick: occurrence.tick,
+            text: occurrence.to_string(),
+        });
     }
 }
-
-/// An open recording with header, scene and the state before the first tick; its file's name; the finder of events.
-pub(crate) struct Open(SessionWriter, String, Narrator);
 
 /// Finder of a session's events.
 pub(crate) struct Narrator {
@@ -100,18 +129,18 @@ pub(crate) struct Narrator {
 }
 
 impl Narrator {
-    fn new(config: &ServerConfig) -> Self {
-        let exercise = Exercise::recorded(&config.exercise.definition);
-        let events = Events::new(&config.scene, &exercise);
+    fn new(plan: &SessionPlan) -> Self {
+        let exercise = Exercise::recorded(&plan.exercise.definition);
+        let events = Events::new(&plan.scene, &exercise);
         for what in events.missing() {
             tracing::warn!(
                 "exercise `{}` needs {what}, which scene `{}` lacks",
-                config.exercise.name,
-                config.scene.name
+                plan.exercise.name,
+                plan.scene.name
             );
         }
         Self {
-            scene: config.scene.clone(),
+            scene: plan.scene.clone(),
             events,
         }
     }
@@ -123,6 +152,11 @@ impl Narrator {
 }
 
 impl Open {
+    /// File name of the recording.
+    pub fn file_name(&self) -> &str {
+        &self.1
+    }
+
     /// Finder of the events.
     pub fn narrator(&self) -> &Narrator {
         &self.2
@@ -149,33 +183,40 @@ pub(crate) struct Returned {
 /// # Errors
 /// One sentence: the key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this
 /// second.
-pub(crate) fn open(config: &ServerConfig, plan: Plan) -> Result<Open, String> {
+pub(crate) fn open(opening: Opening) -> Result<Open, String> {
+    let plan = &opening.plan;
+    let started = unix_ns();
     let header = SessionHeader {
-        exercise_name: config.exercise.name.clone(),
-        exercise: config.exercise.definition.clone(),
-        patient: config.patient.clone(),
-        rubric: config.rubric.clone(),
-        seed: config.exercise.seed,
-        station: config.station.clone(),
-        learner_id: plan.learner,
-        mode: Some(config.mode),
-        started_unix_ns: plan.started_unix_ns,
-        ..SessionHeader::new(config.scene_bytes.to_vec())
+        exercise_name: plan.exercise.name.clone(),
+        exercise: plan.exercise.definition.clone(),
+        patient: plan.patient.clone(),
+        rubric: plan.rubric.clone(),
+        seed: plan.exercise.seed,
+        station: opening.station.clone(),
+        learner_id: opening.learner.clone(),
+        mode: Some(plan.mode),
+        started_unix_ns: started,
+        ..SessionHeader::new(plan.scene_bytes.to_vec())
     };
-    let key = station_key(config.station_key.as_deref()).map_err(|error| error.to_string())?;
-    let (recorder, path) = Recorder::create_in(&config.recordings, &header, &key)
+    let key = station_key(opening.key.as_deref()).map_err(|error| error.to_string())?;
+    let (recorder, path) = Recorder::create_in(&opening.folder, &header, &key)
         .map_err(|error| error.to_string())?;
     let name = path
         .file_name()
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    let begin = State::new(&config.scene).to_bytes();
-    let (started, opening) = (plan.started_unix_ns, Some(plan.client.as_str()));
-    let mut writer = SessionWriter::begin(recorder, &config.scene, started, &begin, opening)
+    let begin = State::new(&plan.scene).to_bytes();
+    let client = Some(opening.client.as_str());
+    let mut writer = SessionWriter::begin(recorder, &plan.scene, started, &begin, client)
         .map_err(|error| error.to_string())?;
     writer.flush().map_err(|error| error.to_string())?;
-    Ok(Open(writer, name, Narrator::new(config)))
+    let listeners = Listeners {
+        station: opening.station,
+        status: StatusOutlet::new(&plan.scene, opening.live),
+        events: opening.events,
+    };
+    Ok(Open(writer, name, Narrator::new(plan), listeners))
 }
 
 /// Key that signs recordings, from `path`, else from [`StationKey::default_path`]. A missing key is created.
@@ -194,10 +235,11 @@ pub(crate) fn spawn(
     flags: Arc<Flags>,
     bell: Bell,
 ) -> std::io::Result<JoinHandle<Report>> {
-    let Open(writer, file_name, narrator) = open;
+    let Open(writer, file_name, narrator, listeners) = open;
     let thread = Thread {
         writer,
         narrator,
+        listeners,
         look: None,
         shapes: None,
         changes: Changes::default(),
@@ -231,6 +273,7 @@ impl Drop for Alarm {
 struct Thread {
     writer: SessionWriter,
     narrator: Narrator,
+    listeners: Listeners,
     /// Newest look, until its tick comes.
     look: Option<(u64, Vec<Vec3>)>,
     /// Newest shapes, until their tick comes.
@@ -254,11 +297,18 @@ impl Thread {
             bell: self.bell.clone(),
         };
         let end = loop {
+            self.flags.provoke(Provoked::Recorder);
             self.drain();
             match self.network.try_recv() {
                 Ok(FromNetwork::Event(event)) => {
                     let text = format!("{} at tick {}: {}", event.kind, event.tick, event.json);
                     let result = self.writer.event(unix_ns(), Level::Info, &text);
+                    self.check(result);
+                }
+                Ok(FromNetwork::Occurrence(occurrence)) => {
+                    self.listeners.event(&occurrence);
+                    let text = occurrence.to_string();
+                    let result = self.writer.event(unix_ns(), occurrence.level(), &text);
                     self.check(result);
                 }
                 Ok(FromNetwork::End(summary)) => break Some(summary),
@@ -346,7 +396,12 @@ impl Thread {
         let centres = centres.map(|(_, centres)| centres.as_slice());
         let Narrator { scene, events } = &mut self.narrator;
         let changed = self.changes.take(row.tick, in_force);
-        let found = events.take(scene, output, centres);
+        let found: Vec<Occurrence> = events.take(scene, output, centres).collect();
+        // Before the disk, which may be slow.
+        self.listeners.status.tick(row, output, events, cpu_ns);
+        for occurrence in changed.iter().chain(&found) {
+            self.listeners.event(occurrence);
+        }
         let shapes = self.shapes.take();
         let recorded = RecordedTick {
             row,
@@ -434,7 +489,17 @@ mod tests {
             scene,
         };
         let writer = SessionWriter::begin(recorder, &narrator.scene, 0, &[], None);
-        let open = Open(writer.expect("begun"), "session.mcap".into(), narrator);
+        let listeners = Listeners {
+            station: "station".into(),
+            status: StatusOutlet::new(&narrator.scene, Arc::default()),
+            events: broadcast::channel(1).0,
+        };
+        let open = Open(
+            writer.expect("begun"),
+            "session.mcap".into(),
+            narrator,
+            listeners,
+        );
         let thread = spawn(
             open,
             entries_out,

@@ -57,13 +57,19 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// Checks the ranges of all fields.
+    /// Checks the ranges of all fields for a tick rate, 1/s. A budget of nine tenths of a tick is the largest.
     ///
     /// # Errors
     /// The first field out of range: its name, the value found, the range expected.
-    pub fn validate(&self) -> Result<(), (&'static str, String, &'static str)> {
+    pub fn validate(&self, rate_hz: u16) -> Result<(), (&'static str, String, &'static str)> {
+        let most_us = 900_000 / u32::from(rate_hz.max(1));
         let fields = [
-            ("detail budget", self.budget_us, 10..=900, "10 to 900 us"),
+            (
+                "detail budget",
+                self.budget_us,
+                10..=most_us,
+                "10 us to nine tenths of a tick: 900 us at 1 kHz, 112 us at 8 kHz",
+            ),
             (
                 "detail growth",
                 self.growth_percent,
@@ -256,14 +262,14 @@ mod tests {
 
     #[test]
     fn ranges_are_said() {
-        assert_eq!(Budget::default().validate(), Ok(()));
+        assert_eq!(Budget::default().validate(1000), Ok(()));
         let wrong = Budget {
             budget_us: 5000,
             ..Budget::default()
         };
         assert_eq!(
-            wrong.validate(),
-            Err(("detail budget", "5000".into(), "10 to 900 us"))
+            wrong.validate(1000),
+            Err(("detail budget", "5000".into(), "10 us to nine tenths of a tick: 900 us at 1 kHz, 112 us at 8 kHz"))
         );
     }
 }

@@ -4,7 +4,7 @@
 //! entry, and dropped rows are counted. Atomic words hold buttons, and in [`crate::session::levels`] pause and force
 //! limit. One eventfd wakes the network.
 
-use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU64, Ordering};
 
 use sulcus_core::{MAX_TOOLS, Params};
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
@@ -66,6 +66,31 @@ pub(crate) struct WrenchOut {
     pub pose_arrived_ns: u64,
 }
 
+/// Progress of the simulation, for threads that are no real-time threads.
+#[derive(Debug, Default)]
+pub(crate) struct Progress {
+    /// Newest tick.
+    pub tick: AtomicU64,
+    /// Number of commands of the station's side that the newest tick obeyed.
+    pub commands: AtomicU64,
+    /// First tick that obeyed that number of commands.
+    pub since: AtomicU64,
+}
+
+/// Fault that a test provokes in a thread or a task of a station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[doc(hidden)]
+pub enum Provoked {
+    /// Panic of the simulation.
+    Simulation = 1,
+    /// Panic of the recorder.
+    Recorder = 2,
+    /// Panic of the task of the student's connection.
+    Connection = 3,
+    /// Panic of the task of the station.
+    Station = 4,
+}
+
 /// Flags of one session.
 #[derive(Debug, Default)]
 pub(crate) struct Flags {
@@ -75,6 +100,8 @@ pub(crate) struct Flags {
     pub record_failed: AtomicBool,
     /// Simulation to network: the thread ends, by request or by a panic.
     pub simulation_over: AtomicBool,
+    /// Fault that a test asks for; 0 for none.
+    pub provoked: AtomicU8,
 }
 
 impl Flags {
@@ -83,6 +110,13 @@ impl Flags {
     }
     pub fn is_up(flag: &AtomicBool) -> bool {
         flag.load(Ordering::Acquire)
+    }
+
+    /// Panics if a test has asked for this fault.
+    pub fn provoke(&self, fault: Provoked) {
+        if self.provoked.load(Ordering::Relaxed) == fault as u8 {
+            panic!("a fault that a test provokes: {fault:?}");
+        }
     }
 }
 

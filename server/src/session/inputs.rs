@@ -37,9 +37,9 @@ impl Inputs {
         }
     }
 
-    /// Takes a newer pose.
-    pub fn pose(&mut self, pose: PoseIn) {
-        self.pose = Some(pose);
+    /// Takes a newer pose. `None`: the student is gone, and all tools are absent.
+    pub fn pose(&mut self, pose: Option<PoseIn>) {
+        self.pose = pose;
     }
 
     /// Newest pose; `None` before the first one.
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn a_pose_ages_and_goes_stale_after_fifty_ticks() {
         let mut inputs = Inputs::new(1, TICK_NS);
-        inputs.pose(pose(10 * TICK_NS, [true, false]));
+        inputs.pose(Some(pose(10 * TICK_NS, [true, false])));
         let ages: Vec<_> = [9, 10, 11, 59, 60, 100_000]
             .map(|tick| inputs.take(tick * TICK_NS, 0).tools[0])
             .map(|tool| (tool.age_ticks, tool.stale))
@@ -130,14 +130,23 @@ mod tests {
                 (u16::MAX, true)
             ]
         );
-        inputs.pose(pose(100_000 * TICK_NS, [true, false]));
+        inputs.pose(Some(pose(100_000 * TICK_NS, [true, false])));
         assert!(!inputs.take(100_000 * TICK_NS, 0).tools[0].stale);
+    }
+
+    #[test]
+    fn a_student_who_is_gone_holds_no_tool() {
+        let mut inputs = Inputs::new(1, TICK_NS);
+        inputs.pose(Some(pose(0, [true, false])));
+        assert!(inputs.take(0, 0).tools[0].present);
+        inputs.pose(None);
+        assert_eq!(inputs.take(0, 0), TickInput::IDLE);
     }
 
     #[test]
     fn slots_without_hand_or_without_tool_are_absent() {
         let mut inputs = Inputs::new(1, TICK_NS);
-        inputs.pose(pose(0, [false, true]));
+        inputs.pose(Some(pose(0, [false, true])));
         assert_eq!(
             inputs.take(0, 3),
             TickInput {
@@ -150,7 +159,7 @@ mod tests {
     #[test]
     fn a_press_is_seen_for_one_tick_even_when_no_pose_holds_it() {
         let mut inputs = Inputs::new(1, TICK_NS);
-        inputs.pose(pose(0, [true, false]));
+        inputs.pose(Some(pose(0, [true, false])));
         inputs.pressed([8, 1]);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
@@ -161,9 +170,9 @@ mod tests {
         let mut inputs = Inputs::new(1, TICK_NS);
         inputs.pressed([8, 0]);
         assert_eq!(inputs.take(0, 0), TickInput::IDLE);
-        inputs.pose(pose(0, [false, false]));
+        inputs.pose(Some(pose(0, [false, false])));
         assert_eq!(inputs.take(0, 0), TickInput::IDLE);
-        inputs.pose(pose(0, [true, false]));
+        inputs.pose(Some(pose(0, [true, false])));
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 8);
         assert_eq!(inputs.take(0, 0).tools[0].buttons, 0);
     }

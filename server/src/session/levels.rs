@@ -1,8 +1,8 @@
 //! Pause and force limit as levels: atomic words that every tick reads. No queue delays a command.
 //!
-//! The station's side and the student's connection each have a level. The station's level lives as long as the server:
-//! before, between and after sessions. The student's level lives as long as the connection. A tick obeys the pause of
-//! either side and the smaller of the two limits: a student can lower the force, never raise it.
+//! The station's side and the student each have a level. The station's level lives as long as the station: before,
+//! between and after sessions. The student's level lives as long as the session. A tick obeys the pause of either side
+//! and the smaller of the two limits: a student can lower the force, never raise it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -23,7 +23,7 @@ pub(crate) struct Level {
 pub(crate) struct InForce {
     /// Level of the station's side.
     pub station: Level,
-    /// Level of the student's connection.
+    /// Level of the student.
     pub student: Level,
 }
 
@@ -101,28 +101,38 @@ pub(crate) fn is_limit(newtons: f32) -> bool {
     newtons.is_finite() && newtons >= 0.0
 }
 
-/// Level of the station and level of one connection. Clones share both.
+/// Level of the station and level of one student. Clones share both.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
     station: Arc<Word>,
     student: Arc<Word>,
+    /// Number of commands of the station's side so far. A tick that has read number n obeys the first n commands.
+    commands: Arc<AtomicU64>,
 }
 
 impl Levels {
-    /// Levels of a new connection: the same station, and a student without pause and limit.
-    pub fn of_new_connection(&self) -> Self {
+    /// Levels of a new session: the same station, and a student without pause and limit.
+    pub fn of_new_session(&self) -> Self {
         Self {
-            station: self.station.clone(),
             student: Arc::default(),
+            ..self.clone()
         }
     }
 
     /// Applies a command of the station's side.
     pub fn station(&self, command: Command) -> Taken {
-        self.station.take(command)
+        let taken = self.station.take(command);
+        // After the word: a tick that reads the new number reads the new word too.
+        self.commands.fetch_add(1, Ordering::AcqRel);
+        taken
     }
 
-    /// Applies a command of the student's connection.
+    /// Number of commands of the station's side so far.
+    pub fn commands(&self) -> u64 {
+        self.commands.load(Ordering::Acquire)
+    }
+
+    /// Applies a command of the student.
     pub fn student(&self, command: Command) -> Taken {
         self.student.take(command)
     }
@@ -176,14 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn the_stations_level_outlives_a_connection_and_the_students_does_not() {
+    fn the_stations_level_outlives_a_session_and_the_students_does_not() {
         let server = Levels::default();
         server.station(Command::ForceLimit(1.5));
-        let first = server.of_new_connection();
+        let first = server.of_new_session();
         first.student(Command::Pause);
         first.student(Command::ForceLimit(0.1));
         assert!(first.in_force().paused());
-        let second = server.of_new_connection();
+        let second = server.of_new_session();
         server.station(Command::Pause);
         let now = second.in_force();
         assert_eq!((now.paused(), now.force_limit_n()), (true, 1.5));

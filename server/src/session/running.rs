@@ -1,7 +1,8 @@
-//! Threads of a session, simulation and recorder, and their hand-overs, as the network uses them.
+//! Threads of a session, simulation and recorder, and their hand-overs, as the station and its connections use them.
 
-use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use rtrb::RingBuffer;
@@ -9,15 +10,14 @@ use sulcus_core::{State, Vec3};
 use sulcus_link::Bell;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Event};
-use sulcus_proto::newest::ArrivalCounts;
-use sulcus_sessions::Shapes;
-use triple_buffer::{Input, Output, triple_buffer};
+use sulcus_sessions::{Occurrence, Shapes};
+use triple_buffer::triple_buffer;
 
-use crate::ServerConfig;
+use crate::net::datagrams::Datagrams;
 use crate::outlets::recording;
-use crate::outlets::recording::{EVENTS, FromNetwork, Plan, Report, Returned};
+use crate::outlets::recording::{EVENTS, FromNetwork, Opening, Report, Returned};
 use crate::session::handoff::{
-    Flags, PoseIn, Pressed, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
+    Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
 };
 use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;
@@ -36,6 +36,7 @@ impl Drop for Abandoned {
 }
 
 /// Channel of a client's events to the recorder, bounded in number and in bytes. A push never blocks.
+#[derive(Debug)]
 struct Events {
     to_recorder: SyncSender<FromNetwork>,
     /// Sum of the accepted events, bytes.
@@ -70,53 +71,119 @@ impl Events {
     }
 }
 
+/// Ends of a session's hand-overs for the connections of its student. The connection that is attached uses them; a
+/// later connection takes over.
+#[derive(Debug)]
+pub(crate) struct Ports {
+    datagrams: Mutex<Datagrams>,
+    events: Mutex<Events>,
+    pressed: Arc<Pressed>,
+    bell: Bell,
+    flags: Arc<Flags>,
+    progress: Arc<Progress>,
+    /// Levels of the station and of the session's student.
+    pub levels: Levels,
+}
+
+impl Ports {
+    /// Datagrams of the session. The lock is held for one datagram at most, and never across an `await`.
+    pub fn datagrams(&self) -> MutexGuard<'_, Datagrams> {
+        // After a panic of a connection the datagrams are whole: each step leaves them consistent.
+        self.datagrams
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Wake-up of the network: after every tick, at the end of the simulation, and at a failure of the recorder.
+    pub fn bell(&self) -> &Bell {
+        &self.bell
+    }
+
+    /// Flags of the session.
+    pub fn flags(&self) -> &Flags {
+        &self.flags
+    }
+
+    /// Progress of the simulation.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// Newest tick.
+    pub fn tick(&self) -> u64 {
+        self.progress.tick.load(Ordering::Relaxed)
+    }
+
+    /// Passes the press of a button to the simulation.
+    pub fn press(&self, tool: u8, button: u8) {
+        self.pressed.press(tool, button);
+    }
+
+    /// Passes an event of the client to the recorder. An event above the limits is dropped and counted.
+    pub fn event(&self, event: Event) {
+        self.events().push(event);
+    }
+
+    /// Passes an event of the station to the recorder. `false`: the recorder's channel is full or closed.
+    pub fn occurrence(&self, occurrence: Occurrence) -> bool {
+        let message = FromNetwork::Occurrence(Box::new(occurrence));
+        self.events().to_recorder.try_send(message).is_ok()
+    }
+
+    fn events(&self) -> MutexGuard<'_, Events> {
+        self.events.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// A running session: handles of its threads.
 pub(crate) struct Running {
-    flags: Arc<Flags>,
+    file_name: String,
     _abandoned: Abandoned,
-    bell: Bell,
-    pressed: Arc<Pressed>,
-    events: Events,
+    ports: Arc<Ports>,
     simulation: JoinHandle<Metrics>,
     recorder: JoinHandle<Report>,
 }
 
-/// A new session and the network's ends of its triple buffers.
-pub(crate) struct Started {
-    pub running: Running,
-    pub poses: Input<Option<PoseIn>>,
-    pub wrenches: Output<WrenchOut>,
+/// Facts for the start of a session besides its opened recording.
+pub(crate) struct Begin {
+    /// Session epoch of the first connection.
+    pub epoch: u32,
+    /// Pause and force limit, which the first tick obeys.
+    pub levels: Levels,
+    /// Whether to request real-time scheduling and locked memory.
+    pub real_time: bool,
+    /// Core of the simulation; `None`: any.
+    pub core: Option<usize>,
 }
 
 impl Running {
-    /// Opens the recording, then starts both threads. The first tick obeys `levels`. Blocks while the scene is written.
+    /// Opens the recording, then starts both threads. Blocks while the scene is written.
     ///
     /// # Errors
     /// The reason of the end and one sentence: the recording cannot be written, or a thread cannot start.
-    pub fn start(
-        config: &ServerConfig,
-        plan: Plan,
-        levels: Levels,
-    ) -> Result<Started, (EndReason, String)> {
-        let recorder =
-            recording::open(config, plan).map_err(|text| (EndReason::Recording, text))?;
-        let start = || -> std::io::Result<Started> {
+    pub fn start(opening: Opening, begin: Begin) -> Result<Self, (EndReason, String)> {
+        let plan = opening.plan.clone();
+        let recorder = recording::open(opening).map_err(|text| (EndReason::Recording, text))?;
+        let start = || -> std::io::Result<Self> {
+            let scene = &plan.scene;
+            let file_name = recorder.file_name().to_owned();
             let bell = Bell::new()?;
             let flags = Arc::new(Flags::default());
+            let progress = Arc::<Progress>::default();
             let (poses, poses_out) = triple_buffer(&None);
             let (wrenches_in, wrenches) = triple_buffer(&WrenchOut::default());
             let pressed = Arc::<Pressed>::default();
-            let rows = rows(&config.scene.params);
+            let rows = rows(&scene.params);
             let (entries, entries_out) = RingBuffer::new(rows);
             let (mut snapshots, buffers_out) = RingBuffer::new(SNAPSHOTS);
-            let bytes = State::most_bytes(&config.scene);
+            let bytes = State::most_bytes(scene);
             while snapshots.push(Vec::with_capacity(bytes)).is_ok() {}
             let look = recorder.narrator().look().clone();
             let (mut looks, looks_out) = RingBuffer::new(looks_for(rows, look.every()));
             while looks.push(vec![Vec3::zeros(); look.len()]).is_ok() {}
             let sampler = recorder.sampler();
             let (mut shapes, shapes_out) = RingBuffer::new(SHAPES);
-            let room = Shapes::new(&config.scene);
+            let room = Shapes::new(scene);
             while shapes.push(Box::new(room.like())).is_ok() {}
             let (to_recorder, from_network) = sync_channel(EVENTS);
             let recorder = recording::spawn(
@@ -132,37 +199,40 @@ impl Running {
                 bell.clone(),
             )?;
             let simulation = Simulation {
-                scene: config.scene.clone(),
+                scene: scene.clone(),
                 poses: poses_out,
-                levels,
+                levels: begin.levels.clone(),
                 pressed: pressed.clone(),
                 wrenches: wrenches_in,
                 bell: bell.clone(),
                 flags: flags.clone(),
+                progress: progress.clone(),
                 entries,
                 buffers: buffers_out,
                 look,
                 looks: looks_out,
                 sampler,
                 shapes: shapes_out,
-                detail: config.detail,
-                real_time: config.real_time,
+                detail: plan.detail,
+                real_time: begin.real_time,
+                core: begin.core,
             };
             // After an error the recorder's channel is closed: the recorder ends, and the file has no end record.
             let simulation = simulation.spawn()?;
-            let running = Running {
+            Ok(Running {
+                file_name,
                 _abandoned: Abandoned(flags.clone()),
-                flags,
-                bell,
-                pressed,
-                events: Events::new(to_recorder),
+                ports: Arc::new(Ports {
+                    datagrams: Mutex::new(Datagrams::new(begin.epoch, poses, wrenches)),
+                    events: Mutex::new(Events::new(to_recorder)),
+                    pressed,
+                    bell,
+                    flags,
+                    progress,
+                    levels: begin.levels,
+                }),
                 simulation,
                 recorder,
-            };
-            Ok(Started {
-                running,
-                poses,
-                wrenches,
             })
         };
         start().map_err(|error| {
@@ -173,44 +243,41 @@ impl Running {
         })
     }
 
-    /// Wake-up of the network: after every tick, at the end of the simulation, and at a failure of the recorder.
-    pub fn bell(&self) -> &Bell {
-        &self.bell
+    /// File name of the recording.
+    pub fn file_name(&self) -> &str {
+        &self.file_name
     }
 
-    /// Flags of this session.
-    pub fn flags(&self) -> &Flags {
-        &self.flags
+    /// Hand-overs for the student's connections.
+    pub fn ports(&self) -> &Arc<Ports> {
+        &self.ports
     }
 
-    /// Passes the press of a button to the simulation.
-    pub fn press(&self, tool: u8, button: u8) {
-        self.pressed.press(tool, button);
-    }
-
-    /// Passes an event to the recorder. An event above the limits is dropped and counted.
-    pub fn event(&mut self, event: Event) {
-        self.events.push(event);
+    /// Provokes a fault, for a test.
+    pub fn provoke(&self, fault: Provoked) {
+        let flags = self.ports.flags();
+        flags.provoked.store(fault as u8, Ordering::Relaxed);
     }
 
     /// Stops the simulation, then finishes and signs the recording. Blocks until both threads have ended.
     ///
-    /// Returns the summary and a short text for the goodbye. The end in the summary is `reason`, unless a thread
-    /// failed.
-    pub fn finish(self, reason: EndReason, poses: ArrivalCounts) -> (SessionSummary, String) {
-        Flags::raise(&self.flags.stop);
-        let mut summary = SessionSummary::empty(reason);
-        summary.edges_dropped = self.events.dropped;
-        summary.poses = poses;
+    /// Completes `summary`, which holds the reason of the end and the gaps, and returns it with a short text for the
+    /// goodbye. After the failure of a thread the summary has another reason.
+    pub fn finish(self, mut summary: SessionSummary) -> (SessionSummary, String) {
+        Flags::raise(&self.ports.flags.stop);
+        summary.edges_dropped = self.ports.events().dropped;
+        {
+            let datagrams = self.ports.datagrams();
+            summary.poses = datagrams.counts();
+            (summary.foreign, summary.malformed) = (datagrams.foreign, datagrams.malformed);
+        }
         match self.simulation.join() {
             Ok(metrics) => metrics.fill(&mut summary),
             Err(_) => summary.end = EndReason::Simulation,
         }
         // The simulation has ended: the queue holds all remaining entries.
-        let _ = self
-            .events
-            .to_recorder
-            .send(FromNetwork::End(Box::new(summary.clone())));
+        let to_recorder = self.ports.events().to_recorder.clone();
+        let _ = to_recorder.send(FromNetwork::End(Box::new(summary.clone())));
         let mut text = match summary.end {
             EndReason::Stopped => "The session was stopped.",
             EndReason::TimeUp => "The session has reached its time limit.",
@@ -221,6 +288,7 @@ impl Running {
             }
             EndReason::Recording => "The recording could not be written.",
             EndReason::Simulation => "The simulation ended unexpectedly.",
+            EndReason::Instructor => "The instructor ended the session.",
         }
         .to_owned();
         match self.recorder.join() {

@@ -2,13 +2,14 @@
 //! recorded as input. The thread never runs two ticks to catch up.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 
 use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_link::Bell;
 use sulcus_proto::WrenchDatagram;
-use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
+use sulcus_proto::datagram::{Echo, ToolWrench, WireLevels, WirePose, WireWrench};
 use sulcus_sessions::exercise::events::Look;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{Row, Sampler, Shapes};
@@ -16,9 +17,9 @@ use triple_buffer::{Input, Output};
 
 use crate::outlets::recording::Entry;
 use crate::session::detail::{Chooser, Detail};
-use crate::session::handoff::{Flags, PoseIn, Pressed, WrenchOut};
+use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, WrenchOut};
 use crate::session::inputs::Inputs;
-use crate::session::levels::Levels;
+use crate::session::levels::{InForce, Levels};
 use crate::session::metrics::{Metrics, TickTimes};
 use crate::session::realtime;
 use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
@@ -34,6 +35,7 @@ pub(crate) struct Simulation {
     pub wrenches: Input<WrenchOut>,
     pub bell: Bell,
     pub flags: Arc<Flags>,
+    pub progress: Arc<Progress>,
     /// Queue to the recorder.
     pub entries: Producer<Entry>,
     /// Free buffers for snapshots, returned by the recorder.
@@ -50,6 +52,8 @@ pub(crate) struct Simulation {
     pub detail: Detail,
     /// Whether to request real-time scheduling and locked memory.
     pub real_time: bool,
+    /// Core on which the thread runs; `None`: any.
+    pub core: Option<usize>,
 }
 
 /// Reports the end of the thread to the network, even after a panic.
@@ -75,7 +79,11 @@ impl Simulation {
     fn run(self, metrics: Metrics) -> Metrics {
         let _leaving = Leaving(self.flags.clone(), self.bell.clone());
         let (flags, real_time) = (self.flags.clone(), self.real_time);
+        let core = self.core;
         let mut ticker = Ticker::new(self, metrics);
+        if let Some(core) = core {
+            realtime::pin(core);
+        }
         // After all allocations, so that their memory is locked. The grid begins afterwards.
         if real_time {
             realtime::enter();
@@ -126,6 +134,8 @@ struct Ticker {
     chooser: Chooser,
     grid: Grid,
     next_snapshot: u64,
+    /// Commands of the station's side that this tick obeys.
+    commands: u64,
     metrics: Metrics,
 }
 
@@ -144,6 +154,7 @@ impl Ticker {
                 unix_at_begin: 0,
             },
             next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
+            commands: 0,
             scene,
             link,
             metrics,
@@ -176,12 +187,18 @@ impl Ticker {
         let wall_end = monotonic_ns();
 
         // The wrench goes first, because the hand waits for it.
-        self.link.wrenches.write(wrench_out(
-            &output,
-            self.inputs.newest(),
-            self.scene.tools.len(),
-        ));
+        let tools = self.scene.tools.len();
+        let (in_force, newest) = (self.inputs.in_force, self.inputs.newest());
+        self.link
+            .wrenches
+            .write(wrench_out(&output, in_force, newest, tools));
         self.link.bell.ring();
+        let progress = &self.link.progress;
+        progress.tick.store(output.tick, Ordering::Relaxed);
+        if progress.commands.load(Ordering::Relaxed) != self.commands {
+            progress.since.store(output.tick, Ordering::Relaxed);
+            progress.commands.store(self.commands, Ordering::Release);
+        }
         let unix_ns = self.grid.unix_ns(now_ns);
         let cpu_ns = cpu_end.saturating_sub(cpu);
         self.record(unix_ns, &input, &output, cpu_ns);
@@ -201,12 +218,13 @@ impl Ticker {
     }
 
     fn collect(&mut self) {
+        self.link.flags.provoke(Provoked::Simulation);
+        // The number before the levels: a command that arrives in between is obeyed, and counted by the next tick.
+        self.commands = self.link.levels.commands();
         self.inputs.in_force = self.link.levels.in_force();
         self.inputs.pressed(self.link.pressed.take());
-        if self.link.poses.update()
-            && let Some(pose) = self.link.poses.output_buffer()
-        {
-            self.inputs.pose(*pose);
+        if self.link.poses.update() {
+            self.inputs.pose(*self.link.poses.output_buffer());
         }
     }
 
@@ -267,16 +285,33 @@ fn grid_points_missed(grid_ns: u64, now_ns: u64, tick_ns: u64) -> u16 {
 }
 
 /// Wrench and graphic pose of a tick for the wire. Numbers are rounded from f64 to f32; the tick has applied the
-/// limits. Without a pose the echo is invalid.
-fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> WrenchOut {
+/// limits. Without a pose the echoes are invalid. The network sets the hold times when it sends the wrench.
+fn wrench_out(
+    output: &TickOutput,
+    in_force: InForce,
+    pose: Option<&PoseIn>,
+    tools: usize,
+) -> WrenchOut {
     let mut datagram = WrenchDatagram {
         tick: output.tick,
+        levels: WireLevels {
+            paused_by_station: in_force.station.paused,
+            paused_by_student: in_force.student.paused,
+            force_limit_n: in_force.force_limit_n(),
+        },
         ..WrenchDatagram::default()
     };
-    for (slot, tool) in datagram.tools.iter_mut().zip(&output.tools).take(tools) {
+    for (k, tool) in output.tools.iter().enumerate().take(tools) {
         let (force, torque) = (&tool.wrench.force, &tool.wrench.torque);
         let (p, q) = (&tool.graphic.position, &tool.graphic.orientation);
-        *slot = ToolWrench {
+        let reading = pose.map(|pose| &pose.datagram.tools[k]);
+        let echo = reading.filter(|tool| tool.present).map(|tool| Echo {
+            valid: true,
+            sequence: tool.sequence,
+            device_time_ns: tool.device_time_ns,
+            hold_us: 0,
+        });
+        datagram.tools[k] = ToolWrench {
             wrench: WireWrench {
                 force: [force.x as f32, force.y as f32, force.z as f32],
                 torque: [torque.x as f32, torque.y as f32, torque.z as f32],
@@ -286,25 +321,12 @@ fn wrench_out(output: &TickOutput, pose: Option<&PoseIn>, tools: usize) -> Wrenc
                 orientation: [q.w as f32, q.i as f32, q.j as f32, q.k as f32],
             },
             status: tool.status,
-            ..ToolWrench::default()
+            echo: echo.unwrap_or_default(),
         };
     }
-    let Some(pose) = pose else {
-        return WrenchOut {
-            datagram,
-            pose_arrived_ns: 0,
-        };
-    };
-    datagram.echo = Echo {
-        valid: true,
-        sequence: pose.datagram.sequence,
-        device_time_ns: pose.datagram.device_time_ns,
-        // The network sets the hold time when it sends the wrench.
-        hold_us: 0,
-    };
     WrenchOut {
         datagram,
-        pose_arrived_ns: pose.arrived_ns,
+        pose_arrived_ns: pose.map_or(0, |pose| pose.arrived_ns),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Configuration of a server.
+//! Configuration of a server and of its stations.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -11,7 +11,12 @@ use sulcus_proto::ticket::hex;
 use sulcus_sessions::Mode;
 
 use crate::ServerError;
+use crate::net::tokens::{Fixed, Tokens};
 use crate::session::detail::Detail;
+use crate::station::planner::{NoPlanner, Planner};
+
+/// Largest number of stations of a server.
+pub const STATIONS: usize = 64;
 
 /// Exercise of a station, as clients and recordings receive it.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +27,7 @@ pub struct Exercise {
     pub text: String,
     /// Definition (TOML) for the recording; empty for free exploration.
     pub definition: String,
-    /// Seed of the exercise, sent to clients and recorded. The server itself draws no random numbers from it.
+    /// Seed of the exercise, recorded. The server itself draws no random numbers from it, and sends it to nobody.
     pub seed: u64,
 }
 
@@ -37,23 +42,17 @@ impl Default for Exercise {
     }
 }
 
-/// Configuration of a server. One server is one station, with one client at a time.
+/// Plan of a station's sessions, ready to run: exercise, compiled scene, rules.
 #[derive(Clone, Debug)]
-pub struct ServerConfig {
-    /// UDP address to listen on; port 0: any free port.
-    pub listen: SocketAddr,
+pub struct SessionPlan {
+    /// Revision, from 1 on; each change of a station's plan takes the next number.
+    pub revision: u32,
     /// Compiled scene; its parameters hold rate, solver and limits.
     pub scene: Arc<Scene>,
     /// The same scene as bytes, for the hash in the hello and for the recording.
     pub scene_bytes: Arc<Vec<u8>>,
-    /// Folder for recordings; created if missing.
-    pub recordings: PathBuf,
-    /// Secret that a client must know, 1 to 256 bytes.
-    pub token: String,
     /// Exercise offered.
     pub exercise: Exercise,
-    /// Name of the station in recordings, at most 256 bytes. The certificate holds it too, if it can be a host name.
-    pub station: String,
     /// Opaque learner id for recordings when the client names none; never a name; may be empty.
     pub learner: String,
     /// Purpose of the sessions. The purpose is recorded, and a grade is presented by it.
@@ -62,130 +61,193 @@ pub struct ServerConfig {
     pub patient: String,
     /// Text of the rubric for the recording; empty: sessions are not graded.
     pub rubric: String,
-    /// File of the key that signs recordings, created on first use. `None`: `StationKey::default_path` of
-    /// `sulcus_sessions`.
-    pub station_key: Option<PathBuf>,
     /// Level of detail of tissue. A session with a rubric needs a fixed level.
     pub detail: Detail,
+    /// Longest session; `None`: no limit.
+    pub max_session: Option<Duration>,
+    /// Time without a new pose of an attached student after which a session ends. A client whose device hangs must not
+    /// hold the station.
+    pub max_silence: Duration,
+    /// Time for a student's return after a lost connection. Zero: a lost connection ends the session.
+    pub resume_within: Duration,
+    /// Whether the time of [`SessionPlan::max_session`] runs while the student is gone.
+    pub clock_in_gap: bool,
+}
+
+impl SessionPlan {
+    /// Defaults: free exploration without a grade, practice, no time limit, a return within 30 s, a clock that stops in
+    /// gaps, a session's end after 60 s without a pose.
+    pub fn new(scene: Arc<Scene>, scene_bytes: Arc<Vec<u8>>) -> Self {
+        Self {
+            revision: 1,
+            scene,
+            scene_bytes,
+            exercise: Exercise::default(),
+            learner: String::new(),
+            mode: Mode::default(),
+            patient: String::new(),
+            rubric: String::new(),
+            detail: Detail::default(),
+            max_session: None,
+            max_silence: Duration::from_secs(60),
+            resume_within: Duration::from_secs(30),
+            clock_in_gap: false,
+        }
+    }
+
+    /// Checks all values.
+    ///
+    /// # Errors
+    /// The first value out of its range.
+    pub fn validate(&self) -> Result<(), ServerError> {
+        let name = &self.exercise.name;
+        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
+        if name.is_empty() || name.len() > 64 || !name.chars().all(known) {
+            let expected = "1 to 64 letters, digits, `-`, `_` or `/`";
+            return bad("exercise name", format!("`{name}`"), expected);
+        }
+        if self.exercise.text.len() > 16 * 1024 {
+            let found = format!("{} bytes long", self.exercise.text.len());
+            return bad("exercise text", found, "at most 16 KiB");
+        }
+        if self.max_session.is_some_and(|limit| limit.is_zero()) {
+            let expected = "more than 0 s, or no limit";
+            return bad("longest session", "0 s".into(), expected);
+        }
+        if self.resume_within > Duration::from_secs(3600) {
+            let found = format!("{} s", self.resume_within.as_secs());
+            return bad("time for a return", found, "0 to 3600 s");
+        }
+        match self.detail {
+            Detail::Fixed(level) if level > TickInput::MAX_DETAIL => {
+                let expected = "0 (coarse) or 1 (fine)";
+                bad("level of detail", level.to_string(), expected)
+            }
+            Detail::Fixed(_) => Ok(()),
+            Detail::ByTime(_) if !self.rubric.is_empty() => bad(
+                "level of detail",
+                "chosen by time in sessions with a rubric".into(),
+                "a fixed level in graded sessions: omit --detail-budget, or choose an exercise without a grade",
+            ),
+            Detail::ByTime(budget) => match budget.validate(self.scene.params.rate_hz) {
+                Ok(()) => Ok(()),
+                Err((field, found, expected)) => bad(field, found, expected),
+            },
+        }
+    }
+}
+
+/// Configuration of one station.
+#[derive(Clone, Debug)]
+pub struct StationConfig {
+    /// Name in recordings, at most 256 bytes; unique in a server.
+    pub name: String,
+    /// Plan of the next session.
+    pub plan: SessionPlan,
     /// Force limit of the station's side at the start, newtons; 0: the scene's limit. A larger limit than the scene's
     /// has no effect. [`crate::ServerHandle::command`] changes the limit.
     pub force_limit_n: f32,
-    /// Longest session; `None`: no limit.
-    pub max_session: Option<Duration>,
-    /// Time without a new pose after which a session ends. A client whose device hangs must not hold the station.
-    pub max_silence: Duration,
+}
+
+impl StationConfig {
+    /// A station with the name `station`.
+    pub fn new(plan: SessionPlan) -> Self {
+        Self {
+            name: "station".into(),
+            plan,
+            force_limit_n: 0.0,
+        }
+    }
+
+    fn validate(&self) -> Result<(), ServerError> {
+        if self.name.is_empty() || self.name.len() > NAME_BYTES {
+            let found = format!("{} bytes long", self.name.len());
+            return bad("station name", found, "1 to 256 bytes");
+        }
+        if !crate::session::levels::is_limit(self.force_limit_n) {
+            let expected = "0 (the scene's) or a positive force in newtons";
+            return bad("force limit", self.force_limit_n.to_string(), expected);
+        }
+        self.plan.validate()
+    }
+}
+
+/// Configuration of a server: address, folders, tokens and stations.
+#[derive(Clone)]
+pub struct ServerConfig {
+    /// UDP address to listen on; port 0: any free port.
+    pub listen: SocketAddr,
+    /// Folder for recordings; created if missing.
+    pub recordings: PathBuf,
+    /// File of the key that signs recordings, created on first use. `None`: `StationKey::default_path` of
+    /// `sulcus_sessions`.
+    pub station_key: Option<PathBuf>,
+    /// Folder for notes on running sessions, by which a session goes on after a crash of the server. `None`: no notes.
+    pub journal: Option<PathBuf>,
+    /// Certificate (DER) and private key (PKCS #8, DER). `None`: new ones at each start.
+    pub identity: Option<(Vec<u8>, Vec<u8>)>,
+    /// Secret of the first station's student, 1 to 256 bytes. Its ticket is [`crate::ServerHandle::ticket`].
+    pub token: String,
+    /// Further tokens, with their roles and stations.
+    pub tokens: Arc<dyn Tokens>,
+    /// Compiler of plans that an instructor sends.
+    pub planner: Arc<dyn Planner>,
+    /// Stations, 1 to [`STATIONS`].
+    pub stations: Vec<StationConfig>,
     /// Whether to request real-time scheduling and locked memory. A missing right causes one warning.
     pub real_time: bool,
 }
 
 impl ServerConfig {
-    /// Defaults: loopback, any free port, a random token, free exploration without a grade, practice, no time limit, a
-    /// session's end after 60 s without a pose.
+    /// Defaults: loopback, any free port, a random token for the only station, a new certificate.
     ///
     /// # Errors
     /// The system gives no random numbers.
-    pub fn new(
-        scene: Arc<Scene>,
-        scene_bytes: Arc<Vec<u8>>,
-        recordings: PathBuf,
-    ) -> Result<Self, ServerError> {
+    pub fn new(station: StationConfig, recordings: PathBuf) -> Result<Self, ServerError> {
         Ok(Self {
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
-            scene,
-            scene_bytes,
             recordings,
-            token: random_token()?,
-            exercise: Exercise::default(),
-            station: "station".into(),
-            learner: String::new(),
-            mode: Mode::default(),
-            patient: String::new(),
-            rubric: String::new(),
             station_key: None,
-            detail: Detail::default(),
-            force_limit_n: 0.0,
-            max_session: None,
-            max_silence: Duration::from_secs(60),
+            journal: None,
+            identity: None,
+            token: random_token()?,
+            tokens: Arc::new(Fixed::default()),
+            planner: Arc::new(NoPlanner),
+            stations: vec![station],
             real_time: true,
         })
     }
 
     pub(crate) fn validate(&self) -> Result<(), ServerError> {
-        let bad = |field, found: String, expected| {
-            Err(ServerError::Config {
-                field,
-                found,
-                expected,
-            })
-        };
         if self.token.is_empty() || self.token.len() > NAME_BYTES {
-            return bad(
-                "token",
-                format!("{} bytes long", self.token.len()),
-                "1 to 256 bytes",
-            );
+            let found = format!("{} bytes long", self.token.len());
+            return bad("token", found, "1 to 256 bytes");
         }
-        let name = &self.exercise.name;
-        let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/');
-        if name.is_empty() || name.len() > 64 || !name.chars().all(known) {
-            return bad(
-                "exercise name",
-                format!("`{name}`"),
-                "1 to 64 letters, digits, `-`, `_` or `/`",
-            );
+        if self.stations.is_empty() || self.stations.len() > STATIONS {
+            let found = self.stations.len().to_string();
+            return bad("number of stations", found, "1 to 64");
         }
-        if self.exercise.text.len() > 16 * 1024 {
-            return bad(
-                "exercise text",
-                format!("{} bytes long", self.exercise.text.len()),
-                "at most 16 KiB",
-            );
-        }
-        if self.station.len() > NAME_BYTES {
-            return bad(
-                "station name",
-                format!("{} bytes long", self.station.len()),
-                "at most 256 bytes",
-            );
-        }
-        if !crate::session::levels::is_limit(self.force_limit_n) {
-            return bad(
-                "force limit",
-                self.force_limit_n.to_string(),
-                "0 (the scene's) or a positive force in newtons",
-            );
-        }
-        if self.max_session.is_some_and(|limit| limit.is_zero()) {
-            return bad(
-                "longest session",
-                "0 s".into(),
-                "more than 0 s, or no limit",
-            );
-        }
-        match self.detail {
-            Detail::Fixed(level) if level > TickInput::MAX_DETAIL => {
-                return bad(
-                    "level of detail",
-                    level.to_string(),
-                    "0 (coarse) or 1 (fine)",
-                );
-            }
-            Detail::Fixed(_) => {}
-            Detail::ByTime(_) if !self.rubric.is_empty() => {
-                return bad(
-                    "level of detail",
-                    "chosen by time in sessions with a rubric".into(),
-                    "a fixed level in graded sessions: omit --detail-budget, or choose an exercise without a grade",
-                );
-            }
-            Detail::ByTime(budget) => {
-                if let Err((field, found, expected)) = budget.validate() {
-                    return bad(field, found, expected);
-                }
+        for (k, station) in self.stations.iter().enumerate() {
+            station.validate()?;
+            if self.stations[..k].iter().any(|one| one.name == station.name) {
+                let found = format!("`{}` twice", station.name);
+                return bad("station name", found, "a name of its own for each station");
             }
         }
         Ok(())
     }
+}
+
+fn bad(
+    field: &'static str,
+    found: String,
+    expected: &'static str,
+) -> Result<(), ServerError> {
+    Err(ServerError::Config {
+        field,
+        found,
+        expected,
+    })
 }
 
 /// 128 random bits as 32 hexadecimal digits.

@@ -5,17 +5,21 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use sulcus_proto::control::Command;
+use sulcus_proto::station::StationStatus;
 use sulcus_proto::{SessionSummary, Ticket};
-use tokio::sync::{Mutex, watch};
+use tokio::sync::watch;
 
 use crate::net;
 use crate::net::identity::{Identity, fingerprint};
 use crate::net::transport;
-use crate::net::{Phase, Shared, Station};
-use crate::session::levels::{Levels, Taken};
+use crate::net::{Net, Stage};
+use crate::session::handoff::Provoked;
+use crate::session::levels::Taken;
+use crate::station::door::{Door, ToStation};
+use crate::station::shared::Shared;
 use crate::{ServerConfig, ServerError};
 
-/// A station's server.
+/// A server of stations.
 pub struct Server;
 
 /// A running server.
@@ -26,9 +30,8 @@ pub struct ServerHandle {
     local_addr: SocketAddr,
     certificate_der: Vec<u8>,
     ticket: Ticket,
-    levels: Levels,
-    lifted: watch::Sender<u64>,
-    phase: watch::Sender<Phase>,
+    doors: Vec<Door>,
+    stage: watch::Sender<Stage>,
     thread: Option<JoinHandle<Result<Vec<SessionSummary>, ServerError>>>,
 }
 
@@ -46,7 +49,10 @@ impl Server {
         })?;
         // A missing key is an error of the start, not of the first session.
         crate::outlets::recording::station_key(config.station_key.as_deref())?;
-        let identity = Identity::generate(&config.station)?;
+        let identity = match &config.identity {
+            Some((certificate, key)) => Identity::from_der(certificate, key),
+            None => Identity::generate(&config.stations[0].name)?,
+        };
         let quic = transport::server_config(&identity)?;
         let socket = bind(config.listen)?;
         let local_addr = socket.local_addr()?;
@@ -55,22 +61,19 @@ impl Server {
             token: config.token.clone(),
             fingerprint: fingerprint(&certificate_der)?,
         };
-
-        let levels = Levels::default();
-        levels.station(Command::ForceLimit(config.force_limit_n));
-        let (lifted, lifted_out) = watch::channel(0);
-        let (phase, phase_out) = watch::channel(Phase::Serve);
-        let station = Station {
-            epoch: 0,
-            summaries: Vec::new(),
-        };
-        let shared = Arc::new(Shared {
-            scene_hash: *blake3::hash(&config.scene_bytes).as_bytes(),
-            config,
-            phase: phase_out,
-            levels: levels.clone(),
-            lifted: lifted_out,
-            station: Arc::new(Mutex::new(station)),
+        let (stage, stage_out) = watch::channel(Stage::Serve);
+        let mut stations = Vec::new();
+        for station in &config.stations {
+            let (door, behind) = Door::new(&station.name);
+            let limit = Command::ForceLimit(station.force_limit_n);
+            door.levels.station(limit);
+            stations.push((station.clone(), door, behind));
+        }
+        let doors: Vec<Door> = stations.iter().map(|(_, door, _)| door.clone()).collect();
+        let net = Arc::new(Net {
+            shared: Arc::new(Shared::new(config, stage_out)),
+            doors: doors.clone(),
+            self_test: 0,
         });
         // One thread: more threads would only add wake-ups.
         let runtime = tokio::runtime::Builder::new_current_thread()
@@ -79,7 +82,7 @@ impl Server {
         let thread = std::thread::Builder::new()
             .name("sulcus-net".into())
             .spawn(move || {
-                let served = runtime.block_on(net::serve(socket, quic, shared));
+                let served = runtime.block_on(net::serve(socket, quic, net, stations));
                 // Sessions have ended; a blocked call of the system does not delay the end.
                 runtime.shutdown_background();
                 served
@@ -88,9 +91,8 @@ impl Server {
             local_addr,
             certificate_der,
             ticket,
-            levels,
-            lifted,
-            phase,
+            doors,
+            stage,
             thread: Some(thread),
         })
     }
@@ -112,26 +114,51 @@ impl ServerHandle {
         &self.ticket
     }
 
-    /// Sets the pause or the force limit of the station's side, from the next tick on. The level holds for the running
+    /// Status of all stations, in the order of the configuration.
+    pub fn status(&self) -> Vec<StationStatus> {
+        self.doors.iter().map(Door::status).collect()
+    }
+
+    /// Sets the pause or the force limit of the first station's side. See [`ServerHandle::command_at`].
+    pub fn command(&self, command: Command) -> bool {
+        self.doors
+            .first()
+            .is_some_and(|door| self.set(door, command))
+    }
+
+    /// Sets the pause or the force limit of a station's side, from the next tick on. The level holds for the running
     /// session and all later ones until the next command.
     ///
     /// A student cannot lift either. A limit that is negative, infinite or not a number is ignored with a warning.
-    /// `false`: the server has ended.
-    pub fn command(&self, command: Command) -> bool {
-        match self.levels.station(command) {
+    /// `false`: the server has ended, or has no such station.
+    pub fn command_at(&self, station: &str, command: Command) -> bool {
+        let door = self.doors.iter().find(|door| *door.name == *station);
+        door.is_some_and(|door| self.set(door, command))
+    }
+
+    fn set(&self, door: &Door, command: Command) -> bool {
+        match door.levels.station(command) {
             Taken::Set => {}
-            Taken::Lifted => self.lifted.send_modify(|times| *times += 1),
+            Taken::Lifted => door.lifted(),
             Taken::NoForce(newtons) => tracing::warn!(
-                "force limit of the station is {newtons} N, expected 0 (the scene's limit) or a positive force: ignored"
+                "force limit of station {} is {newtons} N, expected 0 (the scene's limit) or a positive force: ignored",
+                door.name
             ),
         }
         !self.is_finished()
     }
 
-    /// Begins the end: the running session ends with a goodbye, and new clients are not accepted. Returns at once.
+    /// Provokes a fault in the running session of a station, for tests.
+    #[doc(hidden)]
+    pub fn provoke(&self, station: &str, fault: Provoked) -> bool {
+        let door = self.doors.iter().find(|door| *door.name == *station);
+        door.is_some_and(|door| door.try_tell(ToStation::Provoke(fault)))
+    }
+
+    /// Begins the end: running sessions end with goodbyes, and new clients are not accepted. Returns at once.
     pub fn shutdown(&self) {
         // An error means that the server has ended already.
-        let _ = self.phase.send(Phase::Shutdown);
+        let _ = self.stage.send(Stage::Shutdown);
     }
 
     /// Whether the server has ended.
@@ -156,7 +183,7 @@ impl ServerHandle {
 impl Drop for ServerHandle {
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
-            let _ = self.phase.send(Phase::Halt);
+            let _ = self.stage.send(Stage::Halt);
             // The result is of no use here; the thread must not outlive the handle.
             let _ = thread.join();
         }

@@ -1,4 +1,13 @@
-//! A station: its configuration, and the handle by which a program runs it.
+//! A station: its configuration, the task that lives as long as the server, and the handle by which a program runs it.
+//!
+//! Connections hold a [`door::Door`] and never the station itself. The [`actor`] owns plan, levels and session.
 
+pub(crate) mod actor;
 pub mod config;
+pub(crate) mod door;
+pub(crate) mod gap;
 pub mod handle;
+mod instruct;
+pub(crate) mod journal;
+pub mod planner;
+pub(crate) mod shared;

@@ -6,7 +6,7 @@ use sulcus_proto::control::EndReason;
 const BEGINS: &str = "session ended: ";
 
 /// All reasons. The `match` in [`words`] fails to compile with a new reason.
-const ALL: [EndReason; 7] = [
+const ALL: [EndReason; 8] = [
     EndReason::Stopped,
     EndReason::TimeUp,
     EndReason::Shutdown,
@@ -14,6 +14,7 @@ const ALL: [EndReason; 7] = [
     EndReason::Protocol,
     EndReason::Recording,
     EndReason::Simulation,
+    EndReason::Instructor,
 ];
 
 /// Line of the log for a reason.
@@ -39,6 +40,7 @@ fn words(reason: EndReason) -> Option<&'static str> {
         EndReason::Protocol => Some("the client broke the protocol"),
         EndReason::Recording => Some("the recording could not be written"),
         EndReason::Simulation => Some("the simulation could not go on"),
+        EndReason::Instructor => Some("an instructor ended the session"),
     }
 }
 
@@ -52,7 +54,7 @@ mod tests {
         let lost = early(&line(EndReason::ConnectionLost));
         assert_eq!(lost, words(EndReason::ConnectionLost));
         let early_ones = ALL.iter().filter(|reason| early(&line(**reason)).is_some());
-        assert_eq!(early_ones.count(), 5);
+        assert_eq!(early_ones.count(), 6);
         for other in [
             line(EndReason::Stopped),
             line(EndReason::TimeUp),

@@ -3,7 +3,8 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use sulcus_proto::Ticket;
+use sulcus_proto::control::DeviceInfo;
+use sulcus_proto::{Role, Ticket};
 
 /// Pin of a server's certificate.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,7 +16,7 @@ pub enum Pin {
 }
 
 /// Configuration of a link.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LinkConfig {
     /// Address of the server.
     pub server: SocketAddr,
@@ -28,12 +29,18 @@ pub struct LinkConfig {
     pub pin: Pin,
     /// Token of the server, at most 256 bytes.
     pub token: String,
-    /// Kind of haptic device, for the recording; at most 256 bytes.
-    pub device: String,
+    /// Role of the connection. The token's role must permit it.
+    pub role: Role,
+    /// Name of the station; empty: the station of the token.
+    pub station: String,
+    /// Haptic device, for the recording; its name has at most 256 bytes.
+    pub device: DeviceInfo,
     /// Opaque learner id, never a name; empty: the server's default.
     pub learner: String,
     /// Name of the exercise; empty: the server's exercise.
     pub exercise: String,
+    /// Attach epoch of the connection that this one follows; 0 for the first connection of a program.
+    pub follows: u32,
     /// Timeout of the connection at each address, and again of the server's hello.
     pub timeout: Duration,
 }
@@ -58,9 +65,15 @@ impl LinkConfig {
             server_name: "localhost".into(),
             pin: Pin::Fingerprint(ticket.fingerprint),
             token: ticket.token.clone(),
-            device: device.into(),
+            role: Role::Student,
+            station: String::new(),
+            device: DeviceInfo {
+                name: device.into(),
+                ..DeviceInfo::default()
+            },
             learner: String::new(),
             exercise: String::new(),
+            follows: 0,
             timeout: Duration::from_secs(5),
         }
     }

@@ -21,7 +21,7 @@ pub enum LinkError {
     Nowhere(Vec<(SocketAddr, LinkError)>),
     /// The server has another certificate than the pinned one.
     #[error(
-        "the server at {server} has another certificate than the pinned one; a server has a new ticket after each start: use the present one"
+        "the server at {server} has another certificate than the pinned one; a server has a new ticket after each rotation of its certificate: use the present one"
     )]
     WrongCertificate {
         /// Address tried.
@@ -81,6 +81,15 @@ fn each(tried: &[(SocketAddr, LinkError)]) -> String {
 }
 
 impl LinkError {
+    /// Whether a further attempt to return to the session may succeed: the network or the server may come back, and the
+    /// station may become free.
+    pub(super) fn may_pass(&self) -> bool {
+        matches!(
+            self,
+            Self::Absent { .. } | Self::Nowhere(_) | Self::Lost(_) | Self::Busy(_) | Self::System(_)
+        )
+    }
+
     /// [`LinkError::Lost`] with a text that may hold words of the peer: control characters are escaped.
     pub(super) fn lost(error: &impl std::fmt::Display) -> Self {
         let mut text = String::new();

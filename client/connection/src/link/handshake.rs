@@ -1,7 +1,7 @@
 //! Handshake: from a connection to the server's hello, or to an error of one sentence.
 
 use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream};
-use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello};
+use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello, capability};
 use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
 
 use super::{LinkConfig, LinkError, control, reach};
@@ -16,6 +16,22 @@ pub(super) struct Welcome {
     pub send: SendStream,
     pub recv: RecvStream,
     pub hello: ServerHello,
+}
+
+/// First message of a client.
+pub(crate) fn client_hello(config: &LinkConfig) -> ClientMessage {
+    ClientMessage::Hello(ClientHello {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        token: config.token.clone(),
+        role: config.role,
+        station: config.station.clone(),
+        device: config.device.clone(),
+        learner: config.learner.clone(),
+        exercise: config.exercise.clone(),
+        epoch: config.follows,
+        capabilities: capability::SHOWS_MESSAGES,
+        self_test: 0,
+    })
 }
 
 /// Connects, sends the hello and waits for the answer, at most `config.timeout`.
@@ -37,13 +53,7 @@ async fn greet(
 ) -> Result<Welcome, LinkError> {
     let lost = |error: ConnectionError| LinkError::lost(&error);
     let (mut send, mut recv) = connection.open_bi().await.map_err(lost)?;
-    let hello = ClientMessage::Hello(ClientHello {
-        program: env!("CARGO_PKG_VERSION").to_owned(),
-        token: config.token.clone(),
-        device: config.device.clone(),
-        learner: config.learner.clone(),
-        exercise: config.exercise.clone(),
-    });
+    let hello = client_hello(config);
     control::write(&mut send, &hello).await?;
     match sulcus_link::control::read(&mut recv)
         .await
@@ -93,14 +103,17 @@ fn limited(hello: &ServerHello) -> Result<(), LinkError> {
     Ok(())
 }
 
-fn turned_away(Refused { reason, text }: Refused) -> LinkError {
+/// Error for a refusal.
+pub(crate) fn turned_away(Refused { reason, text }: Refused) -> LinkError {
     match reason {
         RefusedReason::Version => LinkError::Version(text),
-        RefusedReason::Token => LinkError::WrongToken(text),
+        RefusedReason::Token | RefusedReason::Expired => LinkError::WrongToken(text),
         RefusedReason::Busy => LinkError::Busy(text),
-        RefusedReason::Exercise | RefusedReason::BadHello | RefusedReason::Server => {
-            LinkError::Refused(text)
-        }
+        RefusedReason::Exercise
+        | RefusedReason::BadHello
+        | RefusedReason::Role
+        | RefusedReason::Full
+        | RefusedReason::Server => LinkError::Refused(text),
     }
 }
 
@@ -112,13 +125,17 @@ mod tests {
     fn a_hello_without_limits_is_refused_by_field_and_value() {
         let hello = |[force, torque, force_step, torque_step]: [f32; 4]| ServerHello {
             program: String::new(),
+            station: String::new(),
             epoch: 1,
+            resumed: false,
+            plan: Default::default(),
+            capabilities: 0,
+            self_test: 0,
             tick_ns: 1_000_000,
             scene: String::new(),
             scene_hash: [0; 32],
             exercise: String::new(),
             exercise_text: String::new(),
-            seed: 0,
             max_force_n: force,
             max_torque_nm: torque,
             max_force_step_n: force_step,

@@ -4,14 +4,18 @@
 //! [`Link::latest_wrench`] and [`Link::force_gate`], none of which blocks, locks or allocates. The newest pose and the
 //! newest wrench win. When no wrench arrives, the gate ramps the force to zero.
 //!
+//! A lost connection does not end a started session: the link connects again with the same token, for as long as the
+//! server's plan allows, and the session goes on under a new epoch.
+//!
 //! All times are nanoseconds of this machine's monotonic clock, as [`now_ns`] reads it. No clock is compared between
 //! machines.
 
 mod config;
-mod control;
+pub(crate) mod control;
 mod error;
-mod handshake;
-mod reach;
+pub(crate) mod handshake;
+pub(crate) mod reach;
+mod returning;
 mod stats;
 mod transport;
 mod trust;
@@ -41,13 +45,11 @@ use sulcus_link::Bell;
 /// Timeout for the goodbye after a stop. In this time the server finishes and signs the recording.
 const GOODBYE: Duration = Duration::from_secs(20);
 
-/// Poses of a device at one moment.
+/// Readings of the devices of both hands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PosePacket {
-    /// Time of the measurement, by [`now_ns`].
-    pub device_time_ns: u64,
-    /// For each tool slot: `world_from_tool` at the device point, the buttons, and the wrench displayed last, after
-    /// gate and limits.
+    /// For each tool slot: number, time by [`now_ns`] and period of the reading, `world_from_tool` at the device point,
+    /// the buttons, and the wrench displayed last, after gate and limits.
     pub tools: [ToolPose; TOOLS],
 }
 
@@ -149,9 +151,15 @@ impl Link {
         self.say(ClientMessage::Event(event))
     }
 
-    /// Whether the link carries packets. `false` after the server's goodbye, a lost connection or an invalid message.
+    /// Whether the link carries packets or tries to. `false` after the server's goodbye, an invalid message, or a lost
+    /// connection without a return.
     pub fn is_open(&self) -> bool {
         !self.shared.is_closed()
+    }
+
+    /// Whether the connection is lost and the link tries to return to the session.
+    pub fn is_returning(&self) -> bool {
+        self.shared.is_returning()
     }
 
     /// Counters and times of packets so far. The call takes a lock, so the device's loop must not use it.
@@ -172,9 +180,11 @@ impl Link {
     /// # Errors
     /// The connection was lost, the server violated the protocol, or no goodbye came within the timeout.
     pub fn finish_with_text(self) -> Result<Goodbye, LinkError> {
-        // The stop is not queued if the link has ended, and the channel then holds the result. The stop is not queued
-        // either while 64 messages wait; the server then does not know of it, and the wait ends with the timeout.
-        self.say(ClientMessage::Stop);
+        // An error means that the link has ended; the channel then holds the result. The queue of 64 messages may be
+        // full: the stop waits for a place.
+        if let Some(messages) = &self.messages {
+            let _ = messages.blocking_send(ClientMessage::Stop);
+        }
         match self.goodbye.recv_timeout(GOODBYE) {
             Ok(result) => result,
             Err(RecvTimeoutError::Timeout) => Err(LinkError::NoGoodbye),

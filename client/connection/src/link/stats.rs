@@ -1,6 +1,6 @@
 //! Counters and times of packets, shared between the link's thread and its users.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use sulcus_link::Times;
@@ -32,6 +32,8 @@ pub struct LinkStats {
     pub rtt_us: Percentiles,
     /// [`LinkStats::rtt_us`] without the time that the server held the pose, microseconds.
     pub network_us: Percentiles,
+    /// Number of returns to the session after a lost connection.
+    pub returns: u32,
     /// Number of answered poses, which is the number of samples of both times.
     pub answered: u64,
 }
@@ -40,6 +42,9 @@ pub struct LinkStats {
 pub(super) struct Shared {
     offered: AtomicU64,
     closed: AtomicBool,
+    /// Whether the connection is lost and the link tries to return.
+    returning: AtomicBool,
+    returns: AtomicU32,
     inner: Mutex<Numbers>,
 }
 
@@ -66,6 +71,8 @@ impl Shared {
         Self {
             offered: AtomicU64::new(0),
             closed: AtomicBool::new(false),
+            returning: AtomicBool::new(false),
+            returns: AtomicU32::new(0),
             inner: Mutex::new(numbers),
         }
     }
@@ -84,6 +91,21 @@ impl Shared {
         self.closed.load(Ordering::Acquire)
     }
 
+    /// Marks a lost connection.
+    pub fn leave(&self) {
+        self.returning.store(true, Ordering::Release);
+    }
+
+    /// Marks and counts a return.
+    pub fn come_back(&self) {
+        self.returns.fetch_add(1, Ordering::Relaxed);
+        self.returning.store(false, Ordering::Release);
+    }
+
+    pub fn is_returning(&self) -> bool {
+        self.returning.load(Ordering::Acquire)
+    }
+
     /// Calls `action` with the counters under their lock.
     pub fn count<T>(&self, action: impl FnOnce(&mut Numbers) -> T) -> T {
         action(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner))
@@ -99,6 +121,7 @@ impl Shared {
             malformed: numbers.malformed,
             rtt_us: numbers.rtt_ns.percentiles(),
             network_us: numbers.network_ns.percentiles(),
+            returns: self.returns.load(Ordering::Relaxed),
             answered: numbers.rtt_ns.count(),
         })
     }

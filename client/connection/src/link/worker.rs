@@ -6,13 +6,19 @@ use std::time::Duration;
 
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_link::Bell;
+use sulcus_link::control::ReadError;
+use sulcus_program::tell;
 use sulcus_proto::control::Goodbye;
+use sulcus_proto::datagram::Echo;
 use sulcus_proto::newest::Arrival;
-use sulcus_proto::{ClientMessage, PoseDatagram, ServerMessage, WrenchDatagram};
+use sulcus_proto::{
+    ClientMessage, CodecError, PoseDatagram, ServerMessage, TOOLS, WrenchDatagram,
+};
 use tokio::sync::mpsc::{Receiver, channel};
 use triple_buffer::{Input, Output, triple_buffer};
 
 use super::handshake::{Welcome, shake};
+use super::returning::Returning;
 use super::stats::Shared;
 use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
 
@@ -51,6 +57,7 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
                     hello,
                 } = welcome;
                 let worker = Worker {
+                    returning: Returning::new(config, &hello),
                     epoch: hello.epoch,
                     endpoint,
                     connection,
@@ -60,8 +67,7 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
                     bell: worker_bell,
                     shared: worker_shared,
                     sequence: 0,
-                    last_tick: 0,
-                    answered: None,
+                    answered: [None; TOOLS],
                 };
                 if answer_in.send(Ok(hello)).is_ok() {
                     worker.run(recv, messages_out, goodbye_in).await;
@@ -83,6 +89,8 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
     })
 }
 
+type Answers = Receiver<Result<ServerMessage, ReadError>>;
+
 struct Worker {
     endpoint: Endpoint,
     connection: Connection,
@@ -93,9 +101,9 @@ struct Worker {
     bell: Bell,
     shared: Arc<Shared>,
     sequence: u32,
-    last_tick: u64,
-    /// Sequence of the pose answered last.
-    answered: Option<u32>,
+    /// For each tool the number of the reading answered last.
+    answered: [Option<u32>; TOOLS],
+    returning: Returning,
 }
 
 impl Worker {
@@ -105,7 +113,31 @@ impl Worker {
         messages: Receiver<ClientMessage>,
         goodbye: SyncSender<Result<Goodbye, LinkError>>,
     ) {
-        let result = self.live(recv, messages).await;
+        let mut messages = messages;
+        let mut answers = sulcus_link::control::reader(recv);
+        let result = loop {
+            let error = match self.live(&mut answers, &mut messages).await {
+                Ok(goodbye) => break Ok(goodbye),
+                Err(error) => error,
+            };
+            if !self.returning.is_possible(&error) {
+                break Err(error);
+            }
+            tracing::warn!("{error}; trying to return to the session");
+            self.shared.leave();
+            self.connection.close(0u32.into(), b"lost");
+            let welcome = match self.returning.come_back(self.epoch, &mut messages).await {
+                Ok(welcome) => welcome,
+                Err(error) => break Err(error),
+            };
+            tracing::warn!("returned to the session");
+            self.endpoint = welcome.endpoint;
+            self.connection = welcome.connection;
+            self.send = welcome.send;
+            answers = sulcus_link::control::reader(welcome.recv);
+            self.begin_epoch(welcome.hello.epoch);
+            self.shared.come_back();
+        };
         self.shared.close();
         self.connection.close(0u32.into(), b"goodbye");
         // An error means that the link was dropped.
@@ -116,11 +148,14 @@ impl Worker {
     /// Carries packets until the goodbye, an error, or the drop of the link.
     async fn live(
         &mut self,
-        recv: RecvStream,
-        mut messages: Receiver<ClientMessage>,
+        answers: &mut Answers,
+        messages: &mut Receiver<ClientMessage>,
     ) -> Result<Goodbye, LinkError> {
+        // Messages from before a return go first.
+        while let Some(message) = self.returning.next_pending() {
+            control::write(&mut self.send, &message).await?;
+        }
         let listening = self.bell.listen()?;
-        let mut answers = sulcus_link::control::reader(recv);
         let mut connected = true;
         loop {
             tokio::select! {
@@ -139,17 +174,28 @@ impl Worker {
                 answer = answers.recv() => match answer {
                     Some(Ok(ServerMessage::Goodbye(goodbye))) => return Ok(goodbye),
                     Some(Ok(ServerMessage::Epoch(epoch))) => self.begin_epoch(epoch),
+                    Some(Ok(ServerMessage::Say(say))) => {
+                        tell!("message of the instructor: {}", printable(&say.text));
+                    }
                     Some(Ok(ServerMessage::Refused(refused))) => return Err(LinkError::Refused(refused.text)),
-                    Some(Ok(ServerMessage::Hello(_))) => {
-                        return Err(LinkError::Lost("the server sent a second hello".into()));
+                    Some(Ok(_)) => {
+                        return Err(LinkError::Protocol(CodecError::NotCanonical(
+                            "a message that the server does not send to a student in a session",
+                        )));
                     }
                     Some(Err(error)) => return Err(error.into()),
                     None => return Err(LinkError::Lost("the control stream ended".into())),
                 },
                 message = messages.recv() => match message {
-                    Some(message) => control::write(&mut self.send, &message).await?,
+                    Some(message) => {
+                        self.returning.sent(&message);
+                        control::write(&mut self.send, &message).await?;
+                    }
                     // The link was dropped.
-                    None => return Err(LinkError::Lost("closed by this client".into())),
+                    None => {
+                        self.returning.forbid();
+                        return Err(LinkError::Lost("closed by this client".into()));
+                    }
                 },
             }
         }
@@ -167,15 +213,10 @@ impl Worker {
         if !self.poses.update() {
             return;
         }
-        let PosePacket {
-            device_time_ns,
-            tools,
-        } = *self.poses.output_buffer();
+        let PosePacket { tools } = *self.poses.output_buffer();
         let datagram = PoseDatagram {
             epoch: self.epoch,
             sequence: self.sequence,
-            device_time_ns,
-            last_tick: self.last_tick,
             tools,
         };
         let Ok(bytes) = datagram.to_bytes() else {
@@ -197,28 +238,32 @@ impl Worker {
         if datagram.epoch != self.epoch {
             return self.shared.count(|numbers| numbers.foreign += 1);
         }
-        let echo = datagram.echo;
-        let age_ns = echo
-            .valid
-            .then(|| arrived_ns.saturating_sub(echo.device_time_ns));
+        // The first tool that has an answer stands for both.
+        let echoes = datagram.tools.iter().map(|tool| tool.echo).enumerate();
+        let answer = echoes.into_iter().find(|(_, echo)| echo.valid);
+        let age = |echo: &Echo| arrived_ns.saturating_sub(echo.device_time_ns);
         let newest = self.shared.count(|numbers| {
             let newest = numbers.filter.judge(datagram.sequence) == Arrival::Newest;
-            if let Some(age_ns) = age_ns
+            if let Some((tool, echo)) = answer
                 && newest
-                && self.answered != Some(echo.sequence)
+                && self.answered[tool] != Some(echo.sequence)
             {
-                self.answered = Some(echo.sequence);
-                numbers.answered(age_ns, echo.hold_us);
+                self.answered[tool] = Some(echo.sequence);
+                numbers.answered(age(&echo), echo.hold_us);
             }
             newest
         });
         if newest {
-            self.last_tick = datagram.tick;
             self.wrenches.write(Some(WrenchPacket {
                 datagram,
                 arrived_ns,
-                age_ns,
+                age_ns: answer.map(|(_, echo)| age(&echo)),
             }));
         }
     }
+}
+
+/// Text of a peer without control characters.
+fn printable(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).collect()
 }

@@ -1,6 +1,8 @@
 //! A server with a tiny scene on loopback, and a hand that presses on it.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod relay;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,7 +11,7 @@ use sulcus_connection::link::{Link, LinkConfig, LinkError, PosePacket, now_ns};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3};
 use sulcus_proto::datagram::{ToolPose, WirePose};
-use sulcus_server::{Server, ServerConfig, ServerHandle};
+use sulcus_server::{Server, ServerConfig, ServerHandle, SessionPlan, StationConfig};
 use tempfile::TempDir;
 
 /// Radius of every sphere, metres.
@@ -57,6 +59,13 @@ pub fn scene() -> Scene {
     }
 }
 
+/// Free exploration of [`scene`].
+pub fn plan() -> SessionPlan {
+    let scene = scene();
+    let bytes = scene.to_bytes().unwrap();
+    SessionPlan::new(Arc::new(scene), Arc::new(bytes))
+}
+
 /// A server whose files go when this does.
 pub struct Station {
     pub server: Option<ServerHandle>,
@@ -68,16 +77,15 @@ impl Station {
         Self::with(|_| ())
     }
 
+    /// A station whose plan `change` has changed.
+    pub fn planned(change: impl FnOnce(&mut SessionPlan)) -> Self {
+        Self::with(|config| change(&mut config.stations[0].plan))
+    }
+
     pub fn with(change: impl FnOnce(&mut ServerConfig)) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let scene = scene();
-        let bytes = scene.to_bytes().unwrap();
-        let mut config = ServerConfig::new(
-            Arc::new(scene),
-            Arc::new(bytes),
-            folder.path().join("recordings"),
-        )
-        .unwrap();
+        let station = StationConfig::new(plan());
+        let mut config = ServerConfig::new(station, folder.path().join("recordings")).unwrap();
         config.station_key = Some(folder.path().join("station.key"));
         change(&mut config);
         let server = Server::start(config).unwrap();
@@ -106,12 +114,12 @@ impl Station {
 
 /// The ball held at `height` above the plate's centre plane, metres: below 2 mm it presses.
 pub fn pose(height: f64) -> PosePacket {
-    let mut packet = PosePacket {
-        device_time_ns: now_ns(),
-        ..PosePacket::default()
-    };
+    let mut packet = PosePacket::default();
     packet.tools[0] = ToolPose {
         present: true,
+        device_time_ns: now_ns(),
+        // A number of its own for each reading: time passes between two.
+        sequence: (now_ns() / 1000) as u32,
         pose: WirePose {
             position: [1e-4, 2e-4, height as f32],
             ..WirePose::IDENTITY

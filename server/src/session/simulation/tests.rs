@@ -115,6 +115,7 @@ fn bench(rows: usize) -> Bench {
         wrenches,
         bell: Bell::new().expect("eventfd"),
         flags: Arc::default(),
+        progress: Arc::default(),
         entries: entries_in,
         buffers: buffers_out,
         look,
@@ -123,6 +124,7 @@ fn bench(rows: usize) -> Bench {
         shapes: shapes_out,
         detail: Detail::default(),
         real_time: false,
+        core: None,
     };
     let mut ticker = Ticker::new(simulation, Metrics::new());
     ticker.grid.begin(monotonic_ns());

@@ -1,0 +1,346 @@
+//! Stations that outlive their connections: gaps, returns, several stations in a server, faults of one of them.
+#![allow(clippy::unwrap_used)]
+
+use std::time::{Duration, Instant};
+
+use crate::common::relay::Relay;
+use crate::common::{Station, force_up, pose, press, press_on};
+use sulcus_connection::link::{Link, LinkConfig, LinkError, now_ns};
+use sulcus_proto::control::{Command, EndReason};
+use sulcus_proto::station::Phase;
+use sulcus_proto::{Role, status};
+use sulcus_server::net::tokens::{Fixed, Grant};
+use sulcus_server::{Provoked, ServerConfig, StationConfig};
+use sulcus_sessions::{Ending, Message, Occurrence, Recording, ReplayOptions, Row, replay};
+
+/// Waits until a condition holds.
+fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let patience = Instant::now() + Duration::from_secs(60);
+    while !holds() {
+        assert!(Instant::now() < patience, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn rows_and_events(recording: &Recording) -> (Vec<Row>, Vec<Occurrence>) {
+    let (mut rows, mut events) = (Vec::new(), Vec::new());
+    for message in recording.messages() {
+        match message.unwrap() {
+            Message::Row(row) => rows.push(row),
+            Message::Event(event) => events.extend(Occurrence::parse(&event.text)),
+            _ => {}
+        }
+    }
+    (rows, events)
+}
+
+fn kinds(events: &[Occurrence]) -> Vec<&str> {
+    events.iter().map(|event| event.kind.as_str()).collect()
+}
+
+/// Token of the student of a station.
+fn student(station: &str) -> Grant {
+    Grant {
+        id: format!("t-{station}"),
+        role: Role::Student,
+        station: Some(station.into()),
+        learner: String::new(),
+    }
+}
+
+/// A server with the stations `a`, `b` and `c`; each station's token is its name doubled.
+fn three() -> Station {
+    Station::with(|config| {
+        let first = config.stations.remove(0);
+        for name in ["a", "b", "c"] {
+            config.stations.push(StationConfig {
+                name: name.into(),
+                ..first.clone()
+            });
+        }
+        config.token = "aa".into();
+        let tokens = Fixed::default().with("bb", student("b"));
+        config.tokens = std::sync::Arc::new(tokens.with("cc", student("c")));
+    })
+}
+
+fn config_of(station: &Station, token: &str) -> LinkConfig {
+    LinkConfig {
+        token: token.into(),
+        ..station.config()
+    }
+}
+
+/// Presses in a session over a relay whose path is cut for `gap`; returns the events and rows of its recording.
+fn cut(gap: Duration, settle: impl Fn(&Station)) -> (Vec<Row>, Vec<Occurrence>, u32) {
+    let station = Station::new();
+    let relay = Relay::to(station.server().local_addr());
+    let mut config = station.config();
+    config.server = relay.address;
+    let mut link = Link::connect(config).unwrap();
+    link.start();
+    press(&mut link, |link, _| {
+        link.force_gate(now_ns()) == 1.0 && force_up(link) > 0.4
+    });
+    relay.cut(true);
+    let begin = Instant::now();
+    // The hand goes on while the path is cut, and the gate takes the force away.
+    let mut last = 1.0;
+    while begin.elapsed() < gap {
+        link.send_pose(&pose(0.001));
+        let gate = link.force_gate(now_ns());
+        assert!((gate - last).abs() <= 0.151, "from {last} to {gate}");
+        last = gate;
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(last, 0.0);
+    settle(&station);
+    relay.cut(false);
+    press_on(&mut link, |link| {
+        link.force_gate(now_ns()) == 1.0 && force_up(link) > 0.4
+    });
+    let returns = link.stats().returns;
+    let summary = link.finish().unwrap();
+    assert_eq!(summary.end, EndReason::Stopped);
+    assert!(summary.complete, "{summary:?}");
+    assert_eq!(summary.gaps, u32::from(returns > 0));
+    let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
+    let report = replay(&recording, &ReplayOptions::default(), &mut |_| ()).unwrap();
+    assert!(report.identical && report.gradable, "{report:?}");
+    let (rows, events) = rows_and_events(&recording);
+    (rows, events, returns)
+}
+
+#[test]
+fn a_path_cut_for_a_second_leaves_the_connection_and_takes_the_force() {
+    let (rows, events, returns) = cut(Duration::from_secs(1), |_| ());
+    assert_eq!(returns, 0);
+    assert!(kinds(&events).is_empty(), "{events:?}");
+    let stale = rows.iter().filter(|row| row.input.tools[0].stale).count();
+    assert!(stale > 500, "{stale} ticks");
+}
+
+/// A gap of three seconds ended an exam.
+#[test]
+fn a_student_who_is_cut_off_returns_to_the_same_session_and_recording() {
+    let (rows, events, returns) = cut(Duration::from_secs(6), |station| {
+        let waiting = || station.server().status()[0].phase == Phase::Waiting;
+        until("the gap", waiting);
+    });
+    assert_eq!(returns, 1);
+    assert_eq!(kinds(&events), ["detached", "attached"]);
+    let (out, back) = (events[0].tick, events[1].tick);
+    assert_eq!(events[1].data["gap_ticks"], back - out);
+    let absent = |row: &&Row| !row.input.tools[0].present && (out + 2..back).contains(&row.tick);
+    assert!(rows.iter().filter(absent).count() > 1000);
+    // After the return the force rises without a step: half a millinewton a tick on the way up is far below a click.
+    let steps = rows.windows(2).filter(|pair| pair[0].tick > back);
+    let largest = steps
+        .map(|pair| (pair[1].wrench[0][2] - pair[0].wrench[0][2]).abs())
+        .fold(0.0, f32::max);
+    assert!(largest < 0.1, "{largest} N in a tick");
+    let ramping = |row: &&Row| row.tick > back && row.status[0] & status::RAMPING != 0;
+    assert!(rows.iter().filter(ramping).count() >= 50);
+}
+
+#[test]
+fn a_client_behind_a_nat_that_forgets_it_goes_on() {
+    let station = Station::new();
+    let mut relay = Relay::to(station.server().local_addr());
+    let mut config = station.config();
+    config.server = relay.address;
+    let mut link = Link::connect(config).unwrap();
+    link.start();
+    press(&mut link, |link, _| force_up(link) > 0.4);
+    relay.rebind();
+    let before = link.latest_wrench().unwrap().datagram.tick;
+    press_on(&mut link, |link| {
+        link.latest_wrench().unwrap().datagram.tick > before + 1500 && force_up(link) > 0.4
+    });
+    let stats = link.stats();
+    let summary = link.finish().unwrap();
+    assert_eq!((summary.end, stats.returns), (EndReason::Stopped, 0));
+}
+
+#[test]
+fn a_session_waits_for_its_own_learner_and_then_ends() {
+    let mut station = Station::planned(|plan| plan.resume_within = Duration::from_secs(6));
+    let mut config = station.config();
+    config.learner = "a7".into();
+    let mut link = Link::connect(config.clone()).unwrap();
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    drop(link);
+    until("the gap", || station.server().status()[0].phase == Phase::Waiting);
+    // Another learner on the same seat is told how long the session waits.
+    let mut other = config.clone();
+    other.learner = "b8".into();
+    let error = Link::connect(other.clone()).err().unwrap();
+    assert!(
+        matches!(&error, LinkError::Busy(text) if text.contains("waits") && text.contains("learner")),
+        "{error}"
+    );
+    // The same learner, with a program that was started anew.
+    let mut link = Link::connect(config).unwrap();
+    assert!(link.hello().resumed);
+    press_on(&mut link, |link| {
+        link.latest_wrench().is_some_and(|w| w.datagram.tools[0].echo.valid)
+    });
+    drop(link);
+    until("the end", || station.server().status()[0].phase == Phase::Free);
+    let mut link = Link::connect(other).unwrap();
+    assert!(!link.hello().resumed);
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    link.finish().unwrap();
+    let server = station.server.take().unwrap();
+    server.shutdown();
+    let summaries = server.join().unwrap();
+    let ends: Vec<_> = summaries.iter().map(|s| (s.end, s.gaps)).collect();
+    assert_eq!(ends, [(EndReason::ConnectionLost, 2), (EndReason::Stopped, 0)]);
+    let recording = Recording::open(&station.recording(&summaries[0].recording)).unwrap();
+    let (_, events) = rows_and_events(&recording);
+    assert_eq!(kinds(&events), ["detached", "attached", "detached"]);
+}
+
+#[test]
+fn stations_of_a_server_have_their_own_sessions_levels_and_recordings() {
+    let station = three();
+    let mut links: Vec<Link> = ["aa", "bb", "cc"]
+        .iter()
+        .map(|token| Link::connect(config_of(&station, token)).unwrap())
+        .collect();
+    let names: Vec<_> = links.iter().map(|link| link.hello().station.clone()).collect();
+    assert_eq!(names, ["a", "b", "c"]);
+    assert!(station.server().command_at("b", Command::ForceLimit(0.2)));
+    assert!(!station.server().command_at("d", Command::Pause));
+    for link in &mut links {
+        link.start();
+        press(link, |link, _| force_up(link) > 0.15);
+    }
+    for link in [&mut links[0], &mut links[2]] {
+        press_on(link, |link| force_up(link) > 0.4);
+    }
+    press_on(&mut links[1], |link| force_up(link) > 0.19);
+    assert!(force_up(&mut links[1]) <= 0.2001);
+    assert!(station.server().command_at("c", Command::Pause));
+    press_on(&mut links[2], |link| force_up(link) == 0.0);
+    press_on(&mut links[0], |link| force_up(link) > 0.4);
+    let phases: Vec<_> = station.server().status().iter().map(|s| s.phase).collect();
+    assert_eq!(phases, [Phase::Running; 3]);
+    let files: Vec<_> = links
+        .into_iter()
+        .map(|link| link.finish().unwrap().recording)
+        .collect();
+    for (name, file) in names.iter().zip(&files) {
+        let recording = Recording::open(&station.recording(file)).unwrap();
+        assert_eq!(&recording.header().station, name);
+        let report = replay(&recording, &ReplayOptions::default(), &mut |_| ()).unwrap();
+        assert!(report.identical && report.gradable, "{report:?}");
+    }
+}
+
+/// A fault of one station must not reach another: its recording stays whole.
+#[test]
+fn a_panic_in_any_part_of_a_station_leaves_the_others_whole() {
+    for fault in [
+        Provoked::Simulation,
+        Provoked::Recorder,
+        Provoked::Connection,
+        Provoked::Station,
+    ] {
+        let station = three();
+        let mut sound = Link::connect(config_of(&station, "bb")).unwrap();
+        let mut broken = Link::connect(config_of(&station, "aa")).unwrap();
+        for link in [&mut sound, &mut broken] {
+            link.start();
+            press(link, |link, _| force_up(link) > 0.4);
+        }
+        assert!(station.server().provoke("a", fault));
+        let before = sound.latest_wrench().unwrap().datagram.tick;
+        let mut over = false;
+        press_on(&mut sound, |sound| {
+            broken.send_pose(&pose(0.001));
+            // A panic of the connection's task is a lost connection: the session waits, and the client returns.
+            over |= match fault {
+                Provoked::Connection => broken.stats().returns > 0,
+                Provoked::Station => station.server().status()[0].phase == Phase::Free,
+                _ => !broken.is_open(),
+            };
+            over && sound.latest_wrench().unwrap().datagram.tick > before + 500
+        });
+        if let (Provoked::Simulation | Provoked::Recorder, Ok(goodbye)) =
+            (fault, broken.finish_with_text())
+        {
+            let expected = match fault {
+                Provoked::Simulation => EndReason::Simulation,
+                _ => EndReason::Recording,
+            };
+            assert_eq!(goodbye.summary.end, expected, "{fault:?}");
+            assert!(!goodbye.summary.complete);
+        }
+        let summary = sound.finish().unwrap();
+        assert!(summary.complete && summary.end == EndReason::Stopped, "{fault:?}");
+        let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
+        let report = replay(&recording, &ReplayOptions::default(), &mut |_| ()).unwrap();
+        assert!(report.identical && report.gradable, "{fault:?} {report:?}");
+        // The station can be used again.
+        until("a free station", || {
+            station.server().status()[0].phase == Phase::Free
+        });
+        let mut again = Link::connect(config_of(&station, "aa")).unwrap();
+        again.start();
+        press(&mut again, |link, _| link.latest_wrench().is_some());
+        assert!(again.finish().unwrap().complete, "{fault:?}");
+    }
+}
+
+#[test]
+fn a_server_that_ends_closes_every_recording_and_says_goodbye_to_every_student() {
+    let mut station = three();
+    let mut links: Vec<Link> = ["aa", "bb", "cc"]
+        .iter()
+        .map(|token| Link::connect(config_of(&station, token)).unwrap())
+        .collect();
+    for link in &mut links {
+        link.start();
+        press(link, |link, _| link.latest_wrench().is_some());
+    }
+    // One of them is in a gap.
+    drop(links.pop());
+    until("the gap", || station.server().status()[2].phase == Phase::Waiting);
+    let server = station.server.take().unwrap();
+    server.shutdown();
+    let summaries = server.join().unwrap();
+    assert_eq!(summaries.len(), 3);
+    for summary in &summaries {
+        assert_eq!(summary.end, EndReason::Shutdown);
+        let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
+        assert!(matches!(recording.ending(), Ending::Finished));
+    }
+    for link in links {
+        assert_eq!(link.finish().unwrap().end, EndReason::Shutdown);
+    }
+}
+
+/// The default of a server's configuration is a station, and a second program with the same ticket is no return.
+#[test]
+fn a_second_program_with_the_same_ticket_does_not_take_a_running_session_over() {
+    let station = Station::with(|config: &mut ServerConfig| config.token = "one".into());
+    let mut link = station.connect().unwrap();
+    link.start();
+    press(&mut link, |link, _| link.latest_wrench().is_some());
+    let error = station.connect().err().unwrap();
+    assert!(matches!(&error, LinkError::Busy(text) if text.contains("in use")), "{error}");
+    let epoch = link.hello().epoch;
+    let successor = Link::connect(LinkConfig {
+        follows: epoch,
+        ..station.config()
+    });
+    let mut successor = successor.unwrap();
+    assert!(successor.hello().resumed && successor.hello().epoch != epoch);
+    press_on(&mut successor, |link| {
+        link.latest_wrench().is_some_and(|w| w.datagram.tools[0].echo.valid)
+    });
+    assert!(successor.finish().unwrap().complete);
+}

@@ -1,0 +1,209 @@
+//! First message of a connection: version, names, token, role, station. Each role has its own connection from there.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use quinn::{Connection, SendStream};
+use sulcus_link::control::{ReadError, read, reader};
+use sulcus_proto::control::{ClientHello, Refused, RefusedReason};
+use sulcus_proto::limits::{HELLO, NAME_BYTES};
+use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, learner};
+
+use super::tokens::{Denied, Grant};
+use super::{CLOSE_REFUSED, Net, close_after_last_word, control, instructor, student};
+use crate::station::door::{Door, Student, other_version};
+
+/// Delay before a wrong token is refused. The delay slows guesses down.
+const WRONG_TOKEN: Duration = Duration::from_millis(200);
+
+/// A connection that may go on.
+struct Admitted {
+    hello: ClientHello,
+    grant: Grant,
+    /// Station of a student or a display; `None` for an instructor.
+    door: Option<Door>,
+}
+
+/// Reads the hello of a connection, then serves its role or refuses the client. A connection without a hello within
+/// [`HELLO`] is closed.
+pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
+    let from = connection.remote_address();
+    let streams = tokio::time::timeout(HELLO, async {
+        let (send, mut recv) = connection
+            .accept_bi()
+            .await
+            .map_err(|error| ReadError::Closed(error.to_string()))?;
+        let message = read(&mut recv).await;
+        Ok::<_, ReadError>((send, recv, message))
+    });
+    let mut stage = net.shared.stage.clone();
+    let streams = tokio::select! {
+        streams = streams => streams,
+        // A server that ends does not wait for a hello.
+        _ = stage.changed() => return connection.close(CLOSE_REFUSED, b"server stopped"),
+    };
+    let Ok(Ok((mut send, recv, message))) = streams else {
+        tracing::info!("{from} sent no hello");
+        connection.close(CLOSE_REFUSED, b"no hello");
+        return;
+    };
+    let Admitted { hello, grant, door } = match judge(message, &net).await {
+        Ok(admitted) => admitted,
+        Err(refused) => return refuse(&connection, &mut send, refused).await,
+    };
+    tracing::info!(
+        "{from} joins as {} with token {}, device `{}`, client {}",
+        hello.role,
+        clean(&grant.id),
+        clean(&hello.device.name),
+        clean(&hello.program)
+    );
+    match door {
+        Some(door) => {
+            let student = Student {
+                learner: if hello.learner.is_empty() {
+                    grant.learner.clone()
+                } else {
+                    hello.learner
+                },
+                grant,
+                program: hello.program,
+                device: hello.device,
+                exercise: hello.exercise,
+                follows: hello.epoch,
+            };
+            student::serve(connection, send, reader(recv), student, door, net).await;
+        }
+        None => instructor::serve(connection, send, reader(recv), hello.role, grant, net).await,
+    }
+}
+
+/// Checks the first message. The error is the refusal to send.
+async fn judge(
+    message: Result<ClientMessage, ReadError>,
+    net: &Net,
+) -> Result<Admitted, Refused> {
+    let hello = match message {
+        Ok(ClientMessage::Hello(hello)) => hello,
+        Ok(_) => {
+            let text = "the first message must be a hello";
+            return refused(RefusedReason::BadHello, text);
+        }
+        Err(ReadError::Codec(CodecError::Version { found })) => {
+            return refused(RefusedReason::Version, &other_version(found));
+        }
+        Err(error) => {
+            let text = format!("the hello cannot be read: {error}");
+            return refused(RefusedReason::BadHello, &text);
+        }
+    };
+    let names = [
+        &hello.program,
+        &hello.token,
+        &hello.device.name,
+        &hello.learner,
+        &hello.exercise,
+        &hello.station,
+    ];
+    if names.iter().any(|name| name.len() > NAME_BYTES) {
+        let text = format!("a name in the hello is longer than {NAME_BYTES} bytes");
+        return refused(RefusedReason::BadHello, &text);
+    }
+    if let Err(expected) = learner::parse(&hello.learner) {
+        let text = format!("learner `{}`: {expected}", clean(&hello.learner));
+        return refused(RefusedReason::BadHello, &text);
+    }
+    if let Err(text) = hello.device.validate() {
+        return refused(RefusedReason::BadHello, &format!("device: {text}"));
+    }
+    let grant = match net.shared.grant(&hello.token) {
+        Ok(grant) => grant,
+        Err(denied) => {
+            tokio::time::sleep(WRONG_TOKEN).await;
+            return match denied {
+                Denied::Unknown => refused(
+                    RefusedReason::Token,
+                    "the token is wrong; use the one that the server printed",
+                ),
+                Denied::Over(text) => refused(RefusedReason::Expired, &text),
+            };
+        }
+    };
+    if !grant.role.may_act_as(hello.role) {
+        let text = format!(
+            "this token has the role {}, the connection asks for {}",
+            grant.role, hello.role
+        );
+        return refused(RefusedReason::Role, &text);
+    }
+    if !grant.learner.is_empty() && !hello.learner.is_empty() && grant.learner != hello.learner {
+        let text = format!(
+            "this token belongs to learner {}, the client names {}",
+            clean(&grant.learner),
+            clean(&hello.learner)
+        );
+        return refused(RefusedReason::Role, &text);
+    }
+    let door = match hello.role {
+        Role::Student | Role::Display => Some(station(&hello, &grant, net)?),
+        Role::Instructor | Role::Examiner | Role::Admin => None,
+    };
+    Ok(Admitted { hello, grant, door })
+}
+
+/// Station that a hello names, or that the token names.
+fn station(hello: &ClientHello, grant: &Grant, net: &Net) -> Result<Door, Refused> {
+    let asked = if hello.station.is_empty() {
+        grant.station.as_deref()
+    } else {
+        Some(hello.station.as_str())
+    };
+    let found = match asked {
+        Some(name) if !grant.names(name) => {
+            let text = format!("this token is not valid at station `{}`", clean(name));
+            return refused(RefusedReason::Role, &text);
+        }
+        Some(name) => net.doors.iter().find(|door| &*door.name == name),
+        // A token for every station, and a server with one.
+        None => net.doors.first().filter(|_| net.doors.len() == 1),
+    };
+    match found {
+        Some(door) => Ok(door.clone()),
+        None => {
+            let names: Vec<&str> = net.doors.iter().map(|door| &*door.name).collect();
+            let text = format!(
+                "station `{}` does not exist; this server has {}",
+                clean(asked.unwrap_or_default()),
+                names.join(", ")
+            );
+            refused(RefusedReason::Role, &text)
+        }
+    }
+}
+
+fn refused<T>(reason: RefusedReason, text: &str) -> Result<T, Refused> {
+    Err(Refused {
+        reason,
+        text: text.to_owned(),
+    })
+}
+
+/// Sends a refusal and closes the connection.
+pub(super) async fn refuse(connection: &Connection, send: &mut SendStream, refused: Refused) {
+    tracing::info!("{} refused: {}", connection.remote_address(), refused.text);
+    if control::write(send, &ServerMessage::Refused(refused)).await && send.finish().is_ok() {
+        close_after_last_word(connection, CLOSE_REFUSED, b"refused").await;
+    }
+    connection.close(CLOSE_REFUSED, b"refused");
+}
+
+/// Text of a client for a log line or a message: at most 64 characters, without control characters.
+pub(crate) fn clean(text: &str) -> String {
+    printable(text, 64)
+}
+
+/// Text that may hold words of a peer, without control characters, at most `most` characters long.
+pub(super) fn printable(text: &str, most: usize) -> String {
+    let plain = text.chars().filter(|c| !c.is_control());
+    plain.take(most).collect()
+}

@@ -1,0 +1,405 @@
+//! Connection of a student: poses in, wrenches out, control messages. The session outlives the connection.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use quinn::{Connection, SendStream};
+use sulcus_link::control::ReadError;
+use sulcus_proto::control::{
+    Command, EndReason, PlanInfo, Refused, RefusedReason, ServerHello, ToolInfo,
+};
+use sulcus_proto::datagram::WirePose;
+use sulcus_proto::permission::{self, may};
+use sulcus_proto::{ClientMessage, Role, ServerMessage};
+use sulcus_sessions::exercise::events::may_a_client_say;
+use tokio::sync::mpsc::Receiver;
+
+use super::rate::{MESSAGES_PER_S, Rate};
+use super::{CLOSE_OK, CLOSE_REFUSED, Net, close_after_last_word, control, hello};
+use crate::session::handoff::Provoked;
+use crate::session::levels::{Levels, Taken};
+use crate::session::running::Ports;
+use crate::station::config::SessionPlan;
+use crate::station::door::{Attached, Door, Student, ToStation, ToStudent};
+
+type Messages = Receiver<Result<ClientMessage, ReadError>>;
+
+/// Reason why the loop of a connection ended.
+enum Left {
+    /// The goodbye was sent, or could not be sent.
+    Goodbye,
+    /// The connection or the control stream is lost.
+    Lost(String),
+    /// A newer connection has taken over.
+    Replaced,
+    /// The client broke the protocol, or sent far too much: the connection is dropped with a sentence.
+    Dropped(String),
+}
+
+/// Tells the station that the connection is gone, also after a panic of its task.
+struct Leaving {
+    door: Door,
+    epoch: u32,
+    why: String,
+}
+
+impl Drop for Leaving {
+    fn drop(&mut self) {
+        self.door.gone(self.epoch, &self.why);
+    }
+}
+
+/// A student's connection to a station.
+struct StudentConnection {
+    connection: Connection,
+    send: SendStream,
+    messages: Messages,
+    hears: Receiver<ToStudent>,
+    ports: Option<Arc<Ports>>,
+    levels: Levels,
+    plan: Arc<SessionPlan>,
+    door: Door,
+    epoch: u32,
+    datagrams: Rate,
+    control: Rate,
+}
+
+/// Attaches a student to a station and serves the connection until its end.
+pub(super) async fn serve(
+    connection: Connection,
+    mut send: SendStream,
+    messages: Messages,
+    student: Student,
+    door: Door,
+    net: Arc<Net>,
+) {
+    let student = Box::new(student);
+    let attach = door.ask(|reply| ToStation::Attach { student, reply }).await;
+    let attached = match attach {
+        Some(Ok(attached)) => attached,
+        Some(Err(refused)) => return hello::refuse(&connection, &mut send, refused).await,
+        None => {
+            let refused = Refused {
+                reason: RefusedReason::Server,
+                text: "the station is ending".to_owned(),
+            };
+            return hello::refuse(&connection, &mut send, refused).await;
+        }
+    };
+    let Attached {
+        epoch,
+        plan,
+        ports,
+        levels,
+        hears,
+    } = attached;
+    let mut leaving = Leaving {
+        door: door.clone(),
+        epoch,
+        why: "the connection's task ended unexpectedly".to_owned(),
+    };
+    let greeting = ServerMessage::Hello(server_hello(&plan, &net, &door, epoch, ports.is_some()));
+    if !control::write(&mut send, &greeting).await {
+        leaving.why = "the client took no hello".to_owned();
+        connection.close(CLOSE_REFUSED, b"hello not taken");
+        return;
+    }
+    let mut student = StudentConnection {
+        datagrams: Rate::of_datagrams(plan.scene.params.rate_hz),
+        control: Rate::most(MESSAGES_PER_S),
+        connection,
+        send,
+        messages,
+        hears,
+        ports,
+        levels,
+        plan,
+        door,
+        epoch,
+    };
+    let left = student.live().await;
+    leaving.epoch = student.epoch;
+    let StudentConnection {
+        connection,
+        mut send,
+        ..
+    } = student;
+    match left {
+        Left::Goodbye => {
+            leaving.why = "the session has ended".to_owned();
+            if send.finish().is_ok() {
+                close_after_last_word(&connection, CLOSE_OK, b"goodbye").await;
+            }
+            connection.close(CLOSE_OK, b"goodbye");
+        }
+        Left::Lost(why) => {
+            tracing::info!("station {}: connection lost: {why}", leaving.door.name);
+            leaving.why = why;
+            connection.close(CLOSE_OK, b"lost");
+        }
+        Left::Replaced => {
+            connection.close(CLOSE_OK, b"replaced by a newer connection");
+        }
+        Left::Dropped(why) => {
+            tracing::warn!("station {}: connection dropped: {why}", leaving.door.name);
+            let text = ServerMessage::Refused(Refused {
+                reason: RefusedReason::Role,
+                text: why.clone(),
+            });
+            leaving.why = why;
+            if control::write(&mut send, &text).await && send.finish().is_ok() {
+                close_after_last_word(&connection, CLOSE_REFUSED, b"dropped").await;
+            }
+            connection.close(CLOSE_REFUSED, b"dropped");
+        }
+    }
+}
+
+impl StudentConnection {
+    async fn live(&mut self) -> Left {
+        loop {
+            let left = match &self.ports {
+                None => self.before_start().await,
+                Some(ports) => {
+                    let ports = ports.clone();
+                    self.in_session(&ports).await
+                }
+            };
+            match left {
+                Ok(ports) => self.ports = Some(ports),
+                Err(left) => return left,
+            }
+        }
+    }
+
+    /// Serves the connection until the session has started.
+    async fn before_start(&mut self) -> Result<Arc<Ports>, Left> {
+        loop {
+            tokio::select! {
+                message = self.messages.recv() => if let Some(ports) = self.message(message, None).await? {
+                    return Ok(ports);
+                },
+                heard = self.hears.recv() => self.hear(heard).await?,
+                // Without a session a pose has no meaning; a flood is dropped all the same.
+                datagram = self.connection.read_datagram() => match datagram {
+                    Ok(_) => self.datagrams.count(Instant::now(), "datagrams").map_err(Left::Dropped)?,
+                    Err(error) => return Err(lost(&error)),
+                },
+            }
+        }
+    }
+
+    /// Carries poses, wrenches and messages until the connection ends.
+    async fn in_session(&mut self, ports: &Arc<Ports>) -> Result<Arc<Ports>, Left> {
+        let bell = match ports.bell().listen() {
+            Ok(bell) => bell,
+            Err(error) => {
+                return Err(Left::Lost(format!(
+                    "the network cannot wait for the simulation: {error}"
+                )));
+            }
+        };
+        loop {
+            tokio::select! {
+                datagram = self.connection.read_datagram() => match datagram {
+                    Ok(bytes) => {
+                        self.datagrams.count(Instant::now(), "datagrams").map_err(Left::Dropped)?;
+                        ports.flags().provoke(Provoked::Connection);
+                        let mut datagrams = ports.datagrams();
+                        if datagrams.epoch() == self.epoch {
+                            datagrams.arrived(&bytes);
+                        }
+                    }
+                    Err(error) => return Err(lost(&error)),
+                },
+                ready = bell.readable() => {
+                    if let Ok(mut ready) = ready {
+                        ports.bell().silence();
+                        ready.clear_ready();
+                    }
+                    let mut datagrams = ports.datagrams();
+                    if datagrams.epoch() == self.epoch {
+                        datagrams.send(&self.connection);
+                    }
+                },
+                message = self.messages.recv() => {
+                    self.message(message, Some(ports)).await?;
+                }
+                heard = self.hears.recv() => self.hear(heard).await?,
+            }
+        }
+    }
+
+    /// Handles a message of the client. A started session's hand-overs are returned.
+    async fn message(
+        &mut self,
+        message: Option<Result<ClientMessage, ReadError>>,
+        ports: Option<&Arc<Ports>>,
+    ) -> Result<Option<Arc<Ports>>, Left> {
+        let message = match message {
+            Some(Ok(message)) => message,
+            Some(Err(ReadError::Codec(_))) => return self.end(EndReason::Protocol).await,
+            Some(Err(ReadError::Closed(why))) => return Err(Left::Lost(why)),
+            None => return Err(Left::Lost("the control stream ended".to_owned())),
+        };
+        self.control
+            .count(Instant::now(), "control messages")
+            .map_err(Left::Dropped)?;
+        let Some(kind) = permission::kind(&message) else {
+            return self.end(EndReason::Protocol).await;
+        };
+        if !may(Role::Student, kind, true) {
+            return Err(Left::Dropped(format!(
+                "a student may not send a message of kind {kind:?}"
+            )));
+        }
+        match (message, ports) {
+            (ClientMessage::Start, None) => {
+                let epoch = self.epoch;
+                let started = self.door.ask(|reply| ToStation::Start { epoch, reply });
+                match started.await {
+                    Some(Ok(ports)) => return Ok(Some(ports)),
+                    Some(Err(goodbye)) => {
+                        let goodbye = ServerMessage::Goodbye(*goodbye);
+                        control::write(&mut self.send, &goodbye).await;
+                        return Err(Left::Goodbye);
+                    }
+                    None => return Err(Left::Lost("the station is ending".to_owned())),
+                }
+            }
+            (ClientMessage::Start, Some(_)) => return self.end(EndReason::Protocol).await,
+            (ClientMessage::Stop, _) => return self.end(EndReason::Stopped).await,
+            (ClientMessage::Command(command), _) => self.command(command).await,
+            (ClientMessage::Button(edge), Some(ports)) => {
+                if edge.pressed {
+                    ports.press(edge.tool, edge.button);
+                }
+            }
+            (ClientMessage::Event(event), Some(ports)) => {
+                if !may_a_client_say(&event.kind) {
+                    return self.end(EndReason::Protocol).await;
+                }
+                ports.event(event);
+            }
+            (ClientMessage::Inputs(_), _) => {
+                let why = "this server computes the ticks by itself and takes no inputs of ticks";
+                return Err(Left::Dropped(why.to_owned()));
+            }
+            // Buttons and events have no meaning before the start.
+            (ClientMessage::Button(_) | ClientMessage::Event(_), None) => {}
+            (
+                ClientMessage::Hello(_)
+                | ClientMessage::Show(_)
+                | ClientMessage::Watch
+                | ClientMessage::Instruct(_),
+                _,
+            ) => return self.end(EndReason::Protocol).await,
+        }
+        Ok(None)
+    }
+
+    /// Asks the station for the end of the session. The goodbye follows as a message of the station.
+    async fn end(&mut self, reason: EndReason) -> Result<Option<Arc<Ports>>, Left> {
+        let epoch = self.epoch;
+        self.door.tell(ToStation::End { epoch, reason }).await;
+        // Further messages have no meaning.
+        loop {
+            let heard = self.hears.recv().await;
+            self.hear(heard).await?;
+        }
+    }
+
+    /// Applies a command of the student: a pause of its own, its end, or a lower limit. An invalid limit is ignored
+    /// with a warning.
+    async fn command(&mut self, command: Command) {
+        match self.levels.student(command) {
+            Taken::Set => {}
+            Taken::Lifted => {
+                let epoch = Some(self.epoch);
+                self.door.tell(ToStation::Lifted { epoch }).await;
+            }
+            Taken::NoForce(newtons) => tracing::warn!(
+                "force limit of the client is {newtons} N, expected 0 (no limit of its own) or a positive force: ignored"
+            ),
+        }
+    }
+
+    /// Passes a message of the station on to the client.
+    async fn hear(&mut self, heard: Option<ToStudent>) -> Result<(), Left> {
+        match heard {
+            Some(ToStudent::Epoch(epoch)) => {
+                self.epoch = epoch;
+                self.tell(&ServerMessage::Epoch(epoch)).await
+            }
+            Some(ToStudent::Say(say)) => self.tell(&ServerMessage::Say(say)).await,
+            Some(ToStudent::Goodbye(goodbye)) => {
+                control::write(&mut self.send, &ServerMessage::Goodbye(*goodbye)).await;
+                Err(Left::Goodbye)
+            }
+            Some(ToStudent::Replaced) => Err(Left::Replaced),
+            None => Err(Left::Lost("the station has ended".to_owned())),
+        }
+    }
+
+    async fn tell(&mut self, message: &ServerMessage) -> Result<(), Left> {
+        if control::write(&mut self.send, message).await {
+            Ok(())
+        } else {
+            Err(Left::Lost("the client takes no control messages".to_owned()))
+        }
+    }
+}
+
+fn lost(error: &quinn::ConnectionError) -> Left {
+    Left::Lost(hello::printable(&error.to_string(), 128))
+}
+
+fn server_hello(
+    plan: &SessionPlan,
+    net: &Net,
+    door: &Door,
+    epoch: u32,
+    resumed: bool,
+) -> ServerHello {
+    let scene = &plan.scene;
+    let tools = scene.tools.iter().map(|tool| {
+        let (p, q) = (&tool.park.position, &tool.park.orientation);
+        ToolInfo {
+            name: tool.name.clone(),
+            park: WirePose {
+                position: [p.x as f32, p.y as f32, p.z as f32],
+                orientation: [q.w as f32, q.i as f32, q.j as f32, q.k as f32],
+            },
+            tip: [tool.tip.x as f32, tool.tip.y as f32, tool.tip.z as f32],
+            stiffness_n_per_m: tool.stiffness_n_per_m as f32,
+            stiffness_nm_per_rad: tool.stiffness_nm_per_rad as f32,
+        }
+    });
+    let limit_s = plan.max_session.map_or(0, |limit| limit.as_secs());
+    ServerHello {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        station: door.name.to_string(),
+        epoch,
+        resumed,
+        plan: PlanInfo {
+            revision: plan.revision,
+            mode: plan.mode.name().to_owned(),
+            time_limit_s: u32::try_from(limit_s).unwrap_or(u32::MAX),
+            resume_within_ms: u32::try_from(plan.resume_within.as_millis()).unwrap_or(u32::MAX),
+            clock_in_gap: plan.clock_in_gap,
+            tick_at_hand: false,
+        },
+        capabilities: 0,
+        self_test: net.self_test,
+        tick_ns: scene.params.tick_ns(),
+        scene: scene.name.clone(),
+        scene_hash: *blake3::hash(&plan.scene_bytes).as_bytes(),
+        exercise: plan.exercise.name.clone(),
+        exercise_text: plan.exercise.text.clone(),
+        max_force_n: scene.params.max_force as f32,
+        max_torque_nm: scene.params.max_torque as f32,
+        max_force_step_n: scene.params.max_force_step as f32,
+        max_torque_step_nm: scene.params.max_torque_step as f32,
+        tools: tools.collect(),
+    }
+}

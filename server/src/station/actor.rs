@@ -1,0 +1,649 @@
+//! Task of a station: the life of its sessions. Connections attach and detach; the session goes on.
+//!
+//! | phase | leaves by |
+//! |---|---|
+//! | free | a student attaches |
+//! | ready | start, stop, a lost connection, 20 s without a start |
+//! | running | stop, time limit, an instructor's end, a failure, the end of the server |
+//! | waiting: running without its student | the return of the same token, `resume_within` |
+//! | ending: the recording is being finished | its end |
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+use sulcus_proto::SessionSummary;
+use sulcus_proto::control::{EndReason, Goodbye, Refused, RefusedReason};
+use sulcus_proto::station::{Phase, StationStatus};
+use sulcus_sessions::Occurrence;
+use tokio::sync::{mpsc, watch};
+use tokio::task::JoinHandle;
+
+use crate::net::Stage;
+use crate::net::hello::clean;
+use crate::outlets::recording::Opening;
+use crate::outlets::status::Live;
+use crate::session::handoff::{Flags, Provoked};
+use crate::session::levels::Levels;
+use crate::session::running::{Begin, Ports, Running};
+use crate::station::config::{Exercise, SessionPlan};
+use crate::station::door::{Attached, Behind, Door, Student, ToStation, ToStudent, goodbye};
+use crate::station::gap::SessionClock;
+use crate::station::journal::Journal;
+use crate::station::shared::Shared;
+
+/// Timeout from a student's attach to the start. In this time the station is in use.
+const START: Duration = Duration::from_secs(20);
+/// Interval at which limits of time and failures are checked.
+const CHECK: Duration = Duration::from_millis(20);
+/// Number of checks between two statuses: five statuses a second.
+const CHECKS_PER_STATUS: u32 = 10;
+/// Number of messages that wait for a student. A student who reads none is gone soon.
+const HEARS: usize = 64;
+
+/// The connection of an attached student, as the station sees it.
+pub(super) struct Present {
+    pub epoch: u32,
+    pub to_student: mpsc::Sender<ToStudent>,
+}
+
+/// A session whose threads run.
+pub(super) struct Session {
+    pub running: Running,
+    pub student: Student,
+    pub plan: Arc<SessionPlan>,
+    pub present: Option<Present>,
+    pub clock: SessionClock,
+    /// Tick at which the present gap began.
+    pub gap_tick: u64,
+    /// Ticks in gaps that have closed.
+    pub gap_ticks: u64,
+    /// Poses accepted at the last check, and the time of the newest.
+    heard: (u64, Instant),
+}
+
+pub(super) enum State {
+    Free,
+    Ready {
+        student: Student,
+        present: Present,
+        since: Instant,
+    },
+    Running(Box<Session>),
+    /// Recording of a session that is being finished, and the student who hears its goodbye.
+    Ending {
+        finishing: JoinHandle<(SessionSummary, String)>,
+        present: Option<Present>,
+    },
+}
+
+/// A station: plan, levels, session.
+pub(crate) struct Station {
+    pub(super) shared: Arc<Shared>,
+    pub(super) door: Door,
+    pub(super) behind: Behind,
+    pub(super) plan: Arc<SessionPlan>,
+    /// Levels of the next or running session.
+    pub(super) levels: Levels,
+    pub(super) state: State,
+    /// Id of the token that set pause or limit last.
+    pub(super) set_by: String,
+    epoch: u32,
+    /// Status of the running session, by its recorder.
+    live: Arc<Live>,
+    journal: Journal,
+    /// Message from a task of this station to itself: plans that have been compiled.
+    pub(super) prepared: (
+        mpsc::Sender<super::instruct::Prepared>,
+        mpsc::Receiver<super::instruct::Prepared>,
+    ),
+}
+
+impl Station {
+    /// A free station.
+    pub fn new(shared: Arc<Shared>, door: Door, behind: Behind, plan: SessionPlan) -> Self {
+        let journal = Journal::of(shared.config.journal.as_deref(), &door.name);
+        Self {
+            levels: door.levels.of_new_session(),
+            plan: Arc::new(plan),
+            state: State::Free,
+            set_by: String::new(),
+            epoch: 0,
+            live: Arc::default(),
+            journal,
+            prepared: mpsc::channel(4),
+            shared,
+            door,
+            behind,
+        }
+    }
+
+    /// Ends of the door, for a successor.
+    pub fn into_behind(self) -> Behind {
+        self.behind
+    }
+
+    /// Runs the station until the server ends and its session is finished.
+    pub async fn run(&mut self) {
+        let mut stage = self.shared.stage.clone();
+        let mut check = tokio::time::interval(CHECK);
+        check.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        let mut checks = 0;
+        loop {
+            if *stage.borrow_and_update() != Stage::Serve {
+                self.end_now(EndReason::Shutdown);
+                if matches!(self.state, State::Free) {
+                    return;
+                }
+            }
+            tokio::select! {
+                message = self.behind.messages.recv() => match message {
+                    Some(message) => self.take(message).await,
+                    None => return,
+                },
+                prepared = self.prepared.1.recv() => if let Some(prepared) = prepared {
+                    self.planned(prepared);
+                },
+                finished = finished(&mut self.state) => self.finished(finished),
+                _ = stage.changed() => {}
+                _ = check.tick() => {
+                    self.check();
+                    checks += 1;
+                    if checks % CHECKS_PER_STATUS == 0 {
+                        self.publish();
+                    }
+                }
+            }
+        }
+    }
+
+    async fn take(&mut self, message: ToStation) {
+        match message {
+            ToStation::Attach { student, reply } => {
+                let answer = self.attach(*student);
+                let epoch = answer.as_ref().ok().map(|attached| attached.epoch);
+                if let (Err(_), Some(epoch)) = (reply.send(answer), epoch) {
+                    self.gone(epoch, "the connection ended while it attached");
+                }
+            }
+            ToStation::Start { epoch, reply } => {
+                let started = self.start(epoch).await;
+                let _ = reply.send(started);
+            }
+            ToStation::End { epoch, reason } => {
+                if self.present_epoch() == Some(epoch) {
+                    self.end_now(reason);
+                }
+            }
+            ToStation::Gone { epoch, why } => self.gone(epoch, &why),
+            ToStation::Lifted { epoch } => {
+                if epoch.is_none() || self.present_epoch() == epoch {
+                    self.new_epoch();
+                }
+            }
+            ToStation::Instruct {
+                by,
+                instruction,
+                exams,
+                reply,
+            } => self.instruct(by, instruction, exams, reply),
+            ToStation::Provoke(Provoked::Station) => panic!("a fault that a test provokes"),
+            ToStation::Provoke(fault) => {
+                if let State::Running(session) = &self.state {
+                    session.running.provoke(fault);
+                }
+            }
+        }
+        self.publish();
+    }
+
+    /// Epoch of the attached student.
+    fn present_epoch(&self) -> Option<u32> {
+        let present = match &self.state {
+            State::Ready { present, .. } => Some(present),
+            State::Running(session) => session.present.as_ref(),
+            State::Free | State::Ending { .. } => None,
+        };
+        present.map(|present| present.epoch)
+    }
+
+    /// Next epoch. After the largest number comes 1; 0 is never used.
+    fn next_epoch(&mut self) -> u32 {
+        self.epoch = self.epoch.wrapping_add(1).max(1);
+        self.epoch
+    }
+
+    fn attach(&mut self, student: Student) -> Result<Attached, Refused> {
+        if *self.shared.stage.borrow() != Stage::Serve {
+            return refused(RefusedReason::Server, "the server is ending");
+        }
+        if let Some(text) = self.occupied(&student) {
+            return refused(RefusedReason::Busy, &text);
+        }
+        let plan = match &self.state {
+            State::Running(session) => session.plan.clone(),
+            _ => self.plan.clone(),
+        };
+        // A station with free exploration accepts every exercise.
+        let offered = &plan.exercise.name;
+        let free = *offered == Exercise::default().name;
+        if !student.exercise.is_empty() && !free && &student.exercise != offered {
+            let text = format!(
+                "exercise `{}` is not offered here; this station offers `{offered}`",
+                clean(&student.exercise)
+            );
+            return refused(RefusedReason::Exercise, &text);
+        }
+        let epoch = self.next_epoch();
+        let (to_student, hears) = mpsc::channel(HEARS);
+        let present = Present { epoch, to_student };
+        let now = Instant::now();
+        let (ports, before) = match &mut self.state {
+            State::Running(session) => {
+                let before = session.present.replace(present);
+                session.student.device = student.device;
+                session.attached(epoch, before.is_some(), now);
+                (Some(session.running.ports().clone()), before)
+            }
+            other => {
+                let state = State::Ready {
+                    student,
+                    present,
+                    since: now,
+                };
+                match std::mem::replace(other, state) {
+                    State::Ready { present, .. } => (None, Some(present)),
+                    _ => {
+                        self.levels = self.door.levels.of_new_session();
+                        (None, None)
+                    }
+                }
+            }
+        };
+        if let Some(before) = before {
+            let _ = before.to_student.try_send(ToStudent::Replaced);
+        }
+        Ok(Attached {
+            epoch,
+            plan,
+            ports,
+            levels: self.levels.clone(),
+            hears,
+        })
+    }
+
+    /// Reason why a student cannot attach now; `None` if the student can.
+    fn occupied(&self, student: &Student) -> Option<String> {
+        let (first, present) = match &self.state {
+            State::Free => return None,
+            State::Ending { .. } => {
+                let text = "the last session's recording is being finished; connect again in a moment";
+                return Some(text.to_owned());
+            }
+            State::Ready {
+                student, present, ..
+            } => (student, Some(present)),
+            State::Running(session) => (&session.student, session.present.as_ref()),
+        };
+        match (present, &self.state) {
+            // A client that connects again before its old connection has timed out.
+            (Some(present), _) if is_same(first, student) && student.follows == present.epoch => {
+                None
+            }
+            (None, _) if is_same(first, student) => None,
+            (None, State::Running(session)) => {
+                let gap = session.clock.gap(Instant::now());
+                let left = session.plan.resume_within.saturating_sub(gap).as_secs() + 1;
+                Some(format!(
+                    "this station is in use: its session waits {left} s more for the return of its learner"
+                ))
+            }
+            _ => Some(IN_USE.to_owned()),
+        }
+    }
+
+    /// Starts the session of the attached student. A session that runs already is not started again.
+    async fn start(&mut self, epoch: u32) -> Result<Arc<Ports>, Box<Goodbye>> {
+        let name = self.door.name.to_string();
+        if let State::Running(session) = &self.state {
+            return Ok(session.running.ports().clone());
+        }
+        if self.present_epoch() != Some(epoch) {
+            let text = "The connection is no longer attached.";
+            return Err(goodbye(&name, EndReason::ConnectionLost, text));
+        }
+        let State::Ready {
+            student, present, ..
+        } = std::mem::replace(&mut self.state, State::Free)
+        else {
+            let text = "No session can be started now.";
+            return Err(goodbye(&name, EndReason::Simulation, text));
+        };
+        let plan = self.plan.clone();
+        let learner = if student.learner.is_empty() {
+            plan.learner.clone()
+        } else {
+            student.learner.clone()
+        };
+        let predecessor = self.journal.predecessor(&student.grant.id, &learner, &plan);
+        let opening = Opening {
+            plan: plan.clone(),
+            folder: self.shared.config.recordings.clone(),
+            key: self.shared.config.station_key.clone(),
+            station: name.clone(),
+            learner: learner.clone(),
+            client: format!(
+                "client {} with device {}",
+                student.program, student.device.name
+            ),
+            device: student.device.clone(),
+            predecessor,
+            live: self.live.clone(),
+            events: self.behind.events.clone(),
+        };
+        let begin = Begin {
+            epoch,
+            levels: self.levels.clone(),
+            real_time: self.shared.config.real_time,
+            core: None,
+        };
+        // The start of a recording writes the whole scene. The thread of the packets must not wait for it.
+        let opened = tokio::task::spawn_blocking(move || Running::start(opening, begin)).await;
+        let running = match opened {
+            Ok(Ok(running)) => running,
+            Ok(Err((reason, text))) => {
+                tracing::error!("station {name}: {text}");
+                let bye = goodbye(&name, reason, &text);
+                self.shared.ended(bye.summary.clone());
+                return Err(bye);
+            }
+            Err(_) => {
+                let text = "The session could not be started.";
+                return Err(goodbye(&name, EndReason::Simulation, text));
+            }
+        };
+        self.journal
+            .begin(running.file_name(), &student.grant.id, &learner, &plan);
+        let ports = running.ports().clone();
+        let now = Instant::now();
+        self.state = State::Running(Box::new(Session {
+            running,
+            student,
+            clock: SessionClock::begin(now, plan.clock_in_gap),
+            plan,
+            present: Some(present),
+            gap_tick: 0,
+            gap_ticks: 0,
+            heard: (0, now),
+        }));
+        Ok(ports)
+    }
+
+    /// Handles the loss of a connection. Only the attached connection counts.
+    fn gone(&mut self, epoch: u32, why: &str) {
+        if self.present_epoch() != Some(epoch) {
+            return;
+        }
+        match &mut self.state {
+            State::Running(session) if !session.plan.resume_within.is_zero() => {
+                session.present = None;
+                session.detached(why, Instant::now());
+                tracing::info!(
+                    "station {}: the student is gone ({why}); the session waits {} s",
+                    self.door.name,
+                    session.plan.resume_within.as_secs()
+                );
+            }
+            _ => self.end_now(EndReason::ConnectionLost),
+        }
+    }
+
+    /// Checks limits of time and failures of threads.
+    fn check(&mut self) {
+        let now = Instant::now();
+        let reason = match &mut self.state {
+            State::Free | State::Ending { .. } => None,
+            State::Ready { since, .. } => {
+                (now.saturating_duration_since(*since) >= START).then_some(EndReason::TimeUp)
+            }
+            State::Running(session) => session.check(now, &self.door.name),
+        };
+        if let Some(reason) = reason {
+            self.end_now(reason);
+        }
+    }
+
+    /// Begins the end of the session, if there is one. The goodbye follows when the recording is finished.
+    pub(super) fn end_now(&mut self, reason: EndReason) {
+        match std::mem::replace(&mut self.state, State::Free) {
+            State::Free => {}
+            ending @ State::Ending { .. } => self.state = ending,
+            State::Ready { present, .. } => {
+                tracing::info!(
+                    "station {}: the client ended before a session was started ({reason:?})",
+                    self.door.name
+                );
+                let text = match reason {
+                    EndReason::TimeUp => format!(
+                        "No session was started within {} s; connect again.",
+                        START.as_secs()
+                    ),
+                    EndReason::Shutdown => "The server is shutting down.".to_owned(),
+                    _ => "No session was started.".to_owned(),
+                };
+                let bye = goodbye(&self.door.name, reason, &text);
+                let _ = present.to_student.try_send(ToStudent::Goodbye(bye));
+            }
+            State::Running(session) => {
+                let Session {
+                    running,
+                    present,
+                    clock,
+                    gap_tick,
+                    mut gap_ticks,
+                    ..
+                } = *session;
+                if clock.is_open() {
+                    gap_ticks += running.ports().tick().saturating_sub(gap_tick);
+                }
+                let summary = SessionSummary {
+                    station: self.door.name.to_string(),
+                    gaps: clock.count(),
+                    gap_ticks,
+                    ..SessionSummary::empty(reason)
+                };
+                // The slow part on a thread of its own: joins threads and waits for the disk.
+                let finishing = tokio::task::spawn_blocking(move || running.finish(summary));
+                self.state = State::Ending { finishing, present };
+            }
+        }
+    }
+
+    fn finished(&mut self, finished: Result<(SessionSummary, String), tokio::task::JoinError>) {
+        let State::Ending { present, .. } = std::mem::replace(&mut self.state, State::Free) else {
+            return;
+        };
+        let (summary, text) = finished.unwrap_or_else(|_| {
+            let summary = SessionSummary {
+                station: self.door.name.to_string(),
+                ..SessionSummary::empty(EndReason::Simulation)
+            };
+            (summary, "The session ended unexpectedly.".to_owned())
+        });
+        tracing::info!(
+            "station {}: the session has ended ({:?}): {} ticks, {} gaps, recording {}",
+            self.door.name,
+            summary.end,
+            summary.ticks,
+            summary.gaps,
+            summary.recording
+        );
+        self.journal.end();
+        self.shared.ended(summary.clone());
+        if let Some(present) = present {
+            let goodbye = Box::new(Goodbye { text, summary });
+            let _ = present.to_student.try_send(ToStudent::Goodbye(goodbye));
+        }
+        self.levels = self.door.levels.of_new_session();
+    }
+
+    /// Begins a new epoch after the end of a pause: poses from before its end must not move a tool.
+    pub(super) fn new_epoch(&mut self) {
+        let epoch = self.next_epoch();
+        let State::Running(session) = &mut self.state else {
+            return;
+        };
+        session.running.ports().datagrams().begin_epoch(epoch);
+        if let Some(present) = &mut session.present {
+            present.epoch = epoch;
+            let _ = present.to_student.try_send(ToStudent::Epoch(epoch));
+        }
+    }
+
+    /// Publishes the status.
+    fn publish(&mut self) {
+        let in_force = self.levels.in_force();
+        let plan = &self.plan;
+        let mut status = StationStatus {
+            station: self.door.name.to_string(),
+            exercise: plan.exercise.name.clone(),
+            mode: plan.mode.to_string(),
+            plan_revision: plan.revision,
+            rate_hz: plan.scene.params.rate_hz,
+            paused: in_force.station.paused,
+            paused_by_student: in_force.student.paused,
+            force_limit_n: in_force.station.force_limit_n,
+            set_by: self.set_by.clone(),
+            disk_free_mib: self.shared.disk_free_mib(),
+            ..StationStatus::default()
+        };
+        match &self.state {
+            State::Free => {}
+            State::Ready { student, .. } => {
+                status.phase = Phase::Ready;
+                status.learner.clone_from(&student.learner);
+            }
+            State::Running(session) => session.fill(&mut status, &self.live),
+            State::Ending { .. } => status.phase = Phase::Ending,
+        }
+        self.behind.status.send_replace(status);
+    }
+}
+
+impl Session {
+    /// Student returned under a new epoch, after a gap or in place of an older connection.
+    fn attached(&mut self, epoch: u32, replaced: bool, now: Instant) {
+        let ports = self.running.ports();
+        ports.datagrams().begin_epoch(epoch);
+        let gap = self.clock.attach(now);
+        let tick = ports.tick();
+        let ticks = if replaced {
+            0
+        } else {
+            tick.saturating_sub(self.gap_tick)
+        };
+        self.gap_ticks += ticks;
+        self.heard.1 = now;
+        ports.occurrence(Occurrence {
+            kind: "attached".into(),
+            tick,
+            data: json!({ "epoch": epoch, "gap_ticks": ticks, "gap_ms": gap.as_millis() as u64 }),
+        });
+    }
+
+    /// Student gone: the tools are let go, the session waits.
+    fn detached(&mut self, why: &str, now: Instant) {
+        let ports = self.running.ports();
+        ports.datagrams().let_go();
+        self.clock.detach(now);
+        self.gap_tick = ports.tick();
+        ports.occurrence(Occurrence {
+            kind: "detached".into(),
+            tick: self.gap_tick,
+            data: json!({ "reason": why }),
+        });
+    }
+
+    /// Writes the state of the session into a status.
+    fn fill(&self, status: &mut StationStatus, live: &Live) {
+        let now = Instant::now();
+        let ports = self.running.ports();
+        status.phase = if self.present.is_some() {
+            Phase::Running
+        } else {
+            Phase::Waiting
+        };
+        status.learner.clone_from(&self.student.learner);
+        status.exercise.clone_from(&self.plan.exercise.name);
+        status.mode = self.plan.mode.to_string();
+        status.recording = self.running.file_name().to_owned();
+        status.tick = ports.tick();
+        status.rate_hz = self.plan.scene.params.rate_hz;
+        status.elapsed_ms = self.clock.elapsed(now).as_millis() as u64;
+        status.gap_ms = u32::try_from(self.clock.gap(now).as_millis()).unwrap_or(u32::MAX);
+        status.gaps = self.clock.count();
+        status.poses_lost = ports.datagrams().counts().lost;
+        live.fill(status);
+    }
+
+    /// Reason to end the session now.
+    fn check(&mut self, now: Instant, station: &str) -> Option<EndReason> {
+        let ports = self.running.ports();
+        if Flags::is_up(&ports.flags().record_failed) {
+            return Some(EndReason::Recording);
+        }
+        if Flags::is_up(&ports.flags().simulation_over) {
+            return Some(EndReason::Simulation);
+        }
+        if let Some(limit) = self.plan.max_session
+            && self.clock.elapsed(now) >= limit
+        {
+            return Some(EndReason::TimeUp);
+        }
+        if self.present.is_none() {
+            let over = self.clock.gap(now) >= self.plan.resume_within;
+            return over.then_some(EndReason::ConnectionLost);
+        }
+        let accepted = ports.datagrams().counts().accepted;
+        if accepted != self.heard.0 {
+            self.heard = (accepted, now);
+            return None;
+        }
+        let silent = now.saturating_duration_since(self.heard.1);
+        if silent < self.plan.max_silence {
+            return None;
+        }
+        tracing::warn!(
+            "station {station}: the session ends: no new pose for {:.1} s, expected one within {:.0} s",
+            silent.as_secs_f64(),
+            self.plan.max_silence.as_secs_f64()
+        );
+        Some(EndReason::ConnectionLost)
+    }
+}
+
+const IN_USE: &str = "this station is in use by another client; wait until its session ends";
+
+/// Whether a student is the one of the session: the same token and, where both are known, the same learner.
+fn is_same(first: &Student, next: &Student) -> bool {
+    let learners = [&first.learner, &next.learner];
+    first.grant.id == next.grant.id
+        && (learners.iter().any(|id| id.is_empty()) || first.learner == next.learner)
+}
+
+fn refused<T>(reason: RefusedReason, text: &str) -> Result<T, Refused> {
+    Err(Refused {
+        reason,
+        text: text.to_owned(),
+    })
+}
+
+/// Waits for the end of a recording; never returns in another phase.
+async fn finished(
+    state: &mut State,
+) -> Result<(SessionSummary, String), tokio::task::JoinError> {
+    match state {
+        State::Ending { finishing, .. } => finishing.await,
+        _ => std::future::pending().await,
+    }
+}

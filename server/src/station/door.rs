@@ -1,0 +1,211 @@
+//! Door of a station: messages to its task, its newest status, its levels. Connections hold doors and no station.
+
+use std::sync::Arc;
+
+use sulcus_proto::control::{Answer, DeviceInfo, EndReason, Goodbye, Instruction, Refused, Say};
+use sulcus_proto::station::{StationEvent, StationStatus};
+use sulcus_proto::{PROTOCOL_VERSION, SessionSummary};
+use tokio::sync::{broadcast, mpsc, oneshot, watch};
+
+use crate::net::tokens::Grant;
+use crate::session::handoff::Provoked;
+use crate::session::levels::Levels;
+use crate::session::running::Ports;
+use crate::station::config::SessionPlan;
+
+/// Number of messages that wait for a station's task.
+const MESSAGES: usize = 64;
+/// Number of events that a slow instructor may lag behind before the oldest are dropped.
+pub(crate) const EVENTS: usize = 1024;
+
+/// Student at the door.
+#[derive(Clone, Debug)]
+pub(crate) struct Student {
+    /// Holder of the token.
+    pub grant: Grant,
+    /// Opaque learner id; empty for an anonymous learner.
+    pub learner: String,
+    /// Version of the client program.
+    pub program: String,
+    /// Haptic device.
+    pub device: DeviceInfo,
+    /// Requested exercise; empty for the station's choice.
+    pub exercise: String,
+    /// Epoch of the connection that this one follows; 0 for the first connection of a program.
+    pub follows: u32,
+}
+
+/// An attached student's side of a station.
+pub(crate) struct Attached {
+    /// Attach epoch; number of this connection at the station.
+    pub epoch: u32,
+    /// Plan of the session.
+    pub plan: Arc<SessionPlan>,
+    /// Hand-overs of the running session; `None` before its start.
+    pub ports: Option<Arc<Ports>>,
+    /// Levels for the student's own pause and limit.
+    pub levels: Levels,
+    /// Messages for the student.
+    pub hears: mpsc::Receiver<ToStudent>,
+}
+
+/// Message of a station to its attached student.
+#[derive(Debug)]
+pub(crate) enum ToStudent {
+    /// New epoch after the end of a pause.
+    Epoch(u32),
+    /// Message of an instructor.
+    Say(Say),
+    /// End of the session; the connection closes.
+    Goodbye(Box<Goodbye>),
+    /// A newer connection of the same token has taken over.
+    Replaced,
+}
+
+/// Message to the task of a station.
+pub(crate) enum ToStation {
+    /// A student attaches: begins a session, or returns to the one that waits.
+    Attach {
+        student: Box<Student>,
+        reply: oneshot::Sender<Result<Attached, Refused>>,
+    },
+    /// The attached student starts the session. The error is the goodbye.
+    Start {
+        epoch: u32,
+        reply: oneshot::Sender<Result<Arc<Ports>, Box<Goodbye>>>,
+    },
+    /// The attached student's session ends. The goodbye follows as [`ToStudent::Goodbye`].
+    End { epoch: u32, reason: EndReason },
+    /// The connection of the attached student is lost.
+    Gone { epoch: u32, why: String },
+    /// The attached student, or the station's side by [`Door::lifted`], has ended a pause: a new epoch begins.
+    Lifted {
+        /// Epoch of the student; `None`: the station's side.
+        epoch: Option<u32>,
+    },
+    /// An instructor instructs.
+    Instruct {
+        by: String,
+        instruction: Instruction,
+        /// Whether the instructor may set plans of exams.
+        exams: bool,
+        reply: oneshot::Sender<Answer>,
+    },
+    /// A test provokes a fault.
+    Provoke(Provoked),
+}
+
+/// Door of a station. Clones lead to the same station.
+#[derive(Clone)]
+pub(crate) struct Door {
+    /// Name of the station.
+    pub name: Arc<str>,
+    /// Levels of the station's side.
+    pub levels: Levels,
+    to_station: mpsc::Sender<ToStation>,
+    status: watch::Receiver<StationStatus>,
+    events: broadcast::Sender<StationEvent>,
+}
+
+/// The station's ends of a door.
+pub(crate) struct Behind {
+    /// Messages.
+    pub messages: mpsc::Receiver<ToStation>,
+    /// Newest status.
+    pub status: watch::Sender<StationStatus>,
+    /// Events for instructors. Without listeners an event is dropped.
+    pub events: broadcast::Sender<StationEvent>,
+}
+
+impl Door {
+    /// Door of the station `name`, and its ends.
+    pub fn new(name: &str) -> (Self, Behind) {
+        let (to_station, messages) = mpsc::channel(MESSAGES);
+        let first = StationStatus {
+            station: name.to_owned(),
+            ..StationStatus::default()
+        };
+        let (status_in, status) = watch::channel(first);
+        let (events, _) = broadcast::channel(EVENTS);
+        let door = Self {
+            name: name.into(),
+            levels: Levels::default(),
+            to_station,
+            status,
+            events: events.clone(),
+        };
+        let behind = Behind {
+            messages,
+            status: status_in,
+            events,
+        };
+        (door, behind)
+    }
+
+    /// Newest status.
+    pub fn status(&self) -> StationStatus {
+        self.status.borrow().clone()
+    }
+
+    /// Events from now on.
+    pub fn events(&self) -> broadcast::Receiver<StationEvent> {
+        self.events.subscribe()
+    }
+
+    /// Sends a message and waits for its reply. `None`: the station's task has ended.
+    pub async fn ask<T>(
+        &self,
+        message: impl FnOnce(oneshot::Sender<T>) -> ToStation,
+    ) -> Option<T> {
+        let (reply, answer) = oneshot::channel();
+        self.to_station.send(message(reply)).await.ok()?;
+        answer.await.ok()
+    }
+
+    /// Sends a message without a reply. The call waits while 64 messages wait.
+    pub async fn tell(&self, message: ToStation) {
+        // An error means that the station's task has ended; the server is ending then.
+        let _ = self.to_station.send(message).await;
+    }
+
+    /// Sends a message at once. `false`: 64 messages wait, or the station's task has ended.
+    pub fn try_tell(&self, message: ToStation) -> bool {
+        self.to_station.try_send(message).is_ok()
+    }
+
+    /// Tells the station that its side has ended a pause. While 64 messages wait, the epoch goes on: poses from before
+    /// the end of the pause are then used.
+    pub fn lifted(&self) {
+        self.try_tell(ToStation::Lifted { epoch: None });
+    }
+
+    /// Tells the station that a connection is lost, also from a destructor.
+    pub fn gone(&self, epoch: u32, why: &str) {
+        let message = ToStation::Gone {
+            epoch,
+            why: why.to_owned(),
+        };
+        if let Err(mpsc::error::TrySendError::Full(message)) = self.to_station.try_send(message) {
+            let to_station = self.to_station.clone();
+            tokio::spawn(async move { to_station.send(message).await });
+        }
+    }
+}
+
+/// Goodbye of a session without ticks.
+pub(crate) fn goodbye(station: &str, reason: EndReason, text: &str) -> Box<Goodbye> {
+    Box::new(Goodbye {
+        text: text.to_owned(),
+        summary: SessionSummary {
+            station: station.to_owned(),
+            ..SessionSummary::empty(reason)
+        },
+    })
+}
+
+/// Sentence about a client of another protocol version.
+pub(crate) fn other_version(found: u8) -> String {
+    format!(
+        "this server has protocol version {PROTOCOL_VERSION}, the client {found}; install the same release on both"
+    )
+}

@@ -1,0 +1,85 @@
+//! Data that all stations and connections of a server share.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use sulcus_proto::SessionSummary;
+use tokio::sync::watch;
+
+use crate::ServerConfig;
+use crate::net::Stage;
+use crate::net::tokens::{Denied, Grant, Tokens as _};
+
+/// Interval between two queries of the free space on the disk.
+const DISK: Duration = Duration::from_secs(5);
+
+/// Shared data of a server.
+pub(crate) struct Shared {
+    pub config: ServerConfig,
+    pub stage: watch::Receiver<Stage>,
+    /// Summaries of the sessions so far, in the order of their ends.
+    summaries: Mutex<Vec<SessionSummary>>,
+    /// Hash of the secret of the first station's student, and its holder.
+    first: (blake3::Hash, Grant),
+    disk_free_mib: AtomicU64,
+    disk_asked: Mutex<Option<Instant>>,
+}
+
+impl Shared {
+    /// Shared data of a new server.
+    pub fn new(config: ServerConfig, stage: watch::Receiver<Stage>) -> Self {
+        let station = config.stations.first().map(|station| station.name.clone());
+        let first = Grant {
+            id: "ticket".into(),
+            role: sulcus_proto::Role::Student,
+            station,
+            learner: String::new(),
+        };
+        Self {
+            first: (blake3::hash(config.token.as_bytes()), first),
+            config,
+            stage,
+            summaries: Mutex::default(),
+            disk_free_mib: AtomicU64::new(0),
+            disk_asked: Mutex::default(),
+        }
+    }
+
+    /// Holder of a secret.
+    ///
+    /// # Errors
+    /// No token has the secret, or the token is no longer valid.
+    pub fn grant(&self, secret: &str) -> Result<Grant, Denied> {
+        // Hashes compare in constant time.
+        if blake3::hash(secret.as_bytes()) == self.first.0 {
+            return Ok(self.first.1.clone());
+        }
+        self.config.tokens.find(secret)
+    }
+
+    /// Keeps the summary of a session.
+    pub fn ended(&self, summary: SessionSummary) {
+        let mut summaries = self.summaries.lock().unwrap_or_else(PoisonError::into_inner);
+        summaries.push(summary);
+    }
+
+    /// Takes all summaries.
+    pub fn take_summaries(&self) -> Vec<SessionSummary> {
+        let mut summaries = self.summaries.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut summaries)
+    }
+
+    /// Free space on the disk of recordings, mebibytes, at most [`DISK`] old. The query is one system call.
+    pub fn disk_free_mib(&self) -> u64 {
+        let mut asked = self.disk_asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = Instant::now();
+        if asked.is_none_or(|asked| now.saturating_duration_since(asked) >= DISK) {
+            *asked = Some(now);
+            let free = nix::sys::statvfs::statvfs(&self.config.recordings)
+                .map(|disk| disk.blocks_available() * disk.fragment_size() / (1 << 20));
+            self.disk_free_mib.store(free.unwrap_or(0), Ordering::Relaxed);
+        }
+        self.disk_free_mib.load(Ordering::Relaxed)
+    }
+}
