@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use sulcus_demo::args::{DemoArgs, seconds};
+use sulcus_demo::swarm::args::SwarmArgs;
 use sulcus_operator::Habit;
 
 /// Client of the Sulcus simulator for periodontal training with force feedback.
@@ -29,6 +30,7 @@ Examples:
   sulcus-client demo --virtual --exercise hard/wedge
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
+  sulcus-client swarm --stations 8 --duration 60 --replay
 
 Ctrl-C ends the session with a stop; a second Ctrl-C ends the program at once.
 Logs go to standard error. SULCUS_LOG=debug prints more; the default is SULCUS_LOG=warn.
@@ -45,6 +47,9 @@ pub enum Command {
     /// Join a running server
     #[command(after_long_help = EXAMPLES)]
     Run(RunArgs),
+    /// Run simulated hands on many stations at once, and measure the load of the machine
+    #[command(after_long_help = EXAMPLES)]
+    Swarm(SwarmArgs),
 }
 
 /// Arguments of `run`.

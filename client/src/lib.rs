@@ -39,6 +39,7 @@ pub fn run() -> ExitCode {
         ),
         Some(cli::Command::Demo(args)) => (sulcus_demo::run(&args), args.json),
         Some(cli::Command::Run(args)) => (join::run(&args), args.json),
+        Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
     };
     let code = done.unwrap_or_else(|error| {
         let text = sulcus_sessions::sentence(&error);

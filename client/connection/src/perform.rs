@@ -43,23 +43,7 @@ pub fn perform(
     let performed = std::thread::scope(|scope| {
         let loop_thread = std::thread::Builder::new()
             .name("sulcus-device".into())
-            .spawn_scoped(scope, || {
-                let mut link = link;
-                let report = device_loop::run(&mut link, &mut device, periods, disturb, &done);
-                let stats = link.stats();
-                // The stop is sent here and at once, because the server records until it arrives. A silent server sends
-                // no goodbye. After a close by the server, the link already holds the goodbye.
-                let goodbye = if report.server_silent && link.is_open() {
-                    Err(LinkError::Lost("no wrench for ten seconds".into()))
-                } else {
-                    link.finish_with_text()
-                };
-                Performed {
-                    goodbye,
-                    stats,
-                    report,
-                }
-            })?;
+            .spawn_scoped(scope, || run(link, &mut device, periods, disturb, &done))?;
         while !loop_thread.is_finished() {
             let share = done.load(Ordering::Relaxed) as f64 / periods as f64;
             bar.set("performing", share);
@@ -71,4 +55,41 @@ pub fn perform(
     })?;
     bar.done();
     Ok(performed)
+}
+
+/// Starts the session on `link` and runs `device` on the calling thread, without a progress bar. `done` receives the
+/// number of periods completed so far.
+pub fn carry(
+    link: Link,
+    device: &mut dyn EventDevice,
+    periods: u64,
+    disturb: Option<Disturb>,
+    done: &AtomicU64,
+) -> Performed {
+    // A link that has ended holds its error, which the end of the run returns.
+    link.start();
+    run(link, device, periods, disturb, done)
+}
+
+fn run(
+    mut link: Link,
+    device: &mut dyn EventDevice,
+    periods: u64,
+    disturb: Option<Disturb>,
+    done: &AtomicU64,
+) -> Performed {
+    let report = device_loop::run(&mut link, device, periods, disturb, done);
+    let stats = link.stats();
+    // The stop is sent here and at once, because the server records until it arrives. A silent server sends no goodbye.
+    // After a close by the server, the link already holds the goodbye.
+    let goodbye = if report.server_silent && link.is_open() {
+        Err(LinkError::Lost("no wrench for ten seconds".into()))
+    } else {
+        link.finish_with_text()
+    };
+    Performed {
+        goodbye,
+        stats,
+        report,
+    }
 }

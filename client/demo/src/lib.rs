@@ -16,6 +16,7 @@ pub mod lockstep;
 pub mod page;
 pub mod simulated;
 pub mod summary;
+pub mod swarm;
 mod zones;
 
 use std::path::PathBuf;

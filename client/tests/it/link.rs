@@ -189,7 +189,7 @@ fn a_hand_that_goes_silent_is_let_go() {
 
 #[test]
 fn a_server_that_vanishes_closes_the_gate() {
-    let mut station = Station::new();
+    let mut station = Station::planned(|plan| plan.resume_within = Duration::ZERO);
     let mut link = station.connect().unwrap();
     link.start();
     press(&mut link, |link, _| {

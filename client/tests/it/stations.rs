@@ -218,8 +218,8 @@ fn stations_of_a_server_have_their_own_sessions_levels_and_recordings() {
         link.start();
         press(link, |link, _| force_up(link) > 0.15);
     }
-    for link in [&mut links[0], &mut links[2]] {
-        press_on(link, |link| force_up(link) > 0.4);
+    for k in [0, 2] {
+        press_on(&mut links[k], |link| force_up(link) > 0.4);
     }
     press_on(&mut links[1], |link| force_up(link) > 0.19);
     assert!(force_up(&mut links[1]) <= 0.2001);

@@ -110,6 +110,9 @@ pub(crate) async fn serve(
     }
     // Stations read the stage too; each finishes its recording before its task ends.
     let halted = *stage.borrow() == Stage::Halt;
+    if halted {
+        endpoint.close(CLOSE_OK, b"server stopped");
+    }
     let stopped = all_ended(&mut actors, if halted { FINISHING } else { FAREWELL + FINISHING }).await;
     if !halted {
         all_ended(&mut connections, FAREWELL).await;

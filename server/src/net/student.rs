@@ -57,7 +57,6 @@ struct StudentConnection {
     hears: Receiver<ToStudent>,
     ports: Option<Arc<Ports>>,
     levels: Levels,
-    plan: Arc<SessionPlan>,
     door: Door,
     epoch: u32,
     datagrams: Rate,
@@ -113,7 +112,6 @@ pub(super) async fn serve(
         hears,
         ports,
         levels,
-        plan,
         door,
         epoch,
     };

@@ -81,8 +81,6 @@ pub(crate) struct Ports {
     bell: Bell,
     flags: Arc<Flags>,
     progress: Arc<Progress>,
-    /// Levels of the station and of the session's student.
-    pub levels: Levels,
 }
 
 impl Ports {
@@ -201,7 +199,7 @@ impl Running {
             let simulation = Simulation {
                 scene: scene.clone(),
                 poses: poses_out,
-                levels: begin.levels.clone(),
+                levels: begin.levels,
                 pressed: pressed.clone(),
                 wrenches: wrenches_in,
                 bell: bell.clone(),
@@ -229,7 +227,6 @@ impl Running {
                     bell,
                     flags,
                     progress,
-                    levels: begin.levels,
                 }),
                 simulation,
                 recorder,

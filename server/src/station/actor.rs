@@ -16,7 +16,7 @@ use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Goodbye, Refused, RefusedReason};
 use sulcus_proto::station::{Phase, StationStatus};
 use sulcus_sessions::Occurrence;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
 use crate::net::Stage;

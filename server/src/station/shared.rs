@@ -9,7 +9,7 @@ use tokio::sync::watch;
 
 use crate::ServerConfig;
 use crate::net::Stage;
-use crate::net::tokens::{Denied, Grant, Tokens as _};
+use crate::net::tokens::{Denied, Grant};
 
 /// Interval between two queries of the free space on the disk.
 const DISK: Duration = Duration::from_secs(5);
@@ -76,8 +76,8 @@ impl Shared {
         let now = Instant::now();
         if asked.is_none_or(|asked| now.saturating_duration_since(asked) >= DISK) {
             *asked = Some(now);
-            let free = nix::sys::statvfs::statvfs(&self.config.recordings)
-                .map(|disk| disk.blocks_available() * disk.fragment_size() / (1 << 20));
+            let free = rustix::fs::statvfs(&self.config.recordings)
+                .map(|disk| disk.f_bavail * disk.f_frsize / (1 << 20));
             self.disk_free_mib.store(free.unwrap_or(0), Ordering::Relaxed);
         }
         self.disk_free_mib.load(Ordering::Relaxed)

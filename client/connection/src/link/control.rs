@@ -6,7 +6,7 @@ use sulcus_proto::{ClientMessage, frame};
 use super::LinkError;
 
 /// Writes one message, without a timeout of its own. The error is an encoding error or a lost connection.
-pub(super) async fn write(
+pub(crate) async fn write(
     stream: &mut SendStream,
     message: &ClientMessage,
 ) -> Result<(), LinkError> {

@@ -24,7 +24,7 @@ const NO_APPLICATION_PROTOCOL: u8 = 120;
 ///
 /// # Errors
 /// The error of the only address, or [`LinkError::Nowhere`] with those of all.
-pub(super) async fn reach(config: &LinkConfig) -> Result<(Endpoint, Connection), LinkError> {
+pub(crate) async fn reach(config: &LinkConfig) -> Result<(Endpoint, Connection), LinkError> {
     let servers = config.servers();
     let mut waiting = servers.iter().copied();
     let mut next = waiting.next();

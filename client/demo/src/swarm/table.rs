@@ -1,0 +1,127 @@
+//! Tables of a swarm: on standard output, and in a document.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use sulcus_program::PathText;
+use sulcus_proto::Percentiles;
+
+use super::{Session, Swarm};
+
+/// Markers of the generated lines in a document.
+const BEGIN: &str = "<!-- begin: swarm -->";
+const END: &str = "<!-- end: swarm -->";
+
+/// Lines for a person: a table of the sessions, then the sums.
+pub(super) fn lines(swarm: &Swarm) -> String {
+    let mut text = format!(
+        "{:<12} {:>8} {:>7} {:>23} {:>23} {:>15} {:>8}\n",
+        "station", "ticks", "missed", "tick CPU p50/p99/p99.9", "tick wall p50/p99/p99.9", "round trip p50", "dropped"
+    );
+    for one in &swarm.sessions {
+        let three = |p: &Percentiles| format!("{:.0} / {:.0} / {:.0}", p.p50, p.p99, p.p999);
+        let _ = writeln!(
+            text,
+            "{:<12} {:>8} {:>7} {:>23} {:>23} {:>15.0} {:>8}{}",
+            one.station,
+            one.ticks,
+            one.deadline_misses,
+            three(&one.tick_us),
+            three(&one.tick_wall_us),
+            one.rtt_us.p50,
+            one.rows_dropped,
+            if one.complete { "" } else { "  NOT COMPLETE" }
+        );
+    }
+    for sentence in &swarm.refused {
+        let _ = writeln!(text, "refused: {sentence}");
+    }
+    let _ = write!(
+        text,
+        "{} of {} stations; CPU {:.0} % of a core, of it the server {:.0} %; memory {:.0} MB; times in microseconds",
+        swarm.sessions.len(),
+        swarm.stations,
+        swarm.cpu_percent,
+        swarm.server_cpu_percent,
+        swarm.memory_mb
+    );
+    if let Some(different) = swarm.not_identical {
+        let _ = write!(text, "; {different} replays not identical");
+    }
+    text
+}
+
+/// Largest value of the sessions.
+fn most(sessions: &[Session], value: impl Fn(&Session) -> f64) -> f64 {
+    sessions.iter().map(value).fold(0.0, f64::max)
+}
+
+/// Table of the runs, a row each, as Markdown.
+fn markdown(exercise: &str, runs: &[Swarm]) -> String {
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let mut text = format!(
+        "Machine: {cores} logical cores, shared by server and simulated hands. Exercise `{exercise}`.\n\
+         Times are the largest of all stations, in microseconds.\n\n\
+         | stations | sessions complete | rows dropped | missed ticks, % | tick CPU p50 | tick CPU p99 | tick CPU p99.9 | tick wall p99 | round trip p50 | CPU, % of a core | server's CPU, % of a core | memory, MB |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|\n"
+    );
+    for run in runs {
+        let all = &run.sessions;
+        let ticks: u64 = all.iter().map(|one| one.ticks).sum();
+        let missed: u64 = all.iter().map(|one| one.deadline_misses).sum();
+        let dropped: u64 = all.iter().map(|one| one.rows_dropped).sum();
+        let complete = all.iter().filter(|one| one.complete).count();
+        let _ = writeln!(
+            text,
+            "| {} | {complete} | {dropped} | {:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} |",
+            run.stations,
+            100.0 * missed as f64 / ticks.max(1) as f64,
+            most(all, |one| one.tick_us.p50),
+            most(all, |one| one.tick_us.p99),
+            most(all, |one| one.tick_us.p999),
+            most(all, |one| one.tick_wall_us.p99),
+            most(all, |one| one.rtt_us.p50),
+            run.cpu_percent,
+            run.server_cpu_percent,
+            run.memory_mb
+        );
+    }
+    text
+}
+
+/// Replaces the lines between the markers of a document.
+///
+/// # Errors
+/// The file cannot be read or written, or lacks a marker.
+pub(super) fn write(file: &Path, exercise: &str, runs: &[Swarm]) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(file)
+        .with_context(|| format!("--readme {}: cannot read", file.shown()))?;
+    let new = replaced(&text, &markdown(exercise, runs))
+        .with_context(|| format!("--readme {}", file.shown()))?;
+    std::fs::write(file, new).with_context(|| format!("--readme {}: cannot write", file.shown()))
+}
+
+fn replaced(text: &str, table: &str) -> anyhow::Result<String> {
+    let Some((head, rest)) = text.split_once(BEGIN) else {
+        bail!("no line `{BEGIN}`")
+    };
+    let Some((_, tail)) = rest.split_once(END) else {
+        bail!("no line `{END}` after `{BEGIN}`")
+    };
+    Ok(format!("{head}{BEGIN}\n\n{table}\n{END}{tail}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_lines_between_the_markers_change() {
+        let text = format!("a\n{BEGIN}\nold\n{END}\nb\n");
+        let new = replaced(&text, "| 1 |\n").expect("both markers");
+        assert_eq!(new, format!("a\n{BEGIN}\n\n| 1 |\n\n{END}\nb\n"));
+        assert!(replaced("a", "t").is_err());
+        assert!(replaced(&format!("{END}{BEGIN}"), "t").is_err());
+    }
+}
