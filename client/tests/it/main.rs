@@ -2,6 +2,7 @@
 
 mod common;
 mod events;
+mod flood;
 mod grades;
 mod heavy_hand;
 mod levels;

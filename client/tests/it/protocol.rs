@@ -1,85 +1,25 @@
 //! A server against clients that do not play by the rules: raw frames over a real connection.
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
 use crate::common::Station;
-use quinn::{Connection, Endpoint, RecvStream, SendStream};
-use sulcus_connection::link::{Pin, client_config};
-use sulcus_proto::control::{
-    ClientHello, DeviceInfo, EndReason, Event, RefusedReason, ServerHello,
-};
+use crate::common::raw::{self, Raw};
+use sulcus_proto::control::{ClientHello, EndReason, Event, RefusedReason, ServerHello};
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, PROTOCOL_VERSION, PoseDatagram, Role, ServerMessage};
 
-struct Raw {
-    _endpoint: Endpoint,
-    connection: Connection,
-    send: SendStream,
-    recv: RecvStream,
-}
-
-impl Raw {
-    async fn connect(station: &Station) -> Self {
-        let mut endpoint = Endpoint::client("127.0.0.1:0".parse().unwrap()).unwrap();
-        let pin = Pin::Certificate(station.server().certificate_der().to_vec());
-        endpoint.set_default_client_config(
-            client_config(pin, Arc::new(AtomicBool::new(false))).unwrap(),
-        );
-        let connecting = endpoint
-            .connect(station.server().local_addr(), "localhost")
-            .unwrap();
-        let connection = connecting.await.unwrap();
-        let (send, recv) = connection.open_bi().await.unwrap();
-        Self {
-            _endpoint: endpoint,
-            connection,
-            send,
-            recv,
-        }
-    }
-
-    /// Connected, and in a session that runs.
-    async fn started(station: &Station) -> (Self, ServerHello) {
-        let mut raw = Self::connect(station).await;
-        raw.say(&hello(station)).await;
-        let ServerMessage::Hello(server) = raw.hear().await else {
-            panic!("refused")
-        };
-        raw.say(&ClientMessage::Start).await;
-        (raw, server)
-    }
-
-    async fn say(&mut self, message: &ClientMessage) {
-        self.send
-            .write_all(&frame::encode(message).unwrap())
-            .await
-            .unwrap();
-    }
-
-    async fn hear(&mut self) -> ServerMessage {
-        let mut length = [0; LENGTH_BYTES];
-        self.recv.read_exact(&mut length).await.unwrap();
-        let mut body = vec![0; frame::body_length(length).unwrap()];
-        self.recv.read_exact(&mut body).await.unwrap();
-        frame::decode(&body).unwrap()
-    }
+/// A raw connection in a session that runs.
+async fn started(station: &Station) -> (Raw, ServerHello) {
+    let mut raw = Raw::silent(station).await;
+    raw.say(&hello(station)).await;
+    let Some(ServerMessage::Hello(server)) = raw.hear().await else {
+        panic!("refused")
+    };
+    raw.say(&ClientMessage::Start).await;
+    (raw, server)
 }
 
 fn hello(station: &Station) -> ClientMessage {
-    ClientMessage::Hello(ClientHello {
-        program: "0".into(),
-        token: station.server().ticket().token.clone(),
-        role: Role::Student,
-        station: String::new(),
-        device: DeviceInfo::default(),
-        epoch: 0,
-        capabilities: 0,
-        self_test: 0,
-        learner: String::new(),
-        exercise: String::new(),
-    })
+    raw::hello(Role::Student, &station.server().ticket().token)
 }
 
 fn block_on(test: impl Future<Output = ()>) {
@@ -94,11 +34,11 @@ fn block_on(test: impl Future<Output = ()>) {
 fn another_version_is_refused_by_name() {
     let station = Station::new();
     block_on(async {
-        let mut raw = Raw::connect(&station).await;
+        let mut raw = Raw::silent(&station).await;
         let mut bytes = frame::encode(&hello(&station)).unwrap();
         bytes[LENGTH_BYTES] = PROTOCOL_VERSION + 1;
         raw.send.write_all(&bytes).await.unwrap();
-        let ServerMessage::Refused(refused) = raw.hear().await else {
+        let Some(ServerMessage::Refused(refused)) = raw.hear().await else {
             panic!("not refused")
         };
         assert_eq!(refused.reason, RefusedReason::Version);
@@ -117,15 +57,15 @@ fn garbage_is_refused_and_the_server_lives() {
             &[0, 0, 0, 0],
             &[3, 0, 0, 0, PROTOCOL_VERSION, 9, 9],
         ] {
-            let mut raw = Raw::connect(&station).await;
+            let mut raw = Raw::silent(&station).await;
             raw.send.write_all(garbage).await.unwrap();
-            let ServerMessage::Refused(refused) = raw.hear().await else {
+            let Some(ServerMessage::Refused(refused)) = raw.hear().await else {
                 panic!("not refused")
             };
             assert_eq!(refused.reason, RefusedReason::BadHello, "{}", refused.text);
         }
         // A name where an id is asked for.
-        let mut raw = Raw::connect(&station).await;
+        let mut raw = Raw::silent(&station).await;
         let ClientMessage::Hello(named) = hello(&station) else {
             panic!("a hello")
         };
@@ -134,7 +74,7 @@ fn garbage_is_refused_and_the_server_lives() {
             ..named
         }))
         .await;
-        let ServerMessage::Refused(refused) = raw.hear().await else {
+        let Some(ServerMessage::Refused(refused)) = raw.hear().await else {
             panic!("not refused")
         };
         assert_eq!(refused.reason, RefusedReason::BadHello);
@@ -143,14 +83,14 @@ fn garbage_is_refused_and_the_server_lives() {
             "{}",
             refused.text
         );
-        let mut raw = Raw::connect(&station).await;
+        let mut raw = Raw::silent(&station).await;
         raw.say(&ClientMessage::Start).await;
         assert!(
-            matches!(raw.hear().await, ServerMessage::Refused(r) if r.reason == RefusedReason::BadHello)
+            matches!(raw.hear().await, Some(ServerMessage::Refused(r)) if r.reason == RefusedReason::BadHello)
         );
-        let mut raw = Raw::connect(&station).await;
+        let mut raw = Raw::silent(&station).await;
         raw.say(&hello(&station)).await;
-        assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
+        assert!(matches!(raw.hear().await, Some(ServerMessage::Hello(_))));
     });
 }
 
@@ -158,7 +98,7 @@ fn garbage_is_refused_and_the_server_lives() {
 fn bad_datagrams_are_counted_and_move_nothing() {
     let station = Station::new();
     block_on(async {
-        let (mut raw, server) = Raw::started(&station).await;
+        let (mut raw, server) = started(&station).await;
         // The first wrench says that the session reads datagrams.
         raw.connection.read_datagram().await.unwrap();
         let pose = |epoch, sequence| {
@@ -190,7 +130,7 @@ fn bad_datagrams_are_counted_and_move_nothing() {
             tokio::time::sleep(std::time::Duration::from_millis(20)).await;
         }
         raw.say(&ClientMessage::Stop).await;
-        let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
+        let Some(ServerMessage::Goodbye(goodbye)) = raw.hear().await else {
             panic!("no goodbye")
         };
         let summary = goodbye.summary;
@@ -209,9 +149,9 @@ fn bad_datagrams_are_counted_and_move_nothing() {
 fn a_second_hello_ends_the_session_with_a_sentence() {
     let station = Station::new();
     block_on(async {
-        let (mut raw, _) = Raw::started(&station).await;
+        let (mut raw, _) = started(&station).await;
         raw.say(&hello(&station)).await;
-        let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
+        let Some(ServerMessage::Goodbye(goodbye)) = raw.hear().await else {
             panic!("no goodbye")
         };
         assert_eq!(goodbye.summary.end, EndReason::Protocol);
@@ -225,14 +165,14 @@ fn a_client_that_says_what_only_the_station_says_is_sent_away() {
     for kind in ["bleeding", "bleeding at tick 5: {\"a\":\""] {
         let station = Station::new();
         block_on(async {
-            let (mut raw, _) = Raw::started(&station).await;
+            let (mut raw, _) = started(&station).await;
             raw.say(&ClientMessage::Event(Event {
                 tick: 1,
                 kind: kind.into(),
                 json: "\"}".into(),
             }))
             .await;
-            let ServerMessage::Goodbye(goodbye) = raw.hear().await else {
+            let Some(ServerMessage::Goodbye(goodbye)) = raw.hear().await else {
                 panic!("no goodbye")
             };
             assert_eq!(goodbye.summary.end, EndReason::Protocol);
@@ -247,10 +187,10 @@ fn a_client_in_a_crowd_proves_its_address_and_comes_in() {
         // More than half of the server's 64 slots: silent ones first, then one that speaks.
         let mut crowd = Vec::new();
         for _ in 0..40 {
-            crowd.push(Raw::connect(&station).await);
+            crowd.push(Raw::silent(&station).await);
         }
-        let mut raw = Raw::connect(&station).await;
+        let mut raw = Raw::silent(&station).await;
         raw.say(&hello(&station)).await;
-        assert!(matches!(raw.hear().await, ServerMessage::Hello(_)));
+        assert!(matches!(raw.hear().await, Some(ServerMessage::Hello(_))));
     });
 }

@@ -2,17 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use crate::common::raw::Raw;
 use crate::common::{Station, force_up, press, press_on, status_of};
-use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_connection::instructor::{Heard, Instructor};
-use sulcus_connection::link::{Link, LinkConfig, LinkError, Pin, client_config};
+use sulcus_connection::link::{Link, LinkConfig, LinkError};
 use sulcus_proto::control::{
-    ButtonEdge, ClientHello, Command, DeviceInfo, Event, InputBatch, Instruct, Instruction, Show,
+    ButtonEdge, Command, Event, InputBatch, Instruct, Instruction, Show,
 };
-use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::permission::{self, Kind, may};
 use sulcus_proto::station::Phase;
 use sulcus_proto::{ClientMessage, PoseDatagram, Role, ServerMessage, status};
@@ -61,78 +59,24 @@ fn watcher(station: &Station, role: Role) -> Instructor {
     Instructor::connect(config_of(station, role, role.name())).unwrap()
 }
 
-/// A connection that says whatever it is told to.
-struct Raw {
-    _endpoint: Endpoint,
-    connection: Connection,
-    send: SendStream,
-    recv: RecvStream,
-}
-
-impl Raw {
-    async fn connect(station: &Station, role: Role) -> Self {
-        let mut endpoint = Endpoint::client("127.0.0.1:0".parse().unwrap()).unwrap();
-        let pin = Pin::Certificate(station.server().certificate_der().to_vec());
-        let client = client_config(pin, Arc::new(AtomicBool::new(false))).unwrap();
-        endpoint.set_default_client_config(client);
-        let address = station.server().local_addr();
-        let connection = endpoint.connect(address, "localhost").unwrap().await.unwrap();
-        let (send, recv) = connection.open_bi().await.unwrap();
-        let mut raw = Self {
-            _endpoint: endpoint,
-            connection,
-            send,
-            recv,
-        };
-        raw.say(&ClientMessage::Hello(ClientHello {
-            program: "0".into(),
-            token: role.name().into(),
-            role,
-            station: String::new(),
-            device: DeviceInfo::default(),
-            learner: String::new(),
-            exercise: String::new(),
-            epoch: 0,
-            capabilities: 0,
-            self_test: 0,
-        }))
-        .await;
-        raw
-    }
-
-    async fn say(&mut self, message: &ClientMessage) {
-        // An error means that the server has dropped the connection.
-        let _ = self.send.write_all(&frame::encode(message).unwrap()).await;
-    }
-
-    /// Next message; `None` at the end of the stream.
-    async fn hear(&mut self) -> Option<ServerMessage> {
-        let mut length = [0; LENGTH_BYTES];
-        self.recv.read_exact(&mut length).await.ok()?;
-        let mut body = vec![0; frame::body_length(length).unwrap()];
-        self.recv.read_exact(&mut body).await.ok()?;
-        Some(frame::decode(&body).unwrap())
-    }
-
-    /// What becomes of this connection within a short time: the refusal's text, an answer, or nothing.
-    async fn outcome(&mut self) -> Outcome {
-        let heard = async {
-            while let Some(message) = self.hear().await {
-                match message {
-                    ServerMessage::Refused(refused) => return Outcome::Dropped(refused.text),
-                    ServerMessage::Answer(answer) if !answer.taken => {
-                        return Outcome::Denied(answer.text);
-                    }
-                    ServerMessage::Answer(_) => return Outcome::Taken,
-                    ServerMessage::Goodbye(_) => return Outcome::Ended,
-                    _ => {}
+/// What becomes of a connection within a short time.
+async fn outcome(raw: &mut Raw) -> Outcome {
+    let heard = async {
+        while let Some(message) = raw.hear().await {
+            match message {
+                ServerMessage::Refused(refused) => return Outcome::Dropped(refused.text),
+                ServerMessage::Answer(answer) if !answer.taken => {
+                    return Outcome::Denied(answer.text);
                 }
+                ServerMessage::Answer(_) => return Outcome::Taken,
+                ServerMessage::Goodbye(_) => return Outcome::Ended,
+                _ => {}
             }
-            Outcome::Dropped(String::new())
-        };
-        let outcome = tokio::time::timeout(Duration::from_millis(400), heard).await;
-        outcome.unwrap_or(Outcome::Quiet)
-    }
+        }
+        Outcome::Dropped(String::new())
+    };
+    let outcome = tokio::time::timeout(Duration::from_millis(400), heard).await;
+    outcome.unwrap_or(Outcome::Quiet)
 }
 
 #[derive(Debug, PartialEq)]
@@ -230,7 +174,7 @@ fn every_message_of_every_role_does_what_the_table_says_and_nothing_else() {
                     link
                 });
                 let outcome = runtime.block_on(async {
-                    let mut raw = Raw::connect(&server, role).await;
+                    let mut raw = Raw::connect(&server, role, role.name()).await;
                     assert!(
                         matches!(
                             raw.hear().await,
@@ -239,7 +183,7 @@ fn every_message_of_every_role_does_what_the_table_says_and_nothing_else() {
                         "{role}"
                     );
                     raw.say(&message).await;
-                    raw.outcome().await
+                    outcome(&mut raw).await
                 });
                 let permitted = may(role, kind, own);
                 let said = format!("{role}, {station}, {message:?}: {outcome:?}");
@@ -298,11 +242,11 @@ fn a_pose_of_any_other_role_ends_its_connection_and_moves_nothing() {
         .unwrap();
     for role in [Role::Instructor, Role::Examiner, Role::Admin] {
         let outcome = runtime.block_on(async {
-            let mut raw = Raw::connect(&server, role).await;
+            let mut raw = Raw::connect(&server, role, role.name()).await;
             raw.hear().await;
             let pose = PoseDatagram::default().to_bytes().unwrap();
             raw.connection.send_datagram(pose.to_vec().into()).unwrap();
-            raw.outcome().await
+            outcome(&mut raw).await
         });
         assert!(
             matches!(&outcome, Outcome::Dropped(text) if text.contains("datagrams")),

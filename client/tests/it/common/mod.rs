@@ -1,6 +1,7 @@
 //! A server with a tiny scene on loopback, and a hand that presses on it.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod raw;
 pub mod relay;
 
 use std::path::PathBuf;
