@@ -26,6 +26,12 @@ pub enum ServerError {
         /// Error of the system.
         source: std::io::Error,
     },
+    /// The address of the metrics cannot be used.
+    #[error("cannot serve metrics: {source}; choose another address with --metrics")]
+    Metrics {
+        /// Error of the system.
+        source: std::io::Error,
+    },
     /// The folder of recordings does not exist and cannot be created.
     #[error("cannot create the folder for recordings {}: {source}", .path.shown())]
     Recordings {

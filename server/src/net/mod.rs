@@ -75,6 +75,7 @@ const ERROR_CHARACTERS: usize = 256;
 pub(crate) async fn serve(
     socket: std::net::UdpSocket,
     quic: quinn::ServerConfig,
+    metrics: Option<std::net::TcpListener>,
     net: Arc<Net>,
     stations: Vec<(StationConfig, Door, Behind)>,
 ) -> Result<Vec<SessionSummary>, ServerError> {
@@ -86,6 +87,11 @@ pub(crate) async fn serve(
         Arc::new(TokioRuntime),
     )?;
     let mut stage = shared.stage.clone();
+    let mut outlets = JoinSet::new();
+    if let Some(listener) = metrics {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        outlets.spawn(crate::outlets::metrics::serve(listener, net.doors.clone()));
+    }
     let mut actors = JoinSet::new();
     for (config, door, behind) in stations {
         actors.spawn(station(config, door, behind, shared.clone()));

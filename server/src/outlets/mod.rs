@@ -1,4 +1,5 @@
 //! Outlets: listeners to the ticks of a session, on the recorder's thread. None can delay a tick.
 
+pub(crate) mod metrics;
 pub(crate) mod recording;
 pub(crate) mod status;

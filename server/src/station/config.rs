@@ -177,6 +177,8 @@ impl StationConfig {
 pub struct ServerConfig {
     /// UDP address to listen on; port 0: any free port.
     pub listen: SocketAddr,
+    /// TCP address for metrics in the text format of Prometheus, without any check of readers. `None`: no metrics.
+    pub metrics: Option<SocketAddr>,
     /// Folder for recordings; created if missing.
     pub recordings: PathBuf,
     /// File of the key that signs recordings, created on first use. `None`: `StationKey::default_path` of
@@ -206,6 +208,7 @@ impl ServerConfig {
     pub fn new(station: StationConfig, recordings: PathBuf) -> Result<Self, ServerError> {
         Ok(Self {
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
+            metrics: None,
             recordings,
             station_key: None,
             journal: None,

@@ -56,6 +56,8 @@ impl Server {
         let quic = transport::server_config(&identity)?;
         let socket = bind(config.listen)?;
         let local_addr = socket.local_addr()?;
+        let metrics = config.metrics.map(crate::outlets::metrics::bind).transpose();
+        let metrics = metrics.map_err(|source| ServerError::Metrics { source })?;
         let certificate_der = identity.certificate.to_vec();
         let ticket = Ticket {
             token: config.token.clone(),
@@ -82,7 +84,7 @@ impl Server {
         let thread = std::thread::Builder::new()
             .name("sulcus-net".into())
             .spawn(move || {
-                let served = runtime.block_on(net::serve(socket, quic, net, stations));
+                let served = runtime.block_on(net::serve(socket, quic, metrics, net, stations));
                 // Sessions have ended; a blocked call of the system does not delay the end.
                 runtime.shutdown_background();
                 served
