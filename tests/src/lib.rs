@@ -216,9 +216,14 @@ impl Drop for Serving {
 impl Place {
     /// Starts `sulcus-server serve` on a free port of loopback with further arguments.
     pub fn serve(&self, arguments: &[&str]) -> Serving {
+        self.serve_at("127.0.0.1:0", arguments)
+    }
+
+    /// Starts `sulcus-server serve` on an address with further arguments.
+    pub fn serve_at(&self, listen: &str, arguments: &[&str]) -> Serving {
         let mut process = self
             .command(Program::Server.path())
-            .args(["serve", "--listen", "127.0.0.1:0", "--json"])
+            .args(["serve", "--listen", listen, "--json"])
             .args(arguments)
             .stdout(Stdio::piped())
             .spawn()

@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::common::relay::Relay;
+use sulcus_support::relay::Relay;
 use crate::common::{Station, force_up, pose, press, press_on};
 use sulcus_connection::link::{Link, LinkConfig, LinkError, now_ns};
 use sulcus_proto::control::{Command, EndReason};

@@ -10,7 +10,8 @@ fn a_killed_server_lets_the_hand_go_gently_and_leaves_a_recording_that_replays()
     // Build both programs before the clock runs.
     let _ = (Program::Client.path(), Program::Server.path());
     let place = Place::new();
-    let mut server = place.serve(&[]);
+    // The client would try for 30 s to return to a server that is gone.
+    let mut server = place.serve(&["--resume-within", "1"]);
     let session = place.join(&server);
     // Long enough to be in contact; killed between two heartbeats of nothing in particular.
     std::thread::sleep(Duration::from_secs(5));

@@ -15,6 +15,8 @@ use super::{LinkConfig, LinkError};
 const ATTEMPT: Duration = Duration::from_millis(1500);
 /// Pause between two attempts.
 const PAUSE: Duration = Duration::from_millis(200);
+/// Time for further attempts after a stop by this client.
+const AFTER_STOP: Duration = Duration::from_secs(3);
 /// Largest number of messages that wait for the return. A person calls a few readings in that time.
 const PENDING: usize = 64;
 
@@ -83,8 +85,12 @@ impl Returning {
         messages: &mut Receiver<ClientMessage>,
     ) -> Result<Welcome, LinkError> {
         self.config.follows = epoch;
-        let until = Instant::now() + self.within;
+        let mut until = Instant::now() + self.within;
+        let mut hurried = false;
         loop {
+            if self.stopped && !hurried {
+                (hurried, until) = (true, until.min(Instant::now() + AFTER_STOP));
+            }
             let config = self.config.clone();
             let attempt = shake(&config);
             tokio::pin!(attempt);

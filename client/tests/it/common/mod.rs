@@ -2,7 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 pub mod raw;
-pub mod relay;
+
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -27,13 +27,22 @@ pub struct Relay {
 
 const WAIT: Duration = Duration::from_millis(5);
 
+fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 fn socket() -> Arc<UdpSocket> {
-    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
-    socket.set_read_timeout(Some(WAIT)).unwrap();
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    let waits = socket.set_read_timeout(Some(WAIT));
+    waits.expect("a timeout above zero");
     Arc::new(socket)
 }
 
 impl Relay {
+    /// A relay to `server`, with an address of its own.
+    ///
+    /// # Panics
+    /// The system has no socket left.
     pub fn to(server: SocketAddr) -> Self {
         let inner = socket();
         let path = Arc::new(Path {
@@ -43,7 +52,7 @@ impl Relay {
             client: Mutex::default(),
         });
         let mut relay = Self {
-            address: inner.local_addr().unwrap(),
+            address: inner.local_addr().expect("a bound socket"),
             server,
             path: path.clone(),
             inner: inner.clone(),
@@ -55,14 +64,14 @@ impl Relay {
                 let Ok((length, from)) = inner.recv_from(&mut bytes) else {
                     continue;
                 };
-                *path.client.lock().unwrap() = Some(from);
+                *locked(&path.client) = Some(from);
                 if !path.cut.load(Ordering::Relaxed) {
-                    let outer = path.outer.lock().unwrap().clone();
+                    let outer = locked(&path.outer).clone();
                     let _ = outer.send_to(&bytes[..length], server);
                 }
             }
         }));
-        let first = relay.path.outer.lock().unwrap().clone();
+        let first = locked(&relay.path.outer).clone();
         relay.listen(first);
         relay
     }
@@ -76,7 +85,7 @@ impl Relay {
                 let Ok((length, _)) = outer.recv_from(&mut bytes) else {
                     continue;
                 };
-                let client = *path.client.lock().unwrap();
+                let client = *locked(&path.client);
                 if let Some(client) = client
                     && !path.cut.load(Ordering::Relaxed)
                 {
@@ -92,9 +101,12 @@ impl Relay {
     }
 
     /// Goes on from another port towards the server, as after a NAT has forgotten the client.
+    ///
+    /// # Panics
+    /// The system has no socket left.
     pub fn rebind(&mut self) {
         let outer = socket();
-        *self.path.outer.lock().unwrap() = outer.clone();
+        *locked(&self.path.outer) = outer.clone();
         self.listen(outer);
     }
 

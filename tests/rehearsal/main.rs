@@ -1,0 +1,244 @@
+//! Rehearsal: a class hour in a few minutes, with the programs as a school runs them.
+//!
+//! An IT person makes tokens from a roster and writes the file of the stations. Four students join. An instructor
+//! pauses a hand, writes a note and sends a message. A cable is pulled and put back. The server is killed and started
+//! again, and the students go on with their old tickets. At the end all recordings replay identically, and each
+//! student has one grade, also from two recordings.
+//!
+//! Later parts of the system add their own acts here.
+
+use std::net::UdpSocket;
+use std::path::PathBuf;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use sulcus_connection::instructor::{Heard, Instructor};
+use sulcus_connection::link::LinkConfig;
+use sulcus_proto::control::Instruction;
+use sulcus_proto::station::{Phase, StationStatus};
+use sulcus_proto::{Role, Ticket};
+use sulcus_support::relay::Relay;
+use sulcus_tests::{Ended, Place, Program, files_with};
+
+/// Stations of the class with their exercises, and the length of each student's session, seconds.
+const STATIONS: [(&str, &str, &str); 4] = [
+    ("chair-1", "crown", "45"),
+    ("chair-2", "crown", "45"),
+    ("chair-3", "probing", "45"),
+    ("chair-4", "crown", "45"),
+];
+
+/// Learner of a station.
+fn learner(k: usize) -> String {
+    format!("s-{}", k + 1)
+}
+
+/// The class: folder, address, tickets.
+struct Class {
+    place: Place,
+    address: String,
+    tickets: Vec<String>,
+}
+
+impl Class {
+    /// Makes tokens from a roster, and the file of the stations.
+    fn new() -> Self {
+        let place = Place::new();
+        let mut roster = String::from("Learner;Station\n");
+        let mut stations = String::from("[class]\nname = \"rehearsal\"\n\n[defaults]\nresume_within_s = 60\n");
+        for (k, (name, exercise, _)) in STATIONS.iter().enumerate() {
+            roster += &format!("{};{name}\n", learner(k));
+            stations += &format!(
+                "\n[[station]]\nname = \"{name}\"\nplan = {{ exercise = \"{exercise}\" }}\n"
+            );
+        }
+        std::fs::write(place.path("roster.csv"), roster).expect("a roster");
+        std::fs::write(place.path("stations.toml"), stations).expect("stations");
+        let add = ["token", "add", "--class", "roster.csv", "--out", "tickets.csv"];
+        place.run(Program::Server, &add).ok();
+        let table = std::fs::read_to_string(place.path("tickets.csv")).expect("tickets");
+        let tickets = (0..STATIONS.len())
+            .map(|k| {
+                let line = table.lines().find(|line| line.contains(&learner(k)));
+                let cells = line.expect("a line for each learner").rsplit(',');
+                cells.into_iter().next().expect("a ticket").trim_matches('"').to_owned()
+            })
+            .collect();
+        // A free port that stays the same when the server is started again.
+        let free = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+        let address = free.local_addr().expect("bound").to_string();
+        Self {
+            place,
+            address,
+            tickets,
+        }
+    }
+
+    fn serve(&self) -> sulcus_tests::Serving {
+        let serve = ["--config", "stations.toml"];
+        self.place.serve_at(&self.address, &serve)
+    }
+
+    /// A token of an instructor for all stations, and a connection with it.
+    fn instructor(&self) -> Instructor {
+        let add = ["token", "add", "--role", "instructor", "--out", "instructor.txt"];
+        if !self.place.path("instructor.txt").exists() {
+            self.place.run(Program::Server, &add).ok();
+        }
+        let text = std::fs::read_to_string(self.place.path("instructor.txt")).expect("a ticket");
+        let ticket: Ticket = text.trim().parse().expect("a ticket");
+        let server = self.address.parse().expect("an address");
+        let config = LinkConfig {
+            role: Role::Instructor,
+            ..LinkConfig::new(server, &ticket, "")
+        };
+        Instructor::connect(config).expect("the instructor joins")
+    }
+
+    /// Starts the client of a station, over `address`.
+    fn student(&self, k: usize, address: &str) -> Child {
+        let (_, exercise, seconds) = STATIONS[k];
+        self.place
+            .command(Program::Client.path())
+            .env("SULCUS_TICKET", &self.tickets[k])
+            .args(["run", "--server", address, "--exercise", exercise])
+            .args(["--duration", seconds, "--json"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the client starts")
+    }
+
+    fn recordings(&self) -> Vec<PathBuf> {
+        files_with(&self.place.path("recordings"), "mcap")
+    }
+
+    fn sessions(&self, arguments: &[&str]) -> Ended {
+        self.place.run(Program::Sessions, arguments)
+    }
+}
+
+/// Waits for a status of a station that fits.
+fn until(instructor: &mut Instructor, station: &str, what: &str, fits: impl Fn(&StationStatus) -> bool) {
+    let patience = Instant::now() + Duration::from_secs(90);
+    let mut newest = None;
+    while Instant::now() < patience {
+        if let Some(Heard::Status(status)) = instructor.next(Duration::from_secs(1))
+            && status.station == station
+        {
+            if fits(&status) {
+                return;
+            }
+            newest = Some(status);
+        }
+    }
+    panic!("waited in vain for {what}: {newest:?}");
+}
+
+#[test]
+fn a_class_hour() {
+    let began = Instant::now();
+    let act = |name: &str| eprintln!("{:6.1} s  {name}", began.elapsed().as_secs_f64());
+    // Compiled before the clock of the class runs.
+    let _ = (Program::Client.path(), Program::Server.path(), Program::Sessions.path());
+    let class = Class::new();
+
+    act("the server starts; every recording has its folder");
+    let mut server = class.serve();
+    let mut instructor = class.instructor();
+    let names: Vec<&str> = STATIONS.iter().map(|station| station.0).collect();
+    assert_eq!(instructor.welcome().stations, names);
+
+    act("four students join, the third over a cable that will be pulled");
+    let relay = Relay::to(class.address.parse().expect("an address"));
+    let cable = relay.address.to_string();
+    let addresses = [&class.address, &class.address, &cable, &class.address];
+    let students: Vec<Child> = addresses
+        .iter()
+        .enumerate()
+        .map(|(k, address)| class.student(k, address))
+        .collect();
+    for name in names.iter() {
+        until(&mut instructor, name, "a running session", |at| {
+            at.phase == Phase::Running && at.tick > 2000
+        });
+    }
+
+    act("the instructor pauses the second hand, notes, speaks, and lets it go on");
+    let paused = instructor.instruct("chair-2", Instruction::Pause).expect("an answer");
+    assert!(paused.taken && paused.tick > 0, "{paused:?}");
+    until(&mut instructor, "chair-2", "a hand without force", |at| {
+        at.paused && at.tools[0].force_n == 0.0 && at.tick > paused.tick + 500
+    });
+    let note = Instruction::Note("holds the probe too steeply".into());
+    assert!(instructor.instruct("chair-2", note).expect("an answer").taken);
+    let say = Instruction::Say("A little flatter, please.".into());
+    assert!(instructor.instruct("chair-2", say).expect("an answer").taken);
+    let resumed = instructor.instruct("chair-2", Instruction::Resume).expect("an answer");
+    assert!(resumed.taken && resumed.tick > paused.tick, "{resumed:?}");
+
+    act("the cable of the third student is pulled, and put back");
+    relay.cut(true);
+    until(&mut instructor, "chair-3", "a gap", |at| at.phase == Phase::Waiting);
+    relay.cut(false);
+    until(&mut instructor, "chair-3", "a return", |at| {
+        at.phase == Phase::Running && at.gaps == 1
+    });
+
+    act("the server is killed, and started again with the same tickets");
+    server.process.kill().expect("SIGKILL");
+    server.process.wait().expect("it is gone");
+    assert_eq!(class.recordings().len(), STATIONS.len());
+    drop(instructor);
+    let mut server = class.serve();
+    let mut instructor = class.instructor();
+    for name in names.iter() {
+        until(&mut instructor, name, "a session after the restart", |at| {
+            at.phase == Phase::Running && at.tick > 1000
+        });
+    }
+
+    act("the students finish");
+    for (k, student) in students.into_iter().enumerate() {
+        let ended = Ended::new(student.wait_with_output().expect("the client ends"));
+        assert_eq!(ended.code, 0, "student {k}: {ended:#?}");
+        let said = ended.json();
+        assert_eq!(said["device"]["last_displayed_n"], 0.0, "{said}");
+        let returns = said["link"]["returns"].as_u64();
+        assert_eq!(returns, Some(if k == 2 { 2 } else { 1 }), "{said}");
+        assert_eq!(ended.stderr.contains("A little flatter"), k == 1, "{ended:#?}");
+    }
+    let stopped = std::process::Command::new("kill")
+        .args(["-TERM", &server.process.id().to_string()])
+        .status();
+    assert!(stopped.expect("kill runs").success());
+    assert!(server.process.wait().expect("it ends").success());
+
+    act("every recording replays identically");
+    let recordings = class.recordings();
+    assert_eq!(recordings.len(), 2 * STATIONS.len(), "{recordings:?}");
+    let mut pairs: Vec<Vec<PathBuf>> = vec![Vec::new(); STATIONS.len()];
+    for file in recordings {
+        let name = file.to_str().expect("plain");
+        let info = class.sessions(&["info", name, "--json"]).json();
+        let at = names.iter().position(|one| info["station"] == **one);
+        pairs[at.unwrap_or_else(|| panic!("{info}"))].push(file.clone());
+        // A recording that the kill has cut off replays as far as it goes, and says so by its exit code.
+        let replay = class.sessions(&["replay", name, "--json"]).json();
+        assert_eq!(replay["identical"], true, "{replay}");
+    }
+
+    act("each student has one grade from both recordings");
+    for (k, pair) in pairs.iter().enumerate() {
+        let [first, second] = pair.as_slice() else {
+            panic!("two recordings, found {pair:?}")
+        };
+        let files = [first.to_str().expect("plain"), second.to_str().expect("plain")];
+        let grade = class.sessions(&["grade", files[0], files[1], "--json"]);
+        let grade: Value = grade.json();
+        assert_eq!(grade["learner_id"], Value::from(learner(k)), "{grade}");
+        assert!(grade["score"].is_f64(), "{grade}");
+    }
+    act("the class is over");
+}
