@@ -31,6 +31,7 @@ pub mod frame;
 pub mod learner;
 pub mod limits;
 pub mod newest;
+pub mod role;
 pub mod status;
 pub mod summary;
 pub mod ticket;
@@ -39,6 +40,7 @@ pub use codec::CodecError;
 pub use control::{ClientMessage, ServerMessage};
 pub use datagram::{PoseDatagram, WrenchDatagram};
 pub use newest::NewestWins;
+pub use role::{Role, RoleError};
 pub use summary::{Percentiles, SessionSummary};
 pub use ticket::Ticket;
 
