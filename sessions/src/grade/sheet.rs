@@ -13,7 +13,7 @@ const SEPARATORS: [u8; 4] = *b",;\t|";
 
 /// Row with the cells of the named columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Row<const N: usize> {
+pub struct Row<const N: usize> {
     /// Line in the file, from 1.
     pub line: u64,
     /// Text of the cells, without blanks at the ends.
@@ -22,7 +22,7 @@ pub(crate) struct Row<const N: usize> {
 
 /// Failure to read a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum SheetError {
+pub enum SheetError {
     /// Bytes that are not text.
     Text(String),
     /// Line that is not valid.
@@ -42,7 +42,7 @@ pub(crate) enum SheetError {
 ///
 /// # Errors
 /// The first line that is not valid: its number, the text found and the text expected.
-pub(crate) fn read<const N: usize>(
+pub fn read<const N: usize>(
     bytes: &[u8],
     headings: [&str; N],
 ) -> Result<Vec<Row<N>>, SheetError> {

@@ -1,0 +1,250 @@
+//! CPU time of the ticks of a scene.
+
+use serde::{Deserialize, Serialize};
+use sulcus_core::{NoProbe, Pose, Scene, State, TickInput, ToolInput, Vec3, Workspace, tick};
+use sulcus_link::Times;
+use sulcus_link::clock::thread_cpu_ns;
+
+/// Ticks of the approach to the nearest surface, which do not count.
+const APPROACH: u64 = 300;
+/// Ticks of a measurement, the approach included: two seconds at 1 kHz.
+const TICKS: u64 = 2000;
+/// Most CPU time of a measurement, nanoseconds. A slower scene is measured by fewer ticks, at least [`LEAST`].
+const MOST_CPU_NS: u64 = 3_000_000_000;
+/// Least number of counted ticks.
+const LEAST: u64 = 50;
+/// Depth of the tip under the surface during the measurement, metres.
+const DEPTH_M: f64 = 5e-4;
+/// Radius of the circle of the tip on the surface, metres.
+const CIRCLE_M: f64 = 1e-3;
+/// Share of the difference by which an estimate falls at each update.
+const FALL: f64 = 1.0 / 16.0;
+
+/// CPU time of a tick, microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// Mean.
+    pub mean_us: f64,
+    /// Median.
+    pub p50_us: f64,
+    /// 99th percentile.
+    pub p99_us: f64,
+    /// 99.9th percentile.
+    pub p999_us: f64,
+}
+
+impl Cost {
+    /// Whether every time is finite, not negative, and in order.
+    pub fn is_sound(&self) -> bool {
+        let ascending = [0.0, self.p50_us, self.p99_us, self.p999_us, 1e9];
+        ascending.is_sorted() && self.mean_us.is_finite() && self.mean_us >= 0.0
+    }
+}
+
+/// Upper estimate of a cost that follows running sessions: it rises at once and falls slowly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate(Cost);
+
+impl Estimate {
+    /// Estimate that begins with a measured cost.
+    pub fn new(cost: Cost) -> Self {
+        Self(cost)
+    }
+
+    /// Present estimate.
+    pub fn cost(&self) -> Cost {
+        self.0
+    }
+
+    /// Takes the cost of the last seconds of a session. A cost that is not sound is ignored.
+    pub fn take(&mut self, seen: Cost) {
+        if !seen.is_sound() {
+            return;
+        }
+        let follow = |estimate: &mut f64, seen: f64| {
+            *estimate = if seen > *estimate {
+                seen
+            } else {
+                *estimate + (seen - *estimate) * FALL
+            };
+        };
+        follow(&mut self.0.mean_us, seen.mean_us);
+        follow(&mut self.0.p50_us, seen.p50_us);
+        follow(&mut self.0.p99_us, seen.p99_us);
+        follow(&mut self.0.p999_us, seen.p999_us);
+    }
+}
+
+/// Measured cost, and the number of ticks behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// CPU time of the counted ticks.
+    pub cost: Cost,
+    /// Number of counted ticks.
+    pub ticks: u64,
+    /// Number of counted ticks with a force on at least one tool.
+    pub in_contact: u64,
+}
+
+/// Cost of the scene's ticks on this machine, with all tools in contact. See [`measure`].
+///
+/// # Errors
+/// The system gives no thread, or the tick panics.
+pub fn measure_cost(scene: &Scene) -> std::io::Result<Cost> {
+    Ok(measure(scene)?.cost)
+}
+
+/// Runs up to 2000 ticks in a thread of its own at normal priority and takes their CPU time.
+///
+/// Each tool goes from its parking place to the nearest surface and then circles there, half a millimetre deep. The
+/// motion is the same at every call. CPU time of the thread does not include the time of other processes.
+///
+/// # Errors
+/// The system gives no thread, or the tick panics.
+pub fn measure(scene: &Scene) -> std::io::Result<Measured> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name("sulcus-cost".into());
+        let thread = thread.spawn_scoped(scope, || run(scene))?;
+        thread
+            .join()
+            .map_err(|_| std::io::Error::other("the measurement of a tick's cost panicked"))
+    })
+}
+
+fn run(scene: &Scene) -> Measured {
+    let paths: Vec<Path> = (0..scene.tools.len()).map(|t| Path::of(scene, t)).collect();
+    let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
+    let mut times = Times::up_to(1);
+    let (mut sum_ns, mut all_ns, mut in_contact) = (0, 0, 0);
+    for k in 0..TICKS {
+        let mut input = TickInput::IDLE;
+        for (slot, path) in input.tools.iter_mut().zip(&paths) {
+            *slot = ToolInput::at(&path.pose(k));
+        }
+        let before = thread_cpu_ns();
+        let output = tick(scene, &mut state, &mut workspace, &input, &mut NoProbe);
+        let took = thread_cpu_ns().saturating_sub(before);
+        all_ns += took;
+        if k >= APPROACH {
+            times.record(took);
+            sum_ns += took;
+            let touches = |tool: &sulcus_core::ToolOutput| tool.wrench.force != Vec3::zeros();
+            in_contact += u64::from(output.tools.iter().any(touches));
+            if all_ns > MOST_CPU_NS && times.count() >= LEAST {
+                break;
+            }
+        }
+    }
+    let p = times.percentiles();
+    let ticks = times.count();
+    Measured {
+        cost: Cost {
+            mean_us: sum_ns as f64 / ticks.max(1) as f64 / 1e3,
+            p50_us: p.p50,
+            p99_us: p.p99,
+            p999_us: p.p999,
+        },
+        ticks,
+        in_contact,
+    }
+}
+
+/// Motion of a tool: straight to a point under the nearest surface, then circles about it.
+struct Path {
+    park: Pose,
+    /// Vector from the tip at the parking place to the point.
+    way: Vec3,
+    /// Two axes across the way, of unit length.
+    across: [Vec3; 2],
+}
+
+impl Path {
+    fn of(scene: &Scene, tool: usize) -> Self {
+        let tool = &scene.tools[tool];
+        let park = tool.park;
+        let tip = park.transform(&tool.tip);
+        let spheres = scene.objects.iter().flat_map(|object| {
+            let shape = object.tree.shape_at(object.level);
+            shape.map(|(_, node)| node.sphere())
+        });
+        let gap = |sphere: &sulcus_core::Sphere| (sphere.centre - tip).norm() - sphere.radius;
+        let nearest = spheres.min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        let towards = nearest.map_or(-Vec3::z(), |sphere| sphere.centre - tip);
+        let length = towards.norm();
+        let unit = if length > 0.0 { towards / length } else { -Vec3::z() };
+        let depth = nearest.map_or(0.0, |sphere| gap(&sphere).max(0.0) + DEPTH_M);
+        let side = if unit.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
+        let first = unit.cross(&side).normalize();
+        Self {
+            park,
+            way: unit * depth,
+            across: [first, unit.cross(&first)],
+        }
+    }
+
+    fn pose(&self, k: u64) -> Pose {
+        let share = (k as f64 / APPROACH as f64).min(1.0);
+        // A circle takes 500 ticks: 13 mm/s at 1 kHz, the speed of a careful hand.
+        let angle = k.saturating_sub(APPROACH) as f64 * (std::f64::consts::TAU / 500.0);
+        let [first, second] = self.across;
+        let circle = first * (angle.cos() - 1.0) + second * angle.sin();
+        let moved = self.way * share + circle * CIRCLE_M;
+        Pose::new(self.park.position + moved, self.park.orientation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in};
+
+    fn cost(us: f64) -> Cost {
+        Cost {
+            mean_us: us,
+            p50_us: us,
+            p99_us: 2.0 * us,
+            p999_us: 3.0 * us,
+        }
+    }
+
+    #[test]
+    fn a_measurement_counts_ticks_in_contact() {
+        for scene in [BuiltIn::Crown, BuiltIn::Tongue] {
+            let options = BuildOptions {
+                deepest: Some(4),
+                ..BuildOptions::cached()
+            };
+            let scene = compile_built_in(scene, &options, &|_, _| ()).expect("compiles").scene;
+            let measured = measure(&scene).expect("a thread");
+            assert!(measured.cost.is_sound() && measured.cost.p50_us > 0.0, "{measured:?}");
+            assert!((LEAST..=TICKS - APPROACH).contains(&measured.ticks), "{measured:?}");
+            // The circle leaves a surface that curves away for a part of its way.
+            assert!(2 * measured.in_contact > measured.ticks, "{}: {measured:?}", scene.name);
+        }
+    }
+
+    #[test]
+    fn an_estimate_rises_at_once_and_falls_slowly() {
+        let mut estimate = Estimate::new(cost(10.0));
+        estimate.take(cost(40.0));
+        assert_eq!(estimate.cost(), cost(40.0));
+        estimate.take(cost(8.0));
+        assert_eq!(estimate.cost().mean_us, 38.0);
+        for _ in 0..200 {
+            estimate.take(cost(8.0));
+        }
+        assert!((estimate.cost().p999_us - 24.0).abs() < 0.1, "{estimate:?}");
+        assert!(estimate.cost().is_sound());
+    }
+
+    #[test]
+    fn a_cost_that_is_no_cost_changes_nothing() {
+        let mut estimate = Estimate::new(cost(10.0));
+        for wrong in [f64::NAN, -1.0, f64::INFINITY] {
+            estimate.take(Cost { p99_us: wrong, ..cost(20.0) });
+            estimate.take(Cost { mean_us: wrong, ..cost(20.0) });
+        }
+        estimate.take(Cost { p50_us: 500.0, ..cost(20.0) });
+        assert_eq!(estimate.cost(), cost(10.0));
+    }
+}
