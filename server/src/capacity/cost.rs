@@ -171,9 +171,17 @@ impl Path {
         let nearest = spheres.min_by(|a, b| gap(a).total_cmp(&gap(b)));
         let towards = nearest.map_or(-Vec3::z(), |sphere| sphere.centre - tip);
         let length = towards.norm();
-        let unit = if length > 0.0 { towards / length } else { -Vec3::z() };
+        let unit = if length > 0.0 {
+            towards / length
+        } else {
+            -Vec3::z()
+        };
         let depth = nearest.map_or(0.0, |sphere| gap(&sphere).max(0.0) + DEPTH_M);
-        let side = if unit.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
+        let side = if unit.x.abs() < 0.7 {
+            Vec3::x()
+        } else {
+            Vec3::y()
+        };
         let first = unit.cross(&side).normalize();
         Self {
             park,
@@ -214,12 +222,24 @@ mod tests {
                 deepest: Some(4),
                 ..BuildOptions::cached()
             };
-            let scene = compile_built_in(scene, &options, &|_, _| ()).expect("compiles").scene;
+            let scene = compile_built_in(scene, &options, &|_, _| ())
+                .expect("compiles")
+                .scene;
             let measured = measure(&scene).expect("a thread");
-            assert!(measured.cost.is_sound() && measured.cost.p50_us > 0.0, "{measured:?}");
-            assert!((LEAST..=TICKS - APPROACH).contains(&measured.ticks), "{measured:?}");
+            assert!(
+                measured.cost.is_sound() && measured.cost.p50_us > 0.0,
+                "{measured:?}"
+            );
+            assert!(
+                (LEAST..=TICKS - APPROACH).contains(&measured.ticks),
+                "{measured:?}"
+            );
             // The circle leaves a surface that curves away for a part of its way.
-            assert!(2 * measured.in_contact > measured.ticks, "{}: {measured:?}", scene.name);
+            assert!(
+                2 * measured.in_contact > measured.ticks,
+                "{}: {measured:?}",
+                scene.name
+            );
         }
     }
 
@@ -241,10 +261,19 @@ mod tests {
     fn a_cost_that_is_no_cost_changes_nothing() {
         let mut estimate = Estimate::new(cost(10.0));
         for wrong in [f64::NAN, -1.0, f64::INFINITY] {
-            estimate.take(Cost { p99_us: wrong, ..cost(20.0) });
-            estimate.take(Cost { mean_us: wrong, ..cost(20.0) });
+            estimate.take(Cost {
+                p99_us: wrong,
+                ..cost(20.0)
+            });
+            estimate.take(Cost {
+                mean_us: wrong,
+                ..cost(20.0)
+            });
         }
-        estimate.take(Cost { p50_us: 500.0, ..cost(20.0) });
+        estimate.take(Cost {
+            p50_us: 500.0,
+            ..cost(20.0)
+        });
         assert_eq!(estimate.cost(), cost(10.0));
     }
 }

@@ -36,7 +36,9 @@ impl Machine {
         Self {
             cores,
             real_time_share: throttle.real_time_share.unwrap_or(REAL_TIME_SHARE),
-            quota_cores: throttle.quota_cores.map_or(number, |quota| quota.min(number)),
+            quota_cores: throttle
+                .quota_cores
+                .map_or(number, |quota| quota.min(number)),
         }
     }
 }

@@ -8,7 +8,10 @@ use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 /// The core does not exist, or does not belong to this process.
 pub fn pin_to(core: usize) -> std::io::Result<()> {
     if core >= CpuSet::MAX_CPU {
-        let text = format!("core is {core}, expected a number below {}", CpuSet::MAX_CPU);
+        let text = format!(
+            "core is {core}, expected a number below {}",
+            CpuSet::MAX_CPU
+        );
         return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, text));
     }
     let mut set = CpuSet::new();
@@ -23,7 +26,9 @@ pub fn pin_to(core: usize) -> std::io::Result<()> {
 /// The system does not tell.
 pub fn cores_of_process() -> std::io::Result<Vec<usize>> {
     let set = sched_getaffinity(None)?;
-    Ok((0..CpuSet::MAX_CPU).filter(|core| set.is_set(*core)).collect())
+    Ok((0..CpuSet::MAX_CPU)
+        .filter(|core| set.is_set(*core))
+        .collect())
 }
 
 #[cfg(test)]
@@ -39,7 +44,11 @@ mod tests {
             cores_of_process().expect("cores")
         });
         assert_eq!(pinned.join().expect("no panic"), [last]);
-        assert_eq!(cores_of_process().expect("cores"), cores, "this thread is free");
+        assert_eq!(
+            cores_of_process().expect("cores"),
+            cores,
+            "this thread is free"
+        );
         pin_to(CpuSet::MAX_CPU).expect_err("no such core");
     }
 }

@@ -214,7 +214,9 @@ impl Capacity {
     /// Whether a core with a tick share has room for a session.
     fn fits(&self, share: f64, at: usize, load: &Load) -> bool {
         let model = &self.model;
-        let most = model.tick_share.min(model.of_real_time * self.machine.real_time_share);
+        let most = model
+            .tick_share
+            .min(model.of_real_time * self.machine.real_time_share);
         let all = || self.on(at).map(|placed| &placed.load).chain([load]);
         let means: f64 = all().map(|load| load.cost.mean_us).sum();
         // The longest tick replaces the mean tick of its own session.

@@ -40,35 +40,40 @@ impl Throttle {
         let mut found = Self::default();
         let kernel = root.join("proc/sys/kernel");
         let number = |name: &str| -> Option<i64> {
-            std::fs::read_to_string(kernel.join(name)).ok()?.trim().parse().ok()
+            std::fs::read_to_string(kernel.join(name))
+                .ok()?
+                .trim()
+                .parse()
+                .ok()
         };
-        found.real_time_share = real_time_share(
-            number("sched_rt_runtime_us"),
-            number("sched_rt_period_us"),
-        );
+        found.real_time_share =
+            real_time_share(number("sched_rt_runtime_us"), number("sched_rt_period_us"));
         if found.real_time_share.is_none() {
-            let text = "the kernel's real-time share is unknown (sched_rt_runtime_us): 95 % assumed";
+            let text =
+                "the kernel's real-time share is unknown (sched_rt_runtime_us): 95 % assumed";
             found.unavailable.push(text.into());
         }
         let Some(group) = own_group(root) else {
-            let text = "no control group of version 2: quota and throttles of a container are unknown";
+            let text =
+                "no control group of version 2: quota and throttles of a container are unknown";
             found.unavailable.push(text.into());
             return found;
         };
         let top = root.join("sys/fs/cgroup");
-        let all = group.ancestors().take_while(|folder| folder.starts_with(&top));
-        let quotas = all.filter_map(|folder| {
-            quota(&std::fs::read_to_string(folder.join("cpu.max")).ok()?)
-        });
+        let all = group
+            .ancestors()
+            .take_while(|folder| folder.starts_with(&top));
+        let quotas =
+            all.filter_map(|folder| quota(&std::fs::read_to_string(folder.join("cpu.max")).ok()?));
         found.quota_cores = quotas.min_by(f64::total_cmp);
         match std::fs::read_to_string(group.join("cpu.stat")) {
             Ok(text) => {
                 found.throttled_periods = field(&text, "nr_throttled");
                 found.throttled_us = field(&text, "throttled_usec");
             }
-            Err(error) => found
-                .unavailable
-                .push(format!("throttles of the control group are unknown: {error}")),
+            Err(error) => found.unavailable.push(format!(
+                "throttles of the control group are unknown: {error}"
+            )),
         }
         found
     }
@@ -99,7 +104,9 @@ fn own_group(root: &Path) -> Option<PathBuf> {
     let group = root.join("sys/fs/cgroup").join(path);
     // A container may not see the folder of its own name; its own group is then the top.
     let top = root.join("sys/fs/cgroup");
-    [group, top].into_iter().find(|group| group.join("cgroup.controllers").exists())
+    [group, top]
+        .into_iter()
+        .find(|group| group.join("cgroup.controllers").exists())
 }
 
 /// Quota of a file `cpu.max`, cores: `QUOTA PERIOD`, microseconds, or `max PERIOD`.
@@ -139,8 +146,14 @@ mod tests {
             ("proc/sys/kernel/sched_rt_runtime_us", "950000\n"),
             ("proc/sys/kernel/sched_rt_period_us", "1000000\n"),
             ("proc/self/cgroup", "0::/system.slice/sulcus.service\n"),
-            ("sys/fs/cgroup/system.slice/sulcus.service/cgroup.controllers", "cpu\n"),
-            ("sys/fs/cgroup/system.slice/sulcus.service/cpu.max", "max 100000\n"),
+            (
+                "sys/fs/cgroup/system.slice/sulcus.service/cgroup.controllers",
+                "cpu\n",
+            ),
+            (
+                "sys/fs/cgroup/system.slice/sulcus.service/cpu.max",
+                "max 100000\n",
+            ),
             (
                 "sys/fs/cgroup/system.slice/sulcus.service/cpu.stat",
                 "usage_usec 5\nnr_periods 9\nnr_throttled 3\nthrottled_usec 4200\n",

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use sulcus_program::PathText;
 
-use super::plans::StationLoad;
 use super::Finding;
+use super::plans::StationLoad;
 
 /// Bytes of an hour of a station with two hands at 1 kHz, measured with viewers' channels in the whole mouth.
 const TWO_HANDS_PER_HOUR: f64 = 1.2e9;
@@ -93,7 +93,8 @@ pub(super) fn is_writable_or_can_be(folder: &Path) -> Result<(), String> {
         .create_new(true)
         .open(&probe);
     let _ = std::fs::remove_file(&probe);
-    made.map(|_| ()).map_err(|error| format!("{}: {error}", at.shown()))
+    made.map(|_| ())
+        .map_err(|error| format!("{}: {error}", at.shown()))
 }
 
 /// The folder, or the nearest one above it that exists.

@@ -49,7 +49,9 @@ pub(super) fn plans(
             Err(why) => findings.push(Finding::problem(
                 "plan",
                 format!("Station `{name}` cannot run its plan: {why}."),
-                format!("Correct the plan: `sulcus-server plan set {name}`, or the file of --config."),
+                format!(
+                    "Correct the plan: `sulcus-server plan set {name}`, or the file of --config."
+                ),
             )),
         }
     }
@@ -92,7 +94,11 @@ impl Known {
             return Finding::ok("plan", text);
         }
         let text = format!("{text} Warning: {}.", self.warnings.join("; "));
-        Finding::warning("plan", text, "Correct the scene, the exercise or the rubric.")
+        Finding::warning(
+            "plan",
+            text,
+            "Correct the scene, the exercise or the rubric.",
+        )
     }
 }
 

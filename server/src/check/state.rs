@@ -68,9 +68,10 @@ fn certificate(folder: &StateFolder) -> Finding {
         Ok(Some(identity)) => {
             let until = day(identity.expires_unix_s());
             match identity.validity(now_s()) {
-                Validity::Good => {
-                    Finding::ok("certificate", format!("The certificate is valid until {until}."))
-                }
+                Validity::Good => Finding::ok(
+                    "certificate",
+                    format!("The certificate is valid until {until}."),
+                ),
                 Validity::Ending(days) => Finding::warning(
                     "certificate",
                     format!("The certificate expires on {until}, in {days} days."),
@@ -115,7 +116,10 @@ fn key(input: &CheckInput) -> Finding {
     if !path.exists() {
         let folder = path.parent().unwrap_or(Path::new("."));
         return match is_writable_or_can_be(folder) {
-            Ok(()) => Finding::ok("key", "The first start makes the key that signs recordings."),
+            Ok(()) => Finding::ok(
+                "key",
+                "The first start makes the key that signs recordings.",
+            ),
             Err(why) => Finding::problem(
                 "key",
                 format!("The key {} cannot be made: {why}.", path.shown()),

@@ -53,7 +53,9 @@ pub(super) fn real_time() -> Finding {
         Err(error) => Finding::warning(
             "real time",
             format!("No real-time scheduling ({error}): more ticks are missed under load."),
-            format!("Grant CAP_SYS_NICE, or set `ulimit -r {PRIORITY}` (systemd: LimitRTPRIO={PRIORITY})."),
+            format!(
+                "Grant CAP_SYS_NICE, or set `ulimit -r {PRIORITY}` (systemd: LimitRTPRIO={PRIORITY})."
+            ),
         ),
     }
 }

@@ -59,7 +59,10 @@ fn a_new_machine_and_a_ready_one_are_told_apart() {
     let input = input(place.path());
     let before = check(&input, &|_, _| ());
     assert_eq!(of(&before, "state").level, Level::Warning, "{before:#?}");
-    assert!(!place.path().join("state").exists(), "the check makes no folder");
+    assert!(
+        !place.path().join("state").exists(),
+        "the check makes no folder"
+    );
     assert!(!place.path().join("recordings").exists());
 
     let folder = StateFolder::open(input.state.as_deref()).expect("creates");
@@ -71,15 +74,31 @@ fn a_new_machine_and_a_ready_one_are_told_apart() {
         class: String::new(),
         expires_unix_s: date::now_s() + date::DAY_S,
     };
-    TokenStore::of(&folder).add(&[token], date::now_s()).expect("adds");
+    TokenStore::of(&folder)
+        .add(&[token], date::now_s())
+        .expect("adds");
     let after = check(&input, &|_, _| ());
-    for subject in ["port", "state", "certificate", "tokens", "key", "plan", "capacity", "recordings", "disk"] {
+    for subject in [
+        "port",
+        "state",
+        "certificate",
+        "tokens",
+        "key",
+        "plan",
+        "capacity",
+        "recordings",
+        "disk",
+    ] {
         assert_eq!(of(&after, subject).level, Level::Ok, "{after:#?}");
     }
     // These two depend on the rights of the test.
     for subject in ["real time", "memory"] {
         let found = of(&after, subject);
-        assert_eq!(found.level == Level::Ok, found.advice.is_empty(), "{found:?}");
+        assert_eq!(
+            found.level == Level::Ok,
+            found.advice.is_empty(),
+            "{found:?}"
+        );
         assert_ne!(found.level, Level::Problem);
     }
     assert_eq!((report(&after, true), report(&after, false)), (0, 0));
@@ -94,7 +113,7 @@ fn each_fault_is_a_problem_with_advice() {
     ServerIdentity::load_or_create(&folder, old).expect("makes");
     let tokens = folder.file("tokens.json");
     std::fs::write(&tokens, "{}").expect("writes");
-    std::fs::set_permissions(&tokens, PermissionsExt::from_mode(0o644)).expect("own file");
+    std::fs::set_permissions(&tokens, std::fs::Permissions::from_mode(0o644)).expect("own file");
     std::fs::write(place.path().join("recordings"), "no folder").expect("writes");
     let bad = CheckInput {
         listen: taken.local_addr().expect("bound").to_string(),
@@ -115,12 +134,28 @@ fn each_fault_is_a_problem_with_advice() {
     ] {
         let found = of(&findings, subject);
         assert_eq!(found.level, Level::Problem, "{found:?}");
-        assert!(found.text.contains(told) && !found.advice.is_empty(), "{found:?}");
+        assert!(
+            found.text.contains(told) && !found.advice.is_empty(),
+            "{found:?}"
+        );
     }
     let plans = findings.iter().filter(|one| one.subject == "plan").count();
     assert_eq!(plans, 2);
     assert_eq!(report(&findings, true), 1);
-    assert_eq!(of(&check(&CheckInput { listen: "nowhere".into(), ..bad }, &|_, _| ()), "port").level, Level::Problem);
+    assert_eq!(
+        of(
+            &check(
+                &CheckInput {
+                    listen: "nowhere".into(),
+                    ..bad
+                },
+                &|_, _| ()
+            ),
+            "port"
+        )
+        .level,
+        Level::Problem
+    );
 }
 
 #[test]
@@ -128,7 +163,7 @@ fn a_folder_without_the_right_to_write_is_a_problem() {
     let place = tempfile::tempdir().expect("temporary folder");
     let folder = place.path().join("recordings");
     std::fs::create_dir(&folder).expect("creates");
-    std::fs::set_permissions(&folder, PermissionsExt::from_mode(0o500)).expect("own folder");
+    std::fs::set_permissions(&folder, std::fs::Permissions::from_mode(0o500)).expect("own folder");
     let is_root = rustix::process::geteuid().is_root();
     let found = disk::recordings(&folder);
     // The administrator may write everywhere.

@@ -217,8 +217,9 @@ fn set(args: &SetArgs) -> anyhow::Result<u8> {
     };
     let (plan, runs) = match ask(&folder, &request)? {
         Some(plan) => {
-            let plan: StationPlan = serde_json::from_value(plan)
-                .context("the plan of the running server cannot be read; install the same release")?;
+            let plan: StationPlan = serde_json::from_value(plan).context(
+                "the plan of the running server cannot be read; install the same release",
+            )?;
             (plan, true)
         }
         None => (keep(args, &folder, &change)?, false),
@@ -251,7 +252,9 @@ fn keep(args: &SetArgs, folder: &StateFolder, change: &PlanChange) -> anyhow::Re
     let base = match (&args.place.config, is_set) {
         _ if args.from_config || args.file.is_some() => "",
         (Some(_), _) | (None, true) => "",
-        (None, false) => "; parts that are not given have their defaults, whatever a file of stations says (--config names one)",
+        (None, false) => {
+            "; parts that are not given have their defaults, whatever a file of stations says (--config names one)"
+        }
     };
     tell!("no server runs with this state folder: the plan takes effect at the next start{base}");
     Ok(plan)

@@ -200,13 +200,18 @@ fn add_class(args: &AddArgs, path: &Path) -> anyhow::Result<u8> {
         None => Vec::new(),
     };
     let lines = roster.examine(&tokens, &import, now);
-    let is_faulty = lines.iter().any(|line| matches!(line.verdict, Verdict::Fault { .. }));
+    let is_faulty = lines
+        .iter()
+        .any(|line| matches!(line.verdict, Verdict::Fault { .. }));
     if args.check || is_faulty {
         say_lines(&lines, &class, None, args.json);
         if args.check {
             return Ok(u8::from(is_faulty));
         }
-        bail!("nothing was made: correct the lines of {} first", path.shown());
+        bail!(
+            "nothing was made: correct the lines of {} first",
+            path.shown()
+        );
     }
     let out = args
         .out
@@ -287,7 +292,14 @@ fn list(args: &ListArgs) -> anyhow::Result<u8> {
         tell!("no tokens; `sulcus-server token add` makes one");
         return Ok(0);
     }
-    say!("{:8} {:10} {:20} {:16} {:20} state", "id", "role", "station", "learner", "class");
+    say!(
+        "{:8} {:10} {:20} {:16} {:20} state",
+        "id",
+        "role",
+        "station",
+        "learner",
+        "class"
+    );
     for token in &tokens {
         say!(
             "{:8} {:10} {:20} {:16} {:20} {}",

@@ -27,16 +27,14 @@ pub enum AskError {
 ///
 /// # Errors
 /// The server cannot be reached, does not answer within [`PATIENCE`], or refuses the request.
-pub fn ask(
-    folder: &StateFolder,
-    request: &Request,
-) -> Result<Option<serde_json::Value>, AskError> {
+pub fn ask(folder: &StateFolder, request: &Request) -> Result<Option<serde_json::Value>, AskError> {
     let Some(mut stream) = connect(folder)? else {
         return Ok(None);
     };
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let mut line = serde_json::to_vec(request).map_err(|error| AskError::Reply(error.to_string()))?;
+    let mut line =
+        serde_json::to_vec(request).map_err(|error| AskError::Reply(error.to_string()))?;
     line.push(b'\n');
     stream.write_all(&line)?;
     let mut answer = Vec::new();

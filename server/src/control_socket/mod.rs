@@ -141,12 +141,10 @@ impl Request {
             Self::SetPlan { station, change } => plan(control.set_plan(station, change, by)),
             Self::ResetPlan { station } => plan(control.reset_plan(station, by)),
             Self::Status {} => Reply::Ok(control.status()),
-            Self::Command { station, command } => {
-                match control.command(station, *command, by) {
-                    Ok(state) => Reply::Ok(state),
-                    Err(why) => Reply::Error(why),
-                }
-            }
+            Self::Command { station, command } => match control.command(station, *command, by) {
+                Ok(state) => Reply::Ok(state),
+                Err(why) => Reply::Error(why),
+            },
         }
     }
 }

@@ -34,7 +34,7 @@ pub fn claim(folder: &StateFolder) -> Result<Claimed, StateError> {
     let (_folder, short) = reachable(folder)?;
     let listener = UnixListener::bind(&short).map_err(&failed)?;
     // The folder is closed to others, so nobody connects before this line.
-    std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).map_err(&failed)?;
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o600)).map_err(&failed)?;
     Ok(Claimed {
         listener,
         path,

@@ -36,7 +36,12 @@ impl Control for Stations {
         self.0.lock().expect("no panic").all(running)
     }
 
-    fn set_plan(&self, station: &str, change: &PlanChange, by: &str) -> Result<StationPlan, PlanError> {
+    fn set_plan(
+        &self,
+        station: &str,
+        change: &PlanChange,
+        by: &str,
+    ) -> Result<StationPlan, PlanError> {
         let mut book = self.0.lock().expect("no panic");
         book.set(station, change, by, running(station), 7_000_000_000)
     }
@@ -61,7 +66,10 @@ impl Control for Stations {
 fn state() -> (tempfile::TempDir, StateFolder) {
     let place = tempfile::tempdir().expect("temporary folder");
     // Longer than the path of a socket may be.
-    let path = place.path().join("a-long-name-of-a-folder/".repeat(6)).join("state");
+    let path = place
+        .path()
+        .join("a-long-name-of-a-folder/".repeat(6))
+        .join("state");
     let folder = StateFolder::open(Some(&path)).expect("creates");
     (place, folder)
 }
@@ -84,7 +92,11 @@ fn answers(folder: &StateFolder, bytes: &[u8]) -> Vec<Reply> {
 #[test]
 fn requests_are_answered_by_the_running_server() {
     let (_place, folder) = state();
-    assert!(ask(&folder, &Request::Status {}).expect("no server").is_none());
+    assert!(
+        ask(&folder, &Request::Status {})
+            .expect("no server")
+            .is_none()
+    );
     let _listening = listening(&folder);
     let mode = std::fs::metadata(folder.file("control.sock")).expect("there");
     assert_eq!(mode.permissions().mode() & 0o777, 0o600);
@@ -102,15 +114,21 @@ fn requests_are_answered_by_the_running_server() {
     let plan: StationPlan = serde_json::from_value(plan).expect("a plan");
     let user = rustix::process::geteuid().as_raw();
     assert_eq!(plan.revision.by, format!("shell (uid {user})"));
-    let plans = ask(&folder, &Request::Plans {}).expect("answers").expect("runs");
+    let plans = ask(&folder, &Request::Plans {})
+        .expect("answers")
+        .expect("runs");
     let plans: Vec<StationPlan> = serde_json::from_value(plans).expect("plans");
     assert_eq!((plans.len(), &plans[0]), (2, &plan));
-    let reset = Request::ResetPlan { station: "a".into() };
+    let reset = Request::ResetPlan {
+        station: "a".into(),
+    };
     let plan = ask(&folder, &reset).expect("resets").expect("runs");
     assert_eq!(plan["plan"]["exercise"], "crown");
 
     for (station, told) in [("b", "exam"), ("c", "a, b")] {
-        let reset = Request::ResetPlan { station: station.into() };
+        let reset = Request::ResetPlan {
+            station: station.into(),
+        };
         let error = ask(&folder, &reset).expect_err(station).to_string();
         assert!(error.contains(told), "{error}");
     }
@@ -136,7 +154,10 @@ fn bad_lines_are_refused_and_the_connection_goes_on() {
     for reply in &replies[..4] {
         assert!(matches!(reply, Reply::Error(_)), "{reply:?}");
     }
-    assert!(matches!(&replies[3], Reply::Error(why) if why.contains("-1")), "{replies:?}");
+    assert!(
+        matches!(&replies[3], Reply::Error(why) if why.contains("-1")),
+        "{replies:?}"
+    );
     assert_eq!(replies[4], Reply::Ok(json!({ "stations": 2 })));
 }
 
@@ -150,7 +171,10 @@ fn a_line_without_end_is_cut_off() {
     let mut text = String::new();
     let _ = stream.read_to_string(&mut text);
     assert!(text.contains("longer than 65536"), "{text}");
-    assert!(ask(&folder, &Request::Status {}).is_ok(), "others are served");
+    assert!(
+        ask(&folder, &Request::Status {}).is_ok(),
+        "others are served"
+    );
 }
 
 #[test]
@@ -160,7 +184,9 @@ fn too_many_connections_are_told_so_and_leave_room_when_they_end() {
     let connect = || place::connect(&folder).expect("connects").expect("runs");
     let held: Vec<UnixStream> = (0..8).map(|_| connect()).collect();
     // The server accepts in order, so these eight have their places before the next one.
-    let error = ask(&folder, &Request::Status {}).expect_err("full").to_string();
+    let error = ask(&folder, &Request::Status {})
+        .expect_err("full")
+        .to_string();
     assert!(error.contains("more than 8"), "{error}");
     drop(held);
     let freed = (0..100).any(|_| {
@@ -179,22 +205,29 @@ fn one_server_has_a_folder_and_the_rest_of_a_crash_is_removed() {
     drop(claimed);
     // A killed server leaves its socket.
     let left = std::os::unix::net::UnixListener::bind(
-        std::path::Path::new("/proc/self/fd").join(
-            {
+        std::path::Path::new("/proc/self/fd")
+            .join({
                 use std::os::fd::AsRawFd as _;
                 let open = std::fs::File::open(folder.path()).expect("opens");
                 let path = open.as_raw_fd().to_string();
                 std::mem::forget(open);
                 path
-            },
-        )
-        .join("control.sock"),
+            })
+            .join("control.sock"),
     );
     drop(left.expect("binds"));
     assert!(folder.file("control.sock").exists());
-    assert!(ask(&folder, &Request::Status {}).expect("nobody listens").is_none());
+    assert!(
+        ask(&folder, &Request::Status {})
+            .expect("nobody listens")
+            .is_none()
+    );
     let _listening = listening(&folder);
-    assert!(ask(&folder, &Request::Status {}).expect("answers").is_some());
+    assert!(
+        ask(&folder, &Request::Status {})
+            .expect("answers")
+            .is_some()
+    );
 }
 
 #[test]
@@ -205,7 +238,8 @@ fn the_end_of_the_server_ends_open_connections() {
     drop(listening);
     assert!(!folder.file("control.sock").exists());
     let mut text = String::new();
-    idle.read_to_string(&mut text).expect("closed without a word");
+    idle.read_to_string(&mut text)
+        .expect("closed without a word");
     assert_eq!(text, "");
 }
 

@@ -159,10 +159,13 @@ impl PlanBook {
         now_ns: u64,
     ) -> Result<StationPlan, PlanError> {
         let entry = self.entry(station)?;
-        let plan = entry.plan().with(change).map_err(|fault| PlanError::Fault {
-            station: station.to_owned(),
-            fault,
-        })?;
+        let plan = entry
+            .plan()
+            .with(change)
+            .map_err(|fault| PlanError::Fault {
+                station: station.to_owned(),
+                fault,
+            })?;
         self.replace(station, Some(plan), by, running, now_ns)
     }
 
@@ -222,7 +225,11 @@ impl PlanBook {
             let names: Vec<&str> = self.entries.iter().map(|e| e.station.as_str()).collect();
             names.join(", ")
         };
-        match self.entries.iter().position(|entry| entry.station == station) {
+        match self
+            .entries
+            .iter()
+            .position(|entry| entry.station == station)
+        {
             Some(at) => Ok(&mut self.entries[at]),
             None => Err(PlanError::Unknown {
                 found: station.escape_debug().to_string(),
@@ -266,7 +273,8 @@ impl Entry {
         let path = folder.file(&format!("{}.toml", self.station));
         let text = toml::to_string(&stored)
             .map_err(|error| StateError::content(&path, error.to_string()))?;
-        let text = format!("# Plan set at run time. Change it with `sulcus-server plan set`.\n{text}");
+        let text =
+            format!("# Plan set at run time. Change it with `sulcus-server plan set`.\n{text}");
         Ok(write_private(&path, text.as_bytes())?)
     }
 }
@@ -289,12 +297,15 @@ fn parse(bytes: &[u8], path: &Path, station: &str) -> Result<Stored, PlanError> 
         .map_err(|error| content(path, text, &error))?;
     if stored.version != VERSION {
         let found = stored.version;
-        let why = format!("version is {found}, expected {VERSION}; install the program that wrote the file");
+        let why = format!(
+            "version is {found}, expected {VERSION}; install the program that wrote the file"
+        );
         return Err(wrong(why).into());
     }
     if stored.station != station {
         let found = stored.station.escape_debug();
-        let why = format!("station is `{found}`, expected `{station}`; files of plans cannot be renamed");
+        let why =
+            format!("station is `{found}`, expected `{station}`; files of plans cannot be renamed");
         return Err(wrong(why).into());
     }
     Ok(stored)
@@ -304,27 +315,54 @@ impl StationPlan {
     /// Lines for people: station, plan, revision.
     pub fn lines(&self) -> String {
         let plan = &self.plan;
-        let mut text = format!("{}: exercise {}, mode {}", self.station, plan.exercise, plan.mode);
+        let mut text = format!(
+            "{}: exercise {}, mode {}",
+            self.station, plan.exercise, plan.mode
+        );
         let mut part = |name: &str, value: Option<String>| {
             if let Some(value) = value {
                 text.push_str(&format!(", {name} {value}"));
             }
         };
         use sulcus_program::PathText as _;
-        part("scene", plan.scene.as_ref().map(|path| path.shown().to_string()));
-        part("patient seed", plan.patient_seed.map(|seed| seed.to_string()));
+        part(
+            "scene",
+            plan.scene.as_ref().map(|path| path.shown().to_string()),
+        );
+        part(
+            "patient seed",
+            plan.patient_seed.map(|seed| seed.to_string()),
+        );
         part("rate", plan.rate_hz.map(|rate| format!("{rate} Hz")));
-        part("learner", (!plan.learner.is_empty()).then(|| plan.learner.clone()));
-        part("rubric", plan.rubric.as_ref().map(|path| path.shown().to_string()));
-        part("time limit", plan.time_limit_s.map(|limit| format!("{limit} s")));
-        part("resumed within", Some(format!("{} s", plan.resume_within_s)));
+        part(
+            "learner",
+            (!plan.learner.is_empty()).then(|| plan.learner.clone()),
+        );
+        part(
+            "rubric",
+            plan.rubric.as_ref().map(|path| path.shown().to_string()),
+        );
+        part(
+            "time limit",
+            plan.time_limit_s.map(|limit| format!("{limit} s")),
+        );
+        part(
+            "resumed within",
+            Some(format!("{} s", plan.resume_within_s)),
+        );
         let clock = match plan.clock_in_gap {
             fields::ClockInGap::Runs => "runs",
             fields::ClockInGap::Stops => "stops",
         };
         part("clock in a gap", Some(clock.into()));
-        part("force limit", plan.force_limit_n.map(|limit| format!("{limit} N")));
-        part("detail budget", plan.detail_budget_us.map(|budget| format!("{budget} us")));
+        part(
+            "force limit",
+            plan.force_limit_n.map(|limit| format!("{limit} N")),
+        );
+        part(
+            "detail budget",
+            plan.detail_budget_us.map(|budget| format!("{budget} us")),
+        );
         let changes = self.history.len();
         text.push_str(&format!("\n  {}; {}", self.revision, self.effect));
         if changes > 1 {

@@ -15,16 +15,25 @@ use super::{Plan, RESUME_WITHIN_S};
 #[serde(default, deny_unknown_fields)]
 pub struct PlanChange {
     /// [`Plan::exercise`].
-    #[serde(deserialize_with = "fields::exercise", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::exercise",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub exercise: Option<String>,
     /// [`Plan::scene`].
-    #[serde(deserialize_with = "fields::scene", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::scene",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub scene: Option<PathBuf>,
     /// [`Plan::patient_seed`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub patient_seed: Option<PatientSeed>,
     /// [`Plan::rate_hz`].
-    #[serde(deserialize_with = "fields::rate_hz", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::rate_hz",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub rate_hz: Option<u16>,
     /// [`Plan::mode`].
     #[serde(
@@ -34,25 +43,43 @@ pub struct PlanChange {
     )]
     pub mode: Option<Mode>,
     /// [`Plan::learner`].
-    #[serde(deserialize_with = "fields::learner", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::learner",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub learner: Option<String>,
     /// [`Plan::rubric`].
-    #[serde(deserialize_with = "fields::rubric", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::rubric",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub rubric: Option<PathBuf>,
     /// [`Plan::time_limit_s`].
-    #[serde(deserialize_with = "fields::time_limit_s", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::time_limit_s",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub time_limit_s: Option<u32>,
     /// [`Plan::resume_within_s`].
-    #[serde(deserialize_with = "fields::resume_within_s", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::resume_within_s",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub resume_within_s: Option<u32>,
     /// [`Plan::clock_in_gap`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock_in_gap: Option<ClockInGap>,
     /// [`Plan::force_limit_n`].
-    #[serde(deserialize_with = "fields::force_limit_n", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::force_limit_n",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub force_limit_n: Option<f32>,
     /// [`Plan::detail_budget_us`].
-    #[serde(deserialize_with = "fields::detail_budget_us", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        deserialize_with = "fields::detail_budget_us",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub detail_budget_us: Option<u32>,
     /// Names of parts that return to their defaults, before the other parts are set.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -120,7 +147,10 @@ impl PlanChange {
         for path in [&mut self.scene, &mut self.rubric].into_iter().flatten() {
             *path = folder.join(&*path);
         }
-        if let Some(exercise) = self.exercise.as_mut().filter(|name| name.ends_with(".toml"))
+        if let Some(exercise) = self
+            .exercise
+            .as_mut()
+            .filter(|name| name.ends_with(".toml"))
             && let Some(path) = folder.join(&*exercise).to_str()
         {
             *exercise = path.to_owned();
@@ -203,7 +233,11 @@ impl Plan {
         }
         if let Some(rubric) = self.rubric.as_ref().filter(|_| self.exercise == Self::FREE) {
             let found = rubric.shown().to_string();
-            return wrong("rubric", &found, "none with the exercise `free`, which has no grade");
+            return wrong(
+                "rubric",
+                &found,
+                "none with the exercise `free`, which has no grade",
+            );
         }
         if self.mode == Mode::Exam && self.detail_budget_us.is_some() {
             return wrong(

@@ -216,7 +216,9 @@ pub(super) fn is_force(newtons: f64) -> Result<f32, String> {
     if force.is_finite() && force > 0.0 {
         Ok(force)
     } else {
-        Err(format!("force_limit_n is {newtons}, expected a force above 0 N"))
+        Err(format!(
+            "force_limit_n is {newtons}, expected a force above 0 N"
+        ))
     }
 }
 

@@ -13,7 +13,10 @@ pub fn is_station_name(name: &str) -> bool {
     let plain = |c: u8| c.is_ascii_alphanumeric() || c == b'-' || c == b'_';
     name.len() <= LONGEST
         && name.bytes().all(plain)
-        && name.bytes().next().is_some_and(|c| c.is_ascii_alphanumeric())
+        && name
+            .bytes()
+            .next()
+            .is_some_and(|c| c.is_ascii_alphanumeric())
         && !name.eq_ignore_ascii_case("any")
 }
 
@@ -26,7 +29,19 @@ mod tests {
         for name in ["a", "7", "room3-1", "A_b", &"x".repeat(64)] {
             assert!(is_station_name(name), "{name}");
         }
-        for name in ["", "-a", "_a", "a/b", "..", "a b", "Süd", "any", "ANY", "a\n", &"x".repeat(65)] {
+        for name in [
+            "",
+            "-a",
+            "_a",
+            "a/b",
+            "..",
+            "a b",
+            "Süd",
+            "any",
+            "ANY",
+            "a\n",
+            &"x".repeat(65),
+        ] {
             assert!(!is_station_name(name), "{name}");
         }
     }

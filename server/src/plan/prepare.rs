@@ -9,8 +9,8 @@ use sulcus_program::PathText;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in, compile_file};
 use sulcus_sessions::{Events, Rubric};
 
-use super::fields::PatientSeed;
 use super::Plan;
+use super::fields::PatientSeed;
 use crate::Exercise;
 
 /// All that a session needs of its plan.
@@ -141,8 +141,8 @@ fn compiled_scene(plan: &Plan, path: &Path) -> anyhow::Result<Prepared> {
             path.shown()
         );
     }
-    let mut bytes = std::fs::read(path)
-        .with_context(|| format!("{}: cannot read the scene", path.shown()))?;
+    let mut bytes =
+        std::fs::read(path).with_context(|| format!("{}: cannot read the scene", path.shown()))?;
     let mut scene = Scene::from_bytes(&bytes).with_context(|| path.shown().to_string())?;
     if let Some(rate_hz) = plan.rate_hz {
         scene.params.rate_hz = rate_hz;

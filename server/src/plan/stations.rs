@@ -126,14 +126,18 @@ impl StationsFile {
         };
         for (field, value) in [
             ("listen", raw.listen.as_deref()),
-            ("recordings", raw.recordings.as_ref().and_then(|dir| dir.to_str())),
+            (
+                "recordings",
+                raw.recordings.as_ref().and_then(|dir| dir.to_str()),
+            ),
         ] {
             if let Some(value) = value {
                 plain(field, value).map_err(|why| wrong(line_with(field), why))?;
             }
         }
         if raw.class.name.len() > 256 || raw.class.name.contains(char::is_control) {
-            let why = "class.name is too long or has line feeds, expected at most 256 bytes in one line";
+            let why =
+                "class.name is too long or has line feeds, expected at most 256 bytes in one line";
             return Err(wrong(line_with("name"), why.into()));
         }
         let hours = raw.class.hours.unwrap_or(HOURS);
@@ -143,7 +147,9 @@ impl StationsFile {
         }
         let found = raw.station.len();
         if found == 0 || found > MOST_STATIONS {
-            let why = format!("station has {found} entries, expected 1 to {MOST_STATIONS} tables `[[station]]`");
+            let why = format!(
+                "station has {found} entries, expected 1 to {MOST_STATIONS} tables `[[station]]`"
+            );
             return Err(wrong(1, why));
         }
         // The text is valid, and the outline reads less of it.
@@ -167,7 +173,8 @@ impl StationsFile {
             let same = |other: &Station| other.name.eq_ignore_ascii_case(&name);
             if let Some(first) = stations.iter().position(same) {
                 let before = outline.get(first).copied().unwrap_or(1);
-                let why = format!("name is `{name}`, expected another name than that of line {before}");
+                let why =
+                    format!("name is `{name}`, expected another name than that of line {before}");
                 return Err(wrong(line, why));
             }
             let plan = Plan::of(&defaults)

@@ -8,7 +8,9 @@ use sulcus_program::PathText;
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
     /// No folder is known.
-    #[error("no state folder: name one with --state, or set SULCUS_STATE_DIR, XDG_STATE_HOME or HOME")]
+    #[error(
+        "no state folder: name one with --state, or set SULCUS_STATE_DIR, XDG_STATE_HOME or HOME"
+    )]
     NoHome,
     /// A call of the system failed.
     #[error("cannot {action} {}: {source}{}", path.shown(), sulcus_program::disk::advice(source))]
@@ -76,7 +78,7 @@ pub enum StateError {
 
 impl StateError {
     /// Makes the error of a failed call on `path`.
-    pub(crate) fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self {
+    pub(crate) fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
         let path = path.to_owned();
         move |source| Self::Io {
             action,

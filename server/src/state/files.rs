@@ -192,7 +192,10 @@ mod tests {
         let path = place.path().join("secret");
         write_private(&path, b"12345").expect("writes");
         let error = read_private(&path, 4).expect_err("too long").to_string();
-        assert!(error.contains("5 bytes") && error.contains("at most 4"), "{error}");
+        assert!(
+            error.contains("5 bytes") && error.contains("at most 4"),
+            "{error}"
+        );
         for mode in [0o640, 0o604] {
             let open = std::fs::Permissions::from_mode(mode);
             std::fs::set_permissions(&path, open).expect("own file");

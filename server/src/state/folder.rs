@@ -112,9 +112,8 @@ impl StateFolder {
 
     /// Whether the folder is empty or has a station key. A change of its mode then affects no other program.
     fn is_plainly_ours(&self) -> bool {
-        let is_empty = || {
-            std::fs::read_dir(&self.path).is_ok_and(|mut entries| entries.next().is_none())
-        };
+        let is_empty =
+            || std::fs::read_dir(&self.path).is_ok_and(|mut entries| entries.next().is_none());
         self.file("station.key").exists() || is_empty()
     }
 }
@@ -147,7 +146,10 @@ mod tests {
         };
         assert_eq!(opened(0o755).expect("an empty folder"), 0o700);
         let error = opened(0o777).expect_err("others can write").to_string();
-        assert!(error.contains("777") && error.contains("chmod 700"), "{error}");
+        assert!(
+            error.contains("777") && error.contains("chmod 700"),
+            "{error}"
+        );
         std::fs::write(path.join("thesis.txt"), "").expect("writes");
         opened(0o755).expect_err("the folder of another program");
         assert_eq!(mode(&path), 0o755, "left alone");

@@ -161,8 +161,7 @@ impl ServerIdentity {
 
     fn generate(now_s: u64) -> Result<Self, StateError> {
         let failed = |error: rcgen::Error| StateError::Certificate(error.to_string());
-        let mut params =
-            CertificateParams::new(vec!["localhost".to_owned()]).map_err(failed)?;
+        let mut params = CertificateParams::new(vec!["localhost".to_owned()]).map_err(failed)?;
         params
             .distinguished_name
             .push(DnType::CommonName, "Sulcus server");
@@ -205,9 +204,9 @@ impl ServerIdentity {
             .map_err(|_| format!("the content is no text, expected an identity; {advice}"))?;
         let stored: Stored = toml::from_str(text).map_err(|error| {
             // The message of the reader alone: its long form quotes the line.
-            let line = error
-                .span()
-                .map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+            let line = error.span().map_or(1, |span| {
+                1 + text[..span.start.min(text.len())].matches('\n').count()
+            });
             format!("line {line}: no identity of a server; {advice}")
         })?;
         if stored.version != VERSION {
@@ -282,7 +281,9 @@ mod tests {
             let make = || ServerIdentity::load_or_create(&folder, NOW).expect("makes");
             let threads: Vec<_> = (0..4).map(|_| scope.spawn(make)).collect();
             let ended = threads.into_iter().map(|thread| thread.join());
-            ended.map(|made| made.expect("no panic").fingerprint()).collect()
+            ended
+                .map(|made| made.expect("no panic").fingerprint())
+                .collect()
         });
         assert!(all.iter().all(|one| *one == all[0]), "{all:?}");
     }
@@ -301,14 +302,19 @@ mod tests {
     fn the_stored_pair_serves_tls() {
         let (_place, folder) = folder();
         ServerIdentity::load_or_create(&folder, NOW).expect("makes");
-        let found = ServerIdentity::load(&folder).expect("loads").expect("there");
+        let found = ServerIdentity::load(&folder)
+            .expect("loads")
+            .expect("there");
         let provider = rustls::crypto::ring::default_provider();
         let built = rustls::ServerConfig::builder_with_provider(provider.into())
             .with_protocol_versions(&[&rustls::version::TLS13])
             .expect("TLS 1.3")
             .with_no_client_auth()
             .with_single_cert(vec![found.certificate()], found.key());
-        assert!(built.is_ok(), "the key belongs to the certificate: {built:?}");
+        assert!(
+            built.is_ok(),
+            "the key belongs to the certificate: {built:?}"
+        );
     }
 
     #[test]

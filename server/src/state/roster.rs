@@ -131,7 +131,8 @@ impl Roster {
             match sheet::read(bytes, [heading, "station"]) {
                 Ok(rows) => return Ok(Self::of(rows)),
                 Err(error) => {
-                    let is_heading = matches!(&error, SheetError::Line { field, .. } if *field == "header");
+                    let is_heading =
+                        matches!(&error, SheetError::Line { field, .. } if *field == "header");
                     first.get_or_insert(error.clone());
                     if !is_heading {
                         first = Some(error);
@@ -211,13 +212,22 @@ impl Roster {
     ) -> Result<Vec<Line>, StateError> {
         store.change(now_s, |tokens| {
             let lines = self.examine(tokens, import, now_s);
-            let makes = |line: &&Line| {
-                matches!(line.verdict, Verdict::New | Verdict::Replaces { .. })
-            };
-            if lines.iter().any(|line| matches!(line.verdict, Verdict::Fault { .. })) {
-                return Err(StateError::content("roster".as_ref(), "a line is not valid"));
+            let makes =
+                |line: &&Line| matches!(line.verdict, Verdict::New | Verdict::Replaces { .. });
+            if lines
+                .iter()
+                .any(|line| matches!(line.verdict, Verdict::Fault { .. }))
+            {
+                return Err(StateError::content(
+                    "roster".as_ref(),
+                    "a line is not valid",
+                ));
             }
-            let asked: Vec<NewToken> = lines.iter().filter(makes).map(|l| import.token(l)).collect();
+            let asked: Vec<NewToken> = lines
+                .iter()
+                .filter(makes)
+                .map(|l| import.token(l))
+                .collect();
             let secrets = asked
                 .iter()
                 .map(|_| Secret::new())

@@ -42,10 +42,7 @@ pub enum SheetError {
 ///
 /// # Errors
 /// The first line that is not valid: its number, the text found and the text expected.
-pub fn read<const N: usize>(
-    bytes: &[u8],
-    headings: [&str; N],
-) -> Result<Vec<Row<N>>, SheetError> {
+pub fn read<const N: usize>(bytes: &[u8], headings: [&str; N]) -> Result<Vec<Row<N>>, SheetError> {
     let text = lines_of(&decode(bytes)?);
     let (named, body, above) = named_separator(&text);
     let mut seen: Option<(u64, StringRecord)> = None;

@@ -38,9 +38,20 @@ fn sessions_are_spread_over_the_cores() {
         .collect();
     assert_eq!(cores, [1, 3, 1, 3]);
     capacity.release(1);
-    assert_eq!(capacity.admit(9, load(100.0, 200.0)), Ok(3), "the free place");
-    let shares: Vec<f64> = capacity.cores().iter().map(|core| core.tick_share).collect();
-    assert!(shares.iter().all(|share| (share - 0.2).abs() < 1e-12), "{shares:?}");
+    assert_eq!(
+        capacity.admit(9, load(100.0, 200.0)),
+        Ok(3),
+        "the free place"
+    );
+    let shares: Vec<f64> = capacity
+        .cores()
+        .iter()
+        .map(|core| core.tick_share)
+        .collect();
+    assert!(
+        shares.iter().all(|share| (share - 0.2).abs() < 1e-12),
+        "{shares:?}"
+    );
 }
 
 #[test]
@@ -52,8 +63,18 @@ fn ticks_leave_three_tenths_of_a_core_to_the_rest() {
     for id in 0..7 {
         capacity.admit(id, load(99.0, 150.0)).expect("room");
     }
-    let told = capacity.admit(7, load(99.0, 150.0)).expect_err("full").to_string();
-    for part in ["room for 7 of", "7 run", "99 us", "1000 Hz", "p99.9 150 us", "1 core"] {
+    let told = capacity
+        .admit(7, load(99.0, 150.0))
+        .expect_err("full")
+        .to_string();
+    for part in [
+        "room for 7 of",
+        "7 run",
+        "99 us",
+        "1000 Hz",
+        "p99.9 150 us",
+        "1 core",
+    ] {
         assert!(told.contains(part), "{part}: {told}");
     }
 }
@@ -100,7 +121,9 @@ fn the_longest_tick_of_one_session_must_not_cost_another_its_period() {
         rate_hz: 4000,
         ..load(20.0, 30.0)
     };
-    capacity.admit(1, fast).expect_err("its ticks would wait for 800 us");
+    capacity
+        .admit(1, fast)
+        .expect_err("its ticks would wait for 800 us");
 }
 
 #[test]
@@ -109,8 +132,14 @@ fn an_empty_machine_takes_any_session_and_only_one_of_them() {
     let heavy = load(1500.0, 3000.0);
     assert_eq!(capacity.room(&heavy), 1);
     capacity.admit(0, heavy).expect("the first");
-    let told = capacity.admit(1, heavy).expect_err("the second").to_string();
-    assert!(told.contains("room for 1 of") && told.contains("1 run"), "{told}");
+    let told = capacity
+        .admit(1, heavy)
+        .expect_err("the second")
+        .to_string();
+    assert!(
+        told.contains("room for 1 of") && told.contains("1 run"),
+        "{told}"
+    );
     // The other core is free.
     assert_eq!(capacity.admit(1, load(20.0, 30.0)), Ok(3));
 }
@@ -129,8 +158,19 @@ fn a_correction_moves_no_session_and_counts_for_the_next() {
     };
     capacity.update(0, nonsense);
     capacity.update(77, load(1.0, 2.0).cost);
-    assert_eq!((capacity.room(&load(99.0, 150.0)), capacity.running()), (3, 1));
-    capacity.admit(9, Load { cost: nonsense, rate_hz: 1000 }).expect_err("no cost");
+    assert_eq!(
+        (capacity.room(&load(99.0, 150.0)), capacity.running()),
+        (3, 1)
+    );
+    capacity
+        .admit(
+            9,
+            Load {
+                cost: nonsense,
+                rate_hz: 1000,
+            },
+        )
+        .expect_err("no cost");
 }
 
 #[test]
@@ -138,8 +178,14 @@ fn the_sentence_counts_an_empty_machine_of_these_stations() {
     let mut capacity = empty(1);
     capacity.set_other_share(0.0);
     capacity.admit(0, load(600.0, 700.0)).expect("the first");
-    let told = capacity.admit(1, load(200.0, 250.0)).expect_err("full").to_string();
-    assert!(told.contains("room for 3 of") && told.contains("1 run"), "{told}");
+    let told = capacity
+        .admit(1, load(200.0, 250.0))
+        .expect_err("full")
+        .to_string();
+    assert!(
+        told.contains("room for 3 of") && told.contains("1 run"),
+        "{told}"
+    );
 }
 
 proptest! {

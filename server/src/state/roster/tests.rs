@@ -36,7 +36,8 @@ impl Class {
     fn tickets(&self, out: &str) -> Vec<Vec<String>> {
         let text = std::fs::read_to_string(self.place.path().join(out)).expect("tickets");
         let rows = text.lines().skip(1);
-        rows.map(|row| row.split(',').map(str::to_owned).collect()).collect()
+        rows.map(|row| row.split(',').map(str::to_owned).collect())
+            .collect()
     }
 }
 
@@ -72,7 +73,10 @@ fn every_ticket_of_a_class_opens_the_station_of_its_line() {
         let ticket: Ticket = row[2].parse().expect("a ticket");
         assert_eq!(ticket.fingerprint, [7; 32]);
         let grant = tokens.grant(&ticket.token, NOW).expect("valid");
-        assert_eq!((grant.learner.as_str(), grant.class.as_str()), (learner, "autumn"));
+        assert_eq!(
+            (grant.learner.as_str(), grant.class.as_str()),
+            (learner, "autumn")
+        );
         assert_eq!(grant.station, Place::Station(station.into()));
     }
 }
@@ -80,9 +84,14 @@ fn every_ticket_of_a_class_opens_the_station_of_its_line() {
 #[test]
 fn a_second_import_makes_only_tokens_that_are_missing() {
     let class = Class::new();
-    class.import("id,station\ns-1,a-1\ns-2,a-2\n", "one.csv", false).expect("imports");
+    class
+        .import("id,station\ns-1,a-1\ns-2,a-2\n", "one.csv", false)
+        .expect("imports");
     let again = class.import("id,station\ns-1,a-1\ns-2,a-3\ns-3,a-2\n", "two.csv", false);
-    assert_eq!(verdicts(&again.expect("imports")), ["kept", "replaces", "new"]);
+    assert_eq!(
+        verdicts(&again.expect("imports")),
+        ["kept", "replaces", "new"]
+    );
     assert_eq!(class.tickets("two.csv").len(), 2);
     let all = class.store.list().expect("reads");
     let valid: Vec<&str> = all
@@ -95,7 +104,10 @@ fn a_second_import_makes_only_tokens_that_are_missing() {
     assert_eq!(verdicts(&renewed.expect("imports")), ["replaces"]);
     let tokens = Tokens::open(&class.folder).expect("opens");
     let old: Ticket = class.tickets("one.csv")[0][2].parse().expect("a ticket");
-    let told = tokens.grant(&old.token, NOW).expect_err("revoked").to_string();
+    let told = tokens
+        .grant(&old.token, NOW)
+        .expect_err("revoked")
+        .to_string();
     assert!(told.contains("revoked"), "{told}");
 }
 
@@ -105,7 +117,10 @@ fn a_bad_line_is_said_with_its_number_and_nothing_is_made() {
     let text = "station;ID\n\na-1;s-1\na-2;Jane Doe\n;s-3\na 4;s-4\na-5;s-1\na-6;\n";
     let roster = Roster::parse(text.as_bytes()).expect("a table");
     let lines = roster.examine(&[], &options(false), NOW);
-    assert_eq!(verdicts(&lines), ["new", "fault", "fault", "fault", "fault", "fault"]);
+    assert_eq!(
+        verdicts(&lines),
+        ["new", "fault", "fault", "fault", "fault", "fault"]
+    );
     let said: Vec<String> = lines.iter().map(Line::to_string).collect();
     for (line, parts) in [
         (1, ["line 4", "learner", "`Jane Doe`", "opaque"]),
@@ -126,9 +141,13 @@ fn a_bad_line_is_said_with_its_number_and_nothing_is_made() {
 #[test]
 fn an_existing_table_of_tickets_is_kept_and_no_token_is_made() {
     let class = Class::new();
-    class.import("id,station\ns-1,a-1\n", "t.csv", false).expect("imports");
+    class
+        .import("id,station\ns-1,a-1\n", "t.csv", false)
+        .expect("imports");
     let before = class.tickets("t.csv");
-    class.import("id,station\ns-2,a-2\n", "t.csv", false).expect_err("exists");
+    class
+        .import("id,station\ns-2,a-2\n", "t.csv", false)
+        .expect_err("exists");
     assert_eq!(class.tickets("t.csv"), before);
     assert_eq!(class.store.list().expect("reads").len(), 1);
 }
@@ -137,9 +156,15 @@ fn an_existing_table_of_tickets_is_kept_and_no_token_is_made() {
 fn tables_are_read_as_spreadsheets_save_them() {
     let of = |bytes: &[u8]| Roster::parse(bytes).map(|roster| roster.rows);
     let rows = |line: u64| Ok(vec![(line, "s-1".to_owned(), "a-1".to_owned())]);
-    assert_eq!(of(b"\xef\xbb\xbfLearner ID;Station;Note\r\ns-1;a-1;x\r\n"), rows(2));
+    assert_eq!(
+        of(b"\xef\xbb\xbfLearner ID;Station;Note\r\ns-1;a-1;x\r\n"),
+        rows(2)
+    );
     assert_eq!(of(b"sep=;\nID;STATION\ns-1;a-1\n"), rows(3));
-    assert_eq!(of(b"learner\tstation\n'1-1\ta-1\n").expect("tabs")[0].1, "1-1");
+    assert_eq!(
+        of(b"learner\tstation\n'1-1\ta-1\n").expect("tabs")[0].1,
+        "1-1"
+    );
     let text = "id\tStation\r\ns-1\ta-1\r\n";
     let utf_16: Vec<u8> = [0xfeff]
         .into_iter()
@@ -148,7 +173,10 @@ fn tables_are_read_as_spreadsheets_save_them() {
         .collect();
     assert_eq!(of(&utf_16), rows(2));
     let told = of(b"name,room\nx,y\n").expect_err("other headings");
-    assert!(told.contains("line 1") && told.contains("`station`"), "{told}");
+    assert!(
+        told.contains("line 1") && told.contains("`station`"),
+        "{told}"
+    );
     assert_eq!(of(b"id,station\n"), Ok(vec![]));
 }
 

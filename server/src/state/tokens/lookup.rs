@@ -253,24 +253,39 @@ mod tests {
     fn yesterdays_token_works_and_a_revoked_one_says_so() {
         let (_place, folder) = folder();
         let store = TokenStore::of(&folder);
-        let made = store.add(&[student("a", 30), student("b", 2)], NOW).expect("adds");
+        let made = store
+            .add(&[student("a", 30), student("b", 2)], NOW)
+            .expect("adds");
         // Another process, a day later.
         let tokens = Tokens::open(&folder).expect("opens");
         let later = NOW + DAY_S;
         let grant = tokens.grant(made[0].1.reveal(), later).expect("valid");
-        assert_eq!((grant.role, grant.learner.as_str()), (Role::Student, "s-17"));
+        assert_eq!(
+            (grant.role, grant.learner.as_str()),
+            (Role::Student, "s-17")
+        );
         assert!(grant.station.includes("a") && !grant.station.includes("b"));
         assert_eq!(tokens.valid(later), 2);
 
         store.revoke(&grant.id, later).expect("revokes");
-        let denied = tokens.grant(made[0].1.reveal(), later).expect_err("revoked");
+        let denied = tokens
+            .grant(made[0].1.reveal(), later)
+            .expect_err("revoked");
         assert_eq!(
             denied.to_string(),
-            format!("token {} was revoked on 2026-11-27; ask for a new ticket", grant.id)
+            format!(
+                "token {} was revoked on 2026-11-27; ask for a new ticket",
+                grant.id
+            )
         );
         assert_eq!(tokens.still(&grant.id, later), Err(denied));
-        let denied = tokens.grant(made[1].1.reveal(), NOW + 2 * DAY_S).expect_err("expired");
-        assert!(denied.to_string().contains("expired on 2026-11-28"), "{denied}");
+        let denied = tokens
+            .grant(made[1].1.reveal(), NOW + 2 * DAY_S)
+            .expect_err("expired");
+        assert!(
+            denied.to_string().contains("expired on 2026-11-28"),
+            "{denied}"
+        );
         assert_eq!(tokens.grant("guess", later), Err(Denied::Unknown));
         assert_eq!(tokens.valid(later), 1);
     }
@@ -315,7 +330,9 @@ mod tests {
     #[test]
     fn a_removed_file_ends_its_tokens() {
         let (_place, folder) = folder();
-        let made = TokenStore::of(&folder).add(&[student("a", 1)], NOW).expect("adds");
+        let made = TokenStore::of(&folder)
+            .add(&[student("a", 1)], NOW)
+            .expect("adds");
         let tokens = Tokens::open(&folder).expect("opens");
         assert!(tokens.grant(made[0].1.reveal(), NOW).is_ok());
         std::fs::remove_file(folder.file(FILE)).expect("removes");

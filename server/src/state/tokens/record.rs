@@ -199,7 +199,10 @@ impl NewToken {
             ));
         }
         if let Err(expected) = learner::parse(&self.learner) {
-            return Err(format!("learner is `{}`: {expected}", self.learner.escape_debug()));
+            return Err(format!(
+                "learner is `{}`: {expected}",
+                self.learner.escape_debug()
+            ));
         }
         let class = &self.class;
         if class.chars().count() > LONGEST_CLASS || class.contains(char::is_control) {

@@ -85,7 +85,9 @@ impl TokenStore {
                 let id = id.escape_debug();
                 StateError::content(
                     &path,
-                    format!("no token has the id `{id}`; `sulcus-server token list` prints the ids"),
+                    format!(
+                        "no token has the id `{id}`; `sulcus-server token list` prints the ids"
+                    ),
                 )
             })?;
             token.revoked_unix_s.get_or_insert(now_s);
@@ -178,8 +180,9 @@ fn new_id(tokens: &[TokenRecord]) -> Result<String, StateError> {
 /// # Errors
 /// The line, the fault and the value expected. The message quotes no hash.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<TokenRecord>, String> {
-    let stored: Stored = serde_json::from_slice(bytes)
-        .map_err(|error| format!("not a list of tokens: {error}; restore the file from a backup"))?;
+    let stored: Stored = serde_json::from_slice(bytes).map_err(|error| {
+        format!("not a list of tokens: {error}; restore the file from a backup")
+    })?;
     if stored.version != VERSION {
         return Err(format!(
             "version is {}, expected {VERSION}; install the program that wrote the file",
@@ -235,13 +238,34 @@ mod tests {
         let named = student("a-1", "Jane Doe");
         let error = store.add(&[student("a-1", "s-1"), named], NOW);
         let error = error.expect_err("a name").to_string();
-        assert!(error.contains("Jane Doe") && error.contains("opaque"), "{error}");
+        assert!(
+            error.contains("Jane Doe") && error.contains("opaque"),
+            "{error}"
+        );
         assert_eq!(store.list().expect("reads"), []);
         for (wrong, told) in [
-            (NewToken { station: Place::Any, ..student("a", "") }, "one station"),
+            (
+                NewToken {
+                    station: Place::Any,
+                    ..student("a", "")
+                },
+                "one station",
+            ),
             (student("a/b", ""), "`a/b`"),
-            (NewToken { role: Role::Examiner, ..student("a", "s-1") }, "examiner"),
-            (NewToken { class: "x\ny".into(), ..student("a", "") }, "class"),
+            (
+                NewToken {
+                    role: Role::Examiner,
+                    ..student("a", "s-1")
+                },
+                "examiner",
+            ),
+            (
+                NewToken {
+                    class: "x\ny".into(),
+                    ..student("a", "")
+                },
+                "class",
+            ),
         ] {
             let error = store.add(&[wrong], NOW).expect_err(told).to_string();
             assert!(error.contains(told), "{error}");
@@ -251,7 +275,9 @@ mod tests {
     #[test]
     fn a_revocation_keeps_its_first_date() {
         let (_place, store) = store();
-        let made = store.add(&[student("a", ""), student("b", "")], NOW).expect("adds");
+        let made = store
+            .add(&[student("a", ""), student("b", "")], NOW)
+            .expect("adds");
         let id = &made[1].0.id;
         store.revoke(id, NOW + 10).expect("revokes");
         let again = store.revoke(id, NOW + 20).expect("again");
@@ -259,7 +285,10 @@ mod tests {
         let list = store.list().expect("reads");
         assert!(list[0].is_valid(NOW) && !list[1].is_valid(NOW));
         assert!(!list[0].is_valid(NOW + DAY_S));
-        let error = store.revoke("t-\n", NOW).expect_err("no such id").to_string();
+        let error = store
+            .revoke("t-\n", NOW)
+            .expect_err("no such id")
+            .to_string();
         assert!(error.contains("token list"), "{error}");
     }
 
@@ -290,7 +319,12 @@ mod tests {
                 });
             }
         });
-        let mut ids: Vec<String> = store.list().expect("reads").into_iter().map(|t| t.id).collect();
+        let mut ids: Vec<String> = store
+            .list()
+            .expect("reads")
+            .into_iter()
+            .map(|t| t.id)
+            .collect();
         ids.sort();
         ids.dedup();
         assert_eq!(ids.len(), 20);
@@ -313,17 +347,30 @@ mod tests {
         store.add(&[student("a", "")], NOW).expect("adds");
         let path = store.folder.file(FILE);
         let good = std::fs::read_to_string(&path).expect("reads");
-        let hash = good.split('"').find(|part| part.len() == 64).expect("a hash").to_owned();
+        let hash = good
+            .split('"')
+            .find(|part| part.len() == 64)
+            .expect("a hash")
+            .to_owned();
         for (damaged, told) in [
             (good[..good.len() / 2].to_owned(), "line"),
             (good.replace("student", "teacher"), "teacher"),
-            (good.replace("\"version\": 1", "\"version\": 2"), "version is 2"),
+            (
+                good.replace("\"version\": 1", "\"version\": 2"),
+                "version is 2",
+            ),
             (good.replace(&hash, &hash[1..]), "blake3"),
             (good.replace("\"role\"", "\"rule\""), "rule"),
         ] {
             std::fs::write(&path, &damaged).expect("writes");
-            let error = store.add(&[student("b", "")], NOW).expect_err(told).to_string();
-            assert!(error.contains(told) && !error.contains(&hash[1..]), "{error}");
+            let error = store
+                .add(&[student("b", "")], NOW)
+                .expect_err(told)
+                .to_string();
+            assert!(
+                error.contains(told) && !error.contains(&hash[1..]),
+                "{error}"
+            );
             assert_eq!(std::fs::read_to_string(&path).expect("reads"), damaged);
         }
     }
