@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 use sulcus_core::{NoProbe, Pose, Scene, State, TickInput, ToolInput, Vec3, Workspace, tick};
-use sulcus_link::Times;
 use sulcus_link::clock::thread_cpu_ns;
 
 /// Ticks of the approach to the nearest surface, which do not count.
@@ -13,10 +12,12 @@ const TICKS: u64 = 2000;
 const MOST_CPU_NS: u64 = 3_000_000_000;
 /// Least number of counted ticks.
 const LEAST: u64 = 50;
+/// Number of passes over the same inputs. The fastest time of each tick counts: other processes only add time.
+const PASSES: u32 = 3;
 /// Depth of the tip under the surface during the measurement, metres.
-const DEPTH_M: f64 = 5e-4;
+const DEPTH_M: f64 = 1e-3;
 /// Radius of the circle of the tip on the surface, metres.
-const CIRCLE_M: f64 = 1e-3;
+const CIRCLE_M: f64 = 3e-4;
 /// Share of the difference by which an estimate falls at each update.
 const FALL: f64 = 1.0 / 16.0;
 
@@ -94,10 +95,10 @@ pub fn measure_cost(scene: &Scene) -> std::io::Result<Cost> {
     Ok(measure(scene)?.cost)
 }
 
-/// Runs up to 2000 ticks in a thread of its own at normal priority and takes their CPU time.
+/// Runs up to 2000 ticks three times in a thread of its own at normal priority and takes their CPU time.
 ///
-/// Each tool goes from its parking place to the nearest surface and then circles there, half a millimetre deep. The
-/// motion is the same at every call. CPU time of the thread does not include the time of other processes.
+/// Each tool goes from its parking place to the nearest surface and then circles there, a millimetre deep. The
+/// motion is the same at every call. The fastest of the three times of a tick counts.
 ///
 /// # Errors
 /// The system gives no thread, or the tick panics.
@@ -113,39 +114,72 @@ pub fn measure(scene: &Scene) -> std::io::Result<Measured> {
 
 fn run(scene: &Scene) -> Measured {
     let paths: Vec<Path> = (0..scene.tools.len()).map(|t| Path::of(scene, t)).collect();
+    let mut fastest = Vec::with_capacity((TICKS - APPROACH) as usize);
+    let (mut spent_ns, mut in_contact) = (0, 0);
+    for pass in 0..PASSES {
+        let touched = run_once(scene, &paths, &mut fastest, &mut spent_ns);
+        if pass == 0 {
+            in_contact = touched;
+        }
+        if spent_ns > MOST_CPU_NS {
+            break;
+        }
+    }
+    Measured {
+        cost: cost_of(&mut fastest),
+        ticks: fastest.len() as u64,
+        in_contact,
+    }
+}
+
+/// Runs all ticks, or fewer when the CPU time is spent. Lowers the times of `fastest`, nanoseconds, which the first pass
+/// fills. Returns the number of counted ticks with a force.
+fn run_once(scene: &Scene, paths: &[Path], fastest: &mut Vec<u64>, spent_ns: &mut u64) -> u64 {
     let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
-    let mut times = Times::up_to(1);
-    let (mut sum_ns, mut all_ns, mut in_contact) = (0, 0, 0);
+    let is_first = fastest.is_empty();
+    let mut in_contact = 0;
     for k in 0..TICKS {
         let mut input = TickInput::IDLE;
-        for (slot, path) in input.tools.iter_mut().zip(&paths) {
+        for (slot, path) in input.tools.iter_mut().zip(paths) {
             *slot = ToolInput::at(&path.pose(k));
         }
         let before = thread_cpu_ns();
         let output = tick(scene, &mut state, &mut workspace, &input, &mut NoProbe);
         let took = thread_cpu_ns().saturating_sub(before);
-        all_ns += took;
-        if k >= APPROACH {
-            times.record(took);
-            sum_ns += took;
-            let touches = |tool: &sulcus_core::ToolOutput| tool.wrench.force != Vec3::zeros();
-            in_contact += u64::from(output.tools.iter().any(touches));
-            if all_ns > MOST_CPU_NS && times.count() >= LEAST {
-                break;
-            }
+        *spent_ns += took;
+        let Some(counted) = k.checked_sub(APPROACH) else {
+            continue;
+        };
+        if is_first {
+            fastest.push(took);
+        } else if let Some(known) = fastest.get_mut(counted as usize) {
+            *known = took.min(*known);
+        } else {
+            break;
+        }
+        let touches = |tool: &sulcus_core::ToolOutput| tool.wrench.force != Vec3::zeros();
+        in_contact += u64::from(output.tools.iter().any(touches));
+        if *spent_ns > MOST_CPU_NS && counted + 1 >= LEAST {
+            break;
         }
     }
-    let p = times.percentiles();
-    let ticks = times.count();
-    Measured {
-        cost: Cost {
-            mean_us: sum_ns as f64 / ticks.max(1) as f64 / 1e3,
-            p50_us: p.p50,
-            p99_us: p.p99,
-            p999_us: p.p999,
-        },
-        ticks,
-        in_contact,
+    in_contact
+}
+
+/// Cost of ticks by their times, nanoseconds. The times are sorted.
+fn cost_of(times: &mut [u64]) -> Cost {
+    times.sort_unstable();
+    let at = |share: f64| {
+        let place = (share * times.len() as f64).ceil() as usize;
+        let time = times.get(place.clamp(1, times.len().max(1)) - 1);
+        time.map_or(0.0, |ns| *ns as f64 / 1e3)
+    };
+    let sum: u64 = times.iter().sum();
+    Cost {
+        mean_us: sum as f64 / times.len().max(1) as f64 / 1e3,
+        p50_us: at(0.5),
+        p99_us: at(0.99),
+        p999_us: at(0.999),
     }
 }
 
@@ -192,7 +226,7 @@ impl Path {
 
     fn pose(&self, k: u64) -> Pose {
         let share = (k as f64 / APPROACH as f64).min(1.0);
-        // A circle takes 500 ticks: 13 mm/s at 1 kHz, the speed of a careful hand.
+        // A circle takes 500 ticks: 4 mm/s at 1 kHz, the speed of a careful hand.
         let angle = k.saturating_sub(APPROACH) as f64 * (std::f64::consts::TAU / 500.0);
         let [first, second] = self.across;
         let circle = first * (angle.cos() - 1.0) + second * angle.sin();
@@ -234,7 +268,6 @@ mod tests {
                 (LEAST..=TICKS - APPROACH).contains(&measured.ticks),
                 "{measured:?}"
             );
-            // The circle leaves a surface that curves away for a part of its way.
             assert!(
                 2 * measured.in_contact > measured.ticks,
                 "{}: {measured:?}",

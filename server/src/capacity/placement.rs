@@ -133,12 +133,15 @@ impl Capacity {
     /// # Errors
     /// No core has room, or the machine as a whole has none.
     pub fn admit(&mut self, id: SessionId, load: Load) -> Result<usize, NoRoom> {
-        let Some(at) = self.place(&load) else {
-            return Err(self.refusal(&load));
-        };
+        self.put(id, load).ok_or_else(|| self.refusal(&load))
+    }
+
+    /// Admits a session; `None` without room.
+    fn put(&mut self, id: SessionId, load: Load) -> Option<usize> {
+        let at = self.place(&load)?;
         self.placed.retain(|placed| placed.id != id);
         self.placed.push(Placed { id, at, load });
-        Ok(self.machine.cores[at])
+        self.machine.cores.get(at).copied()
     }
 
     /// Corrects the cost of a running session, by its own [`super::Estimate`]. No session is ended by a correction.
@@ -171,7 +174,7 @@ impl Capacity {
     pub fn room(&self, load: &Load) -> usize {
         let mut copy = self.clone();
         (0..1024)
-            .take_while(|k| copy.admit(u64::MAX - k, *load).is_ok())
+            .take_while(|k| copy.put(u64::MAX - k, *load).is_some())
             .count()
     }
 

@@ -29,12 +29,15 @@ pub(super) fn recordings(folder: &Path) -> Finding {
 }
 
 /// Whether the disk has room for the planned hours of all stations.
-pub(super) fn room(folder: &Path, loads: &[StationLoad], hours: f64) -> Finding {
+pub(super) fn room(folder: &Path, loads: &[StationLoad], stations: usize, hours: f64) -> Finding {
     let Some(at) = nearest(folder) else {
         return Finding::problem("disk", "The disk of the recordings is unknown.", "");
     };
     match rustix::fs::statvfs(&at) {
-        Ok(disk) => room_of(disk.f_bavail as f64 * disk.f_frsize as f64, loads, hours),
+        Ok(disk) => {
+            let free = disk.f_bavail as f64 * disk.f_frsize as f64;
+            room_of(free, loads, stations, hours)
+        }
         Err(error) => Finding::warning(
             "disk",
             format!("The free space of {} is unknown: {error}.", at.shown()),
@@ -43,13 +46,17 @@ pub(super) fn room(folder: &Path, loads: &[StationLoad], hours: f64) -> Finding 
     }
 }
 
-/// Finding for a number of free bytes.
-pub(super) fn room_of(free: f64, loads: &[StationLoad], hours: f64) -> Finding {
-    let per_hour: f64 = loads.iter().map(bytes_per_hour).sum();
+/// Finding for a number of free bytes. A station of `stations` without a known load counts with two hands.
+pub(super) fn room_of(free: f64, loads: &[StationLoad], stations: usize, hours: f64) -> Finding {
+    let unknown = stations.saturating_sub(loads.len()) as f64 * TWO_HANDS_PER_HOUR;
+    let per_hour = loads
+        .iter()
+        .map(bytes_per_hour)
+        .fold(unknown, |sum, one| sum + one);
     let needed = per_hour * hours;
     let text = format!(
-        "{} stations for {hours} h need {:.1} GB; {:.1} GB are free.",
-        loads.len(),
+        "{} for {hours} h: {:.1} GB needed, {:.1} GB free.",
+        super::number(stations, "station"),
         needed / 1e9,
         free / 1e9
     );

@@ -102,7 +102,12 @@ pub fn check(input: &CheckInput, progress: &dyn Fn(&str, f64)) -> Vec<Finding> {
     findings.extend(plans);
     findings.push(plans::capacity(&loads, input.stations.len()));
     findings.push(disk::recordings(&input.recordings));
-    findings.push(disk::room(&input.recordings, &loads, input.hours));
+    findings.push(disk::room(
+        &input.recordings,
+        &loads,
+        input.stations.len(),
+        input.hours,
+    ));
     findings
 }
 
@@ -133,6 +138,12 @@ pub fn report(findings: &[Finding], json: bool) -> u8 {
         }
     );
     u8::from(!is_ready)
+}
+
+/// Number with its noun, such as `2 stations`.
+fn number(n: usize, noun: &str) -> String {
+    let ending = if n == 1 { "" } else { "s" };
+    format!("{n} {noun}{ending}")
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::capacity::{Capacity, Cost, Load, Machine, Model, measure_cost};
 use crate::plan::{Plan, Prepared, Station, prepare};
 
-use super::Finding;
+use super::{Finding, number};
 
 /// Cost of a station whose plan can run.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,12 +133,14 @@ pub(super) fn capacity_on(machine: Machine, loads: &[StationLoad], stations: usi
     }
     let text = match loads.first() {
         Some(first) => format!(
-            "{} of {stations} stations fit {cores} cores, with room for {} more like `{}`.",
+            "{} of {} fit {}, with room for {} more like `{}`.",
             loads.len(),
+            number(stations, "station"),
+            number(cores, "core"),
             capacity.room(&first.load),
             first.station
         ),
-        None => format!("{cores} cores; no plan can run."),
+        None => format!("{}; no plan can run.", number(cores, "core")),
     };
     Finding::ok("capacity", text)
 }

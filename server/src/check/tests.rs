@@ -174,12 +174,17 @@ fn a_folder_without_the_right_to_write_is_a_problem() {
 #[test]
 fn the_disk_needs_room_for_all_hours_of_all_stations() {
     let loads = [load(50.0, 2), load(50.0, 1)];
-    let found = disk::room_of(20e9, &loads, 10.0);
+    let found = disk::room_of(20e9, &loads, 2, 10.0);
     assert_eq!(found.level, Level::Ok, "{found:?}");
-    let found = disk::room_of(18e9, &loads, 10.0);
+    let found = disk::room_of(18e9, &loads, 2, 10.0);
     assert_eq!(found.level, Level::Problem);
-    assert!(found.text.contains("need 19.0 GB; 18.0 GB"), "{found:?}");
+    assert!(
+        found.text.contains("19.0 GB needed, 18.0 GB free"),
+        "{found:?}"
+    );
     assert!(found.advice.contains("9.5 h"), "{found:?}");
+    let found = disk::room_of(18e9, &[], 2, 10.0);
+    assert!(found.text.contains("24.0 GB needed"), "{found:?}");
 }
 
 #[test]

@@ -36,10 +36,15 @@ pub fn ask(folder: &StateFolder, request: &Request) -> Result<Option<serde_json:
     let mut line =
         serde_json::to_vec(request).map_err(|error| AskError::Reply(error.to_string()))?;
     line.push(b'\n');
-    stream.write_all(&line)?;
+    // A server that refuses the connection answers and closes before the request has arrived.
+    let written = stream.write_all(&line);
     let mut answer = Vec::new();
     let mut reading = BufReader::new(stream).take(MOST_REPLY as u64);
-    reading.read_until(b'\n', &mut answer)?;
+    let read = reading.read_until(b'\n', &mut answer);
+    if answer.is_empty() {
+        written?;
+    }
+    read?;
     match serde_json::from_slice(&answer) {
         Ok(Reply::Ok(value)) => Ok(Some(value)),
         Ok(Reply::Error(why)) => Err(AskError::Refused(why)),

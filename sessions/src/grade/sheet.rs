@@ -148,7 +148,13 @@ fn records(body: &str, separator: u8) -> impl Iterator<Item = (u64, StringRecord
         .into_records()
         .filter_map(Result::ok)
         .filter_map(|record| {
-            let line = record.position().map_or(0, Position::line);
+            let (at, line) = record.position().map_or((0, 0), |place| {
+                (place.byte() as usize, Position::line(place))
+            });
+            // The reader's place is before the empty lines that it skipped.
+            let rest = body.as_bytes().get(at..).unwrap_or_default();
+            let skipped = rest.iter().take_while(|byte| **byte == b'\n').count();
+            let line = line + skipped as u64;
             let says = record.iter().any(|cell| !trimmed(cell).is_empty());
             says.then_some((line, record))
         })

@@ -297,7 +297,11 @@ mod tests {
         let (_place, store) = store();
         store.add(&[student("a", "")], NOW).expect("adds");
         let later = NOW + DAY_S + KEPT_S;
-        store.add(&[student("b", "")], later - 1).expect("adds");
+        let b = NewToken {
+            expires_unix_s: later + DAY_S,
+            ..student("b", "")
+        };
+        store.add(&[b], later - 1).expect("adds");
         assert_eq!(store.list().expect("reads").len(), 2);
         store.add(&[student("c", "")], later).expect("adds");
         let list = store.list().expect("reads");
