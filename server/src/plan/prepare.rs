@@ -206,3 +206,68 @@ fn of(scene: Scene, bytes: Vec<u8>) -> Prepared {
         warnings: Vec::new(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::PlanChange;
+
+    fn plan(change: &str) -> Plan {
+        let change: PlanChange = toml::from_str(change).expect("a change");
+        Plan::of(&change).expect("a plan")
+    }
+
+    fn prepared(change: &str) -> Prepared {
+        prepare(&plan(change), &|_, _| ()).expect(change)
+    }
+
+    fn refused(change: &str, words: &[&str]) {
+        let error = prepare(&plan(change), &|_, _| ()).expect_err(change);
+        let told = sulcus_sessions::sentence(&error);
+        for word in words {
+            assert!(told.contains(word), "`{word}` is missing: {told}");
+        }
+    }
+
+    #[test]
+    fn an_exercise_brings_its_scene_and_its_rubric() {
+        let crown = prepared("rate_hz = 2000");
+        assert_eq!((crown.exercise.name.as_str(), crown.scene.name.as_str()), ("crown", "crown"));
+        assert_eq!((crown.scene.params.rate_hz, crown.seed), (2000, None));
+        assert!(!crown.rubric.is_empty() && crown.warnings.is_empty(), "{:?}", crown.warnings);
+        assert_eq!(Scene::from_bytes(&crown.bytes).expect("a scene"), crown.scene);
+        let free = prepared("exercise = \"free\"");
+        assert!(free.rubric.is_empty() && free.exercise == Exercise::default());
+    }
+
+    #[test]
+    fn parts_that_cannot_be_had_are_named() {
+        refused("exercise = \"juggling\"", &["`juggling`", "crown", ".toml"]);
+        refused("exercise = \"/no/such.toml\"", &["/no/such.toml"]);
+        refused("rubric = \"/no/such.toml\"", &["/no/such.toml"]);
+        refused("patient_seed = 7", &["patient_seed", "crown", "no patient"]);
+        refused("detail_budget_us = 300", &["detail_budget_us", "`crown`"]);
+    }
+
+    #[test]
+    fn the_patient_of_a_compiled_scene_is_fixed() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let file = place.path().join("crown.scene");
+        std::fs::write(&file, prepared("").bytes).expect("writes");
+        let scene = format!("scene = {file:?}\n");
+        assert_eq!(prepared(&scene).exercise.name, "free");
+        let exam = prepared(&format!("{scene}exercise = \"crown\"\nmode = \"exam\""));
+        assert_eq!(exam.seed, None);
+        refused(&format!("{scene}patient_seed = 7"), &["patient_seed", "crown.scene"]);
+    }
+
+    #[test]
+    fn each_exam_has_another_patient_and_practice_the_one_of_the_scene() {
+        let exam = "exercise = \"bimanual\"\nmode = \"exam\"";
+        let [one, two] = [(); 2].map(|()| prepared(exam));
+        assert!(one.seed.is_some() && one.seed != two.seed);
+        assert_ne!(one.patient, two.patient);
+        let [one, two] = [(); 2].map(|()| prepared("exercise = \"bimanual\""));
+        assert_eq!((one.seed, one.bytes), (two.seed, two.bytes));
+    }
+}

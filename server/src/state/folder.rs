@@ -68,6 +68,11 @@ impl StateFolder {
         self.path.join(name)
     }
 
+    /// Path of the key that signs recordings, unless `serve --key` names another one.
+    pub fn station_key(&self) -> PathBuf {
+        self.file("station.key")
+    }
+
     /// Folder inside, created with mode 0700 if missing.
     ///
     /// # Errors
