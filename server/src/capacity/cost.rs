@@ -1,23 +1,21 @@
 //! CPU time of the ticks of a scene.
 
 use serde::{Deserialize, Serialize};
-use sulcus_core::{NoProbe, Pose, Scene, State, TickInput, ToolInput, Vec3, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, ToolInput, Vec3, Workspace, tick};
 use sulcus_link::clock::thread_cpu_ns;
 
-/// Ticks of the approach to the nearest surface, which do not count.
-const APPROACH: u64 = 300;
+use super::motion::Motion;
+
+/// Ticks of the approach to the first contact, which do not count.
+pub(super) const APPROACH: u64 = 300;
 /// Ticks of a measurement, the approach included: two seconds at 1 kHz.
 const TICKS: u64 = 2000;
 /// Most CPU time of a measurement, nanoseconds. A slower scene is measured by fewer ticks, at least [`LEAST`].
 const MOST_CPU_NS: u64 = 3_000_000_000;
 /// Least number of counted ticks.
 const LEAST: u64 = 50;
-/// Number of passes over the same inputs. The fastest time of each tick counts: other processes only add time.
-const PASSES: u32 = 3;
-/// Depth of the tip under the surface during the measurement, metres.
-const DEPTH_M: f64 = 1e-3;
-/// Radius of the circle of the tip on the surface, metres.
-const CIRCLE_M: f64 = 3e-4;
+/// Number of passes over the same inputs. The faster time of each tick counts: other processes only add time.
+const PASSES: u32 = 2;
 /// Share of the difference by which an estimate falls at each update.
 const FALL: f64 = 1.0 / 16.0;
 
@@ -95,10 +93,10 @@ pub fn measure_cost(scene: &Scene) -> std::io::Result<Cost> {
     Ok(measure(scene)?.cost)
 }
 
-/// Runs up to 2000 ticks three times in a thread of its own at normal priority and takes their CPU time.
+/// Runs up to 2000 ticks twice in a thread of its own at normal priority and takes their CPU time.
 ///
-/// Each tool goes from its parking place to the nearest surface and then circles there, a millimetre deep. The
-/// motion is the same at every call. The fastest of the three times of a tick counts.
+/// A probe walks in a pocket, any other tool presses the nearest surface. The motion is the same at every call. The
+/// faster of the two times of a tick counts.
 ///
 /// # Errors
 /// The system gives no thread, or the tick panics.
@@ -113,11 +111,13 @@ pub fn measure(scene: &Scene) -> std::io::Result<Measured> {
 }
 
 fn run(scene: &Scene) -> Measured {
-    let paths: Vec<Path> = (0..scene.tools.len()).map(|t| Path::of(scene, t)).collect();
+    let motions: Vec<Motion> = (0..scene.tools.len())
+        .map(|t| Motion::of(scene, t))
+        .collect();
     let mut fastest = Vec::with_capacity((TICKS - APPROACH) as usize);
     let (mut spent_ns, mut in_contact) = (0, 0);
     for pass in 0..PASSES {
-        let touched = run_once(scene, &paths, &mut fastest, &mut spent_ns);
+        let touched = run_once(scene, &motions, &mut fastest, &mut spent_ns);
         if pass == 0 {
             in_contact = touched;
         }
@@ -134,14 +134,14 @@ fn run(scene: &Scene) -> Measured {
 
 /// Runs all ticks, or fewer when the CPU time is spent. Lowers the times of `fastest`, nanoseconds, which the first pass
 /// fills. Returns the number of counted ticks with a force.
-fn run_once(scene: &Scene, paths: &[Path], fastest: &mut Vec<u64>, spent_ns: &mut u64) -> u64 {
+fn run_once(scene: &Scene, motions: &[Motion], fastest: &mut Vec<u64>, spent_ns: &mut u64) -> u64 {
     let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
     let is_first = fastest.is_empty();
     let mut in_contact = 0;
     for k in 0..TICKS {
         let mut input = TickInput::IDLE;
-        for (slot, path) in input.tools.iter_mut().zip(paths) {
-            *slot = ToolInput::at(&path.pose(k));
+        for (slot, motion) in input.tools.iter_mut().zip(motions) {
+            *slot = ToolInput::at(&motion.pose(k));
         }
         let before = thread_cpu_ns();
         let output = tick(scene, &mut state, &mut workspace, &input, &mut NoProbe);
@@ -183,58 +183,6 @@ fn cost_of(times: &mut [u64]) -> Cost {
     }
 }
 
-/// Motion of a tool: straight to a point under the nearest surface, then circles about it.
-struct Path {
-    park: Pose,
-    /// Vector from the tip at the parking place to the point.
-    way: Vec3,
-    /// Two axes across the way, of unit length.
-    across: [Vec3; 2],
-}
-
-impl Path {
-    fn of(scene: &Scene, tool: usize) -> Self {
-        let tool = &scene.tools[tool];
-        let park = tool.park;
-        let tip = park.transform(&tool.tip);
-        let spheres = scene.objects.iter().flat_map(|object| {
-            let shape = object.tree.shape_at(object.level);
-            shape.map(|(_, node)| node.sphere())
-        });
-        let gap = |sphere: &sulcus_core::Sphere| (sphere.centre - tip).norm() - sphere.radius;
-        let nearest = spheres.min_by(|a, b| gap(a).total_cmp(&gap(b)));
-        let towards = nearest.map_or(-Vec3::z(), |sphere| sphere.centre - tip);
-        let length = towards.norm();
-        let unit = if length > 0.0 {
-            towards / length
-        } else {
-            -Vec3::z()
-        };
-        let depth = nearest.map_or(0.0, |sphere| gap(&sphere).max(0.0) + DEPTH_M);
-        let side = if unit.x.abs() < 0.7 {
-            Vec3::x()
-        } else {
-            Vec3::y()
-        };
-        let first = unit.cross(&side).normalize();
-        Self {
-            park,
-            way: unit * depth,
-            across: [first, unit.cross(&first)],
-        }
-    }
-
-    fn pose(&self, k: u64) -> Pose {
-        let share = (k as f64 / APPROACH as f64).min(1.0);
-        // A circle takes 500 ticks: 4 mm/s at 1 kHz, the speed of a careful hand.
-        let angle = k.saturating_sub(APPROACH) as f64 * (std::f64::consts::TAU / 500.0);
-        let [first, second] = self.across;
-        let circle = first * (angle.cos() - 1.0) + second * angle.sin();
-        let moved = self.way * share + circle * CIRCLE_M;
-        Pose::new(self.park.position + moved, self.park.orientation)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_measurement_counts_ticks_in_contact() {
-        for scene in [BuiltIn::Crown, BuiltIn::Tongue] {
+        for scene in [BuiltIn::Crown, BuiltIn::Pocket, BuiltIn::Tongue] {
             let options = BuildOptions {
                 deepest: Some(4),
                 ..BuildOptions::cached()

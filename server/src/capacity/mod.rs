@@ -19,6 +19,7 @@
 
 pub mod cost;
 pub mod machine;
+mod motion;
 pub mod pin;
 pub mod placement;
 pub mod throttle;
