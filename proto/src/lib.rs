@@ -42,7 +42,7 @@ pub use codec::CodecError;
 pub use control::{ClientMessage, ServerMessage};
 pub use datagram::{PoseDatagram, WrenchDatagram};
 pub use newest::NewestWins;
-pub use role::Role;
+pub use role::{Role, RoleError};
 pub use summary::{Percentiles, SessionSummary};
 pub use ticket::Ticket;
 

@@ -1,28 +1,33 @@
-//! Roles of connections.
+//! Roles: the groups of rights that an access token grants.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Role of a token or of a connection. [`crate::permission`] lists the messages that each role may send.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+/// Role of a token, and of every connection that the token opens.
+///
+/// The table of [`crate::permission`] says which message each role may send to which station. A message that the table
+/// does not grant is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// Hand at a device: poses, the student's own pause, buttons, calls and the end of the own session.
+    /// A learner at one station: sends poses, buttons and calls, receives wrenches, may pause the own session. A student
+    /// cannot change plans, and cannot lift a pause or a force limit of an instructor.
     Student,
-    /// Screen: shapes of one station. A display moves nothing and says nothing.
+    /// A screen of one station: receives the display scene and moving shapes. A display commands nothing.
     Display,
-    /// Instructor: status of stations, pause, force limit, notes, messages, end, plans of practice.
+    /// A teacher of any number of stations: reads status and events, pauses, resumes, limits forces, sets plans. A plan of
+    /// an exam cannot be changed by an instructor or any other role while its session runs.
     Instructor,
-    /// Examiner: everything of an instructor, and plans of exams.
+    /// An instructor who conducts exams: the rights of an instructor, and results of exams before their release.
     Examiner,
-    /// Administrator: everything of an examiner, at every station.
+    /// The administrator of the server: the rights of an examiner, and tokens, certificate and settings of the server.
     Admin,
 }
 
 impl Role {
-    /// All roles.
+    /// All roles, from the fewest rights to the most.
     pub const ALL: [Role; 5] = [
         Role::Student,
         Role::Display,
@@ -31,7 +36,7 @@ impl Role {
         Role::Admin,
     ];
 
-    /// Name, as in files and options.
+    /// Name on the command line, in files and in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Role::Student => "student",
@@ -46,46 +51,63 @@ impl Role {
     pub fn may_act_as(self, asked: Role) -> bool {
         self == asked || asked == Role::Display
     }
+
+    /// Whether the role belongs to one station. Any other role may be given for every station of a server.
+    pub fn is_of_one_station(self) -> bool {
+        matches!(self, Role::Student | Role::Display)
+    }
 }
 
 impl fmt::Display for Role {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        // `pad` takes the width of a table's column into account.
+        f.pad(self.name())
     }
 }
 
-impl FromStr for Role {
-    type Err = String;
+/// Error of a text that names no role.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("role is `{found}`, expected student, display, instructor, examiner or admin")]
+pub struct RoleError {
+    /// Text found, without control characters.
+    pub found: String,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|role| role.name() == text);
-        found.ok_or_else(|| {
-            let names = Self::ALL.map(Role::name).join(", ");
-            format!("role is `{text}`, expected one of {names}")
+impl FromStr for Role {
+    type Err = RoleError;
+
+    fn from_str(text: &str) -> Result<Self, RoleError> {
+        let named = Role::ALL.into_iter().find(|role| role.name() == text);
+        named.ok_or_else(|| RoleError {
+            found: text.escape_debug().to_string(),
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use serde::de::IntoDeserializer;
+    use serde::de::value::Error;
+
     use super::*;
 
     #[test]
-    fn every_role_survives_its_name() {
+    fn a_role_has_one_name_everywhere() {
         for role in Role::ALL {
             assert_eq!(role.to_string().parse(), Ok(role));
+            let read = Role::deserialize(IntoDeserializer::<Error>::into_deserializer(role.name()));
+            assert_eq!(read, Ok(role));
         }
-        let error = "teacher".parse::<Role>().expect_err("unknown");
-        assert!(error.contains("`teacher`") && error.contains("examiner"), "{error}");
+        let error = "Student\n".parse::<Role>().expect_err("capital, line feed");
+        assert!(error.to_string().contains("`Student\\n`"), "{error}");
     }
 
     #[test]
-    fn a_student_opens_no_other_connection_than_his_hand_and_his_screen() {
-        for role in Role::ALL {
-            assert_eq!(
-                Role::Student.may_act_as(role),
-                matches!(role, Role::Student | Role::Display)
-            );
-        }
+    fn roles_are_in_the_order_of_their_rights() {
+        assert!(Role::ALL.is_sorted());
+        assert_eq!(
+            Role::ALL.map(Role::is_of_one_station),
+            [true, true, false, false, false]
+        );
     }
 }

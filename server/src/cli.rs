@@ -8,6 +8,7 @@ use clap::{Parser, Subcommand};
 use sulcus_program::{output, tell};
 use tracing_subscriber::EnvFilter;
 
+use crate::commands::{certificate, plan, token};
 use crate::serve;
 
 /// Server of the Sulcus simulator: simulates a mouth, serves one client at a time, records and signs every session.
@@ -25,6 +26,9 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Serve(Box<serve::ServeArgs>),
+    Token(token::TokenArgs),
+    Certificate(certificate::CertificateArgs),
+    Plan(plan::PlanArgs),
     #[cfg(feature = "lab")]
     #[command(flatten)]
     Lab(sulcus_lab::commands::LabCommand),
@@ -51,6 +55,9 @@ where
         .try_init();
     let outcome = match cli.command {
         Command::Serve(args) => serve::run(&args),
+        Command::Token(args) => token::run(&args),
+        Command::Certificate(args) => certificate::run(&args),
+        Command::Plan(args) => plan::run(&args),
         #[cfg(feature = "lab")]
         Command::Lab(command) => sulcus_lab::commands::run(&command),
     };

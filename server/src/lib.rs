@@ -15,12 +15,18 @@
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
+pub mod capacity;
+pub mod check;
 pub mod cli;
+mod commands;
+pub mod control_socket;
 pub mod error;
 pub mod net;
 mod outlets;
+pub mod plan;
 pub mod serve;
 pub mod session;
+pub mod state;
 pub mod station;
 
 pub use error::ServerError;

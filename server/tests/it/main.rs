@@ -1,5 +1,6 @@
-//! The server's own commands on trees and tissues.
+//! The server's own commands: tokens, certificate and plans; trees and tissues.
 
+mod administration;
 mod common;
 mod long;
 mod tissue;

@@ -23,7 +23,7 @@ const MONTHS: [&str; 12] = [
 ];
 
 /// Cell of any text.
-pub(crate) fn text(text: &str) -> Cow<'_, str> {
+pub fn text(text: &str) -> Cow<'_, str> {
     if is_misread(text) {
         Cow::Owned(format!("'{text}"))
     } else {
@@ -41,7 +41,7 @@ pub(crate) fn code(code: &str) -> String {
 
 /// Text of a cell. The cell was written by [`text`], or by a person with the marks of spreadsheets, `'007` and
 /// `="007"`.
-pub(crate) fn read(cell: &str) -> &str {
+pub fn read(cell: &str) -> &str {
     if let Some(text) = cell
         .strip_prefix("=\"")
         .and_then(|rest| rest.strip_suffix('"'))

@@ -1,7 +1,7 @@
 //! Export of a recording for other programs: ticks and events as tables, deformed meshes. All data come from a replay,
 //! so they are exact and the recording need not contain them.
 
-pub(crate) mod cells;
+pub mod cells;
 mod error;
 mod events;
 mod mesh_file;

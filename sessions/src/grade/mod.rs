@@ -39,7 +39,7 @@ pub mod rubric;
 pub mod run;
 mod score;
 pub mod settings;
-mod sheet;
+pub mod sheet;
 pub mod sites;
 pub(crate) mod stats;
 #[cfg(test)]

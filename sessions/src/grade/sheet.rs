@@ -13,7 +13,7 @@ const SEPARATORS: [u8; 4] = *b",;\t|";
 
 /// Row with the cells of the named columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Row<const N: usize> {
+pub struct Row<const N: usize> {
     /// Line in the file, from 1.
     pub line: u64,
     /// Text of the cells, without blanks at the ends.
@@ -22,7 +22,7 @@ pub(crate) struct Row<const N: usize> {
 
 /// Failure to read a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum SheetError {
+pub enum SheetError {
     /// Bytes that are not text.
     Text(String),
     /// Line that is not valid.
@@ -42,10 +42,7 @@ pub(crate) enum SheetError {
 ///
 /// # Errors
 /// The first line that is not valid: its number, the text found and the text expected.
-pub(crate) fn read<const N: usize>(
-    bytes: &[u8],
-    headings: [&str; N],
-) -> Result<Vec<Row<N>>, SheetError> {
+pub fn read<const N: usize>(bytes: &[u8], headings: [&str; N]) -> Result<Vec<Row<N>>, SheetError> {
     let text = lines_of(&decode(bytes)?);
     let (named, body, above) = named_separator(&text);
     let mut seen: Option<(u64, StringRecord)> = None;
@@ -151,7 +148,13 @@ fn records(body: &str, separator: u8) -> impl Iterator<Item = (u64, StringRecord
         .into_records()
         .filter_map(Result::ok)
         .filter_map(|record| {
-            let line = record.position().map_or(0, Position::line);
+            let (at, line) = record.position().map_or((0, 0), |place| {
+                (place.byte() as usize, Position::line(place))
+            });
+            // The reader's place is before the empty lines that it skipped.
+            let rest = body.as_bytes().get(at..).unwrap_or_default();
+            let skipped = rest.iter().take_while(|byte| **byte == b'\n').count();
+            let line = line + skipped as u64;
             let says = record.iter().any(|cell| !trimmed(cell).is_empty());
             says.then_some((line, record))
         })

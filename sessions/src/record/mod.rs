@@ -57,7 +57,7 @@ pub mod info;
 pub mod key;
 pub mod message;
 pub mod mode;
-pub(crate) mod naming;
+pub mod naming;
 pub(crate) mod note;
 pub mod occurrence;
 pub mod program;

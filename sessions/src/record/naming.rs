@@ -39,7 +39,7 @@ impl Recorder {
 }
 
 /// Time since 1970 as `YYYYMMDDTHHMMSSZ`.
-fn utc(unix_ns: u64) -> String {
+pub fn utc(unix_ns: u64) -> String {
     let seconds = unix_ns / 1_000_000_000;
     let (days, second) = (seconds / 86_400, seconds % 86_400);
     let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);

@@ -42,6 +42,10 @@ fn a_table_gives_names_and_a_bad_one_says_where() {
             "line 3: learner_id is `a`, expected each id once",
         ),
         (
+            "\nlearner_id,name\n\n\na,x\n\na,y\n",
+            "line 7: learner_id is `a`, expected each id once",
+        ),
+        (
             "sep=;\r\n\r\nlearner_id;name\r\na;x\r\n'a;y\r\n",
             "line 5: learner_id is `a`, expected each id once",
         ),

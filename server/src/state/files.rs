@@ -1,0 +1,240 @@
+//! Private files: mode 0600 from the first byte, read whole, replaced whole, changed under a lock.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use super::error::StateError;
+
+/// Permission bits of every file: the owner alone.
+const MODE: u32 = 0o600;
+/// Longest wait for a lock. Holders write one small file.
+const LOCK_WAIT: Duration = Duration::from_secs(5);
+
+/// Content of a private file of at most `most` bytes; `None` without a file.
+///
+/// # Errors
+/// The file cannot be read, is no regular file, is longer, or can be read by other users.
+pub(crate) fn read_private(path: &Path, most: u64) -> Result<Option<Vec<u8>>, StateError> {
+    let failed = StateError::io("read", path);
+    let mut file = match File::open(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        opened => opened.map_err(&failed)?,
+    };
+    // The open file is judged, so that no other file can take its name in between.
+    let found = file.metadata().map_err(&failed)?;
+    let kind = |found: String, expected: String| StateError::Kind {
+        path: path.to_owned(),
+        found,
+        expected,
+    };
+    if !found.is_file() {
+        return Err(kind("no regular file".into(), "a regular file".into()));
+    }
+    let mode = found.mode() & 0o777;
+    if mode & 0o077 != 0 {
+        return Err(StateError::Exposed {
+            path: path.to_owned(),
+            mode,
+            expected: MODE,
+        });
+    }
+    let mut bytes = Vec::new();
+    let read = (&mut file).take(most + 1).read_to_end(&mut bytes);
+    read.map_err(&failed)?;
+    if bytes.len() as u64 > most {
+        return Err(kind(
+            format!("{} bytes long", found.len()),
+            format!("at most {most} bytes"),
+        ));
+    }
+    Ok(Some(bytes))
+}
+
+/// Replaces the file at `path` by `bytes`, or makes it. A crash at any moment leaves the old or the new file.
+///
+/// # Errors
+/// The file cannot be written; the old file is unchanged then.
+pub(crate) fn write_private(path: &Path, bytes: &[u8]) -> Result<(), StateError> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let failed = StateError::io("write", path);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let fresh = path.with_file_name(format!(".{name}.new-{}-{count}", std::process::id()));
+    // A former process of the same number may have crashed here.
+    let _ = std::fs::remove_file(&fresh);
+    let written = fill_new(&fresh, bytes)
+        .and_then(|()| std::fs::rename(&fresh, path))
+        .and_then(|()| sync_folder_of(path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&fresh);
+    }
+    written.map_err(failed)
+}
+
+/// Makes the private file `path` with `bytes`. An existing file is never replaced.
+///
+/// # Errors
+/// A file exists, or the file cannot be written; nothing is left then.
+pub(crate) fn create_private(path: &Path, bytes: &[u8]) -> Result<(), StateError> {
+    let made = fill_new(path, bytes).and_then(|()| sync_folder_of(path));
+    made.map_err(|error| {
+        if error.kind() != ErrorKind::AlreadyExists {
+            let _ = std::fs::remove_file(path);
+        }
+        StateError::io("create", path)(error)
+    })
+}
+
+/// Removes a file; a missing file is no error.
+///
+/// # Errors
+/// The file cannot be removed.
+pub(crate) fn remove_private(path: &Path) -> Result<(), StateError> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        removed => removed.map_err(StateError::io("remove", path)),
+    }
+}
+
+fn fill_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .mode(MODE)
+        .open(path)?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Makes a new name in a folder durable. Without this step a crash of the machine may bring the old name back.
+fn sync_folder_of(path: &Path) -> std::io::Result<()> {
+    let parent = path.parent().filter(|parent| *parent != Path::new(""));
+    File::open(parent.unwrap_or(Path::new(".")))?.sync_all()
+}
+
+/// Lock between processes, held until the drop. The kernel releases the lock of a process that ends.
+#[derive(Debug)]
+pub(crate) struct Lock {
+    _file: File,
+}
+
+impl Lock {
+    /// Waits up to five seconds for the lock of the file `path`, which is created if missing.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or another process holds the lock all the time.
+    pub(crate) fn wait(path: &Path) -> Result<Self, StateError> {
+        let end = Instant::now() + LOCK_WAIT;
+        loop {
+            match Self::attempt(path, "try again when the other command has ended") {
+                Err(StateError::Busy { .. }) if Instant::now() < end => {
+                    std::thread::sleep(Duration::from_millis(10));
+                }
+                other => return other,
+            }
+        }
+    }
+
+    /// Takes the lock of the file `path` at once.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or another process holds the lock; `advice` is a part of the sentence.
+    pub(crate) fn attempt(path: &Path, advice: &'static str) -> Result<Self, StateError> {
+        let failed = StateError::io("lock", path);
+        let file: Result<File, _> = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .mode(MODE)
+            .open(path);
+        let file = file.map_err(&failed)?;
+        match file.try_lock() {
+            Ok(()) => Ok(Self { _file: file }),
+            Err(TryLockError::WouldBlock) => Err(StateError::Busy {
+                path: PathBuf::from(path),
+                advice,
+            }),
+            Err(TryLockError::Error(error)) => Err(failed(error)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use super::*;
+
+    #[test]
+    fn a_file_is_private_from_the_start_and_replaced_whole() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let path = place.path().join("secret");
+        assert!(read_private(&path, 10).expect("no file").is_none());
+        for content in [&b"one"[..], b"two, longer", b""] {
+            write_private(&path, content).expect("writes");
+            let mode = std::fs::metadata(&path).expect("there").mode() & 0o777;
+            assert_eq!(mode, 0o600);
+            let found = read_private(&path, 11).expect("reads");
+            assert_eq!(found.as_deref(), Some(content));
+        }
+        let names = std::fs::read_dir(place.path()).expect("lists").count();
+        assert_eq!(names, 1, "no file is left over");
+    }
+
+    #[test]
+    fn a_file_that_others_can_read_or_a_long_one_is_refused() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let path = place.path().join("secret");
+        write_private(&path, b"12345").expect("writes");
+        let error = read_private(&path, 4).expect_err("too long").to_string();
+        assert!(
+            error.contains("5 bytes") && error.contains("at most 4"),
+            "{error}"
+        );
+        for mode in [0o640, 0o604] {
+            let open = std::fs::Permissions::from_mode(mode);
+            std::fs::set_permissions(&path, open).expect("own file");
+            let error = read_private(&path, 10).expect_err("exposed").to_string();
+            assert!(error.contains("chmod 600"), "{error}");
+            assert!(!error.contains("12345"), "{error}");
+        }
+        let error = read_private(place.path(), 10).expect_err("a folder");
+        assert!(error.to_string().contains("regular file"), "{error}");
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let path = place.path().join("kept");
+        std::fs::create_dir(&path).expect("creates");
+        std::fs::write(path.join("inside"), "").expect("writes");
+        write_private(&path, b"new").expect_err("a folder with a file has the name");
+        assert!(path.join("inside").exists());
+        assert_eq!(std::fs::read_dir(place.path()).expect("lists").count(), 1);
+    }
+
+    #[test]
+    fn an_existing_file_is_never_replaced_by_a_new_one() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let path = place.path().join("tickets.csv");
+        create_private(&path, b"first").expect("creates");
+        create_private(&path, b"second").expect_err("exists");
+        assert_eq!(std::fs::read(&path).expect("reads"), b"first");
+    }
+
+    #[test]
+    fn a_lock_excludes_a_second_holder_until_it_is_dropped() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let path = place.path().join("x.lock");
+        let held = Lock::wait(&path).expect("free");
+        let error = Lock::attempt(&path, "wait").expect_err("held");
+        assert!(matches!(error, StateError::Busy { .. }), "{error}");
+        drop(held);
+        Lock::attempt(&path, "wait").expect("free again");
+    }
+}
