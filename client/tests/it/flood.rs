@@ -13,7 +13,7 @@ use sulcus_proto::control::{ButtonEdge, EndReason};
 use sulcus_proto::frame;
 use sulcus_proto::{ClientMessage, PoseDatagram, Role, ServerMessage, SessionSummary};
 use sulcus_server::StationConfig;
-use sulcus_server::net::tokens::{Fixed, Grant};
+use sulcus_server::net::tokens::Fixed;
 use sulcus_sessions::{Recording, ReplayOptions, replay};
 
 /// Datagrams that a flooding client sends in a second.
@@ -29,13 +29,7 @@ fn two() -> Station {
                 name: name.into(),
                 ..first.clone()
             });
-            let grant = Grant {
-                id: name.into(),
-                role: Role::Student,
-                station: Some(name.into()),
-                learner: String::new(),
-            };
-            tokens = tokens.with(name, grant);
+            tokens = tokens.with(name, name, Role::Student, Some(name));
         }
         config.tokens = Arc::new(tokens);
     })

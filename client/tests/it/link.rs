@@ -294,7 +294,7 @@ fn strangers_are_told_why() {
     token.token = "guess".into();
     let error = Link::connect(token).err().unwrap();
     assert!(
-        matches!(&error, LinkError::WrongToken(text) if text.contains("token is wrong")),
+        matches!(&error, LinkError::WrongToken(text) if text.contains("does not know the token")),
         "{error}"
     );
 

@@ -22,13 +22,8 @@ use sulcus_sessions::{Message, Occurrence, Recording};
 fn tokens() -> Fixed {
     let mut tokens = Fixed::default();
     for role in Role::ALL {
-        let grant = Grant {
-            id: format!("t-{role}"),
-            role,
-            station: (role != Role::Admin).then(|| "a".into()),
-            learner: String::new(),
-        };
-        tokens = tokens.with(role.name(), grant);
+        let station = (role != Role::Admin).then_some("a");
+        tokens = tokens.with(role.name(), &format!("t-{role}"), role, station);
     }
     tokens
 }
@@ -283,7 +278,10 @@ struct Over;
 impl Tokens for Over {
     fn find(&self, secret: &str) -> Result<Grant, Denied> {
         match secret {
-            "old" => Err(Denied::Over("this token was revoked on 2026-11-26".into())),
+            "old" => Err(Denied::Revoked {
+                id: "t-1".into(),
+                on: "2026-11-26".into(),
+            }),
             _ => Err(Denied::Unknown),
         }
     }
@@ -292,7 +290,7 @@ impl Tokens for Over {
 #[test]
 fn a_revoked_token_is_told_apart_from_a_wrong_one() {
     let station = Station::with(|config| config.tokens = Arc::new(Over));
-    for (token, told) in [("old", "revoked on"), ("none", "token is wrong")] {
+    for (token, told) in [("old", "revoked on"), ("none", "does not know the token")] {
         let error = Link::connect(config_of(&station, Role::Student, token));
         let error = error.err().unwrap();
         assert!(

@@ -9,7 +9,7 @@ use sulcus_connection::link::{Link, LinkConfig, LinkError, now_ns};
 use sulcus_proto::control::{Command, EndReason};
 use sulcus_proto::station::Phase;
 use sulcus_proto::{Role, status};
-use sulcus_server::net::tokens::{Fixed, Grant};
+use sulcus_server::net::tokens::Fixed;
 use sulcus_server::{Provoked, ServerConfig, StationConfig};
 use sulcus_sessions::{Ending, Message, Occurrence, Recording, ReplayOptions, Row, replay};
 
@@ -38,16 +38,6 @@ fn kinds(events: &[Occurrence]) -> Vec<&str> {
     events.iter().map(|event| event.kind.as_str()).collect()
 }
 
-/// Token of the student of a station.
-fn student(station: &str) -> Grant {
-    Grant {
-        id: format!("t-{station}"),
-        role: Role::Student,
-        station: Some(station.into()),
-        learner: String::new(),
-    }
-}
-
 /// A server with the stations `a`, `b` and `c`; each station's token is its name doubled.
 fn three() -> Station {
     Station::with(|config| {
@@ -59,8 +49,9 @@ fn three() -> Station {
             });
         }
         config.token = "aa".into();
-        let tokens = Fixed::default().with("bb", student("b"));
-        config.tokens = std::sync::Arc::new(tokens.with("cc", student("c")));
+        let tokens = Fixed::default().with("bb", "t-b", Role::Student, Some("b"));
+        let tokens = tokens.with("cc", "t-c", Role::Student, Some("c"));
+        config.tokens = std::sync::Arc::new(tokens);
     })
 }
 

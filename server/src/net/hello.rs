@@ -9,7 +9,7 @@ use sulcus_proto::control::{ClientHello, Refused, RefusedReason};
 use sulcus_proto::limits::{HELLO, NAME_BYTES};
 use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, learner};
 
-use super::tokens::{Denied, Grant};
+use super::tokens::{Denied, Grant, Place};
 use super::{CLOSE_REFUSED, Net, close_after_last_word, control, instructor, student};
 use crate::station::door::{Door, Student, other_version};
 
@@ -120,13 +120,12 @@ async fn judge(
         Ok(grant) => grant,
         Err(denied) => {
             tokio::time::sleep(WRONG_TOKEN).await;
-            return match denied {
-                Denied::Unknown => refused(
-                    RefusedReason::Token,
-                    "the token is wrong; use the one that the server printed",
-                ),
-                Denied::Over(text) => refused(RefusedReason::Expired, &text),
+            let reason = match denied {
+                Denied::Unknown => RefusedReason::Token,
+                Denied::Revoked { .. } | Denied::Expired { .. } => RefusedReason::Expired,
+                Denied::Unreadable => RefusedReason::Server,
             };
+            return refused(reason, &denied.to_string());
         }
     };
     if !grant.role.may_act_as(hello.role) {
@@ -153,13 +152,13 @@ async fn judge(
 
 /// Station that a hello names, or that the token names.
 fn station(hello: &ClientHello, grant: &Grant, net: &Net) -> Result<Door, Refused> {
-    let asked = if hello.station.is_empty() {
-        grant.station.as_deref()
-    } else {
-        Some(hello.station.as_str())
+    let asked = match &grant.station {
+        _ if !hello.station.is_empty() => Some(hello.station.as_str()),
+        Place::Station(name) => Some(name.as_str()),
+        Place::Any => None,
     };
     let found = match asked {
-        Some(name) if !grant.names(name) => {
+        Some(name) if !grant.station.includes(name) => {
             let text = format!("this token is not valid at station `{}`", clean(name));
             return refused(RefusedReason::Role, &text);
         }

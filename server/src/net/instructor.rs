@@ -50,7 +50,7 @@ pub(super) async fn serve(
     grant: Grant,
     net: Arc<Net>,
 ) {
-    let permitted = |door: &&Door| may(role, Kind::Watch, grant.names(&door.name));
+    let permitted = |door: &&Door| may(role, Kind::Watch, grant.station.includes(&door.name));
     let doors: Vec<Door> = net.doors.iter().filter(permitted).cloned().collect();
     let (outgoing, mut queue) = mpsc::channel(WAITING);
     let welcome = ServerMessage::Welcome(Welcome {
@@ -165,7 +165,7 @@ impl Instructor {
             let _ = self.outgoing.try_send(answer);
         };
         let named = |door: &&Door| {
-            *door.name == *station && may(self.role, kind, self.grant.names(&door.name))
+            *door.name == *station && may(self.role, kind, self.grant.station.includes(&door.name))
         };
         let Some(door) = self.doors.iter().find(named).cloned() else {
             let name = super::hello::clean(&station);
@@ -181,7 +181,7 @@ impl Instructor {
             return refuse(format!("the text has {found} bytes, at most {TEXT_BYTES} are allowed"));
         }
         let (by, outgoing) = (self.grant.id.clone(), self.outgoing.clone());
-        let exams = may(self.role, Kind::ExamPlan, self.grant.names(&door.name));
+        let exams = may(self.role, Kind::ExamPlan, self.grant.station.includes(&door.name));
         tokio::spawn(async move {
             let answer = door.ask(|reply| ToStation::Instruct {
                 by,

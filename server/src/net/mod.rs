@@ -93,8 +93,8 @@ pub(crate) async fn serve(
         outlets.spawn(crate::outlets::metrics::serve(listener, net.doors.clone()));
     }
     let mut actors = JoinSet::new();
-    for (config, door, behind) in stations {
-        actors.spawn(station(config, door, behind, shared.clone()));
+    for (number, (config, door, behind)) in stations.into_iter().enumerate() {
+        actors.spawn(station(number, config, door, behind, shared.clone()));
     }
     let mut connections = JoinSet::new();
     while *stage.borrow_and_update() == Stage::Serve {
@@ -140,12 +140,18 @@ pub(crate) async fn serve(
 
 /// Runs a station until the end of the server. After a panic of its task the station begins anew: its session's threads
 /// end, and the recording has no end. Other stations go on.
-async fn station(config: StationConfig, door: Door, behind: Behind, shared: Arc<Shared>) {
+async fn station(
+    number: usize,
+    config: StationConfig,
+    door: Door,
+    behind: Behind,
+    shared: Arc<Shared>,
+) {
     let mut behind = Some(behind);
     loop {
         let Some(ends) = behind.take() else { return };
         let plan = config.plan.clone();
-        let mut station = Station::new(shared.clone(), door.clone(), ends, plan);
+        let mut station = Station::new(shared.clone(), number, door.clone(), ends, plan);
         if !panics(station.run()).await {
             return;
         }

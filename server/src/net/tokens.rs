@@ -1,35 +1,8 @@
-//! Tokens of clients: who a secret stands for, and where it is valid.
+//! Tokens of clients, as the network asks for them.
 
 use sulcus_proto::Role;
 
-/// Holder of a token.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Grant {
-    /// Opaque id of the token, for logs, recordings and other instructors.
-    pub id: String,
-    /// Role.
-    pub role: Role,
-    /// Station; `None`: every station.
-    pub station: Option<String>,
-    /// Opaque learner id; empty for an anonymous learner.
-    pub learner: String,
-}
-
-impl Grant {
-    /// Whether the token names the station.
-    pub fn names(&self, station: &str) -> bool {
-        self.station.as_deref().is_none_or(|own| own == station)
-    }
-}
-
-/// Reason why a secret is not accepted.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Denied {
-    /// No token has this secret.
-    Unknown,
-    /// The token has expired or was revoked: one sentence.
-    Over(String),
-}
+pub use crate::state::{Denied, Grant, Place};
 
 /// Store of tokens.
 pub trait Tokens: Send + Sync {
@@ -40,14 +13,27 @@ pub trait Tokens: Send + Sync {
     fn find(&self, secret: &str) -> Result<Grant, Denied>;
 }
 
+impl Tokens for crate::state::Tokens {
+    fn find(&self, secret: &str) -> Result<Grant, Denied> {
+        self.grant(secret, crate::state::date::now_s())
+    }
+}
+
 /// Tokens that never change, held as hashes.
 #[derive(Debug, Default)]
 pub struct Fixed(Vec<(blake3::Hash, Grant)>);
 
 impl Fixed {
-    /// Adds a token.
+    /// Adds a token of a role. `station`: `None` for every station.
     #[must_use]
-    pub fn with(mut self, secret: &str, grant: Grant) -> Self {
+    pub fn with(mut self, secret: &str, id: &str, role: Role, station: Option<&str>) -> Self {
+        let grant = Grant {
+            id: id.to_owned(),
+            role,
+            station: station.map_or(Place::Any, |name| Place::Station(name.to_owned())),
+            learner: String::new(),
+            class: String::new(),
+        };
         self.0.push((blake3::hash(secret.as_bytes()), grant));
         self
     }
@@ -68,20 +54,10 @@ mod tests {
 
     #[test]
     fn a_token_is_found_by_its_secret_alone() {
-        let grant = Grant {
-            id: "t-1".into(),
-            role: Role::Instructor,
-            station: None,
-            learner: String::new(),
-        };
-        let tokens = Fixed::default().with("secret", grant.clone());
-        assert_eq!(tokens.find("secret"), Ok(grant.clone()));
+        let tokens = Fixed::default().with("secret", "t-1", Role::Student, Some("chair-1"));
+        let grant = tokens.find("secret").expect("found");
+        assert_eq!((grant.id.as_str(), grant.role), ("t-1", Role::Student));
+        assert!(grant.station.includes("chair-1") && !grant.station.includes("chair-10"));
         assert_eq!(tokens.find("t-1"), Err(Denied::Unknown));
-        assert!(grant.names("chair-1"));
-        let bound = Grant {
-            station: Some("chair-1".into()),
-            ..grant
-        };
-        assert!(bound.names("chair-1") && !bound.names("chair-10"));
     }
 }

@@ -12,6 +12,8 @@ use sulcus_link::Times;
 use sulcus_proto::station::{StationStatus, ToolStatus};
 use sulcus_sessions::{Events, Row};
 
+use crate::capacity::{Cost, Estimate};
+
 /// Interval between two statuses, seconds.
 const EVERY_S: f64 = 0.2;
 
@@ -23,6 +25,10 @@ pub(crate) struct Live(Mutex<Numbers>);
 struct Numbers {
     tools: [ToolStatus; MAX_TOOLS],
     tick_p99_us: f32,
+    /// Cost of the ticks since the last status; `None`: taken already.
+    seen: Option<Cost>,
+    /// Estimate so far.
+    estimate: Option<Cost>,
     deadline_misses: u64,
     exhausted: u64,
     rows_dropped: u64,
@@ -39,6 +45,17 @@ impl Live {
         status.rows_dropped = numbers.rows_dropped;
     }
 
+    /// Upper estimate of the cost of a tick, from the `measured` one on.
+    pub fn cost(&self, measured: Cost) -> Cost {
+        let mut numbers = self.lock();
+        let mut estimate = Estimate::new(numbers.estimate.unwrap_or(measured));
+        if let Some(seen) = numbers.seen.take() {
+            estimate.take(seen);
+        }
+        numbers.estimate = Some(estimate.cost());
+        estimate.cost()
+    }
+
     fn lock(&self) -> std::sync::MutexGuard<'_, Numbers> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -49,6 +66,8 @@ pub(crate) struct StatusOutlet {
     live: Arc<Live>,
     numbers: Numbers,
     times: Times,
+    /// Sum of the times since the last status, nanoseconds.
+    sum_ns: u64,
     tick_ns: u64,
     every: u64,
     next: u64,
@@ -64,6 +83,7 @@ impl StatusOutlet {
             live,
             numbers: Numbers::default(),
             times: Times::up_to(1),
+            sum_ns: 0,
             tick_ns: scene.params.tick_ns(),
             every: scene.params.ticks_in(EVERY_S).max(1),
             next: 0,
@@ -80,6 +100,7 @@ impl StatusOutlet {
         let late = u64::from(u64::from(cpu_ns) > self.tick_ns);
         self.numbers.deadline_misses += skipped + late;
         self.times.record(u64::from(cpu_ns));
+        self.sum_ns += u64::from(cpu_ns);
         let numbers = &mut self.numbers;
         for (k, (tool, out)) in numbers.tools.iter_mut().zip(&output.tools).enumerate() {
             numbers.exhausted += u64::from(out.status & status::EXHAUSTED != 0);
@@ -105,9 +126,24 @@ impl StatusOutlet {
             tool.floor_force_n = standing.map_or(0.0, |at| at.force as f32);
             tool.zone = standing.map_or(0, |at| zone(at.zone));
         }
-        numbers.tick_p99_us = self.times.percentiles().p99 as f32;
+        let times = self.times.percentiles();
+        numbers.tick_p99_us = times.p99 as f32;
+        numbers.seen = Some(Cost {
+            mean_us: self.sum_ns as f64 / 1e3 / self.times.count().max(1) as f64,
+            p50_us: times.p50,
+            p99_us: times.p99,
+            p999_us: times.p999,
+        });
         self.times.clear();
-        *self.live.lock() = numbers.clone();
+        self.sum_ns = 0;
+        {
+            let mut live = self.live.lock();
+            let estimate = live.estimate;
+            *live = Numbers {
+                estimate,
+                ..numbers.clone()
+            };
+        }
         for tool in &mut numbers.tools {
             tool.peak_force_n = 0.0;
         }

@@ -53,6 +53,15 @@ pub enum PlanError {
         station: String,
     },
     /// The state folder cannot be used.
+    /// The plan cannot be compiled or run.
+    #[error("plan of station `{station}`: {why}")]
+    NotReady {
+        /// Name of the station.
+        station: String,
+        /// Cause.
+        why: String,
+    },
+    /// The state folder cannot be used.
     #[error(transparent)]
     State(#[from] StateError),
 }

@@ -16,6 +16,7 @@
 
 pub mod book;
 pub mod change;
+pub mod desk;
 pub mod error;
 mod fields;
 pub mod names;
@@ -25,6 +26,7 @@ pub mod stations;
 
 pub use book::{PlanBook, Running, StationPlan};
 pub use change::{Fault, PlanChange};
+pub use desk::Desk;
 pub use error::PlanError;
 pub use fields::{ClockInGap, PatientSeed};
 pub use prepare::{Prepared, prepare};
@@ -121,6 +123,15 @@ impl Plan {
         let plan = change.applied(self)?;
         plan.check()?;
         Ok(plan)
+    }
+
+    /// Whether the system draws the seed of the patient, for each session anew.
+    pub fn draws_its_patient(&self) -> bool {
+        match self.patient_seed {
+            Some(PatientSeed::Number(_)) => false,
+            Some(PatientSeed::System) => true,
+            None => self.mode == Mode::Exam,
+        }
     }
 
     /// Seed of the patient of the next session: drawn from the system, given, or `None` for the scene's own.

@@ -193,15 +193,22 @@ impl StationsFile {
 }
 
 impl PlanChange {
+    /// Parts of a plan in a text. `path` is its name in messages.
+    ///
+    /// # Errors
+    /// The text is not valid: line, name, value found, value expected.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
+        toml::Deserializer::parse(text)
+            .and_then(sulcus_core::exactly)
+            .map_err(|error| content(path, text, &error))
+    }
+
     /// Parts of a plan in a file for `plan set --file`. Relative paths are relative to the file's folder.
     ///
     /// # Errors
     /// The file cannot be read, or is not valid: file, line, name, value found, value expected.
     pub fn open(path: &Path) -> Result<Self, PlanError> {
-        let text = read(path)?;
-        let change: Self = toml::Deserializer::parse(&text)
-            .and_then(sulcus_core::exactly)
-            .map_err(|error| content(path, &text, &error))?;
+        let change = Self::parse(&read(path)?, path)?;
         // An absolute path holds for a server with another working folder, too.
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         Ok(change.based(path.parent().unwrap_or(Path::new("."))))

@@ -88,6 +88,7 @@ mod tests {
         let mut now = InForce {
             station: asked(true, 0.2),
             student: asked(false, 0.0),
+            ..InForce::default()
         };
         assert_eq!(
             texts(&changes.take(1, now)),

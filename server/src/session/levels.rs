@@ -25,6 +25,8 @@ pub(crate) struct InForce {
     pub station: Level,
     /// Level of the student.
     pub student: Level,
+    /// Force limit of the plan, newtons; 0 for none.
+    pub plan_limit_n: f32,
 }
 
 impl InForce {
@@ -33,13 +35,19 @@ impl InForce {
         self.station.paused || self.student.paused
     }
 
-    /// The smaller limit, newtons; 0: the scene's limit.
+    /// The smallest limit, newtons; 0: the scene's limit.
     pub fn force_limit_n(&self) -> f32 {
-        match (self.station.force_limit_n, self.student.force_limit_n) {
-            (0.0, only) | (only, 0.0) => only,
-            (a, b) if a < b => a,
-            (_, b) => b,
-        }
+        let sides = smaller(self.station.force_limit_n, self.student.force_limit_n);
+        smaller(sides, self.plan_limit_n)
+    }
+}
+
+/// The smaller of two limits; 0 stands for none.
+fn smaller(a: f32, b: f32) -> f32 {
+    match (a, b) {
+        (0.0, only) | (only, 0.0) => only,
+        (a, b) if a < b => a,
+        (_, b) => b,
     }
 }
 
@@ -108,13 +116,16 @@ pub(crate) struct Levels {
     student: Arc<Word>,
     /// Number of commands of the station's side so far. A tick that has read number n obeys the first n commands.
     commands: Arc<AtomicU64>,
+    /// Force limit of the session's plan, newtons; 0 for none.
+    plan_limit_n: f32,
 }
 
 impl Levels {
-    /// Levels of a new session: the same station, and a student without pause and limit.
-    pub fn of_new_session(&self) -> Self {
+    /// Levels of a new session: the same station, a student without pause and limit, and the limit of the plan.
+    pub fn of_new_session(&self, plan_limit_n: f32) -> Self {
         Self {
             student: Arc::default(),
+            plan_limit_n,
             ..self.clone()
         }
     }
@@ -142,6 +153,7 @@ impl Levels {
         InForce {
             station: self.station.load(),
             student: self.student.load(),
+            plan_limit_n: self.plan_limit_n,
         }
     }
 }
@@ -189,16 +201,27 @@ mod tests {
     fn the_stations_level_outlives_a_session_and_the_students_does_not() {
         let server = Levels::default();
         server.station(Command::ForceLimit(1.5));
-        let first = server.of_new_session();
+        let first = server.of_new_session(0.0);
         first.student(Command::Pause);
         first.student(Command::ForceLimit(0.1));
         assert!(first.in_force().paused());
-        let second = server.of_new_session();
+        let second = server.of_new_session(0.0);
         server.station(Command::Pause);
         let now = second.in_force();
         assert_eq!((now.paused(), now.force_limit_n()), (true, 1.5));
         assert_eq!(now.student, Level::default());
         assert_eq!(first.in_force().force_limit_n(), 0.1);
+    }
+
+    #[test]
+    fn nobody_raises_the_limit_of_a_plan() {
+        let levels = Levels::default().of_new_session(0.4);
+        assert_eq!(levels.in_force().force_limit_n(), 0.4);
+        levels.station(Command::ForceLimit(2.0));
+        levels.student(Command::ForceLimit(1.0));
+        assert_eq!(levels.in_force().force_limit_n(), 0.4);
+        levels.station(Command::ForceLimit(0.1));
+        assert_eq!(levels.in_force().force_limit_n(), 0.1);
     }
 
     #[test]

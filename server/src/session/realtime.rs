@@ -33,15 +33,3 @@ pub(crate) fn enter() {
     }
     exact_timers();
 }
-
-/// Binds the calling thread to a core, counted from 0. A refusal causes one warning in a process.
-pub(crate) fn pin(core: usize) {
-    static REFUSED: Once = Once::new();
-    let mut cores = rustix::thread::CpuSet::new();
-    if core < rustix::thread::CpuSet::MAX_CPU {
-        cores.set(core);
-    }
-    if let Err(error) = rustix::thread::sched_setaffinity(None, &cores) {
-        REFUSED.call_once(|| tracing::warn!("simulation is not bound to core {core}: {error}"));
-    }
-}

@@ -15,6 +15,7 @@ use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 
+use crate::capacity::pin_to;
 use crate::outlets::recording::Entry;
 use crate::session::detail::{Chooser, Detail};
 use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, WrenchOut};
@@ -81,8 +82,10 @@ impl Simulation {
         let (flags, real_time) = (self.flags.clone(), self.real_time);
         let core = self.core;
         let mut ticker = Ticker::new(self, metrics);
-        if let Some(core) = core {
-            realtime::pin(core);
+        if let Some(core) = core
+            && let Err(error) = pin_to(core)
+        {
+            tracing::warn!("simulation is not bound to core {core}: {error}");
         }
         // After all allocations, so that their memory is locked. The grid begins afterwards.
         if real_time {

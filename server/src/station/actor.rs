@@ -89,6 +89,10 @@ pub(crate) struct Station {
     /// Id of the token that set pause or limit last.
     pub(super) set_by: String,
     epoch: u32,
+    /// Number of the station at the server, from 0 on.
+    number: usize,
+    /// Core of the session; `None`: any.
+    core: Option<usize>,
     /// Status of the running session, by its recorder.
     live: Arc<Live>,
     journal: Journal,
@@ -100,11 +104,19 @@ pub(crate) struct Station {
 }
 
 impl Station {
-    /// A free station.
-    pub fn new(shared: Arc<Shared>, door: Door, behind: Behind, plan: SessionPlan) -> Self {
+    /// A free station, the `number`-th of the server.
+    pub fn new(
+        shared: Arc<Shared>,
+        number: usize,
+        door: Door,
+        behind: Behind,
+        plan: SessionPlan,
+    ) -> Self {
         let journal = Journal::of(shared.config.journal.as_deref(), &door.name);
         Self {
-            levels: door.levels.of_new_session(),
+            levels: door.levels.of_new_session(plan.force_limit_n),
+            number,
+            core: None,
             plan: Arc::new(plan),
             state: State::Free,
             set_by: String::new(),
@@ -187,6 +199,7 @@ impl Station {
                 exams,
                 reply,
             } => self.instruct(by, instruction, exams, reply),
+            ToStation::Plan(plan) => self.plan = Arc::new(*plan),
             ToStation::Provoke(Provoked::Station) => panic!("a fault that a test provokes"),
             ToStation::Provoke(fault) => {
                 if let State::Running(session) = &self.state {
@@ -234,6 +247,13 @@ impl Station {
             );
             return refused(RefusedReason::Exercise, &text);
         }
+        if matches!(self.state, State::Free) {
+            let rate_hz = plan.scene.params.rate_hz;
+            match self.shared.admit(self.number, plan.cost, rate_hz) {
+                Ok(core) => self.core = core,
+                Err(text) => return refused(RefusedReason::Full, &text),
+            }
+        }
         let epoch = self.next_epoch();
         let (to_student, hears) = mpsc::channel(HEARS);
         let present = Present { epoch, to_student };
@@ -254,7 +274,8 @@ impl Station {
                 match std::mem::replace(other, state) {
                     State::Ready { present, .. } => (None, Some(present)),
                     _ => {
-                        self.levels = self.door.levels.of_new_session();
+                        let limit_n = self.plan.force_limit_n;
+                        self.levels = self.door.levels.of_new_session(limit_n);
                         (None, None)
                     }
                 }
@@ -345,7 +366,7 @@ impl Station {
             epoch,
             levels: self.levels.clone(),
             real_time: self.shared.config.real_time,
-            core: None,
+            core: self.core,
         };
         // The start of a recording writes the whole scene. The thread of the packets must not wait for it.
         let opened = tokio::task::spawn_blocking(move || Running::start(opening, begin)).await;
@@ -355,9 +376,11 @@ impl Station {
                 tracing::error!("station {name}: {text}");
                 let bye = goodbye(&name, reason, &text);
                 self.shared.ended(bye.summary.clone());
+                self.free();
                 return Err(bye);
             }
             Err(_) => {
+                self.free();
                 let text = "The session could not be started.";
                 return Err(goodbye(&name, EndReason::Simulation, text));
             }
@@ -433,6 +456,7 @@ impl Station {
                 };
                 let bye = goodbye(&self.door.name, reason, &text);
                 let _ = present.to_student.try_send(ToStudent::Goodbye(bye));
+                self.free();
             }
             State::Running(session) => {
                 let Session {
@@ -484,7 +508,18 @@ impl Station {
             let goodbye = Box::new(Goodbye { text, summary });
             let _ = present.to_student.try_send(ToStudent::Goodbye(goodbye));
         }
-        self.levels = self.door.levels.of_new_session();
+        if self.plan.renews {
+            self.renew();
+        }
+        self.free();
+    }
+
+    /// Frees the place of a session on this machine, and forgets the levels of its student. A patient that was drawn is
+    /// drawn anew.
+    fn free(&mut self) {
+        self.shared.release(self.number);
+        self.core = None;
+        self.levels = self.door.levels.of_new_session(self.plan.force_limit_n);
     }
 
     /// Begins a new epoch after the end of a pause: poses from before its end must not move a tool.
@@ -500,7 +535,7 @@ impl Station {
         }
     }
 
-    /// Publishes the status.
+    /// Publishes the status, and corrects the cost of the session.
     fn publish(&mut self) {
         let in_force = self.levels.in_force();
         let plan = &self.plan;
@@ -523,7 +558,12 @@ impl Station {
                 status.phase = Phase::Ready;
                 status.learner.clone_from(&student.learner);
             }
-            State::Running(session) => session.fill(&mut status, &self.live),
+            State::Running(session) => {
+                session.fill(&mut status, &self.live);
+                if let Some(cost) = self.plan.cost {
+                    self.shared.correct(self.number, self.live.cost(cost));
+                }
+            }
             State::Ending { .. } => status.phase = Phase::Ending,
         }
         self.behind.status.send_replace(status);

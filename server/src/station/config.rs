@@ -11,6 +11,7 @@ use sulcus_proto::ticket::hex;
 use sulcus_sessions::Mode;
 
 use crate::ServerError;
+use crate::capacity::Cost;
 use crate::net::tokens::{Fixed, Tokens};
 use crate::session::detail::Detail;
 use crate::station::planner::{NoPlanner, Planner};
@@ -72,6 +73,23 @@ pub struct SessionPlan {
     pub resume_within: Duration,
     /// Whether the time of [`SessionPlan::max_session`] runs while the student is gone.
     pub clock_in_gap: bool,
+    /// Largest force of the plan, newtons; 0: the scene's limit. Neither student nor instructor can raise it.
+    pub force_limit_n: f32,
+    /// Last change of the plan; `None` for the plan of the start.
+    pub changed: Option<Changed>,
+    /// Whether the patient is drawn anew for each session.
+    pub renews: bool,
+    /// Cost of a tick on this machine, for admission; `None`: not measured, and always admitted.
+    pub cost: Option<Cost>,
+}
+
+/// Change of a plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Changed {
+    /// Time, nanoseconds since 1970.
+    pub unix_ns: u64,
+    /// Author: the id of a token, or a user of the machine.
+    pub by: String,
 }
 
 impl SessionPlan {
@@ -92,6 +110,10 @@ impl SessionPlan {
             max_silence: Duration::from_secs(60),
             resume_within: Duration::from_secs(30),
             clock_in_gap: false,
+            force_limit_n: 0.0,
+            changed: None,
+            renews: false,
+            cost: None,
         }
     }
 
@@ -113,6 +135,10 @@ impl SessionPlan {
         if self.max_session.is_some_and(|limit| limit.is_zero()) {
             let expected = "more than 0 s, or no limit";
             return bad("longest session", "0 s".into(), expected);
+        }
+        if !crate::session::levels::is_limit(self.force_limit_n) {
+            let expected = "0 (the scene's) or a positive force in newtons";
+            return bad("force limit of the plan", self.force_limit_n.to_string(), expected);
         }
         if self.resume_within > Duration::from_secs(3600) {
             let found = format!("{} s", self.resume_within.as_secs());
@@ -192,7 +218,7 @@ pub struct ServerConfig {
     pub token: String,
     /// Further tokens, with their roles and stations.
     pub tokens: Arc<dyn Tokens>,
-    /// Compiler of plans that an instructor sends.
+    /// Source of plans that an instructor sets.
     pub planner: Arc<dyn Planner>,
     /// Stations, 1 to [`STATIONS`].
     pub stations: Vec<StationConfig>,

@@ -7,7 +7,7 @@ use sulcus_proto::station::{StationEvent, StationStatus};
 use sulcus_proto::{PROTOCOL_VERSION, SessionSummary};
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
-use crate::net::tokens::Grant;
+use crate::state::Grant;
 use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
 use crate::session::running::Ports;
@@ -83,6 +83,8 @@ pub(crate) enum ToStation {
         /// Epoch of the student; `None`: the station's side.
         epoch: Option<u32>,
     },
+    /// A plan for the next session, compiled and set.
+    Plan(Box<SessionPlan>),
     /// An instructor instructs.
     Instruct {
         by: String,
@@ -97,11 +99,11 @@ pub(crate) enum ToStation {
 
 /// Door of a station. Clones lead to the same station.
 #[derive(Clone)]
-pub(crate) struct Door {
+pub struct Door {
     /// Name of the station.
-    pub name: Arc<str>,
+    pub(crate) name: Arc<str>,
     /// Levels of the station's side.
-    pub levels: Levels,
+    pub(crate) levels: Levels,
     to_station: mpsc::Sender<ToStation>,
     status: watch::Receiver<StationStatus>,
     events: broadcast::Sender<StationEvent>,
@@ -119,7 +121,7 @@ pub(crate) struct Behind {
 
 impl Door {
     /// Door of the station `name`, and its ends.
-    pub fn new(name: &str) -> (Self, Behind) {
+    pub(crate) fn new(name: &str) -> (Self, Behind) {
         let (to_station, messages) = mpsc::channel(MESSAGES);
         let first = StationStatus {
             station: name.to_owned(),
@@ -148,12 +150,12 @@ impl Door {
     }
 
     /// Events from now on.
-    pub fn events(&self) -> broadcast::Receiver<StationEvent> {
+    pub(crate) fn events(&self) -> broadcast::Receiver<StationEvent> {
         self.events.subscribe()
     }
 
     /// Sends a message and waits for its reply. `None`: the station's task has ended.
-    pub async fn ask<T>(
+    pub(crate) async fn ask<T>(
         &self,
         message: impl FnOnce(oneshot::Sender<T>) -> ToStation,
     ) -> Option<T> {
@@ -162,25 +164,35 @@ impl Door {
         answer.await.ok()
     }
 
+    /// Sends a message and waits for its reply, on a thread without a runtime. `None`: the station's task has ended.
+    pub(crate) fn ask_blocking<T>(
+        &self,
+        message: impl FnOnce(oneshot::Sender<T>) -> ToStation,
+    ) -> Option<T> {
+        let (reply, answer) = oneshot::channel();
+        self.to_station.blocking_send(message(reply)).ok()?;
+        answer.blocking_recv().ok()
+    }
+
     /// Sends a message without a reply. The call waits while 64 messages wait.
-    pub async fn tell(&self, message: ToStation) {
+    pub(crate) async fn tell(&self, message: ToStation) {
         // An error means that the station's task has ended; the server is ending then.
         let _ = self.to_station.send(message).await;
     }
 
     /// Sends a message at once. `false`: 64 messages wait, or the station's task has ended.
-    pub fn try_tell(&self, message: ToStation) -> bool {
+    pub(crate) fn try_tell(&self, message: ToStation) -> bool {
         self.to_station.try_send(message).is_ok()
     }
 
     /// Tells the station that its side has ended a pause. While 64 messages wait, the epoch goes on: poses from before
     /// the end of the pause are then used.
-    pub fn lifted(&self) {
+    pub(crate) fn lifted(&self) {
         self.try_tell(ToStation::Lifted { epoch: None });
     }
 
     /// Tells the station that a connection is lost, also from a destructor.
-    pub fn gone(&self, epoch: u32, why: &str) {
+    pub(crate) fn gone(&self, epoch: u32, why: &str) {
         let message = ToStation::Gone {
             epoch,
             why: why.to_owned(),

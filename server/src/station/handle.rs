@@ -72,6 +72,7 @@ impl Server {
             stations.push((station.clone(), door, behind));
         }
         let doors: Vec<Door> = stations.iter().map(|(_, door, _)| door.clone()).collect();
+        config.planner.connect(&doors);
         let net = Arc::new(Net {
             shared: Arc::new(Shared::new(config, stage_out)),
             doors: doors.clone(),

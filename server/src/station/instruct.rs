@@ -14,19 +14,17 @@ use crate::session::running::Ports;
 use crate::station::actor::{State, Station};
 use crate::station::config::SessionPlan;
 use crate::station::door::ToStudent;
+use crate::station::planner::{NewPlan, Planner};
 
 /// Timeout for a tick that obeys a command. A simulation that does not tick by then has failed.
 const OBEYED: Duration = Duration::from_secs(2);
 /// Interval between two looks at the newest tick.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// A plan that has been compiled for an instructor, or the reason why not.
+/// A plan that has been compiled, or the reason why not, and the instructor who waits for it.
 pub(super) struct Prepared {
-    by: String,
-    text: String,
-    exams: bool,
     plan: Result<SessionPlan, String>,
-    reply: oneshot::Sender<Answer>,
+    reply: Option<oneshot::Sender<Answer>>,
 }
 
 /// Answer of an instruction that is in force from `tick` on; 0: without a session.
@@ -180,54 +178,55 @@ impl Station {
             let _ = reply.send(refused(why));
             return;
         }
-        let (shared, name) = (self.shared.clone(), self.door.name.clone());
+        let asked = NewPlan {
+            station: self.door.name.to_string(),
+            text,
+            by,
+            exams,
+        };
+        self.compile(Some(reply), move |planner| planner.change(&asked));
+    }
+
+    /// Compiles the present plan anew: the patient of an exam is that of one session.
+    pub(super) fn renew(&mut self) {
+        let station = self.door.name.to_string();
+        self.compile(None, move |planner| planner.renew(&station));
+    }
+
+    fn compile(
+        &mut self,
+        reply: Option<oneshot::Sender<Answer>>,
+        work: impl FnOnce(&dyn Planner) -> Result<SessionPlan, String> + Send + 'static,
+    ) {
+        let shared = self.shared.clone();
         let to_self = self.prepared.0.clone();
         tokio::spawn(async move {
-            let asked = text.clone();
-            let compiled =
-                tokio::task::spawn_blocking(move || shared.config.planner.prepare(&name, &asked));
+            let compiled = tokio::task::spawn_blocking(move || work(&*shared.config.planner));
             let plan = compiled
                 .await
                 .unwrap_or_else(|_| Err("the compiler of the scene ended unexpectedly".into()));
-            let prepared = Prepared {
-                by,
-                text,
-                exams,
-                plan,
-                reply,
-            };
-            let _ = to_self.send(prepared).await;
+            let _ = to_self.send(Prepared { plan, reply }).await;
         });
     }
 
     /// Takes a compiled plan for the next session.
     pub(super) fn planned(&mut self, prepared: Prepared) {
-        let Prepared {
-            by,
-            text,
-            exams,
-            plan,
-            reply,
-        } = prepared;
+        let Prepared { plan, reply } = prepared;
         let answer = match plan {
-            Err(why) => refused(&why),
-            Ok(plan) if plan.mode == Mode::Exam && !exams => {
-                refused("a plan of an exam needs the role examiner or admin")
-            }
-            Ok(_) if self.exam_runs().is_some() => refused(EXAM_RUNS),
-            Ok(mut plan) => {
-                plan.revision = self.plan.revision.saturating_add(1);
-                let revision = plan.revision;
-                let kept = self.shared.config.planner.keep(&self.door.name, &text, revision, &by);
+            Ok(plan) => {
                 self.plan = Arc::new(plan);
-                let text = match kept {
-                    Ok(()) => String::new(),
-                    Err(why) => format!("in force until the server ends: {why}"),
-                };
-                Answer { text, ..taken(0) }
+                taken(0)
+            }
+            Err(why) => {
+                if reply.is_none() {
+                    tracing::error!("station {}: {why}", self.door.name);
+                }
+                refused(&why)
             }
         };
-        let _ = reply.send(answer);
+        if let Some(reply) = reply {
+            let _ = reply.send(answer);
+        }
     }
 
     /// Reason why the plan cannot be changed now.

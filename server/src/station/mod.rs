@@ -4,7 +4,7 @@
 
 pub(crate) mod actor;
 pub mod config;
-pub(crate) mod door;
+pub mod door;
 pub(crate) mod gap;
 pub mod handle;
 mod instruct;

@@ -1,31 +1,50 @@
-//! Compiler of plans: from the text of a plan to a session that is ready to run.
+//! Source of plans while a server runs.
 
 use crate::station::config::SessionPlan;
+use crate::station::door::Door;
 
-/// Compiler of plans. The server calls it on a blocking thread, because a scene takes seconds to compile.
+/// Plan that an instructor sets for the next session of a station.
+#[derive(Clone, Debug)]
+pub struct NewPlan {
+    /// Name of the station.
+    pub station: String,
+    /// Parts of the plan that change, as TOML.
+    pub text: String,
+    /// Opaque id of the instructor's token.
+    pub by: String,
+    /// Whether the instructor may set plans of exams.
+    pub exams: bool,
+}
+
+/// Source of plans. The server calls it on blocking threads, because a scene takes seconds to compile.
 pub trait Planner: Send + Sync {
-    /// Compiles the text of a plan for a station.
-    ///
-    /// # Errors
-    /// The text is not valid, or the scene cannot be compiled: one sentence.
-    fn prepare(&self, station: &str, text: &str) -> Result<SessionPlan, String>;
+    /// Takes the doors of the server's stations, once, before the first session.
+    fn connect(&self, doors: &[Door]);
 
-    /// Stores the text of a plan that `by` has set, so that it outlives the server.
+    /// Changes the plan of a station, keeps it, and compiles it.
     ///
     /// # Errors
-    /// The file cannot be written: one sentence.
-    fn keep(&self, station: &str, text: &str, revision: u32, by: &str) -> Result<(), String>;
+    /// The text is not valid, an exam runs or needs another role, or the scene cannot be compiled: one sentence.
+    fn change(&self, asked: &NewPlan) -> Result<SessionPlan, String>;
+
+    /// Compiles the present plan of a station again, with a patient drawn anew.
+    ///
+    /// # Errors
+    /// The scene cannot be compiled: one sentence.
+    fn renew(&self, station: &str) -> Result<SessionPlan, String>;
 }
 
 /// Planner of a server whose plans are fixed, such as that of the demo.
 pub struct NoPlanner;
 
 impl Planner for NoPlanner {
-    fn prepare(&self, _: &str, _: &str) -> Result<SessionPlan, String> {
+    fn connect(&self, _: &[Door]) {}
+
+    fn change(&self, _: &NewPlan) -> Result<SessionPlan, String> {
         Err("plans of this server are fixed".into())
     }
 
-    fn keep(&self, _: &str, _: &str, _: u32, _: &str) -> Result<(), String> {
-        Ok(())
+    fn renew(&self, _: &str) -> Result<SessionPlan, String> {
+        Err("plans of this server are fixed".into())
     }
 }

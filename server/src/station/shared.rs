@@ -9,7 +9,8 @@ use tokio::sync::watch;
 
 use crate::ServerConfig;
 use crate::net::Stage;
-use crate::net::tokens::{Denied, Grant};
+use crate::capacity::{Capacity, Cost, Load, Machine, Model};
+use crate::state::{Denied, Grant, Place};
 
 /// Interval between two queries of the free space on the disk.
 const DISK: Duration = Duration::from_secs(5);
@@ -22,6 +23,8 @@ pub(crate) struct Shared {
     summaries: Mutex<Vec<SessionSummary>>,
     /// Hash of the secret of the first station's student, and its holder.
     first: (blake3::Hash, Grant),
+    /// Sessions on the cores of this machine.
+    capacity: Mutex<Capacity>,
     disk_free_mib: AtomicU64,
     disk_asked: Mutex<Option<Instant>>,
 }
@@ -33,14 +36,16 @@ impl Shared {
         let first = Grant {
             id: "ticket".into(),
             role: sulcus_proto::Role::Student,
-            station,
+            station: station.map_or(Place::Any, Place::Station),
             learner: String::new(),
+            class: String::new(),
         };
         Self {
             first: (blake3::hash(config.token.as_bytes()), first),
             config,
             stage,
             summaries: Mutex::default(),
+            capacity: Mutex::new(Capacity::new(Machine::here(), Model::default())),
             disk_free_mib: AtomicU64::new(0),
             disk_asked: Mutex::default(),
         }
@@ -56,6 +61,37 @@ impl Shared {
             return Ok(self.first.1.clone());
         }
         self.config.tokens.find(secret)
+    }
+
+    /// Core for a session at a station, by the measured cost of its ticks. `None`: the cost is unknown, and the session
+    /// runs on any core.
+    ///
+    /// # Errors
+    /// The machine has no room: one sentence.
+    pub fn admit(
+        &self,
+        station: usize,
+        cost: Option<Cost>,
+        rate_hz: u16,
+    ) -> Result<Option<usize>, String> {
+        let Some(cost) = cost else { return Ok(None) };
+        let load = Load { cost, rate_hz };
+        let admitted = self.capacity().admit(station as u64, load);
+        admitted.map(Some).map_err(|no_room| no_room.to_string())
+    }
+
+    /// Corrects the cost of a running session.
+    pub fn correct(&self, station: usize, cost: Cost) {
+        self.capacity().update(station as u64, cost);
+    }
+
+    /// Frees the place of a session.
+    pub fn release(&self, station: usize) {
+        self.capacity().release(station as u64);
+    }
+
+    fn capacity(&self) -> std::sync::MutexGuard<'_, Capacity> {
+        self.capacity.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Keeps the summary of a session.

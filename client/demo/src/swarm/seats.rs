@@ -29,7 +29,7 @@ impl Seats {
 
         use sulcus_proto::Role;
         use sulcus_proto::ticket::hex;
-        use sulcus_server::net::tokens::{Fixed, Grant};
+        use sulcus_server::net::tokens::Fixed;
         use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 
         let mut stations = Vec::new();
@@ -56,13 +56,8 @@ impl Seats {
             let mut secret = [0; 32];
             getrandom::fill(&mut secret).map_err(|error| anyhow::anyhow!("{error}"))?;
             let secret = hex(&secret);
-            let grant = Grant {
-                id: station.name.clone(),
-                role: Role::Student,
-                station: Some(station.name.clone()),
-                learner: String::new(),
-            };
-            tokens = tokens.with(&secret, grant);
+            let name = station.name.as_str();
+            tokens = tokens.with(&secret, name, Role::Student, Some(name));
             secrets.push(secret);
         }
         config.tokens = Arc::new(tokens);
