@@ -12,13 +12,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// A learner at one station: sends poses, buttons and calls, receives wrenches, may pause the own session. A student
-    /// cannot change plans, and cannot lift a pause or a force limit of an instructor.
+    /// A learner at one station: sends poses, buttons and calls, receives wrenches, may pause the own session. A
+    /// student cannot change plans, and cannot lift a pause or a force limit of an instructor.
     Student,
     /// A screen of one station: receives the display scene and moving shapes. A display commands nothing.
     Display,
-    /// A teacher of any number of stations: reads status and events, pauses, resumes, limits forces, sets plans. A plan of
-    /// an exam cannot be changed by an instructor or any other role while its session runs.
+    /// A teacher of any number of stations: reads status and events, pauses, resumes, limits forces, sets plans. A plan
+    /// of an exam cannot be changed by an instructor or any other role while its session runs.
     Instructor,
     /// An instructor who conducts exams: the rights of an instructor, and results of exams before their release.
     Examiner,

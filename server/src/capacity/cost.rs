@@ -132,8 +132,8 @@ fn run(scene: &Scene) -> Measured {
     }
 }
 
-/// Runs all ticks, or fewer when the CPU time is spent. Lowers the times of `fastest`, nanoseconds, which the first pass
-/// fills. Returns the number of counted ticks with a force.
+/// Runs all ticks, or fewer when the CPU time is spent. Lowers the times of `fastest`, nanoseconds, which the first
+/// pass fills. Returns the number of counted ticks with a force.
 fn run_once(scene: &Scene, motions: &[Motion], fastest: &mut Vec<u64>, spent_ns: &mut u64) -> u64 {
     let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
     let is_first = fastest.is_empty();

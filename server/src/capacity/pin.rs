@@ -19,8 +19,8 @@ pub fn pin_to(core: usize) -> std::io::Result<()> {
     Ok(sched_setaffinity(None, &set)?)
 }
 
-/// Numbers of the cores on which the calling thread may run, in ascending order: the process's own, unless the thread is
-/// pinned.
+/// Numbers of the cores on which the calling thread may run, in ascending order: the process's own, unless the thread
+/// is pinned.
 ///
 /// # Errors
 /// The system does not tell.

@@ -16,8 +16,8 @@ pub(super) struct StationLoad {
     pub load: Load,
 }
 
-/// Findings about the plans, and the costs of those that can run. Stations with the same scene are compiled and measured
-/// once.
+/// Findings about the plans, and the costs of those that can run. Stations with the same scene are compiled and
+/// measured once.
 pub(super) fn plans(
     stations: &[Station],
     progress: &dyn Fn(&str, f64),

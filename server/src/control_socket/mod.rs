@@ -1,8 +1,8 @@
 //! Control of a running server from the same machine: a unix socket in the state folder.
 //!
 //! A connection carries one JSON object a line, a [`Request`] and then its [`Reply`], any number of times. The socket
-//! has mode 0600 in a folder of mode 0700, so only the user of the server and the administrator can connect. A line is at
-//! most [`MOST_LINE`] bytes long, and a connection without a whole line for [`PATIENCE`] is closed.
+//! has mode 0600 in a folder of mode 0700, so only the user of the server and the administrator can connect. A line is
+//! at most [`MOST_LINE`] bytes long, and a connection without a whole line for [`PATIENCE`] is closed.
 
 pub mod client;
 pub mod place;

@@ -17,7 +17,7 @@ use crate::state::StateFolder;
 struct Stations(Mutex<PlanBook>);
 
 impl Stations {
-    fn new(folder: &StateFolder) -> Arc<dyn Control> {
+    fn of(folder: &StateFolder) -> Arc<dyn Control> {
         let stations = ["a", "b"].map(|name| Station {
             name: name.into(),
             plan: crate::plan::Plan::default(),
@@ -75,7 +75,7 @@ fn state() -> (tempfile::TempDir, StateFolder) {
 }
 
 fn listening(folder: &StateFolder) -> Listening {
-    serve(claim(folder).expect("free"), Stations::new(folder)).expect("threads")
+    serve(claim(folder).expect("free"), Stations::of(folder)).expect("threads")
 }
 
 /// Lines that the server answers to `bytes`; the connection is then closed by this end.

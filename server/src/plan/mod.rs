@@ -9,8 +9,8 @@
 //! - A change takes effect with the next session.
 //! - The plan of an exam cannot be changed while its session runs. A change before the session is kept in the plan's
 //!   history.
-//! - The patient of an exam has a seed of 64 random bits of the system. A typed seed is refused, because the generator is
-//!   public.
+//! - The patient of an exam has a seed of 64 random bits of the system. A typed seed is refused, because the generator
+//!   is public.
 //! - A plan that was set at run time stands in the state folder and replaces the plan of the file, until the command
 //!   `plan set STATION --from-config`.
 

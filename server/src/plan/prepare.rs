@@ -36,8 +36,8 @@ pub struct Prepared {
 /// their share of the whole, 0 to 1.
 ///
 /// # Errors
-/// The plan names an unknown exercise, a file that is not valid, a rate that does not fit the scene, a seed for a scene
-/// without a generated patient, or a graded exercise in a scene that no device can display.
+/// The plan names an unknown exercise, a file that is not valid, a rate that does not fit the scene, or a seed for
+/// a scene without a generated patient. A graded exercise needs a scene that a device can display.
 pub fn prepare(plan: &Plan, progress: &dyn Fn(&str, f64)) -> anyhow::Result<Prepared> {
     let asked = exercise_of(plan)?;
     let mut warnings = Vec::new();
