@@ -24,7 +24,9 @@ pub mod session;
 pub mod station;
 
 pub use error::ServerError;
+pub use net::feed::{FeedReport, serve_feed};
 pub use net::identity::fingerprint;
+pub use outlets::feed::{EncodedFrame, Feed, FeedPublisher, Latest, SessionFeed};
 pub use session::detail::{Budget, Detail};
 pub use station::config::{Exercise, ServerConfig};
 pub use station::handle::{Server, ServerHandle};

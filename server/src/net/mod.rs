@@ -4,6 +4,7 @@ pub(crate) mod addresses;
 mod admission;
 mod control;
 mod datagrams;
+pub mod feed;
 pub(crate) mod identity;
 mod session;
 pub(crate) mod transport;

@@ -1,3 +1,4 @@
-//! Outlets: listeners to the ticks of a session. The recorder is the only one so far.
+//! Outlets: listeners to the ticks of a session: the recorder, and the feed for displays.
 
+pub mod feed;
 pub(crate) mod recording;
