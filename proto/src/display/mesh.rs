@@ -122,7 +122,8 @@ impl DisplayMesh {
             self.low.iter().chain(std::iter::once(&self.step)),
         )?;
         rule(
-            self.step >= 0.0 && (self.low.iter().map(|x| x.abs())).all(|x| x <= super::scene::FAR_M),
+            self.step >= 0.0
+                && (self.low.iter().map(|x| x.abs())).all(|x| x <= super::scene::FAR_M),
             "a mesh lies beyond 10 m",
         )?;
         rule(

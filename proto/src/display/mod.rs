@@ -11,6 +11,8 @@
 //!
 //! All lengths are in metres, world axes, except where a field names another frame.
 
+#[cfg(test)]
+mod fields;
 mod frame;
 mod mesh;
 mod scene;

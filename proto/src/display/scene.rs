@@ -144,7 +144,10 @@ impl DisplayScene {
             (1..=TOOLS).contains(&self.tools.len()),
             "a scene has neither one tool nor two",
         )?;
-        rule(self.objects.len() <= OBJECTS, "a scene has too many objects")?;
+        rule(
+            self.objects.len() <= OBJECTS,
+            "a scene has too many objects",
+        )?;
         rule(self.tick_ns > 0, "a tick takes no time")?;
         for tool in &self.tools {
             rule(tool.name.len() <= NAME_BYTES, "a tool's name is too long")?;

@@ -105,12 +105,19 @@ mod tests {
 
     /// Collar of 64 columns: outer face, crest, wall and floor of a pocket of `depth`, open below.
     fn collar(depth: f64) -> DisplayMesh {
-        let rows = [(6.0, -9.0), (6.0, 0.0), (5.0, 0.0), (5.2, -depth), (4.0, -depth)];
+        let rows = [
+            (6.0, -9.0),
+            (6.0, 0.0),
+            (5.0, 0.0),
+            (5.2, -depth),
+            (4.0, -depth),
+        ];
         let mut mesh = DisplayMesh::default();
         for k in 0..64 {
             let (s, c) = (TAU * f64::from(k) / 64.0).sin_cos();
             for (r, z) in rows {
-                mesh.vertices.push([r * c, r * s, z].map(|x| (x * 1e-3) as f32));
+                mesh.vertices
+                    .push([r * c, r * s, z].map(|x| (x * 1e-3) as f32));
             }
         }
         for k in 0..64u32 {

@@ -288,7 +288,11 @@ fn skin_of_masters(object: &Object, model: &SurfaceCompliance) -> Skin {
 fn frame_of_printed(tooth: &Object, axis: &Vec3) -> ToothFrame {
     let all = places(&tooth.mesh);
     let middle = all.iter().sum::<Vec3>() / all.len().max(1) as f64;
-    let aside = if axis.x.abs() < 0.9 { Vec3::x() } else { Vec3::y() };
+    let aside = if axis.x.abs() < 0.9 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
     let mesial = (aside - axis * axis.dot(&aside)).normalize();
     ToothFrame {
         origin: middle,
@@ -308,7 +312,13 @@ fn highest(tooth: &ToothFrame, vertices: &[Vec3]) -> [f64; SECTORS] {
             *sector = height;
         }
     }
-    highest.map(|height| if height.is_finite() { height } else { f64::INFINITY })
+    highest.map(|height| {
+        if height.is_finite() {
+            height
+        } else {
+            f64::INFINITY
+        }
+    })
 }
 
 fn sector(around: f64) -> usize {

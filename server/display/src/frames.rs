@@ -1,7 +1,7 @@
 //! Frames of a session, from the outputs of its ticks.
 
-use sulcus_core::{Scene, TickOutput, Vec3};
 use sulcus_core::output::status;
+use sulcus_core::{Scene, TickOutput, Vec3};
 use sulcus_proto::TOOLS;
 use sulcus_proto::display::{DisplayFrame, FrameTool, Moved, MovedHandle, STEP_M};
 use sulcus_sessions::{Cadence, FRAMES_HZ, MovedTissue, Occurrence};
@@ -66,7 +66,12 @@ impl Frames {
         paused: bool,
         moved: &sulcus_sessions::Moved,
     ) -> DisplayFrame {
-        for (slot, tool) in self.tools.iter_mut().zip(&output.tools).take(self.held_slots) {
+        for (slot, tool) in self
+            .tools
+            .iter_mut()
+            .zip(&output.tools)
+            .take(self.held_slots)
+        {
             let graphic = wire_pose(&tool.graphic);
             let mut numbers = graphic.position.iter().chain(&graphic.orientation);
             slot.held = tool.status & status::ABSENT == 0;

@@ -48,7 +48,9 @@ pub fn choose(vertices: &[Vec3], place: impl Fn(&Vec3) -> Place) -> (Vec<usize>,
         }
         next = farthest.1;
     }
-    let spacing = away.iter().fold(0.0, |most, d| if *d > most { *d } else { most });
+    let spacing = away
+        .iter()
+        .fold(0.0, |most, d| if *d > most { *d } else { most });
     (chosen, spacing)
 }
 

@@ -31,7 +31,10 @@ impl Spots {
         }
         let tooth = event.data["tooth"].as_u64();
         let site = event.data["site"].as_str().and_then(Site::from_name);
-        let gingiva = self.gingivae.iter().find(|(fdi, _)| Some(u64::from(*fdi)) == tooth);
+        let gingiva = self
+            .gingivae
+            .iter()
+            .find(|(fdi, _)| Some(u64::from(*fdi)) == tooth);
         let (Some((_, object)), Some(site)) = (gingiva, site) else {
             return false;
         };

@@ -43,9 +43,7 @@ impl Cache {
         let mut files = self.files();
         files.reverse();
         files.truncate(SCENES);
-        let sound = files
-            .iter()
-            .filter(|(_, hash)| self.load(hash).is_some());
+        let sound = files.iter().filter(|(_, hash)| self.load(hash).is_some());
         sound.map(|(_, hash)| *hash).collect()
     }
 
@@ -101,7 +99,10 @@ impl Cache {
 
     /// Files of the cache with the time of their last use, oldest first.
     fn files(&self) -> Vec<(std::time::SystemTime, SceneHash)> {
-        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let entries = std::fs::read_dir(&self.folder)
+            .into_iter()
+            .flatten()
+            .flatten();
         let file = |entry: std::fs::DirEntry| {
             let hash = hash_of(&entry.file_name().to_string_lossy())?;
             Some((entry.metadata().ok()?.modified().ok()?, hash))
@@ -191,7 +192,12 @@ mod tests {
     fn other_files_of_the_folder_are_left_alone() {
         let (_folder, cache) = cache();
         cache.store(b"x").expect("stored");
-        for name in ["tree-12.bin", "display-.bin", "display-zz.bin", "display-12.part"] {
+        for name in [
+            "tree-12.bin",
+            "display-.bin",
+            "display-zz.bin",
+            "display-12.part",
+        ] {
             std::fs::write(cache.folder.join(name), b"theirs").expect("written");
             assert_eq!(hash_of(name), None);
         }

@@ -59,8 +59,8 @@ impl Feed {
 /// # Errors
 /// QUIC cannot be configured. The settings of this program cause no error.
 pub fn transport() -> Result<TransportConfig, LinkError> {
-    let mut transport = sulcus_link::bulk::of_display()
-        .map_err(|error| LinkError::System(error.to_string()))?;
+    let mut transport =
+        sulcus_link::bulk::of_display().map_err(|error| LinkError::System(error.to_string()))?;
     transport.keep_alive_interval(Some(limits::KEEP_ALIVE));
     Ok(transport)
 }

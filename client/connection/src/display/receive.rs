@@ -157,8 +157,9 @@ async fn read(mut stream: RecvStream) -> Got {
     };
     let got = match content {
         Content::Frame => DisplayFrame::from_bytes(&bytes).map(Got::Frame),
-        Content::Scene => stream::scene(&bytes)
-            .map(|(hash, scene)| Got::Scene(hash, scene.map(<[u8]>::to_vec))),
+        Content::Scene => {
+            stream::scene(&bytes).map(|(hash, scene)| Got::Scene(hash, scene.map(<[u8]>::to_vec)))
+        }
     };
     got.unwrap_or(Got::Malformed)
 }

@@ -75,7 +75,9 @@ fn drawn(all: &[Standing], k: usize, model: &Gingiva) -> DrawnGingiva {
         let margin = tooth.shape.cej(angles[k]) - recession[k];
         // A papilla has room under the contact point only.
         let contact = site.is_mesial().map(|mesial| usize::from(!mesial));
-        contact.map_or(margin, |end| margin.min(tooth.contacts[end].z - UNDER_CONTACT))
+        contact.map_or(margin, |end| {
+            margin.min(tooth.contacts[end].z - UNDER_CONTACT)
+        })
     });
     let collar = Collar {
         tooth: tooth.shape.clone(),
