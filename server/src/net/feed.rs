@@ -131,7 +131,9 @@ async fn send_scene(
     let mut stream = connection.open_uni().await?;
     // An error means that the stream is closed, which the next write reports.
     let _ = stream.set_priority(SCENE_PRIORITY);
-    stream.write_all(&stream::scene_head(&display.hash())).await?;
+    stream
+        .write_all(&stream::scene_head(&display.hash()))
+        .await?;
     if !is_known {
         stream.write_all(display.bytes()).await?;
     }

@@ -10,6 +10,8 @@
 mod cache;
 mod receive;
 mod stats;
+#[cfg(test)]
+mod tests;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
