@@ -1,9 +1,13 @@
-//! What a student's screen receives: the scene once, then a frame for each picture.
+//! Content of a student's screen: the scene once, then a frame for each picture.
 //!
 //! A [`DisplayScene`] has meshes, skins, bands and colours. A [`DisplayFrame`] has the shapes of one instant. Neither
-//! has a field for hidden truth: no prescribed depth, no bleeding before it shows, no furcation, no floor of a pocket,
-//! no parameter of a tissue, no text of a patient, no seed. Two patients with the same visible mouth have the same
-//! bytes.
+//! has a field for hidden truth:
+//!
+//! - no prescribed depth, no floor of a pocket, no furcation
+//! - no bleeding before it shows
+//! - no parameter of a tissue, no text of a patient, no seed
+//!
+//! Two patients with the same visible mouth have the same bytes.
 //!
 //! Scene and frames travel on a QUIC connection of their own. Each is one unidirectional stream with a [`stream`] head.
 //! A frame is complete in itself: its numbers are differences from the scene at rest, never from another frame. A lost

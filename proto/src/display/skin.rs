@@ -1,4 +1,4 @@
-//! How a mesh follows the handles of a frame.
+//! Rule by which a mesh follows the handles of a frame.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What a student's screen may see: a scene without hidden truth, and frames of its moving shapes.
+//! Content of a student's screen: a scene without hidden truth, and frames of its moving shapes.
 //!
 //! - [`Display`] makes the `DisplayScene` of a compiled scene, once for each session's plan.
 //! - [`Frames`] makes a `DisplayFrame` 62.5 times a second from the outputs of ticks and the places of spheres.
@@ -12,9 +12,10 @@
 //! - A place bleeds in a frame after the event `bleeding`, which the probe has caused.
 //!
 //! Two patients who differ only in hidden values have the same scene, byte for byte. Their frames are the same bytes
-//! until a tool meets tissue that differs. The spheres round one tooth depend on all six depths of that tooth and on
-//! its neighbours', so tissue differs from tooth to tooth, not from site to site. A difference in bleeding alone shows
-//! when the probe has left the site.
+//! until a tool meets tissue that differs. A difference in bleeding alone shows when the probe has left the site.
+//!
+//! Tissue differs from tooth to tooth, not from site to site. The spheres round a tooth depend on all six depths of
+//! this tooth, and beside a neighbour on the neighbour's depths.
 //!
 //! # Limits
 //! A gingiva that is a mesh of a scene file has no visible margin apart from its mesh. Wall and floor of its pocket are

@@ -53,8 +53,8 @@ impl SessionWriter {
         self.views.sampler()
     }
 
-    /// Computes the places of the spheres for a copy of the shapes, for other outlets. [`SessionWriter::tick`] of the same
-    /// tick does not compute them again.
+    /// Computes the places of the spheres for a copy of the shapes, for other outlets. [`SessionWriter::tick`] of the
+    /// same tick does not compute them again.
     pub fn follow(&mut self, shapes: &Shapes) -> &Moved {
         self.views.follow(shapes)
     }

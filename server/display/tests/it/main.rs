@@ -1,4 +1,4 @@
-//! What a display receives: nothing hidden, and shapes that follow the tissue.
+//! Tests of the display: nothing hidden is sent, and shapes follow the tissue.
 
 mod common;
 mod frames;
