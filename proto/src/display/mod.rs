@@ -30,14 +30,14 @@ pub use skin::{Skin, WEIGHT};
 
 use crate::CodecError;
 
-/// Largest encoded scene, bytes. Chosen as eight times a whole mouth.
+/// Largest encoded scene, bytes. Chosen as six times a whole mouth, which has 5.3 MB.
 pub const SCENE_BYTES: usize = 32 << 20;
 /// Largest encoded frame, bytes: every handle of a whole mouth moves.
-pub const FRAME_BYTES: usize = 64 << 10;
+pub const FRAME_BYTES: usize = 128 << 10;
 /// Largest number of objects of a scene.
 pub const OBJECTS: usize = 256;
-/// Largest number of handles of a skin.
-pub const HANDLES: usize = 256;
+/// Largest number of handles of a skin: the spheres of a tongue in contact.
+pub const HANDLES: usize = 512;
 /// Number of charted sites round a tooth.
 pub const SITES: usize = 6;
 

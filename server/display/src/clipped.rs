@@ -10,7 +10,7 @@ const SEEN_M: f64 = 5e-4;
 /// Distance outside the crest up to which a face towards the tooth belongs to the pocket, metres. Chosen.
 const BULGE_M: f64 = 1.5e-3;
 /// Number of sectors round the tooth in which the crest is searched.
-const SECTORS: usize = 72;
+const SECTORS: usize = 36;
 /// Largest height of a vertex over or under the margin for the crest, metres.
 const CREST_M: f64 = 5e-4;
 
@@ -23,8 +23,9 @@ pub struct Pocket<'a> {
 }
 
 impl Pocket<'_> {
-    /// Distance of the crest from the tooth's axis in each sector, metres; `f64::INFINITY` in a sector without a crest,
-    /// so that nothing below the margin is shown there.
+    /// Distance of the crest from the tooth's axis in each sector, metres. A sector without a vertex at the margin has
+    /// the larger distance of the nearest sectors on both sides. Without any vertex at the margin the distance is
+    /// `f64::INFINITY`, so that nothing below the margin is shown.
     pub fn crest(&self, vertices: &[Vec3]) -> [f64; SECTORS] {
         let mut crest = [f64::INFINITY; SECTORS];
         for v in vertices {
@@ -37,7 +38,15 @@ impl Pocket<'_> {
                 }
             }
         }
-        crest
+        std::array::from_fn(|k| {
+            if crest[k].is_finite() {
+                return crest[k];
+            }
+            let at = |step: usize| crest[(k + step) % SECTORS];
+            let before = (1..SECTORS).rev().map(at).find(|r| r.is_finite());
+            let after = (1..SECTORS).map(at).find(|r| r.is_finite());
+            before.zip(after).map_or(f64::INFINITY, |(a, b)| a.max(b))
+        })
     }
 
     /// Point of the crest at an angle, world axes, metres.

@@ -35,6 +35,8 @@ pub struct Display {
 pub(crate) enum Follower {
     /// Handles are the moving masters of a surface compliance.
     Masters,
+    /// Handles are the spheres that carry a mesh.
+    Same,
     /// Handles are interpolated between the spheres that carry a mesh.
     Spheres(DisplaySkin),
 }
@@ -268,6 +270,9 @@ fn skin_of_spheres(object: &Object) -> (Skin, Follower) {
     let mut skin = Skin::over(handles.iter().map(f32s).collect());
     for v in 0..carriers.vertices() {
         skin.push(carriers.carriers(v).iter().map(|(k, w)| (*k as u16, *w)));
+    }
+    if level == sulcus_sessions::MovedTissue::carrying_level(object) {
+        return (skin, Follower::Same);
     }
     (skin, over_spheres(object, &handles))
 }

@@ -113,6 +113,12 @@ impl Frames {
                 self.handles.clear();
                 self.handles.extend(masters.map(Vec3::from_column_slice));
             }
+            Follower::Same => {
+                let (rest, now) = tissue.carrying();
+                self.handles.clear();
+                let by = rest.iter().zip(now).map(|(rest, now)| now - rest);
+                self.handles.extend(by);
+            }
             Follower::Spheres(skin) => {
                 let (rest, now) = tissue.carrying();
                 self.spheres.clear();

@@ -2,13 +2,15 @@
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, norm};
-use sulcus_proto::display::{HANDLES, Skin};
+use sulcus_proto::display::Skin;
 
 /// Depth below the crest down to which a mesh has handles, metres. Chosen: deeper tissue is not visible and hardly
 /// moves.
 const DOWN_M: f64 = 2.5e-3;
 /// Largest distance of a handle from the tooth's axis, metres: tissue of one tooth.
 const OUT_M: f64 = 9e-3;
+/// Largest number of handles of a gingiva. They lie 0.8 mm apart, about the reach of a dent.
+const HANDLES: usize = 256;
 /// Number of handles that carry a vertex.
 const CARRIERS: usize = 6;
 
@@ -20,7 +22,7 @@ pub struct Place {
     pub off_axis: f64,
 }
 
-/// Chooses up to [`HANDLES`] vertices near the margin, spread evenly: each next one is the farthest from all before.
+/// Chooses up to 256 vertices near the margin, spread evenly: each next one is the farthest from all before.
 /// Returns their indices and the largest distance of a candidate from its nearest handle, metres.
 pub fn choose(vertices: &[Vec3], place: impl Fn(&Vec3) -> Place) -> (Vec<usize>, f64) {
     let near = |v: &Vec3| {

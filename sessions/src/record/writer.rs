@@ -59,6 +59,11 @@ impl SessionWriter {
         self.views.follow(shapes)
     }
 
+    /// Places of the spheres after the last copy of the shapes.
+    pub fn moved(&self) -> &Moved {
+        self.views.moved()
+    }
+
     /// Writes a tick with its occurrences.
     ///
     /// # Errors

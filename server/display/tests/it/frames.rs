@@ -116,6 +116,8 @@ fn prescribed_bleeding_shows_after_the_probe_has_left_the_site() {
     for at in [3, 4] {
         poses[at] = path.pose(FRAC_PI_2, 2.2e-3, 0.0, Vec3::zeros());
     }
+    // Time above the margin, in which the visit ends.
+    poses.extend([poses[5]; 3]);
     let (a, b) = (feed(&dry, &poses), feed(&bleeds, &poses));
     let same = common(&a, &b);
     assert!(same < a.len(), "bleeding shows");

@@ -39,12 +39,18 @@ fn vertices(object: &DisplayObject, k: usize, frame: &DisplayFrame) -> Vec<Vec3>
     object.mesh.vertices().zip(&by).map(place).collect()
 }
 
-/// Presses tool 0 with its tip at `tip` downwards from 8 mm above, and returns the workspace's shapes and the frame.
-fn pressed(scene: &Scene, display: &Display, tip: Vec3, down: f64) -> (Workspace, DisplayFrame) {
+/// Moves tool 0 along `way` (a unit vector) from 8 mm before `tip` to `beyond` behind it. Returns the workspace and the
+/// frame.
+fn pressed(
+    scene: &Scene,
+    display: &Display,
+    (tip, way): (Vec3, Vec3),
+    beyond: f64,
+) -> (Workspace, DisplayFrame) {
     let tool = &scene.tools[0];
-    let turn = Quat::rotation_between(&tool.tip_axis, &-Vec3::z()).unwrap_or(Quat::identity());
-    let pose = |height: f64| {
-        let at = tip + Vec3::z() * height;
+    let turn = Quat::rotation_between(&tool.tip_axis, &way).unwrap_or(Quat::identity());
+    let pose = |along: f64| {
+        let at = tip + way * along;
         Pose::new(at - turn * tool.tip, turn)
     };
     let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
@@ -52,7 +58,7 @@ fn pressed(scene: &Scene, display: &Display, tip: Vec3, down: f64) -> (Workspace
     let mut shapes = Shapes::new(scene);
     let (mut moved, mut frames) = (Moved::new(scene), Frames::new(scene, display));
     let mut newest = None;
-    let (from, to) = (8e-3, -down);
+    let (from, to) = (-8e-3, beyond);
     let ticks = 1600;
     for k in 0..=ticks {
         let share = (f64::from(k) / 1200.0).min(1.0);
@@ -74,7 +80,7 @@ fn pressed(scene: &Scene, display: &Display, tip: Vec3, down: f64) -> (Workspace
 
 #[test]
 fn the_drawn_margin_is_the_patients() {
-    for seed in [1, 2, 3] {
+    for seed in [1, 2, 3, 4, 5, 7] {
         let scene = compiled(&any_patient(seed), &[31, 33, 34, 36, 37, 46]);
         let display = Display::new(&scene).expect("a display");
         let mut worst: f64 = 0.0;
@@ -114,7 +120,7 @@ fn the_drawn_margin_is_the_patients() {
         }
         println!("seed {seed}: margin off by {:.3} mm", worst * 1e3);
         // A probe is read to half a millimetre at best.
-        assert!(worst < 0.1e-3, "{:.3} mm", worst * 1e3);
+        assert!(worst < 0.2e-3, "{:.3} mm", worst * 1e3);
     }
 }
 
@@ -160,7 +166,7 @@ fn a_pressed_tongue_is_drawn_where_it_is() {
             .iter()
             .max_by(|a, b| a[2].total_cmp(&b[2]));
         let tip = Vec3::from(top.expect("a vertex").map(f64::from));
-        let (workspace, frame) = pressed(&scene, &display, tip, 3e-3);
+        let (workspace, frame) = pressed(&scene, &display, (tip, -Vec3::z()), 3e-3);
         let skin = sulcus_core::DisplaySkin::of(object);
         let mut by = vec![Vec3::zeros(); skin.vertices()];
         skin.displacements(&workspace.carriers_moved(&scene, 0), &mut by);
@@ -181,7 +187,7 @@ fn a_pressed_tongue_is_drawn_where_it_is() {
             off * 1e3
         );
         assert!(
-            off < 0.15 * most + 1e-5,
+            off < 0.01 * most + 5e-6,
             "{:.3} mm of {:.3}",
             off * 1e3,
             most * 1e3
@@ -201,7 +207,12 @@ fn a_pressed_gingiva_gives_way_in_the_picture() {
         .find(|(_, object)| object.kind == Kind::Gingiva && object.fdi == 36)
         .expect("there");
     let site = Vec3::from(gingiva.sites[1].map(f64::from));
-    let (workspace, frame) = pressed(&scene, &display, site, 1e-3);
+    // From the cheek against the outer face, a millimetre below the margin.
+    let TissueModel::Gingiva(model) = &scene.objects[k].tissue else {
+        panic!("a gingiva");
+    };
+    let place = (site - model.tooth.axis * 1e-3, -model.tooth.buccal);
+    let (workspace, frame) = pressed(&scene, &display, place, 0.0);
     let carriers = workspace.carriers_moved(&scene, k);
     let most = carriers.iter().map(|by| by.norm()).fold(0.0, f64::max);
     let rest = DisplayFrame::default();

@@ -118,6 +118,11 @@ impl Views {
         &self.moved
     }
 
+    /// Places of the spheres after the last copy of the shapes.
+    pub fn moved(&self) -> &Moved {
+        &self.moved
+    }
+
     /// Copier of shapes for the thread that ticks.
     pub fn sampler(&self) -> Sampler {
         self.sampler.clone()
