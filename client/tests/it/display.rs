@@ -57,8 +57,9 @@ fn a_feed_reaches_the_window_and_the_second_time_without_the_scene() {
             let connecting = calling
                 .connect_with(client, address, "localhost")
                 .expect("begun");
-            let (accepted, client) = tokio::join!(listening.accept(), connecting);
-            let connection = accepted.expect("an endpoint").await.expect("accepted");
+            let accepting = async { listening.accept().await.expect("an endpoint").await };
+            let (accepted, client) = tokio::join!(accepting, connecting);
+            let connection = accepted.expect("accepted");
             let client = client.expect("connected");
 
             let known = cache.known();

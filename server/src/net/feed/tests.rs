@@ -82,8 +82,9 @@ async fn connected(of_display: TransportConfig) -> (Connection, Connection, [End
     let connecting = calling
         .connect_with(client, address, "localhost")
         .expect("begun");
-    let (accepted, connection) = tokio::join!(listening.accept(), connecting);
-    let accepted = accepted.expect("an endpoint").await.expect("accepted");
+    let accepting = async { listening.accept().await.expect("an endpoint").await };
+    let (accepted, connection) = tokio::join!(accepting, connecting);
+    let accepted = accepted.expect("accepted");
     (
         accepted,
         connection.expect("connected"),

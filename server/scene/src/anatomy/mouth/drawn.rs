@@ -19,6 +19,9 @@ use crate::mesh::TriMesh;
 
 /// Depth of every drawn pocket, mm. Chosen: an eye cannot look farther into a gap of 0.4 mm.
 pub const DEPTH_MM: f64 = 3.0;
+/// Depth at which the angles of the sites are taken, mm. On a tapered root they depend on the depth, and the junction's
+/// height depends on them. Chosen between healthy and deep pockets.
+const USUAL_MM: f64 = 4.0;
 /// Largest difference between a tooth's frame and its place on the arch, metres and dimensionless.
 const SAME: f64 = 1e-9;
 
@@ -67,9 +70,9 @@ fn same(a: &ToothFrame, b: &ToothFrame) -> bool {
 fn drawn(all: &[Standing], k: usize, model: &Gingiva) -> DrawnGingiva {
     let (tooth, entry) = (&all[k], MouthEntry::default());
     let recession = model.sites.map(|site| site.recession * 1e3);
-    let depths = [DEPTH_MM; 6];
+    let usual = [USUAL_MM; 6];
     let nearly = recession.map(|recession| -recession);
-    let angles = SulcusProfile::new(&tooth.sections, depths, nearly).sites();
+    let angles = SulcusProfile::new(&tooth.sections, usual, nearly).sites();
     let margins = Site::ALL.map(|site| {
         let k = site as usize;
         let margin = tooth.shape.cej(angles[k]) - recession[k];
@@ -79,11 +82,13 @@ fn drawn(all: &[Standing], k: usize, model: &Gingiva) -> DrawnGingiva {
             margin.min(tooth.contacts[end].z - UNDER_CONTACT)
         })
     });
+    let mut sulcus = SulcusProfile::new(&tooth.sections, usual, margins);
+    sulcus.depths = [DEPTH_MM; 6];
     let collar = Collar {
         tooth: tooth.shape.clone(),
         sections: tooth.sections.clone(),
         entrances: Vec::new(),
-        sulcus: SulcusProfile::new(&tooth.sections, depths, margins),
+        sulcus,
         sizes: CollarSizes {
             width: entry.width_mm,
             crest: entry.crest_mm,
