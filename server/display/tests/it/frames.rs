@@ -101,9 +101,9 @@ fn frames_are_the_same_until_the_tip_meets_a_tooth_that_differs() {
         .filter(|bytes| !decoded(bytes).moved.is_empty());
     let moved = moved.count();
     assert!(moved > 20, "{moved} frames with moved tissue");
+    // Measured: 1.2 kB with one gingiva awake, 0.5 kB on average.
     let largest = a.iter().map(Vec::len).max().unwrap_or(0);
-    let total: usize = a.iter().map(Vec::len).sum();
-    println!("largest frame {largest} bytes, mean {}", total / a.len());
+    assert!(largest < 4096, "{largest} bytes");
 }
 
 #[test]

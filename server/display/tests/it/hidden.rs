@@ -48,23 +48,11 @@ fn a_whole_mouth_has_the_same_bytes() {
     });
     let other = other.expect("room");
     let scene = compiled(&seen, &LOWER);
-    let begin = std::time::Instant::now();
     let a = Display::new(&scene).expect("one");
-    println!("{:.2} s for a display", begin.elapsed().as_secs_f64());
     let b = display(&other, &LOWER);
     assert!(a.bytes() == b.bytes());
-    println!("a whole mouth takes {} kB", a.bytes().len() / 1000);
-    for object in &a.scene().objects {
-        let skin = object.skin.as_ref();
-        println!(
-            "{:?} {}: {} vertices, {} triangles, {} handles",
-            object.kind,
-            object.fdi,
-            object.mesh.len(),
-            object.mesh.triangles().count(),
-            skin.map_or(0, |skin| skin.handles.len()),
-        );
-    }
+    // Measured: 5.3 MB, of which the teeth take most.
+    assert!(a.bytes().len() < 8_000_000, "{} bytes", a.bytes().len());
 }
 
 #[test]

@@ -106,16 +106,7 @@ fn the_drawn_margin_is_the_patients() {
                 // Away from contacts, under which the crest is out of sight.
                 let around = (sector as f64 + 0.5) / 72.0 * TAU - PI;
                 if around.sin().abs() > 0.5 {
-                    let off = (compiled - drawn).abs();
-                    if off > 0.1e-3 {
-                        println!(
-                            "{} at {:.0}: {:.3}",
-                            object.name,
-                            around.to_degrees(),
-                            off * 1e3
-                        );
-                    }
-                    worst = worst.max(off);
+                    worst = worst.max((compiled - drawn).abs());
                 }
             }
             for site in &shown.sites {
@@ -127,8 +118,7 @@ fn the_drawn_margin_is_the_patients() {
                 assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-3);
             }
         }
-        println!("seed {seed}: margin off by {:.3} mm", worst * 1e3);
-        // A probe is read to half a millimetre at best.
+        // A probe is read to half a millimetre at best. Measured: 0.23 mm.
         assert!(worst < 0.3e-3, "{:.3} mm", worst * 1e3);
     }
 }
@@ -190,11 +180,6 @@ fn a_pressed_tongue_is_drawn_where_it_is() {
             .zip(&drawn)
             .map(|((v, by), drawn)| (Vec3::from(v.map(f64::from)) + by - drawn).norm());
         let off = off.fold(0.0, f64::max);
-        println!(
-            "{which:?}: moved {:.2} mm, drawn {:.3} mm off",
-            most * 1e3,
-            off * 1e3
-        );
         assert!(
             off < 0.01 * most + 5e-6,
             "{:.3} mm of {:.3}",
@@ -228,11 +213,6 @@ fn a_pressed_gingiva_gives_way_in_the_picture() {
     let (at_rest, now) = (vertices(gingiva, k, &rest), vertices(gingiva, k, &frame));
     let moved = at_rest.iter().zip(&now).map(|(a, b)| (a - b).norm());
     let drawn = moved.fold(0.0, f64::max);
-    println!(
-        "spheres move {:.3} mm, the picture {:.3} mm",
-        most * 1e3,
-        drawn * 1e3
-    );
     assert!(most > 5e-5, "the probe presses");
     assert!(
         drawn > 0.3 * most && drawn < 1.3 * most,

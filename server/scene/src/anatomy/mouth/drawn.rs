@@ -4,6 +4,8 @@
 //! pocket is drawn [`DEPTH_MM`] deep, and no other input of the chart reaches a mesh. Two patients with the same teeth
 //! and the same recession have the same meshes, bit for bit.
 //!
+//! The drawn margin lies within 0.3 mm of the simulated one, which depends a little on the depth.
+//!
 //! The mesh of an [`Object`](sulcus_core::Object) is not suited. Wall and floor show the depth. The crest under a
 //! contact and the angles of the sites depend on the depth, too.
 
