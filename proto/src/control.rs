@@ -11,6 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::datagram::WirePose;
+use crate::display::SceneHash;
 use crate::role::Role;
 use crate::station::{StationEvent, StationStatus};
 pub use crate::summary::EndReason;
@@ -171,8 +172,8 @@ pub struct InputBatch {
 /// Subscription of a display.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Show {
-    /// Hash of a display scene that the client has; zero for none. The server does not send that scene again.
-    pub scene_hash: [u8; 32],
+    /// Hashes of the display scenes that the client has, at most 64. The server does not send these scenes again.
+    pub known: Vec<SceneHash>,
 }
 
 /// Instruction of an instructor to a station.

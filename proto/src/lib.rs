@@ -27,6 +27,7 @@
 pub mod codec;
 pub mod control;
 pub mod datagram;
+pub mod display;
 pub mod frame;
 pub mod learner;
 pub mod limits;

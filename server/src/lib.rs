@@ -30,7 +30,9 @@ pub mod state;
 pub mod station;
 
 pub use error::ServerError;
+pub use net::feed::{FeedReport, serve_feed};
 pub use net::identity::fingerprint;
+pub use outlets::feed::{EncodedFrame, Feed, FeedPublisher, Latest, SessionFeed};
 pub use session::detail::{Budget, Detail};
 pub use session::handoff::Provoked;
 pub use station::config::{Exercise, ServerConfig, SessionPlan, StationConfig};

@@ -32,7 +32,7 @@ pub use cli::run;
 pub use exercise::Exercise;
 pub use exercise::events::Events;
 pub use grade::{Grade, Rubric};
-pub use record::channels::{Sampler, Shapes, Views};
+pub use record::channels::{Cadence, FRAMES_HZ, Moved, MovedTissue, Sampler, Shapes, Views};
 pub use record::gap::Gap;
 pub use record::header::SessionHeader;
 pub use record::info::{Info, info};

@@ -8,6 +8,7 @@
 
 pub mod device;
 pub mod device_loop;
+pub mod display;
 pub mod instructor;
 pub mod interrupt;
 pub mod link;

@@ -1,6 +1,7 @@
 //! The client as a library: the link, exercises, grades.
 
 mod common;
+mod display;
 mod events;
 mod flood;
 mod grades;

@@ -4,6 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use sulcus_proto::display::{DisplayFrame, DisplayScene};
 use sulcus_proto::{ClientMessage, PoseDatagram, ServerMessage, WrenchDatagram, frame};
 
 fuzz_target!(|bytes: &[u8]| {
@@ -12,6 +13,12 @@ fuzz_target!(|bytes: &[u8]| {
     }
     if let Ok(wrench) = WrenchDatagram::from_bytes(bytes) {
         assert_eq!(wrench.to_bytes().expect("encodes"), bytes);
+    }
+    if let Ok(frame) = DisplayFrame::from_bytes(bytes) {
+        assert_eq!(frame.to_bytes().expect("encodes"), bytes);
+    }
+    if let Ok(scene) = DisplayScene::from_bytes(bytes) {
+        assert_eq!(scene.to_bytes().expect("encodes"), bytes);
     }
     if let Ok(message) = frame::decode::<ClientMessage>(bytes) {
         assert_eq!(

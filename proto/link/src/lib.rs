@@ -1,6 +1,7 @@
 //! Code that both ends of a connection share, and their real-time threads.
 //!
 //! - [`quic`]: transport settings
+//! - [`bulk`]: transport settings of a connection for displays
 //! - [`control`]: framed control stream
 //! - [`Bell`]: wake-up of a network thread
 //! - [`clock`]: monotonic clock and absolute sleep
@@ -11,6 +12,7 @@
 //! [`quic::transport`].
 
 pub mod bell;
+pub mod bulk;
 pub mod clock;
 pub mod control;
 pub mod quic;

@@ -8,6 +8,7 @@ use sulcus_proto::control::{
 };
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::frame::{self, LENGTH_BYTES, body_length, decode, encode};
+use sulcus_proto::display::SceneHash;
 use sulcus_proto::limits::CONTROL_BYTES;
 use sulcus_proto::station::{Phase, StationEvent, StationStatus};
 use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, SessionSummary};
@@ -101,7 +102,10 @@ fn client() -> impl Strategy<Value = ClientMessage> {
             .prop_map(|(tick, kind, json)| ClientMessage::Event(Event { tick, kind, json })),
         (any::<u64>(), prop::collection::vec(any::<u8>(), 0..200))
             .prop_map(|(first_tick, rows)| ClientMessage::Inputs(InputBatch { first_tick, rows })),
-        any::<[u8; 32]>().prop_map(|scene_hash| ClientMessage::Show(Show { scene_hash })),
+        any::<[u8; 32]>().prop_map(|hash| {
+            let known = vec![SceneHash(hash)];
+            ClientMessage::Show(Show { known })
+        }),
         (any::<u64>(), ".{0,20}", instruction()).prop_map(|(number, station, instruction)| {
             ClientMessage::Instruct(Instruct {
                 number,

@@ -59,6 +59,9 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
         clean(&hello.program)
     );
     match door {
+        Some(door) if hello.role == Role::Display => {
+            super::display::serve(connection, send, reader(recv), grant, door, net).await;
+        }
         Some(door) => {
             let student = Student {
                 learner: if hello.learner.is_empty() {

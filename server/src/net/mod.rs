@@ -3,6 +3,8 @@
 pub(crate) mod addresses;
 mod control;
 pub(crate) mod datagrams;
+mod display;
+pub mod feed;
 pub(crate) mod hello;
 pub(crate) mod identity;
 mod instructor;

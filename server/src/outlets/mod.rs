@@ -1,5 +1,6 @@
 //! Outlets: listeners to the ticks of a session, on the recorder's thread. None can delay a tick.
 
+pub mod feed;
 pub(crate) mod metrics;
 pub(crate) mod recording;
 pub(crate) mod status;

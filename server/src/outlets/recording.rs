@@ -1,8 +1,8 @@
 //! The recorder thread: takes the simulation's queue, writes and signs the recording, returns buffers.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -17,10 +17,11 @@ use sulcus_sessions::exercise::events::{LOST, Look};
 use tokio::sync::broadcast;
 
 use sulcus_sessions::{
-    Events, Exercise, Level, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
+    Events, Exercise, Level, Moved, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
     SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
+use crate::outlets::feed::{FeedPublisher, SessionFeed};
 use crate::outlets::status::{Live, StatusOutlet};
 use crate::session::changes::Changes;
 use crate::session::handoff::{Flags, Provoked};
@@ -97,6 +98,8 @@ pub(crate) struct Opening {
     pub live: Arc<Live>,
     /// Events for instructors.
     pub events: broadcast::Sender<StationEvent>,
+    /// Writer of the feed for displays.
+    pub feed: Arc<Mutex<FeedPublisher>>,
 }
 
 /// An open recording with header, scene and the state before the first tick; its file's name; the finder of events;
@@ -108,11 +111,27 @@ pub(crate) struct Listeners {
     station: String,
     status: StatusOutlet,
     events: broadcast::Sender<StationEvent>,
+    /// Feed of this session, if the plan has a scene for displays.
+    session: Option<SessionFeed>,
+    feed: Arc<Mutex<FeedPublisher>>,
 }
 
 impl Listeners {
-    /// Sends an event to all instructors. A slow instructor misses the oldest ones.
-    fn event(&self, occurrence: &Occurrence) {
+    /// Publishes the frame of a tick for displays, if it is due.
+    fn frame(&mut self, output: &TickOutput, paused: bool, moved: &Moved) {
+        let Some(session) = &mut self.session else {
+            return;
+        };
+        let mut feed = self.feed.lock().unwrap_or_else(PoisonError::into_inner);
+        session.tick(&mut feed, output, paused, moved);
+        self.status.frames_dropped(feed.dropped());
+    }
+
+    /// Sends an event to displays and to all instructors. A slow instructor misses the oldest ones.
+    fn event(&mut self, occurrence: &Occurrence) {
+        if let Some(session) = &mut self.session {
+            session.occurred(occurrence);
+        }
         // An error means that nobody listens.
         let _ = self.events.send(StationEvent {
             station: self.station.clone(),
@@ -211,10 +230,16 @@ pub(crate) fn open(opening: Opening) -> Result<Open, String> {
     let mut writer = SessionWriter::begin(recorder, &plan.scene, started, &begin, client)
         .map_err(|error| error.to_string())?;
     writer.flush().map_err(|error| error.to_string())?;
+    let session = plan.display.as_ref().map(|display| {
+        let mut feed = opening.feed.lock().unwrap_or_else(PoisonError::into_inner);
+        SessionFeed::begin(&mut feed, &plan.scene, display.clone())
+    });
     let listeners = Listeners {
         station: opening.station,
         status: StatusOutlet::new(&plan.scene, opening.live),
         events: opening.events,
+        session,
+        feed: opening.feed,
     };
     Ok(Open(writer, name, Narrator::new(plan), listeners))
 }
@@ -403,6 +428,11 @@ impl Thread {
             self.listeners.event(occurrence);
         }
         let shapes = self.shapes.take();
+        if let Some(shapes) = &shapes {
+            self.writer.follow(shapes);
+        }
+        self.listeners
+            .frame(output, row.input.paused, self.writer.moved());
         let recorded = RecordedTick {
             row,
             output,
@@ -493,6 +523,8 @@ mod tests {
             station: "station".into(),
             status: StatusOutlet::new(&narrator.scene, Arc::default()),
             events: broadcast::channel(1).0,
+            session: None,
+            feed: Arc::new(Mutex::new(FeedPublisher::new().0)),
         };
         let open = Open(
             writer.expect("begun"),

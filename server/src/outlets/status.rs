@@ -32,6 +32,7 @@ struct Numbers {
     deadline_misses: u64,
     exhausted: u64,
     rows_dropped: u64,
+    frames_dropped: u64,
 }
 
 impl Live {
@@ -43,6 +44,7 @@ impl Live {
         status.deadline_misses = numbers.deadline_misses;
         status.exhausted = numbers.exhausted;
         status.rows_dropped = numbers.rows_dropped;
+        status.frames_dropped = numbers.frames_dropped;
     }
 
     /// Upper estimate of the cost of a tick, from the `measured` one on.
@@ -89,6 +91,11 @@ impl StatusOutlet {
             next: 0,
             last: 0,
         }
+    }
+
+    /// Sets the number of display frames that were dropped.
+    pub fn frames_dropped(&mut self, frames: u64) {
+        self.numbers.frames_dropped = frames;
     }
 
     /// Takes a tick. `events` has taken it before.

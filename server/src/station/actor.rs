@@ -8,7 +8,7 @@
 //! | waiting: running without its student | the return of the same token, `resume_within` |
 //! | ending: the recording is being finished | its end |
 
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
@@ -137,6 +137,7 @@ impl Station {
 
     /// Runs the station until the server ends and its session is finished.
     pub async fn run(&mut self) {
+        self.show();
         let mut stage = self.shared.stage.clone();
         let mut check = tokio::time::interval(CHECK);
         check.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -199,7 +200,7 @@ impl Station {
                 exams,
                 reply,
             } => self.instruct(by, instruction, exams, reply),
-            ToStation::Plan(plan) => self.plan = Arc::new(*plan),
+            ToStation::Plan(plan) => self.set_plan(*plan),
             ToStation::Provoke(Provoked::Station) => panic!("a fault that a test provokes"),
             ToStation::Provoke(fault) => {
                 if let State::Running(session) = &self.state {
@@ -208,6 +209,20 @@ impl Station {
             }
         }
         self.publish();
+    }
+
+    /// Takes a plan for the next session. Displays of a free station show its scene at rest.
+    pub(super) fn set_plan(&mut self, plan: SessionPlan) {
+        self.plan = Arc::new(plan);
+        self.show();
+    }
+
+    fn show(&self) {
+        if let (State::Free, Some(display)) = (&self.state, &self.plan.display) {
+            let feed = self.behind.feed.lock();
+            let mut feed = feed.unwrap_or_else(PoisonError::into_inner);
+            feed.begin(display.clone());
+        }
     }
 
     /// Epoch of the attached student.
@@ -361,6 +376,7 @@ impl Station {
             predecessor,
             live: self.live.clone(),
             events: self.behind.events.clone(),
+            feed: self.behind.feed.clone(),
         };
         let begin = Begin {
             epoch,

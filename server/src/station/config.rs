@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sulcus_core::{Scene, TickInput};
+use sulcus_display::Display;
 use sulcus_proto::limits::NAME_BYTES;
 use sulcus_proto::ticket::hex;
 use sulcus_sessions::Mode;
@@ -44,7 +45,7 @@ impl Default for Exercise {
 }
 
 /// Plan of a station's sessions, ready to run: exercise, compiled scene, rules.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct SessionPlan {
     /// Revision, from 1 on; each change of a station's plan takes the next number.
     pub revision: u32,
@@ -79,6 +80,8 @@ pub struct SessionPlan {
     pub changed: Option<Changed>,
     /// Whether the patient is drawn anew for each session.
     pub renews: bool,
+    /// Scene for displays; `None`: the station has no feed.
+    pub display: Option<Arc<Display>>,
     /// Cost of a tick on this machine, for admission; `None`: not measured, and always admitted.
     pub cost: Option<Cost>,
 }
@@ -113,6 +116,7 @@ impl SessionPlan {
             force_limit_n: 0.0,
             changed: None,
             renews: false,
+            display: None,
             cost: None,
         }
     }
@@ -164,7 +168,7 @@ impl SessionPlan {
 }
 
 /// Configuration of one station.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct StationConfig {
     /// Name in recordings, at most 256 bytes; unique in a server.
     pub name: String,

@@ -1,6 +1,6 @@
 //! Door of a station: messages to its task, its newest status, its levels. Connections hold doors and no station.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use sulcus_proto::control::{Answer, DeviceInfo, EndReason, Goodbye, Instruction, Refused, Say};
 use sulcus_proto::station::{StationEvent, StationStatus};
@@ -8,6 +8,7 @@ use sulcus_proto::{PROTOCOL_VERSION, SessionSummary};
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
 use crate::state::Grant;
+use crate::outlets::feed::{Feed, FeedPublisher};
 use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
 use crate::session::running::Ports;
@@ -107,6 +108,7 @@ pub struct Door {
     to_station: mpsc::Sender<ToStation>,
     status: watch::Receiver<StationStatus>,
     events: broadcast::Sender<StationEvent>,
+    feed: Feed,
 }
 
 /// The station's ends of a door.
@@ -117,6 +119,8 @@ pub(crate) struct Behind {
     pub status: watch::Sender<StationStatus>,
     /// Events for instructors. Without listeners an event is dropped.
     pub events: broadcast::Sender<StationEvent>,
+    /// Writer of the feed for displays; the recorder's thread of a session uses it.
+    pub feed: Arc<Mutex<FeedPublisher>>,
 }
 
 impl Door {
@@ -129,17 +133,20 @@ impl Door {
         };
         let (status_in, status) = watch::channel(first);
         let (events, _) = broadcast::channel(EVENTS);
+        let (publisher, feed) = FeedPublisher::new();
         let door = Self {
             name: name.into(),
             levels: Levels::default(),
             to_station,
             status,
             events: events.clone(),
+            feed,
         };
         let behind = Behind {
             messages,
             status: status_in,
             events,
+            feed: Arc::new(Mutex::new(publisher)),
         };
         (door, behind)
     }
@@ -147,6 +154,11 @@ impl Door {
     /// Newest status.
     pub fn status(&self) -> StationStatus {
         self.status.borrow().clone()
+    }
+
+    /// Feed of the station, for one display.
+    pub(crate) fn feed(&self) -> Feed {
+        self.feed.clone()
     }
 
     /// Events from now on.

@@ -1,6 +1,5 @@
 //! Instructions of instructors to a station, each answered with the first tick that obeys it.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -214,7 +213,7 @@ impl Station {
         let Prepared { plan, reply } = prepared;
         let answer = match plan {
             Ok(plan) => {
-                self.plan = Arc::new(plan);
+                self.set_plan(plan);
                 taken(0)
             }
             Err(why) => {

@@ -2,7 +2,7 @@
 
 use sulcus_core::{Scene, TickOutput};
 
-use crate::record::channels::{Sampler, Shapes, Views};
+use crate::record::channels::{Moved, Sampler, Shapes, Views};
 use crate::record::message::Level;
 use crate::record::occurrence::Occurrence;
 use crate::record::recorder::{Finished, RecordError, Recorder};
@@ -51,6 +51,17 @@ impl SessionWriter {
     /// Copier of tissue shapes, for the thread that ticks.
     pub fn sampler(&self) -> Sampler {
         self.views.sampler()
+    }
+
+    /// Computes the places of the spheres for a copy of the shapes, for other outlets. [`SessionWriter::tick`] of the
+    /// same tick does not compute them again.
+    pub fn follow(&mut self, shapes: &Shapes) -> &Moved {
+        self.views.follow(shapes)
+    }
+
+    /// Places of the spheres after the last copy of the shapes.
+    pub fn moved(&self) -> &Moved {
+        self.views.moved()
     }
 
     /// Writes a tick with its occurrences.

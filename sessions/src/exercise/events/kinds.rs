@@ -13,7 +13,7 @@ pub(super) const LEFT_SITE: &str = "left_site";
 /// Kind: the tip left the pocket between two zones of a side.
 pub(super) const WITHDRAWN: &str = "withdrawn";
 /// Kind: a site bleeds.
-pub(super) const BLEEDING: &str = "bleeding";
+pub const BLEEDING: &str = "bleeding";
 /// Kind: the target becomes visible.
 pub(super) const TARGET_VISIBLE: &str = "target_visible";
 /// Kind: the target becomes hidden.

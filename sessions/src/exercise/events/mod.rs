@@ -35,7 +35,7 @@ use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Vec3, Workspace};
 use crate::exercise::Exercise;
 use crate::record::occurrence::Occurrence;
 
-pub use kinds::{FORCE_LIMIT, KINDS, LEVELS, LOST, PAUSED, RESUMED, may_a_client_say};
+pub use kinds::{BLEEDING, FORCE_LIMIT, KINDS, LEVELS, LOST, PAUSED, RESUMED, may_a_client_say};
 pub use sight::Look;
 pub use standing::Standing;
 pub use tally::Tally;

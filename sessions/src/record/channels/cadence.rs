@@ -8,7 +8,7 @@ pub const WRENCHES_HZ: f64 = 125.0;
 
 /// Grid of due ticks: the first tick at or behind each multiple of a number of ticks, also after skipped ticks.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cadence {
+pub struct Cadence {
     every: u64,
     next: u64,
 }

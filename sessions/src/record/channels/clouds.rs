@@ -1,10 +1,10 @@
 //! Spheres as point clouds: at rest once, then at their places while their tissue is awake.
 
 use foxglove::messages::PointCloud;
-use sulcus_core::tissue::Tissue;
-use sulcus_core::{Object, SphereTree, Vec3};
+use sulcus_core::{SphereTree, Vec3};
 
 use super::foxglove_types::cloud;
+use super::moved::MovedTissue;
 use super::topics::WORLD;
 
 /// Largest number of points of one object. A finer tree is shown at a coarser level.
@@ -38,56 +38,29 @@ fn put(data: &mut Vec<u8>, centre: &Vec3) {
 }
 
 /// Point cloud of one tissue.
+#[derive(Default)]
 pub(super) struct Cloud {
-    model: Box<dyn Tissue>,
-    /// Configuration at rest: zeros.
-    rest: Vec<f64>,
-    ids: Vec<u32>,
-    centres: Vec<Vec3>,
     /// Points of the last message.
     last: Vec<u8>,
     awake: bool,
 }
 
 impl Cloud {
-    /// Cloud of an object with ticks of `tick_s` seconds; `None` for a rigid object.
-    pub fn new(object: &Object, tick_s: f64) -> Option<Self> {
-        let model = object.tissue.ready(&object.tree, object.level, tick_s)?;
-        let level = shown_level(&object.tree, object.level);
-        let ids: Vec<u32> = object.tree.shape_at(level).map(|(id, _)| id).collect();
-        Some(Self {
-            rest: vec![0.0; model.shape_len()],
-            model,
-            centres: vec![Vec3::zeros(); ids.len()],
-            ids,
-            last: Vec::new(),
-            awake: false,
-        })
-    }
-
-    /// Message for the configuration after a tick, or for sleeping tissue (`None`). No message if the points are those
-    /// of the last one.
-    pub fn after(&mut self, unix_ns: u64, shape: Option<&[f64]>) -> Option<PointCloud> {
-        let awake = shape.is_some();
+    /// Message for the tissue after a copy of its shape. No message if the points are those of the last one.
+    pub fn after(&mut self, unix_ns: u64, tissue: &MovedTissue) -> Option<PointCloud> {
+        let awake = tissue.is_awake();
         if !awake && !self.awake {
             return None;
         }
         self.awake = awake;
-        let data = self.points(shape);
+        let mut data = Vec::with_capacity(12 * tissue.shown().len());
+        for centre in tissue.shown() {
+            put(&mut data, centre);
+        }
         if data == self.last {
             return None;
         }
         self.last.clone_from(&data);
         Some(cloud(unix_ns, WORLD, &["x", "y", "z"], data))
-    }
-
-    fn points(&mut self, shape: Option<&[f64]>) -> Vec<u8> {
-        let shape = shape.unwrap_or(&self.rest);
-        self.model.centres(shape, &self.ids, &mut self.centres);
-        let mut data = Vec::with_capacity(12 * self.centres.len());
-        for centre in &self.centres {
-            put(&mut data, centre);
-        }
-        data
     }
 }

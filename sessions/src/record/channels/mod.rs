@@ -28,11 +28,12 @@
 //! # Threads
 //! [`Sampler`] runs in the thread that ticks. It copies numbers into memory that was allocated beforehand ([`Shapes`]):
 //! awake tissues, their configurations, contacts under load. [`Views`] computes the places of spheres in the recorder's
-//! thread.
+//! thread ([`Moved`]). The feed for displays takes the same places: [`Views::follow`].
 
 mod cadence;
 mod clouds;
 pub(crate) mod foxglove_types;
+mod moved;
 mod names;
 mod own_types;
 mod shapes;
@@ -40,7 +41,8 @@ mod tool;
 pub(crate) mod topics;
 mod views;
 
-pub use cadence::{FRAMES_HZ, WRENCHES_HZ};
+pub use cadence::{Cadence, FRAMES_HZ, WRENCHES_HZ};
+pub use moved::{Moved, MovedTissue};
 pub(crate) use names::paths;
 pub use own_types::v1;
 pub use shapes::{Sampler, Shapes};

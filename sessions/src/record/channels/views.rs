@@ -7,6 +7,7 @@ use sulcus_core::{MAX_TOOLS, Scene, TickOutput};
 use super::cadence::{Cadence, FRAMES_HZ, WRENCHES_HZ};
 use super::clouds::{Cloud, at_rest, shown_level};
 use super::foxglove_types::{pose_in_world, schema_of, transform};
+use super::moved::Moved;
 use super::names::paths;
 use super::own_types::v1::{Contacts, SessionMetrics};
 use super::shapes::{Sampler, Shapes};
@@ -19,6 +20,7 @@ use crate::record::schema::view;
 /// Channels for viewers of one session.
 pub struct Views {
     sampler: Sampler,
+    moved: Moved,
     frames: Cadence,
     wrenches: Cadence,
     tools: Vec<ToolView>,
@@ -82,21 +84,23 @@ impl Views {
                 touched: false,
             });
         }
+        let moved = Moved::new(scene);
         let mut objects = Vec::new();
         let names = paths(scene.objects.iter().map(|object| object.name.as_str()));
-        for (object, name) in scene.objects.iter().zip(&names) {
+        for (k, (object, name)) in scene.objects.iter().zip(&names).enumerate() {
             let channel = recorder.add_view(&format!("/objects/{name}/spheres"), &points)?;
             let level = shown_level(&object.tree, object.level);
             let cloud = at_rest(began_unix_ns, WORLD, &object.tree, level);
             recorder.view(channel, began_unix_ns, &cloud)?;
             objects.push(ObjectView {
-                cloud: Cloud::new(object, scene.tick_s()),
+                cloud: moved.of(k).map(|_| Cloud::default()),
                 channel,
             });
         }
         let frames = schema_of::<FrameTransforms>("foxglove.FrameTransforms");
         Ok(Self {
             sampler: Sampler::new(scene),
+            moved,
             frames: Cadence::new(FRAMES_HZ, scene.tick_s()),
             wrenches: Cadence::new(WRENCHES_HZ, scene.tick_s()),
             tools,
@@ -106,6 +110,17 @@ impl Views {
             skipped: 0,
             longest_tick_ns: 0,
         })
+    }
+
+    /// Computes the places of the spheres for a copy of the shapes. [`Views::tick`] uses the same places.
+    pub fn follow(&mut self, shapes: &Shapes) -> &Moved {
+        self.moved.follow(shapes);
+        &self.moved
+    }
+
+    /// Places of the spheres after the last copy of the shapes.
+    pub fn moved(&self) -> &Moved {
+        &self.moved
     }
 
     /// Copier of shapes for the thread that ticks.
@@ -208,13 +223,12 @@ impl Views {
             }
             view.touched = touches;
         }
+        self.moved.follow(shapes);
         for (k, object) in self.objects.iter_mut().enumerate() {
-            let Some(cloud) = &mut object.cloud else {
+            let (Some(cloud), Some(tissue)) = (&mut object.cloud, self.moved.of(k)) else {
                 continue;
             };
-            let mut shape = shapes.configurations();
-            let shape = shape.find(|(of, _)| *of == k).map(|(_, shape)| shape);
-            if let Some(points) = cloud.after(now, shape) {
+            if let Some(points) = cloud.after(now, tissue) {
                 recorder.view(object.channel, now, &points)?;
             }
         }

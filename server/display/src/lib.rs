@@ -1,0 +1,31 @@
+//! Content of a student's screen: a scene without hidden truth, and frames of its moving shapes.
+//!
+//! - [`Display`] makes the `DisplayScene` of a compiled scene, once for each session's plan.
+//! - [`Frames`] makes a `DisplayFrame` 62.5 times a second from the outputs of ticks and the places of spheres.
+//!
+//! # Hidden truth
+//! A compiled scene holds prescribed depths, bleeding, furcations and the floors of pockets. Its spheres lie where the
+//! depths put them, and their number depends on the depths. Therefore nothing of a gingiva is sent as compiled:
+//! - Its mesh is drawn anew from teeth and visible margins ([`sulcus_scene::anatomy::mouth::drawn_gingivae`]).
+//! - Its mesh follows *handles*, places on that mesh. The displacement of a handle is interpolated from the spheres
+//!   here, at the server.
+//! - A place bleeds in a frame after the event `bleeding`, which the probe has caused.
+//!
+//! Two patients who differ only in hidden values have the same scene, byte for byte. Their frames are the same bytes
+//! until a tool meets tissue that differs. A difference in bleeding alone shows when the probe has left the site.
+//!
+//! Tissue differs from tooth to tooth, not from site to site. The spheres round a tooth depend on all six depths of
+//! this tooth, and beside a neighbour on the neighbour's depths.
+//!
+//! # Limits
+//! A gingiva that is a mesh of a scene file has no visible margin apart from its mesh. Wall and floor of its pocket are
+//! cut away. The rest of its mesh is sent as the file has it.
+
+mod clipped;
+mod display;
+mod frames;
+mod handles;
+mod spots;
+
+pub use display::Display;
+pub use frames::Frames;
