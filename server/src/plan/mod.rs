@@ -3,7 +3,7 @@
 //! - [`Plan`]: exercise, patient, mode, learner and limits of the next session of a station
 //! - [`StationsFile`]: stations and their plans in a file for `serve --config`
 //! - [`PlanBook`]: present plans of all stations, with revisions, kept in the state folder
-//! - [`prepare`]: scene, exercise and rubric of a plan, loaded and compiled
+//! - [`prepare()`]: scene, exercise and rubric of a plan, loaded and compiled
 //!
 //! # Rules
 //! - A change takes effect with the next session.
