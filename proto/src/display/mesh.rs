@@ -51,9 +51,11 @@ impl DisplayMesh {
             (low, high) = (*first, *first);
         }
         for vertex in vertices {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(vertex[axis]);
-                high[axis] = high[axis].max(vertex[axis]);
+            for (low, x) in low.iter_mut().zip(vertex) {
+                *low = low.min(*x);
+            }
+            for (high, x) in high.iter_mut().zip(vertex) {
+                *high = high.max(*x);
             }
         }
         let longest = (0..3).fold(0.0f32, |most, k| most.max(high[k] - low[k]));

@@ -1,7 +1,7 @@
 //! The receiving end of a display's feed: the scene, and the newest frame for the window.
 //!
 //! A display holds a QUIC connection of its own beside the haptic link, in a runtime of its own: a scene of megabytes
-//! must not delay a wrench. [`transport`] has the settings of this connection. [`receive`] runs on it after the
+//! must not delay a wrench. [`transport`] has the settings of this connection. [`receive()`] runs on it after the
 //! server's answer on the control stream. The client's hello lists [`Cache::known`]; the server sends no scene that the
 //! cache has.
 //!

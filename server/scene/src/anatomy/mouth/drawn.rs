@@ -65,8 +65,8 @@ fn of_mouth(object: &sulcus_core::Object) -> Option<(u8, &Gingiva)> {
 
 fn same(a: &ToothFrame, b: &ToothFrame) -> bool {
     let of = |f: &ToothFrame| [f.origin, f.axis, f.mesial, f.buccal];
-    let pairs = of(a).into_iter().zip(of(b));
-    pairs.into_iter().all(|(a, b)| (a - b).norm() <= SAME)
+    let mut pairs = of(a).into_iter().zip(of(b));
+    pairs.all(|(a, b)| (a - b).norm() <= SAME)
 }
 
 fn drawn(all: &[Standing], k: usize, model: &Gingiva) -> DrawnGingiva {
