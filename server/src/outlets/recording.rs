@@ -416,6 +416,7 @@ mod tests {
             hash: 0,
             wrench: Default::default(),
             status: Default::default(),
+            device: Default::default(),
         };
         for tick in [1, 2, 2] {
             entries

@@ -68,6 +68,7 @@ pub struct Recording {
     pub(crate) header: SessionHeader,
     pub(crate) header_digest: [u8; 32],
     pub(crate) migration: Option<Migration>,
+    pub(crate) format: u32,
     pub(crate) signer: PublicKey,
     /// First bytes of the header's attachments and metadata.
     pub(crate) placed: Vec<usize>,
@@ -101,6 +102,16 @@ impl Recording {
     /// Migration of a recording of a former version of the format.
     pub fn migration(&self) -> Option<Migration> {
         self.migration
+    }
+
+    /// Version of the format in the header.
+    pub fn format(&self) -> u32 {
+        self.format
+    }
+
+    /// BLAKE3 of all bytes of the file.
+    pub fn blake3(&self) -> [u8; 32] {
+        *blake3::hash(&self.bytes).as_bytes()
     }
 
     /// Compiled scene, validated.

@@ -105,6 +105,7 @@ fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadError> {
         header: checked.header,
         header_digest: checked.digest,
         migration: checked.migration,
+        format: checked.format,
         signer: checked.signer,
         placed,
         pieces,

@@ -34,7 +34,7 @@ mod cadence;
 mod clouds;
 pub(crate) mod foxglove_types;
 mod names;
-mod own_types;
+pub(crate) mod own_types;
 mod shapes;
 mod tool;
 pub(crate) mod topics;
