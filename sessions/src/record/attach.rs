@@ -1,5 +1,6 @@
 //! Gaps of the connection in the log: events when the student is gone and back, and the absences that they mark.
 
+use serde::Serialize;
 use serde_json::json;
 
 use crate::record::message::Message;
@@ -72,7 +73,7 @@ impl Occurrence {
 }
 
 /// Time without the student, in ticks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Absence {
     /// First tick without the student.
     pub from: u64,

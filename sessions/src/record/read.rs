@@ -27,6 +27,8 @@ pub use error::ReadError;
 pub struct Facts {
     /// Number of rows.
     pub rows: u64,
+    /// Number of samples of devices in the rows.
+    pub device_samples: u64,
     /// Number of snapshots.
     pub snapshots: u64,
     /// Number of lines in the log, without the hash over the channels for viewers.
