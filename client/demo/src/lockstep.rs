@@ -5,15 +5,17 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
 use sulcus_cases::Observer;
-use sulcus_core::{NoProbe, RawPose, Scene, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
+use sulcus_core::{
+    NoProbe, RawPose, Scene, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
+};
 use sulcus_link::Times;
 use sulcus_link::clock::thread_cpu_ns;
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{
-    DeviceFacts, DeviceSample, Events, Limits, RecordedTick, Recorder, Row, SessionEnd, SessionHeader, SessionWriter, Shapes,
-    StationKey,
+    DeviceFacts, DeviceSample, Events, Limits, RecordedTick, Recorder, Row, SessionEnd,
+    SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
 use crate::calls::calls;

@@ -2,6 +2,7 @@
 
 mod common;
 mod events;
+mod gaps;
 mod grades;
 mod heavy_hand;
 mod levels;

@@ -80,7 +80,9 @@ pub fn export(
         };
         for message in recording.messages() {
             match message.map_err(ReplayError::from)? {
-                Message::Event(event) if Sum::parse(&event.text).is_none() => events.line(&event)?,
+                Message::Event(event) if Sum::parse(&event.text).is_none() => {
+                    events.line(&event)?
+                }
                 Message::Row(row) => devices.as_mut().map_or(Ok(()), |table| table.row(&row))?,
                 _ => {}
             }

@@ -171,9 +171,8 @@ impl Evidence {
         let left_out = if self.clock_runs { 0 } else { self.away.ticks };
         let at_s = output.tick.saturating_sub(first + left_out) as f64 * tick_s;
         let away = events.away();
-        let present = |t: usize| {
-            output.tools[t].status & status::ABSENT == 0 && away.of(t) != Presence::Away
-        };
+        let present =
+            |t: usize| output.tools[t].status & status::ABSENT == 0 && away.of(t) != Presence::Away;
         let held = |t: &usize| *t < scene.tools.len() && present(*t);
 
         let mut standing = None;

@@ -46,10 +46,16 @@ impl Felt {
         let much = |percent: Option<f64>| {
             percent.filter(|percent| self.compared_s >= LEAST_S && *percent > MUCH_PERCENT)
         };
-        let of = [(self.below_percent, "less than 90 %"), (self.above_percent, "more than 111 %")];
+        let of = [
+            (self.below_percent, "less than 90 %"),
+            (self.above_percent, "more than 111 %"),
+        ];
         let said = of.into_iter().filter_map(|(percent, what)| {
             let percent = much(percent)?;
-            Some(format!("{what} of the sent force in {percent:.0} % of {:.0} s", self.compared_s))
+            Some(format!(
+                "{what} of the sent force in {percent:.0} % of {:.0} s",
+                self.compared_s
+            ))
         });
         said.collect::<Vec<_>>().join("; ")
     }
@@ -88,7 +94,10 @@ impl Feeling {
             let [x, y, z, ..] = row.wrench[t].map(f64::from);
             let force = (x * x + y * y + z * z).sqrt();
             let sent = &mut self.sent[t];
-            while sent.front().is_some_and(|(tick, _)| tick + ticks < row.tick) {
+            while sent
+                .front()
+                .is_some_and(|(tick, _)| tick + ticks < row.tick)
+            {
                 sent.pop_front();
             }
             sent.push_back((row.tick, force));
@@ -128,9 +137,8 @@ impl Feeling {
     /// Facts so far; `None` without a sample.
     pub fn felt(&self) -> Option<Felt> {
         let felt = self.felt;
-        let share = |part: f64| {
-            (felt.compared_s > 0.0).then(|| rounded(100.0 * part / felt.compared_s, 1))
-        };
+        let share =
+            |part: f64| (felt.compared_s > 0.0).then(|| rounded(100.0 * part / felt.compared_s, 1));
         (felt.samples > 0).then(|| Felt {
             largest_force_n: rounded(felt.largest_force_n, 3),
             compared_s: rounded(felt.compared_s, 2),
@@ -153,7 +161,7 @@ mod tests {
         let sent: Vec<f32> = (0..4000)
             .map(|k| (0.5 + 0.4 * libm::sin(f64::from(k) * 3e-3)) as f32)
             .collect();
-        for k in 0..4000 {
+        for k in 0..4000_usize {
             let displayed = k.checked_sub(late).map_or(0.0, |k| sent[k] * share as f32);
             let sample = DeviceSample {
                 sequence: k as u32,
@@ -180,7 +188,10 @@ mod tests {
             assert_eq!(felt.samples, 2000);
             assert!((felt.compared_s - 4.0).abs() < 2e-3, "{felt:?}");
             assert!(felt.below_percent <= Some(1.0), "{late}: {felt:?}");
-            assert_eq!((felt.above_percent, felt.reservation().as_str()), (Some(0.0), ""));
+            assert_eq!(
+                (felt.above_percent, felt.reservation().as_str()),
+                (Some(0.0), "")
+            );
             assert!((felt.largest_force_n - 0.9).abs() < 1e-3);
         }
         let weak = session(0.5, 3);
@@ -204,7 +215,10 @@ mod tests {
         let row = Row::from_bytes(&bytes).expect("a row");
         feeling.row(&row.with_device([Some(sample), None]));
         let felt = feeling.felt().expect("a sample");
-        assert_eq!((felt.samples, felt.invalid, felt.largest_force_n), (1, 1, 0.0));
+        assert_eq!(
+            (felt.samples, felt.invalid, felt.largest_force_n),
+            (1, 1, 0.0)
+        );
         assert_eq!(felt.below_percent, None);
     }
 }

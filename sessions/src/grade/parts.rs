@@ -86,7 +86,10 @@ pub fn unlinked(parts: &[&Recording]) -> Option<String> {
         }
         let same = [
             ("scene", a.scene == b.scene),
-            ("exercise", a.exercise == b.exercise && a.exercise_name == b.exercise_name),
+            (
+                "exercise",
+                a.exercise == b.exercise && a.exercise_name == b.exercise_name,
+            ),
             ("patient", a.patient == b.patient),
             ("rubric", a.rubric == b.rubric),
             ("learner", a.learner_id == b.learner_id),
@@ -116,11 +119,18 @@ mod tests {
     fn recordings_are_put_together_in_any_order() {
         let hash = |k: u8| [k; 32];
         // 3 continues 2, and 2 continues 1; 4 stands alone, and 5 continues one that is not there.
-        let items = [(3, Some(2)), (4, None), (1, None), (5, Some(9)), (2, Some(1))];
+        let items = [
+            (3, Some(2)),
+            (4, None),
+            (1, None),
+            (5, Some(9)),
+            (2, Some(1)),
+        ];
         let items = items.map(|(own, of)| (hash(own), of.map(hash)));
         assert_eq!(sessions(&items), [vec![2, 4, 0], vec![1], vec![3]]);
         // Two continuations of one recording: the second lacks its beginning.
-        let items = [(1, None), (2, Some(1)), (3, Some(1))].map(|(own, of)| (hash(own), of.map(hash)));
+        let items =
+            [(1, None), (2, Some(1)), (3, Some(1))].map(|(own, of)| (hash(own), of.map(hash)));
         assert_eq!(sessions(&items), [vec![0, 1], vec![2]]);
         // A copy continues the first of its copies, and a recording cannot continue itself.
         let items = [(1, None), (1, None), (2, Some(2))].map(|(own, of)| (hash(own), of.map(hash)));

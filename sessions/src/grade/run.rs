@@ -6,10 +6,10 @@ use sulcus_core::scene::displayable::too_stiff;
 use sulcus_core::tissue::TissueModel;
 
 use super::advice::advice;
-use super::felt::{Feeling, Felt};
-use super::parts::{PartFacts, unlinked};
 use super::definitions::{Definition, find};
+use super::felt::{Feeling, Felt};
 use super::measured::Measured;
+use super::parts::{PartFacts, unlinked};
 use super::patient::PatientChart;
 use super::report::{CriticalError, Gaps, Grade, MetricGrade, Migrated, Standard, Thresholds};
 use super::score::{happened, score, total};
@@ -27,9 +27,7 @@ use crate::record::message::Message;
 use crate::record::occurrence::Occurrence;
 use crate::record::read::{ReadError, Recording};
 use crate::record::written::WrittenError;
-use crate::replay::{
-    ReplayError, ReplayOptions, ReplayReport, replay_observed, why_not_continued,
-};
+use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed, why_not_continued};
 
 /// Version of this program's measures: the beginning of a hash over the sources of tick, events, exercise and grade.
 pub const MEASURES_SOURCE: &str = env!("SULCUS_MEASURES_SOURCE");

@@ -99,7 +99,9 @@ impl Watcher {
             // Bleeding that appears in a pause, or after it, comes from before the pause.
             let counts = said.kind == BLEEDING || self.paused.is_none();
             // Behind a gap the force of the ramp is judged at its end.
-            let tool = said.data["tool"].as_u64().and_then(|tool| usize::try_from(tool).ok());
+            let tool = said.data["tool"]
+                .as_u64()
+                .and_then(|tool| usize::try_from(tool).ok());
             let unfelt = said.kind == FORCE_ZONE
                 && tool.is_some_and(|tool| self.unfelt.get(tool) == Some(&true));
             if counts

@@ -69,7 +69,10 @@ pub(crate) fn open_row(outer: &[u8]) -> Option<Row> {
 
 /// Calls `visit` with number and bytes of every field of bytes; `None` if the bytes are no protobuf message, or if
 /// `visit` gives none.
-fn fields<'a>(mut outer: &'a [u8], mut visit: impl FnMut(u32, &'a [u8]) -> Option<()>) -> Option<()> {
+fn fields<'a>(
+    mut outer: &'a [u8],
+    mut visit: impl FnMut(u32, &'a [u8]) -> Option<()>,
+) -> Option<()> {
     while !outer.is_empty() {
         let (field, wire) = decode_key(&mut outer).ok()?;
         if wire == WireType::LengthDelimited {
@@ -89,7 +92,6 @@ mod tests {
     use super::*;
     use crate::record::channels::v1::ExactRow;
     use proptest::prelude::*;
-    use prost::Message as _;
 
     #[test]
     fn other_encodings_of_the_same_message_open_to_the_same_bytes() {

@@ -312,7 +312,7 @@ mod tests {
         let files = header.attachments();
         let files = files.map(|(name, bytes)| (name.to_owned(), bytes.to_vec()));
         let files = BTreeMap::from(files);
-        let read = |pairs| SessionHeader::from_metadata(pairs, &files);
+        let read = |pairs: &BTreeMap<String, String>| SessionHeader::from_metadata(pairs, &files);
         assert_eq!(read(&pairs), Ok((header, signer)));
         for (key, value) in [
             (DEVICES, "[{}]"),

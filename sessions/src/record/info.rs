@@ -180,7 +180,11 @@ impl Info {
             writeln!(f, "  device     {device}")?;
         }
         if self.device_samples > 0 {
-            writeln!(f, "  samples    {} poses with the displayed wrench", self.device_samples)?;
+            writeln!(
+                f,
+                "  samples    {} poses with the displayed wrench",
+                self.device_samples
+            )?;
         }
         if let Some(limits) = &self.limits {
             writeln!(f, "  limits     {limits}")?;

@@ -53,7 +53,11 @@ impl fmt::Display for PlanFacts {
             self.name.escape_debug(),
             self.revision.escape_debug(),
             self.resume_within_s,
-            if self.clock_runs_in_gaps { "runs" } else { "stops" }
+            if self.clock_runs_in_gaps {
+                "runs"
+            } else {
+                "stops"
+            }
         )?;
         if let Some(PlanChange { unix_ns, by }) = &self.changed {
             let at = utc(*unix_ns);

@@ -72,6 +72,11 @@ impl<'de> Deserialize<'de> for Predecessor {
 
 impl fmt::Display for Predecessor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} (blake3 {})", self.file.escape_debug(), hex(&self.blake3))
+        write!(
+            f,
+            "{} (blake3 {})",
+            self.file.escape_debug(),
+            hex(&self.blake3)
+        )
     }
 }

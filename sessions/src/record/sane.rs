@@ -16,7 +16,9 @@ pub(crate) fn no_less_than_zero(field: &str, x: f64) -> Result<(), String> {
     if x.is_finite() && x >= 0.0 {
         return Ok(());
     }
-    Err(format!("{field} is {x}, expected a finite number from 0 on"))
+    Err(format!(
+        "{field} is {x}, expected a finite number from 0 on"
+    ))
 }
 
 /// Checks the length of a text.

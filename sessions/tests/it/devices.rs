@@ -7,7 +7,11 @@ use prost::Message as _;
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
 use sulcus_core::{NoProbe, State, TickOutput, Workspace, tick};
 use sulcus_sessions::record::channels::v1::{ExactRow, Vector};
-use sulcus_sessions::*;
+use sulcus_sessions::{
+    Absence, Detached, DeviceFacts, DeviceSample, Limits, Message, Occurrence, PlanFacts,
+    RecordedTick, Recorder, Recording, ReplayOptions, ReplayReport, Row, SessionEnd, SessionHeader,
+    SessionWriter, Signature, info, replay,
+};
 
 use crate::common::program::*;
 use crate::common::*;
@@ -73,7 +77,9 @@ fn recorded(ticks: u64) -> Vec<u8> {
             cpu_ns: 1000,
             shapes: None,
         };
-        writer.tick(&scene, &tick, gone.into_iter().chain(back)).unwrap();
+        writer
+            .tick(&scene, &tick, gone.into_iter().chain(back))
+            .unwrap();
     }
     let end = SessionEnd {
         ticks,
@@ -116,7 +122,13 @@ fn every_pose_is_recorded_once_with_what_the_hand_felt() {
     assert_eq!(recording.format(), 6);
     let told = info(Path::new("x.mcap"), &recording).unwrap();
     assert_eq!(told.device_samples, 200);
-    assert_eq!(told.absences, [Absence { from: 295, to: Some(298) }]);
+    assert_eq!(
+        told.absences,
+        [Absence {
+            from: 295,
+            to: Some(298)
+        }]
+    );
     assert_eq!(told.attach_epoch, Some(2));
     let text = told.to_string();
     for words in [
@@ -177,7 +189,11 @@ fn no_sample_can_be_changed_left_out_or_added_unseen() {
         },
         &|row| {
             if of(50)(row) {
-                row.samples[0].force_n = Some(Vector { x: 0.0, y: 0.0, z: 0.1 });
+                row.samples[0].force_n = Some(Vector {
+                    x: 0.0,
+                    y: 0.0,
+                    z: 0.1,
+                });
             }
         },
     ];
@@ -227,10 +243,16 @@ fn a_stock_decoder_reads_the_fields_and_may_write_them_anew() {
             panic!("samples are no list");
         };
         for one in list {
-            let Value::Message(one) = one else { panic!("no message") };
+            let Value::Message(one) = one else {
+                panic!("no message")
+            };
             let field = |name: &str| one.get_field_by_name(name).unwrap().into_owned();
-            let Value::U64(tick) = field("tick") else { panic!("no tick") };
-            let Value::Message(force) = field("force_n") else { panic!("no force") };
+            let Value::U64(tick) = field("tick") else {
+                panic!("no tick")
+            };
+            let Value::Message(force) = field("force_n") else {
+                panic!("no force")
+            };
             let z = force.get_field_by_name("z").unwrap().as_f32().unwrap();
             assert_eq!(z, sample(tick).displayed[2]);
             assert_eq!(field("age_us"), Value::U32(300));
@@ -259,7 +281,12 @@ fn the_samples_are_exported_as_a_table() {
     assert_eq!(json_of(&output)["device_lines"], 40);
     let table = std::fs::read_to_string(out.join("devices.csv")).unwrap();
     let mut lines = table.lines();
-    assert!(lines.next().unwrap().starts_with("tick,time_s,tool,name,sequence,"));
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("tick,time_s,tool,name,sequence,")
+    );
     assert_eq!(
         lines.next(),
         Some("1,0,0,rod,1,1000017,300,0,0,0.251,0,-0.01,0")
@@ -288,7 +315,10 @@ fn the_facts_of_the_header_are_signed() {
             },
         );
         let report = replayed(forged);
-        assert!(matches!(report.signature, Signature::Invalid { .. }), "{key}");
+        assert!(
+            matches!(report.signature, Signature::Invalid { .. }),
+            "{key}"
+        );
     }
     let broken = rewritten(
         &bytes,

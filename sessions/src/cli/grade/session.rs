@@ -100,11 +100,7 @@ fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
 ///
 /// # Errors
 /// The recording cannot be graded with these options, or the file beside it belongs to another grade.
-pub(super) fn one(
-    session: &SessionFiles,
-    args: &GradeArgs,
-    asked: &Asked,
-) -> anyhow::Result<One> {
+pub(super) fn one(session: &SessionFiles, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
     let path = session.last.as_path();
     let recording = open(path)?;
     let before: Vec<Recording> = session

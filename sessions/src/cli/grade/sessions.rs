@@ -40,5 +40,8 @@ pub(super) fn sessions(files: &[PathBuf]) -> Vec<SessionFiles> {
             before: before.iter().map(|k| files[*k].clone()).collect(),
         })
     };
-    parts::sessions(&items).into_iter().filter_map(group).collect()
+    parts::sessions(&items)
+        .into_iter()
+        .filter_map(group)
+        .collect()
 }

@@ -89,7 +89,12 @@ impl Away {
         }
         let waited = self.met.is_some_and(|met| since(met) > LONGEST_WAY_S);
         let mut met = None;
-        for (hand, tool) in self.hands.iter_mut().zip(&output.tools).take(scene.tools.len()) {
+        for (hand, tool) in self
+            .hands
+            .iter_mut()
+            .zip(&output.tools)
+            .take(scene.tools.len())
+        {
             let held = tool.status & status::ABSENT == 0;
             let gone = self.detached || (held && tool.status & status::STALE != 0);
             let ramps = tool.status & status::RAMPING != 0;
@@ -125,7 +130,11 @@ impl Away {
             let there = tool.converged && tool.status & on_its_way == 0;
             if there || since(back) > LONGEST_WAY_S {
                 hand.returned = Some(tick.saturating_sub(hand.last + 1));
-                hand.presence = if ramps { Presence::Settling } else { Presence::Here };
+                hand.presence = if ramps {
+                    Presence::Settling
+                } else {
+                    Presence::Here
+                };
                 (hand.last, hand.back) = (tick, None);
                 met = Some(tick);
             }
@@ -135,7 +144,9 @@ impl Away {
 
     /// Presence at the tool in a slot in the last tick.
     pub fn of(&self, tool: usize) -> Presence {
-        self.hands.get(tool).map_or(Presence::Here, |hand| hand.presence)
+        self.hands
+            .get(tool)
+            .map_or(Presence::Here, |hand| hand.presence)
     }
 
     /// Length of the tool's gap that has ended with the last tick, ticks of the grid; `None` in all other ticks.
@@ -145,7 +156,9 @@ impl Away {
 
     /// Whether any tool is away.
     pub fn any(&self) -> bool {
-        self.hands.iter().any(|hand| hand.presence == Presence::Away)
+        self.hands
+            .iter()
+            .any(|hand| hand.presence == Presence::Away)
     }
 
     /// Whether the student is away: detached, or every held tool is away.

@@ -103,7 +103,10 @@ impl Moves {
     /// Takes the end of a gap of the connection, with the present place of the tip. A tip that is where it was goes on.
     /// Of a tip that has moved, neither the way in the gap nor the move that the gap has cut counts.
     pub fn returns(&mut self, tip: Vec3) {
-        if self.tip.is_some_and(|before| norm(&(tip - before)) <= MOVED) {
+        if self
+            .tip
+            .is_some_and(|before| norm(&(tip - before)) <= MOVED)
+        {
             return;
         }
         self.drop_move();

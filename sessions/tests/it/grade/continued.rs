@@ -16,7 +16,9 @@ const WHOLE: u64 = 3000;
 
 /// The first part, torn as by kill -9: without its end, and in the middle of its last chunk.
 fn torn(path: &Path, ticks: u64, change: impl Fn(&mut SessionHeader)) {
-    drop(begun(path, 0..ticks, WHOLE, key(), |header, _| change(header)));
+    drop(begun(path, 0..ticks, WHOLE, key(), |header, _| {
+        change(header)
+    }));
     let bytes = std::fs::read(path).unwrap();
     std::fs::write(path, &bytes[..bytes.len() - 40]).unwrap();
 }
@@ -56,7 +58,10 @@ fn pair() -> (Place, PathBuf, PathBuf) {
 
 fn graded(last: &Path, before: &[&Path]) -> Grade {
     let last = Recording::open(last).unwrap();
-    let before: Vec<_> = before.iter().map(|path| Recording::open(path).unwrap()).collect();
+    let before: Vec<_> = before
+        .iter()
+        .map(|path| Recording::open(path).unwrap())
+        .collect();
     let before: Vec<&Recording> = before.iter().collect();
     let graded = grade_session(&last, &before, &Options::default(), &mut |_| {});
     graded.unwrap().grade
@@ -88,7 +93,10 @@ fn both_parts_are_one_session_and_each_replays_by_itself() {
     assert_eq!((gaps.count, gaps.clock_ran), (1, false));
     let said = grade.reservations();
     let kinds: Vec<&str> = said.iter().map(|(kind, _)| *kind).collect();
-    assert!(kinds.contains(&"continued after a stop of the station"), "{said:?}");
+    assert!(
+        kinds.contains(&"continued after a stop of the station"),
+        "{said:?}"
+    );
     // The measures are those of the whole session in one recording, but for the tail and the way back to the hand.
     let whole = place.path("whole.mcap");
     record_with(&whole, WHOLE, key(), 0, |_, _| {});
@@ -112,7 +120,11 @@ fn a_part_alone_gets_no_grade() {
     );
     assert!(refused(&first, &[]).contains("cut off"));
     // A grade of the part's own replay refuses it, too.
-    let alone = grade(&Recording::open(&second).unwrap(), &Options::default(), &mut |_| {});
+    let alone = grade(
+        &Recording::open(&second).unwrap(),
+        &Options::default(),
+        &mut |_| {},
+    );
     assert!(alone.unwrap().grade.score.is_none());
 }
 
@@ -127,7 +139,10 @@ fn only_the_very_file_that_is_named_is_the_first_part() {
     torn(&other, 1700, unchanged);
     assert!(refused(&second, &[&other]).contains("expected the recording before it"));
     // What was recovered has other bytes, and its note is not signed.
-    let (out, recording) = (place.path("recovered.mcap"), Recording::open(&first).unwrap());
+    let (out, recording) = (
+        place.path("recovered.mcap"),
+        Recording::open(&first).unwrap(),
+    );
     recover(&recording, &out, &mut |_| {}).unwrap();
     assert!(refused(&second, &[&out]).contains("expected the recording before it"));
     // The order is that of the session.
@@ -218,5 +233,8 @@ fn a_second_stop_makes_a_third_part() {
     assert!(grade.gradable, "{:?}", grade.reason);
     assert_eq!((grade.parts.len(), grade.gaps.unwrap().count), (3, 2));
     assert!(refused(&three, &[&two]).contains("continues 1.mcap"));
-    assert_eq!(place.json(&["grade", ".", "--json"])["parts"][2]["ending"], "finished");
+    assert_eq!(
+        place.json(&["grade", ".", "--json"])["parts"][2]["ending"],
+        "finished"
+    );
 }
