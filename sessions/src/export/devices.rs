@@ -8,8 +8,8 @@ use super::cells;
 use super::error::{ExportError, create};
 use crate::record::row::Row;
 
-/// Columns. Times count as in `ticks.csv`; forces and torques are those that the device displayed, world axes, about the
-/// device point.
+/// Columns. Times count as in `ticks.csv`; forces and torques are those that the device displayed, world axes, about
+/// the device point.
 const COLUMNS: [&str; 13] = [
     "tick",
     "time_s",

@@ -269,7 +269,8 @@ impl Evidence {
         self.here = None;
     }
 
-    /// Takes in a tick of a gap of the connection. Nothing counts, and whatever lasted before the gap goes on behind it.
+    /// Takes in a tick of a gap of the connection. Nothing counts, and whatever lasted before the gap goes on behind
+    /// it.
     pub(super) fn is_away(&mut self, tick: u64, tick_s: f64) {
         let ticks = match self.first_tick {
             Some(_) => tick.saturating_sub(self.last_tick),

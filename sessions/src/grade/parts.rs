@@ -1,9 +1,9 @@
 //! Sessions in several recordings: a station's program that stopped continues the session in another file.
 //!
 //! The signed header of each further recording names the file before it, with the hash of all its bytes. The signature
-//! thus covers the former file to its last byte. A former file needs no end of its own: its tail of at most 200 ms was
-//! lost with the program. Everything else about it is checked as for any recording. A continuation without the file that
-//! it names gets no grade, because nobody can tell what the missing part would have cost.
+//! thus covers the former file to its last byte. A former file needs no end of its own. Its tail of at most 200 ms was
+//! lost with the program. Everything else about it is checked as for any recording. A continuation without the file
+//! that it names gets no grade, because nobody can tell what the missing part would have cost.
 
 use serde::Serialize;
 

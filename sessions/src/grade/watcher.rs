@@ -1,4 +1,5 @@
-//! Watcher of a replay: events and evidence of every tick, without what happens in a pause or in a gap of the connection.
+//! Watcher of a replay: events and evidence of every tick, without what happens in a pause or in a gap of the
+//! connection.
 
 use sulcus_core::output::{ForceZone, status};
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};

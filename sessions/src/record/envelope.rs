@@ -1,8 +1,8 @@
 //! Protobuf message around the bytes of an exact message. With it every stock decoder reads every channel.
 //!
 //! `sulcus.v1.ExactRow`, `ExactState`, `ExactStatement` and `ExactEvent` have a field, number 1, of type `bytes`.
-//! `ExactRow` has the samples of devices beside it, field 2. Chain and signatures cover the inner bytes, because protobuf has many encodings of one message. A tool that writes a
-//! file anew may choose another encoding.
+//! `ExactRow` has the samples of devices beside it, field 2. Chain and signatures cover the inner bytes, because
+//! protobuf has many encodings of one message. A tool that writes a file anew may choose another encoding.
 
 use prost::Message as _;
 use prost::encoding::{
@@ -31,7 +31,7 @@ pub(crate) fn seal_row(row: &Row, outer: &mut Vec<u8>) {
     seal(&row.to_bytes(), outer);
     for (tool, sample) in row.device.iter().enumerate() {
         if let Some(sample) = sample {
-            prost::encoding::message::encode(SAMPLES, &sample.to_message(row.tick, tool), outer);
+            prost::encoding::message::encode(SAMPLES, &sample.to_message(tool), outer);
         }
     }
 }
@@ -51,13 +51,13 @@ pub(crate) fn open(outer: &[u8]) -> Option<&[u8]> {
 }
 
 /// Row of any valid encoding of the message around it, with the samples of its devices; `None` for other bytes, and for
-/// a sample of another tick or of a slot that has one.
+/// a second sample of a slot.
 pub(crate) fn open_row(outer: &[u8]) -> Option<Row> {
     let mut row = Row::from_bytes(open(outer)?)?;
     fields(outer, |field, bytes| {
         if field == SAMPLES {
             let said = v1::DeviceSample::decode(bytes).ok()?;
-            let (tool, sample) = DeviceSample::from_message(&said, row.tick)?;
+            let (tool, sample) = DeviceSample::from_message(&said)?;
             if row.device[tool].replace(sample).is_some() {
                 return None;
             }
@@ -146,9 +146,9 @@ mod tests {
             open_row(&said.encode_to_vec())
         };
         assert_eq!(with(|_| {}), Some(row));
-        assert_eq!(with(|said| said.samples[0].tick += 1), None);
+        assert_eq!(with(|said| said.samples[0].torque_nm.clear()), None);
         assert_eq!(with(|said| said.samples[0].tool = 2), None);
-        assert_eq!(with(|said| said.samples.push(said.samples[0])), None);
+        assert_eq!(with(|said| said.samples.extend(said.samples.clone())), None);
         let (mut plain, mut covered) = (Vec::new(), Vec::new());
         row.chained(&mut covered);
         row.with_device([None; 2]).chained(&mut plain);

@@ -23,7 +23,8 @@ pub enum By {
     Station,
     /// The student's own connection.
     Student,
-    /// An instructor: opaque id of the token. An id that reads `station` or `student` is recorded with a dash before it.
+    /// An instructor: opaque id of the token. An id that reads `station` or `student` is recorded with a dash before
+    /// it.
     Instructor(String),
 }
 

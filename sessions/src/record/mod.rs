@@ -28,8 +28,8 @@
 //! | `/exact/chain` | `sulcus.v1.ExactStatement`, field `statement` | [`crate::SignedStatement`]: 265 bytes, little-endian |
 //! | `/events` | `sulcus.v1.ExactEvent`, field `event` | [`crate::Event`] as JSON |
 //!
-//! A row has a sample for each pose that its tick was the first to use: number, device time and age of the pose, and the
-//! wrench that the hand felt. The samples are fields of protobuf, so that other programs plot them.
+//! A row has a sample for each pose that its tick was the first to use: number, device time and age of the pose, and
+//! the wrench that the hand felt. The samples are fields of protobuf, so that other programs plot them.
 //!
 //! Chain and signatures cover these inner bytes, because the protobuf message around them has many valid encodings. The
 //! values of the samples are covered as bytes behind those of their row.
@@ -43,18 +43,19 @@
 //! ```
 //!
 //! # Gaps of the connection
-//! The session goes on while a student is gone. Two lines of the log mark the gap ([`crate::Occurrence`]): `detached` at
-//! the first tick without the student, with a `reason`; `attached` at the first tick with the student, with `epoch` and
-//! `gap_ticks`. A change of a level (`paused`, `resumed`, `force_limit`) names its side: `by` is `station`, `student` or
-//! the opaque id of an instructor's token.
+//! The session goes on while a student is gone. Two lines of the log mark the gap ([`crate::Occurrence`]): `detached`
+//! at the first tick without the student, with a `reason`; `attached` at the first tick with the student, with `epoch`
+//! and `gap_ticks`. A change of a level (`paused`, `resumed`, `force_limit`) names its side: `by` is `station`,
+//! `student` or the opaque id of an instructor's token.
 //!
 //! # Sessions in several files
 //! After a crash of the station's program the session goes on in a second file. The signed header of the second file
 //! names the first one and its BLAKE3 hash ([`predecessor`]). Each file replays by itself; the grade takes all of them.
 //!
 //! # Former versions
-//! Up to version 5 rows have no samples, and the JSON fields of the header are absent. Up to version 4 the messages of these four channels were the inner bytes alone, in encodings `sulcus-row`,
-//! `sulcus-state`, `sulcus-chain` and `json`. Both encodings are read, because each channel names its encoding.
+//! Up to version 5 rows have no samples, and the JSON fields of the header are absent. Up to version 4 the messages of
+//! these four channels were the inner bytes alone, in encodings `sulcus-row`, `sulcus-state`, `sulcus-chain` and
+//! `json`. Both encodings are read, because each channel names its encoding.
 //!
 //! # Invariants
 //! - The file on disk is a clean prefix at any moment, because chunks are appended whole.

@@ -57,36 +57,32 @@ impl DeviceSample {
         bytes
     }
 
-    /// Protobuf message of this sample of a tool in a tick.
-    pub(crate) fn to_message(self, tick: u64, tool: usize) -> v1::DeviceSample {
+    /// Protobuf message of this sample of a tool. The numbers of a wrench stand together, as in the row that has sent
+    /// the wrench: measured on two hands, a minute of samples compresses to 2.0 MB, and to 3.6 MB with a field for
+    /// each.
+    pub(crate) fn to_message(self, tool: usize) -> v1::DeviceSample {
         let [fx, fy, fz, tx, ty, tz] = self.displayed.map(plain);
-        let vector = |x, y, z| Some(v1::Vector { x, y, z });
         v1::DeviceSample {
-            tick,
             tool: tool as u32,
             sequence: self.sequence,
             device_time_ns: self.device_time_ns,
             age_us: self.age_us,
-            force_n: vector(fx, fy, fz),
-            torque_nm: vector(tx, ty, tz),
+            force_n: vec![fx, fy, fz],
+            torque_nm: vec![tx, ty, tz],
         }
     }
 
-    /// Slot and sample of a protobuf message; `None` for another tick than the row's or a slot that no tool has.
-    pub(crate) fn from_message(said: &v1::DeviceSample, tick: u64) -> Option<(usize, Self)> {
-        let tool = usize::try_from(said.tool)
-            .ok()
-            .filter(|tool| *tool < MAX_TOOLS && said.tick == tick)?;
-        let (force, torque) = (
-            said.force_n.unwrap_or_default(),
-            said.torque_nm.unwrap_or_default(),
-        );
-        let displayed = [force.x, force.y, force.z, torque.x, torque.y, torque.z];
+    /// Slot and sample of a protobuf message; `None` for a slot that no tool has, or another number of numbers.
+    pub(crate) fn from_message(said: &v1::DeviceSample) -> Option<(usize, Self)> {
+        let tool = usize::try_from(said.tool).ok();
+        let tool = tool.filter(|tool| *tool < MAX_TOOLS)?;
+        let [fx, fy, fz]: [f32; 3] = said.force_n[..].try_into().ok()?;
+        let [tx, ty, tz]: [f32; 3] = said.torque_nm[..].try_into().ok()?;
         let sample = Self {
             sequence: said.sequence,
             device_time_ns: said.device_time_ns,
             age_us: said.age_us,
-            displayed: displayed.map(plain),
+            displayed: [fx, fy, fz, tx, ty, tz].map(plain),
         };
         Some((tool, sample))
     }
@@ -116,18 +112,17 @@ mod tests {
     proptest! {
         #[test]
         fn a_sample_survives_its_message_with_the_bytes_that_are_signed(
-            (sequence, time, age, tick) in any::<(u32, u64, u32, u64)>(),
+            (sequence, time, age) in any::<(u32, u64, u32)>(),
             bits in any::<[u32; 6]>(),
             tool in 0..MAX_TOOLS,
         ) {
             let displayed = bits.map(f32::from_bits);
             let sample = DeviceSample { sequence, device_time_ns: time, age_us: age, displayed };
-            let said = sample.to_message(tick, tool).encode_to_vec();
+            let said = sample.to_message(tool).encode_to_vec();
             let said = v1::DeviceSample::decode(&said[..]).expect("a message");
-            let (of, back) = DeviceSample::from_message(&said, tick).expect("a sample");
+            let (of, back) = DeviceSample::from_message(&said).expect("a sample");
             prop_assert_eq!(of, tool);
             prop_assert_eq!(back.to_bytes(1), sample.to_bytes(1));
-            prop_assert!(DeviceSample::from_message(&said, tick.wrapping_add(1)).is_none());
         }
     }
 
@@ -140,8 +135,12 @@ mod tests {
         assert_eq!(of(-0.0).to_bytes(0), of(0.0).to_bytes(0));
         assert_eq!(of(-f32::NAN).to_bytes(0), of(f32::NAN).to_bytes(0));
         assert!(!of(f32::NAN).is_finite() && of(1.0).is_finite());
-        let said = of(1.0).to_message(7, MAX_TOOLS);
-        assert!(DeviceSample::from_message(&said, 7).is_none());
+        let said = of(1.0).to_message(MAX_TOOLS);
+        assert!(DeviceSample::from_message(&said).is_none());
+        let mut said = of(1.0).to_message(0);
+        assert!(DeviceSample::from_message(&said).is_some());
+        said.force_n.push(0.0);
+        assert!(DeviceSample::from_message(&said).is_none());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 use prost::Message as _;
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
 use sulcus_core::{NoProbe, State, TickOutput, Workspace, tick};
-use sulcus_sessions::record::channels::v1::{ExactRow, Vector};
+use sulcus_sessions::record::channels::v1::{self, ExactRow};
 use sulcus_sessions::{
     Absence, Detached, DeviceFacts, DeviceSample, Limits, Message, Occurrence, PlanFacts,
     RecordedTick, Recorder, Recording, ReplayOptions, ReplayReport, Row, SessionEnd, SessionHeader,
@@ -169,7 +169,7 @@ fn no_sample_can_be_changed_left_out_or_added_unseen() {
         },
         &|row| {
             if of(51)(row) {
-                row.samples.push(changed_sample(51));
+                row.samples.push(added());
             }
         },
         &|row| {
@@ -189,11 +189,7 @@ fn no_sample_can_be_changed_left_out_or_added_unseen() {
         },
         &|row| {
             if of(50)(row) {
-                row.samples[0].force_n = Some(Vector {
-                    x: 0.0,
-                    y: 0.0,
-                    z: 0.1,
-                });
+                row.samples[0].force_n[2] = 0.1;
             }
         },
     ];
@@ -204,9 +200,9 @@ fn no_sample_can_be_changed_left_out_or_added_unseen() {
         assert!(matches!(report.signature, Signature::Invalid { .. }), "{k}");
         assert!(!report.gradable, "{k}");
     }
-    // A sample of another tick, of no tool, or a second one is damage.
+    // A sample of half a wrench, of no tool, or a second one is damage.
     let broken: [&dyn Fn(&mut ExactRow); 3] = [
-        &|row| row.samples.iter_mut().for_each(|of| of.tick += 1),
+        &|row| row.samples.iter_mut().for_each(|of| of.torque_nm.clear()),
         &|row| row.samples.iter_mut().for_each(|of| of.tool = 2),
         &|row| row.samples.extend(row.samples.clone()),
     ];
@@ -216,11 +212,12 @@ fn no_sample_can_be_changed_left_out_or_added_unseen() {
     }
 }
 
-/// A sample as another program would add it.
-fn changed_sample(tick: u64) -> sulcus_sessions::record::channels::v1::DeviceSample {
-    sulcus_sessions::record::channels::v1::DeviceSample {
-        tick,
-        ..Default::default()
+/// A sample as a forger would add it.
+fn added() -> v1::DeviceSample {
+    v1::DeviceSample {
+        force_n: vec![0.0; 3],
+        torque_nm: vec![0.0; 3],
+        ..v1::DeviceSample::default()
     }
 }
 
@@ -239,6 +236,9 @@ fn a_stock_decoder_reads_the_fields_and_may_write_them_anew() {
         let of = pool.get_message_by_name("sulcus.v1.ExactRow").unwrap();
         let decoded = DynamicMessage::decode(of, &message.data[..]).unwrap();
         assert_eq!(decoded.unknown_fields().count(), 0);
+        let row = decoded.get_field_by_name("row").unwrap().into_owned();
+        let row = row.as_bytes().unwrap().to_vec();
+        let tick = u64::from_le_bytes(row[..8].try_into().unwrap());
         let Value::List(list) = decoded.get_field_by_name("samples").unwrap().into_owned() else {
             panic!("samples are no list");
         };
@@ -247,14 +247,9 @@ fn a_stock_decoder_reads_the_fields_and_may_write_them_anew() {
                 panic!("no message")
             };
             let field = |name: &str| one.get_field_by_name(name).unwrap().into_owned();
-            let Value::U64(tick) = field("tick") else {
-                panic!("no tick")
-            };
-            let Value::Message(force) = field("force_n") else {
-                panic!("no force")
-            };
-            let z = force.get_field_by_name("z").unwrap().as_f32().unwrap();
-            assert_eq!(z, sample(tick).displayed[2]);
+            let z = sample(tick).displayed[2];
+            let force = [0.0, 0.0, z].map(Value::F32).to_vec();
+            assert_eq!(field("force_n"), Value::List(force));
             assert_eq!(field("age_us"), Value::U32(300));
             seen += 1;
         }
@@ -263,8 +258,7 @@ fn a_stock_decoder_reads_the_fields_and_may_write_them_anew() {
     // Another encoder keeps zeros with their sign, or adds fields: the same recording.
     let again = changed(&bytes, &|row| {
         for sample in &mut row.samples {
-            let force = sample.force_n.as_mut().unwrap();
-            force.x = -0.0;
+            sample.force_n[0] = -0.0;
         }
     });
     assert!(again != bytes);

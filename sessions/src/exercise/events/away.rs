@@ -1,10 +1,10 @@
 //! Gaps of the connection: ticks in which the student could not hold a tool, through no fault of the student.
 //!
-//! A gap of a held tool begins when the student is detached, when the tool's pose is stale, or when the clock's grid has
-//! a hole longer than a pose may be old. The gap ends when the tool is back in the hand and the graphic tool has met the
-//! haptic one: the first converged tick without a limited force. Until then the graphic tool is on its way, and its
-//! forces are not those of the hand. Behind a gap the wrench ramps up, and the hand feels less than the tick's force:
-//! the tool is then settling.
+//! A gap of a held tool begins when the student is detached, when the tool's pose is stale, or when the clock's grid
+//! has a hole. A hole is longer than a pose may be old. The gap ends when the tool is back in the hand and the graphic
+//! tool has met the haptic one: the first converged tick without a limited force. Until then the graphic tool is on
+//! its way, and its forces are not those of the hand. Behind a gap the wrench ramps up, and the hand feels less than
+//! the tick's force: the tool is then settling.
 //!
 //! A tool that no hand held before the gap has no gap. A tool that a student puts down is absent by choice.
 

@@ -137,8 +137,8 @@ impl Events {
         &self.tally
     }
 
-    /// Place of a tool's tip in the last tick; `None` outside of all pockets, in a gap of the connection, and for a tool
-    /// that is no probe.
+    /// Place of a tool's tip in the last tick; `None` outside of all pockets, in a gap of the connection, and for a
+    /// tool that is no probe.
     pub fn standing(&self, tool: usize) -> Option<&Standing> {
         if self.away.of(tool) == Presence::Away {
             return None;

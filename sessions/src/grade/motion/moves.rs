@@ -21,8 +21,8 @@ pub const STOP: f64 = 4e-3;
 pub const RESTS: f64 = 0.1;
 /// Longest gap of skipped ticks over which the tip is interpolated, seconds.
 const GAP: f64 = 0.1;
-/// Largest motion of a tip in a gap of the connection after which a move goes on, metres. Chosen: a hand that holds still
-/// trembles less.
+/// Largest motion of a tip in a gap of the connection after which a move goes on, metres. Chosen: a hand that holds
+/// still trembles less.
 pub const MOVED: f64 = 1e-3;
 /// Shortest way of a move, metres.
 pub const LEAST_WAY: f64 = 5e-3;
