@@ -200,6 +200,7 @@ impl Events {
                 tip: out.graphic.transform(&tool.tip),
                 out_of_tip: out.graphic.orientation * tool.tip_axis,
                 reading: out.pocket.as_ref(),
+                felt: self.away.of(t) == Presence::Here,
             });
             let before = self.said.len();
             self.probes[t].observe(

@@ -6,7 +6,7 @@
 //! shallow sulcus.
 
 use serde_json::json;
-use sulcus_core::math::fmax;
+use sulcus_core::math::{fmax, fmin};
 use sulcus_core::output::{ForceZone, PocketReading};
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{Scene, Vec3};
@@ -43,6 +43,8 @@ pub struct Seen<'a> {
     pub out_of_tip: Vec3,
     /// Reading of the pocket.
     pub reading: Option<&'a PocketReading>,
+    /// Whether the hand feels the force, and no ramp behind a gap of the connection reduces it.
+    pub felt: bool,
 }
 
 /// Visit to a zone.
@@ -230,10 +232,13 @@ impl Probe {
         };
         let force = spot.reading.map_or(0.0, |reading| reading.floor_force);
         let [from, to] = task.force_n;
-        if force > visit.max_force {
-            visit.max_force = force;
+        // A force above the band that the hand does not feel injures nobody.
+        let of_hand = if seen.felt { force } else { fmin(force, to) };
+        if of_hand > visit.max_force {
+            visit.max_force = of_hand;
         }
         if let Some(reading) = spot.reading
+            && seen.felt
             && reading.zone > visit.heaviest
         {
             visit.heaviest = reading.zone;
