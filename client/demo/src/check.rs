@@ -107,6 +107,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let exercise = Exercise::recorded(&recording.header().exercise);
     let standard = Standard::of(recording.header(), &exercise, None)?;
     let mut watcher = run::watcher(&scene, &exercise, standard.as_ref());
+    watcher.begin(&scene, &recording)?;
     let mut zones = Vec::new();
     let rows = recording.facts().rows;
     let last = recording.facts().ticks.map(|ticks| ticks.1);

@@ -5,15 +5,17 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
 use sulcus_cases::Observer;
-use sulcus_core::{NoProbe, RawPose, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick};
+use sulcus_core::{
+    NoProbe, RawPose, Scene, State, TickInput, TickOutput, Vec3, Workspace, Wrench, tick,
+};
 use sulcus_link::Times;
 use sulcus_link::clock::thread_cpu_ns;
 use sulcus_operator::{Shown, drawn};
 use sulcus_proto::Percentiles;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{
-    Events, RecordedTick, Recorder, Row, SessionEnd, SessionHeader, SessionWriter, Shapes,
-    StationKey,
+    DeviceFacts, DeviceSample, Events, Limits, RecordedTick, Recorder, Row, SessionEnd,
+    SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
 use crate::calls::calls;
@@ -64,6 +66,14 @@ pub fn run(
     header.mode = Some(prepared.mode);
     header.station = "virtual".into();
     header.started_unix_ns = started;
+    let params = &prepared.scene.params;
+    header.limits = Some(Limits {
+        max_force_n: params.max_force,
+        max_torque_nm: params.max_torque,
+        max_force_step_n: params.max_force_step,
+        max_torque_step_nm: params.max_torque_step,
+    });
+    header.devices = simulated(&prepared.scene);
     let (recorder, recording) = Recorder::create_in(folder, &header, &key)?;
 
     let scene = prepared.scene.clone();
@@ -86,6 +96,7 @@ pub fn run(
         }
         done = k;
         let mut input = TickInput::IDLE;
+        let displayed = shown.wrenches;
         input.tools = prepared.operator.step(&shown);
         if let Some(case) = prepared.case {
             (case.disturb)(k - 1, &mut input);
@@ -98,7 +109,11 @@ pub fn run(
         shown = as_sent(&output);
         observer.observe(&scene, &input, &output, &ws);
         let now = started + k * scene.params.tick_ns();
-        let row = Row::new(now, &input, &output);
+        let device = std::array::from_fn(|t| {
+            let measured = || sample(k, k * scene.params.tick_ns(), &displayed[t]);
+            input.tools[t].present.then(measured)
+        });
+        let row = Row::new(now, &input, &output).with_device(device);
         let due = sampler.is_due(output.tick);
         if due {
             sampler.read(output.tick, &ws, &mut shapes);
@@ -139,6 +154,32 @@ pub fn run(
         tick_wall_us: wall.percentiles(),
         wall_s,
     })
+}
+
+/// Simulated devices of a scene's tools, which display every wrench in all directions.
+fn simulated(scene: &Scene) -> Vec<DeviceFacts> {
+    let device = |tool: u8| DeviceFacts {
+        tool,
+        name: "simulated hand".into(),
+        period_ns: scene.params.tick_ns(),
+        workspace_scale: 1.0,
+        max_force_n: scene.params.max_force,
+        max_torque_nm: scene.params.max_torque,
+        force_dof: 6,
+    };
+    (0..).take(scene.tools.len()).map(device).collect()
+}
+
+/// Sample of a device that measures a pose for tick `k` and still displays the wrench of the tick before.
+fn sample(k: u64, device_time_ns: u64, displayed: &Wrench) -> DeviceSample {
+    let (f, t) = (&displayed.force, &displayed.torque);
+    DeviceSample {
+        // The number wraps, as on the wire.
+        sequence: k as u32,
+        device_time_ns,
+        age_us: 0,
+        displayed: [f.x, f.y, f.z, t.x, t.y, t.z].map(|x| x as f32),
+    }
 }
 
 /// Wrenches and graphic poses of `output` as a device receives them: rounded to f32 as on the wire, then widened.

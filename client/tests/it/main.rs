@@ -4,6 +4,7 @@ mod common;
 mod display;
 mod events;
 mod flood;
+mod gaps;
 mod grades;
 mod heavy_hand;
 mod levels;

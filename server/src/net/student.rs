@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use quinn::{Connection, SendStream};
+use quinn::{Connection, ConnectionError, SendStream};
 use sulcus_link::control::ReadError;
 use sulcus_proto::control::{
     Command, EndReason, PlanInfo, Refused, RefusedReason, ServerHello, ToolInfo,
@@ -11,6 +11,7 @@ use sulcus_proto::control::{
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::permission::{self, may};
 use sulcus_proto::{ClientMessage, Role, ServerMessage};
+use sulcus_sessions::Detached;
 use sulcus_sessions::exercise::events::may_a_client_say;
 use tokio::sync::mpsc::Receiver;
 
@@ -40,12 +41,13 @@ enum Left {
 struct Leaving {
     door: Door,
     epoch: u32,
+    reason: Detached,
     why: String,
 }
 
 impl Drop for Leaving {
     fn drop(&mut self) {
-        self.door.gone(self.epoch, &self.why);
+        self.door.gone(self.epoch, self.reason, &self.why);
     }
 }
 
@@ -95,6 +97,7 @@ pub(super) async fn serve(
     let mut leaving = Leaving {
         door: door.clone(),
         epoch,
+        reason: Detached::Station,
         why: "the connection's task ended unexpectedly".to_owned(),
     };
     let greeting = ServerMessage::Hello(server_hello(&plan, &net, &door, epoch, ports.is_some()));
@@ -132,6 +135,10 @@ pub(super) async fn serve(
         }
         Left::Lost(why) => {
             tracing::info!("station {}: connection lost: {why}", leaving.door.name);
+            leaving.reason = match connection.close_reason() {
+                Some(ConnectionError::ApplicationClosed(_)) => Detached::Closed,
+                _ => Detached::ConnectionLost,
+            };
             leaving.why = why;
             connection.close(CLOSE_OK, b"lost");
         }
@@ -144,6 +151,7 @@ pub(super) async fn serve(
                 reason: RefusedReason::Role,
                 text: why.clone(),
             });
+            leaving.reason = Detached::Protocol;
             leaving.why = why;
             if control::write(&mut send, &text).await && send.finish().is_ok() {
                 close_after_last_word(&connection, CLOSE_REFUSED, b"dropped").await;
@@ -348,7 +356,7 @@ impl StudentConnection {
     }
 }
 
-fn lost(error: &quinn::ConnectionError) -> Left {
+fn lost(error: &ConnectionError) -> Left {
     Left::Lost(hello::printable(&error.to_string(), 128))
 }
 

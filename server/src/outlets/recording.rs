@@ -13,11 +13,15 @@ use sulcus_link::clock::unix_ns;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{DeviceInfo, Event};
 use sulcus_proto::station::StationEvent;
+use sulcus_program::PathText;
 use sulcus_sessions::exercise::events::{LOST, Look};
+use sulcus_sessions::record::attach::{ATTACHMENTS, DETACHED};
+use sulcus_sessions::record::plan::{PlanChange, PlanFacts};
+use sulcus_sessions::record::predecessor::Predecessor;
 use tokio::sync::broadcast;
 
 use sulcus_sessions::{
-    Events, Exercise, Level, Moved, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
+    DeviceFacts, Events, Exercise, Level, Limits, Moved, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
     SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
@@ -27,7 +31,6 @@ use crate::session::changes::Changes;
 use crate::session::handoff::{Flags, Provoked};
 use crate::session::levels::InForce;
 use crate::station::config::SessionPlan;
-use crate::station::journal::Predecessor;
 
 /// Pause between two passes over the queue, which holds about four seconds or more. The recorder itself flushes every
 /// 100 ms of recorded time.
@@ -92,8 +95,10 @@ pub(crate) struct Opening {
     pub client: String,
     /// Device of the client.
     pub device: DeviceInfo,
-    /// Recording that this one continues.
-    pub predecessor: Option<Predecessor>,
+    /// Attach epoch of the first connection.
+    pub epoch: u32,
+    /// Path of the recording that this one continues.
+    pub predecessor: Option<PathBuf>,
     /// Status of the session, for the station.
     pub live: Arc<Live>,
     /// Events for instructors.
@@ -215,6 +220,11 @@ pub(crate) fn open(opening: Opening) -> Result<Open, String> {
         learner_id: opening.learner.clone(),
         mode: Some(plan.mode),
         started_unix_ns: started,
+        devices: devices(&plan.scene, &opening.device),
+        limits: Some(limits(&plan.scene)),
+        plan: Some(facts(plan, &opening.station)),
+        attach_epoch: Some(opening.epoch),
+        predecessor: opening.predecessor.as_deref().and_then(predecessor),
         ..SessionHeader::new(plan.scene_bytes.to_vec())
     };
     let key = station_key(opening.key.as_deref()).map_err(|error| error.to_string())?;
@@ -242,6 +252,57 @@ pub(crate) fn open(opening: Opening) -> Result<Open, String> {
         feed: opening.feed,
     };
     Ok(Open(writer, name, Narrator::new(plan), listeners))
+}
+
+/// Device of the client, for each tool of the scene.
+fn devices(scene: &Scene, device: &DeviceInfo) -> Vec<DeviceFacts> {
+    let of = |tool: u8| DeviceFacts {
+        tool,
+        name: device.name.clone(),
+        period_ns: device.period_ns,
+        workspace_scale: f64::from(device.workspace_scale),
+        max_force_n: f64::from(device.max_force_n),
+        max_torque_nm: f64::from(device.max_torque_nm),
+        force_dof: device.force_axes + device.torque_axes,
+    };
+    (0..).take(scene.tools.len()).map(of).collect()
+}
+
+/// Limits of the wrench that the client is told.
+fn limits(scene: &Scene) -> Limits {
+    let params = &scene.params;
+    Limits {
+        max_force_n: params.max_force,
+        max_torque_nm: params.max_torque,
+        max_force_step_n: params.max_force_step,
+        max_torque_step_nm: params.max_torque_step,
+    }
+}
+
+fn facts(plan: &SessionPlan, station: &str) -> PlanFacts {
+    PlanFacts {
+        name: station.to_owned(),
+        revision: plan.revision.to_string(),
+        resume_within_s: plan.resume_within.as_secs_f64(),
+        clock_runs_in_gaps: plan.clock_in_gap,
+        changed: plan.changed.as_ref().map(|changed| PlanChange {
+            unix_ns: changed.unix_ns,
+            by: changed.by.clone(),
+        }),
+    }
+}
+
+/// Recording that a new one continues. A file that cannot be read leaves the new recording on its own, with an error
+/// in the log.
+fn predecessor(path: &Path) -> Option<Predecessor> {
+    Predecessor::of(path)
+        .inspect_err(|error| {
+            tracing::error!(
+                "{}: the interrupted session cannot be continued: {error}",
+                path.shown()
+            );
+        })
+        .ok()
 }
 
 /// Key that signs recordings, from `path`, else from [`StationKey::default_path`]. A missing key is created.
@@ -332,6 +393,10 @@ impl Thread {
                 }
                 Ok(FromNetwork::Occurrence(occurrence)) => {
                     self.listeners.event(&occurrence);
+                    if ATTACHMENTS.contains(&occurrence.kind.as_str()) {
+                        let gone = occurrence.kind == DETACHED;
+                        self.narrator.events.set_detached(gone);
+                    }
                     let text = occurrence.to_string();
                     let result = self.writer.event(unix_ns(), occurrence.level(), &text);
                     self.check(result);
@@ -501,6 +566,7 @@ mod tests {
             hash: 0,
             wrench: Default::default(),
             status: Default::default(),
+            device: Default::default(),
         };
         for tick in [1, 2, 2] {
             entries

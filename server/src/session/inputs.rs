@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput};
+use sulcus_proto::datagram::WireWrench;
 use sulcus_proto::limits;
+use sulcus_sessions::record::sample::{DeviceSample, DeviceSamples};
 
 use crate::session::handoff::PoseIn;
 use crate::session::levels::InForce;
@@ -16,6 +18,8 @@ pub(crate) struct Inputs {
     /// Time between two ticks, nanoseconds.
     tick_ns: u64,
     pose: Option<PoseIn>,
+    /// Age of the pose at the last tick, microseconds.
+    age_us: u32,
     /// Pause and force limit for the next tick.
     pub in_force: InForce,
     /// Level of detail for the next tick.
@@ -31,6 +35,7 @@ impl Inputs {
             tools,
             tick_ns,
             pose: None,
+            age_us: 0,
             in_force: InForce::default(),
             detail: 0,
             pressed: [0; MAX_TOOLS],
@@ -45,6 +50,25 @@ impl Inputs {
     /// Newest pose; `None` before the first one.
     pub fn newest(&self) -> Option<&PoseIn> {
         self.pose.as_ref()
+    }
+
+    /// Samples of the devices behind the input of a tick: of each present tool the newest reading.
+    pub fn samples(&self, input: &TickInput) -> DeviceSamples {
+        let Some(pose) = &self.pose else {
+            return DeviceSamples::default();
+        };
+        std::array::from_fn(|slot| {
+            let reading = &pose.datagram.tools[slot];
+            let WireWrench { force, torque } = reading.displayed;
+            input.tools[slot].present.then_some(DeviceSample {
+                sequence: reading.sequence,
+                device_time_ns: reading.device_time_ns,
+                age_us: self.age_us,
+                displayed: [
+                    force[0], force[1], force[2], torque[0], torque[1], torque[2],
+                ],
+            })
+        })
     }
 
     /// Adds pressed buttons, for each tool.
@@ -67,6 +91,7 @@ impl Inputs {
         let Some(pose) = &self.pose else { return input };
         // The pose may have arrived after `now_ns` was read.
         let age_ns = now_ns.saturating_sub(pose.arrived_ns);
+        self.age_us = u32::try_from(age_ns / 1000).unwrap_or(u32::MAX);
         let stale = Duration::from_nanos(age_ns) >= limits::POSE_STALE;
         let age_ticks = u16::try_from(age_ns / self.tick_ns).unwrap_or(u16::MAX);
         for (slot, tool) in pose.datagram.tools.iter().take(self.tools).enumerate() {
@@ -132,6 +157,25 @@ mod tests {
         );
         inputs.pose(Some(pose(100_000 * TICK_NS, [true, false])));
         assert!(!inputs.take(100_000 * TICK_NS, 0).tools[0].stale);
+    }
+
+    #[test]
+    fn a_sample_is_what_the_device_said_and_how_old_it_was() {
+        let mut inputs = Inputs::new(2, TICK_NS);
+        let mut newest = pose(10 * TICK_NS, [true, false]);
+        newest.datagram.tools[0].sequence = 7;
+        newest.datagram.tools[0].device_time_ns = 8;
+        newest.datagram.tools[0].displayed.torque[2] = 0.5;
+        inputs.pose(Some(newest));
+        let input = inputs.take(12 * TICK_NS + 500_000, 0);
+        let [Some(sample), None] = inputs.samples(&input) else {
+            panic!("one tool")
+        };
+        assert_eq!((sample.sequence, sample.device_time_ns), (7, 8));
+        assert_eq!((sample.age_us, sample.displayed[5]), (2500, 0.5));
+        inputs.pose(None);
+        let input = inputs.take(13 * TICK_NS, 0);
+        assert_eq!(inputs.samples(&input), [None, None]);
     }
 
     #[test]

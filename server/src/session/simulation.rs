@@ -254,7 +254,7 @@ impl Ticker {
                 std::mem::forget(entry);
             }
         }
-        let row = Row::new(unix_ns, input, output);
+        let row = Row::new(unix_ns, input, output).with_device(self.inputs.samples(input));
         let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
         let entry = Entry::Tick(row, *output, cpu_ns, self.inputs.in_force);
         if self.link.entries.push(entry).is_err() {

@@ -1,6 +1,6 @@
 //! Dates for people, UTC.
 
-use sulcus_sessions::record::naming::utc;
+use sulcus_sessions::record::utc::utc;
 
 /// Seconds of a day.
 pub const DAY_S: u64 = 86_400;

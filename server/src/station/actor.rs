@@ -11,11 +11,10 @@
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde_json::json;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Goodbye, Refused, RefusedReason};
 use sulcus_proto::station::{Phase, StationStatus};
-use sulcus_sessions::Occurrence;
+use sulcus_sessions::{Detached, Occurrence};
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
@@ -176,7 +175,8 @@ impl Station {
                 let answer = self.attach(*student);
                 let epoch = answer.as_ref().ok().map(|attached| attached.epoch);
                 if let (Err(_), Some(epoch)) = (reply.send(answer), epoch) {
-                    self.gone(epoch, "the connection ended while it attached");
+                    let why = "the connection ended while it attached";
+                    self.gone(epoch, Detached::ConnectionLost, why);
                 }
             }
             ToStation::Start { epoch, reply } => {
@@ -188,7 +188,7 @@ impl Station {
                     self.end_now(reason);
                 }
             }
-            ToStation::Gone { epoch, why } => self.gone(epoch, &why),
+            ToStation::Gone { epoch, reason, why } => self.gone(epoch, reason, &why),
             ToStation::Lifted { epoch } => {
                 if epoch.is_none() || self.present_epoch() == epoch {
                     self.new_epoch();
@@ -361,7 +361,9 @@ impl Station {
         } else {
             student.learner.clone()
         };
-        let predecessor = self.journal.predecessor(&student.grant.id, &learner, &plan);
+        let folder = &self.shared.config.recordings;
+        let interrupted = self.journal.predecessor(&student.grant.id, &learner, &plan);
+        let predecessor = interrupted.map(|file| folder.join(file));
         let opening = Opening {
             plan: plan.clone(),
             folder: self.shared.config.recordings.clone(),
@@ -373,6 +375,7 @@ impl Station {
                 student.program, student.device.name
             ),
             device: student.device.clone(),
+            epoch,
             predecessor,
             live: self.live.clone(),
             events: self.behind.events.clone(),
@@ -419,14 +422,14 @@ impl Station {
     }
 
     /// Handles the loss of a connection. Only the attached connection counts.
-    fn gone(&mut self, epoch: u32, why: &str) {
+    fn gone(&mut self, epoch: u32, reason: Detached, why: &str) {
         if self.present_epoch() != Some(epoch) {
             return;
         }
         match &mut self.state {
             State::Running(session) if !session.plan.resume_within.is_zero() => {
                 session.present = None;
-                session.detached(why, Instant::now());
+                session.detached(reason, Instant::now());
                 tracing::info!(
                     "station {}: the student is gone ({why}); the session waits {} s",
                     self.door.name,
@@ -591,7 +594,7 @@ impl Session {
     fn attached(&mut self, epoch: u32, replaced: bool, now: Instant) {
         let ports = self.running.ports();
         ports.datagrams().begin_epoch(epoch);
-        let gap = self.clock.attach(now);
+        self.clock.attach(now);
         let tick = ports.tick();
         let ticks = if replaced {
             0
@@ -600,24 +603,17 @@ impl Session {
         };
         self.gap_ticks += ticks;
         self.heard.1 = now;
-        ports.occurrence(Occurrence {
-            kind: "attached".into(),
-            tick,
-            data: json!({ "epoch": epoch, "gap_ticks": ticks, "gap_ms": gap.as_millis() as u64 }),
-        });
+        ports.occurrence(Occurrence::attached(tick + 1, epoch, ticks));
     }
 
     /// Student gone: the tools are let go, the session waits.
-    fn detached(&mut self, why: &str, now: Instant) {
+    fn detached(&mut self, reason: Detached, now: Instant) {
         let ports = self.running.ports();
         ports.datagrams().let_go();
         self.clock.detach(now);
         self.gap_tick = ports.tick();
-        ports.occurrence(Occurrence {
-            kind: "detached".into(),
-            tick: self.gap_tick,
-            data: json!({ "reason": why }),
-        });
+        // The tick that is under way may still have the pose.
+        ports.occurrence(Occurrence::detached(self.gap_tick + 1, reason));
     }
 
     /// Writes the state of the session into a status.

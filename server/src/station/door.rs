@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use sulcus_proto::control::{Answer, DeviceInfo, EndReason, Goodbye, Instruction, Refused, Say};
 use sulcus_proto::station::{StationEvent, StationStatus};
 use sulcus_proto::{PROTOCOL_VERSION, SessionSummary};
+use sulcus_sessions::Detached;
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
 use crate::state::Grant;
@@ -78,7 +79,11 @@ pub(crate) enum ToStation {
     /// The attached student's session ends. The goodbye follows as [`ToStudent::Goodbye`].
     End { epoch: u32, reason: EndReason },
     /// The connection of the attached student is lost.
-    Gone { epoch: u32, why: String },
+    Gone {
+        epoch: u32,
+        reason: Detached,
+        why: String,
+    },
     /// The attached student, or the station's side by [`Door::lifted`], has ended a pause: a new epoch begins.
     Lifted {
         /// Epoch of the student; `None`: the station's side.
@@ -204,9 +209,10 @@ impl Door {
     }
 
     /// Tells the station that a connection is lost, also from a destructor.
-    pub(crate) fn gone(&self, epoch: u32, why: &str) {
+    pub(crate) fn gone(&self, epoch: u32, reason: Detached, why: &str) {
         let message = ToStation::Gone {
             epoch,
+            reason,
             why: why.to_owned(),
         };
         if let Err(mpsc::error::TrySendError::Full(message)) = self.to_station.try_send(message) {

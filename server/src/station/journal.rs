@@ -13,13 +13,6 @@ use sulcus_program::PathText;
 
 use crate::station::config::SessionPlan;
 
-/// Recording that a new recording continues.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Predecessor {
-    /// File name in the folder of recordings.
-    pub file: String,
-}
-
 /// Note on a running session.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -60,19 +53,17 @@ impl Journal {
         Self { file, interrupted }
     }
 
-    /// Recording that a session with these facts continues; `None` for a session of its own. The interrupted session
+    /// File name of the recording that a session with these facts continues; `None` for a session of its own. The interrupted session
     /// is forgotten in either case.
     pub fn predecessor(
         &mut self,
         token: &str,
         learner: &str,
         plan: &SessionPlan,
-    ) -> Option<Predecessor> {
+    ) -> Option<String> {
         let note = self.interrupted.take()?;
         let same = note == note_of(note.recording.clone(), token, learner, plan);
-        same.then_some(Predecessor {
-            file: note.recording,
-        })
+        same.then_some(note.recording)
     }
 
     /// Notes the begin of a session. A failure is reported: the session can then not be continued after a crash.
@@ -179,9 +170,7 @@ mod tests {
         assert_eq!(journal.predecessor("t-1", "a1", &plan), None);
         journal.begin("first.mcap", "t-1", "a1", &plan);
         // The server was killed.
-        let first = Some(Predecessor {
-            file: "first.mcap".into(),
-        });
+        let first = Some("first.mcap".to_owned());
         assert_eq!(open().predecessor("t-1", "a1", &plan), first);
         for (token, learner) in [("t-2", "a1"), ("t-1", "a2")] {
             assert_eq!(open().predecessor(token, learner, &plan), None);

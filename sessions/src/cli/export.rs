@@ -21,7 +21,7 @@ pub(super) struct ExportArgs {
     /// Folder for the output. Several recordings get a folder each inside it
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
-    /// Write the tables ticks.csv and events.csv. Default without --meshes
+    /// Write the tables ticks.csv and events.csv, and devices.csv where devices were recorded. Default without --meshes
     ///
     /// Columns of numbers hold numbers. Text that a spreadsheet would read as a number, a date or a formula begins with
     /// an apostrophe, and so does every hash. Programs that read the tables drop a leading apostrophe.
@@ -126,6 +126,9 @@ fn text(path: &Path, folder: &Path, done: &Exported) -> String {
     if done.tick_lines > 0 {
         lines.push(format!("  ticks.csv  {} lines", done.tick_lines));
         lines.push(format!("  events.csv {} lines", done.event_lines));
+    }
+    if done.device_lines > 0 {
+        lines.push(format!("  devices.csv {} lines", done.device_lines));
     }
     if done.mesh_files > 0 {
         lines.push(format!(

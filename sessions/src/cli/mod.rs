@@ -50,7 +50,7 @@ enum Command {
     Review(review::ReviewArgs),
     /// Export recordings as tables and meshes for other programs
     #[command(
-        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact. events.csv has the recorded log. A recording with an invalid signature, or one that was cut off, causes a warning and exit code 1. ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. Meshes are those of the display, deformed like the tissue; meshes/frames.csv lists file, part and time.",
+        long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact. events.csv has the recorded log. A recording with an invalid signature, or one that was cut off, causes a warning and exit code 1. ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. devices.csv has a line for each pose that a tick used: number, device time, age, and the wrench that the hand felt. Meshes are those of the display, deformed like the tissue; meshes/frames.csv lists file, part and time.",
         after_long_help = "Examples:\n  sulcus-sessions export session.mcap --out session\n  sulcus-sessions export session.mcap --out session --csv --every-ticks 10\n  sulcus-sessions export session.mcap --out session --meshes obj --at 12.5 --at 13"
     )]
     Export(export::ExportArgs),

@@ -1,7 +1,8 @@
-//! Export of a recording for other programs: ticks and events as tables, deformed meshes. All data come from a replay,
-//! so they are exact and the recording need not contain them.
+//! Export of a recording for other programs: ticks, events and samples of devices as tables, deformed meshes. Ticks and
+//! meshes come from a replay, so they are exact and the recording need not contain them.
 
 pub mod cells;
+mod devices;
 mod error;
 mod events;
 mod mesh_file;
@@ -23,6 +24,7 @@ pub use error::ExportError;
 pub use mesh_file::MeshFormat;
 pub use options::ExportOptions;
 
+use devices::DeviceTable;
 use error::create_folder;
 use events::EventTable;
 use meshes::Meshes;
@@ -37,6 +39,8 @@ pub struct Exported {
     pub tick_lines: u64,
     /// Lines of `events.csv`, without the head and without the hash over the channels for viewers.
     pub event_lines: u64,
+    /// Lines of `devices.csv`, without the head. Without a sample there is no such table.
+    pub device_lines: u64,
     /// Number of times with meshes.
     pub mesh_frames: u64,
     /// Number of mesh files.
@@ -70,14 +74,21 @@ pub fn export(
     let mut exported = Exported::default();
     let mut ticks = if options.tables {
         let mut events = EventTable::create(folder, began)?;
+        let mut devices = match recording.facts().device_samples {
+            0 => None,
+            _ => Some(DeviceTable::create(folder, &scene, began)?),
+        };
         for message in recording.messages() {
-            if let Message::Event(event) = message.map_err(ReplayError::from)?
-                && Sum::parse(&event.text).is_none()
-            {
-                events.line(&event)?;
+            match message.map_err(ReplayError::from)? {
+                Message::Event(event) if Sum::parse(&event.text).is_none() => {
+                    events.line(&event)?
+                }
+                Message::Row(row) => devices.as_mut().map_or(Ok(()), |table| table.row(&row))?,
+                _ => {}
             }
         }
         exported.event_lines = events.finish()?;
+        exported.device_lines = devices.map_or(Ok(0), DeviceTable::finish)?;
         let ticks = TickTable::create(folder, &scene, began, options.every_ticks)?;
         Some(ticks)
     } else {

@@ -6,7 +6,7 @@ use super::mesh_file::MeshFormat;
 /// Options of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportOptions {
-    /// Tables `ticks.csv` and `events.csv`.
+    /// Tables `ticks.csv` and `events.csv`, and `devices.csv` for a recording with samples of devices.
     pub tables: bool,
     /// Number of ticks per line of `ticks.csv`.
     pub every_ticks: u64,

@@ -17,7 +17,7 @@ use super::tolerances::{PROBED_S, TIE, TOUCH_N};
 use super::touches::Touches;
 use super::zones::{Span, Zones};
 use crate::exercise::events::sight::is_tongue;
-use crate::exercise::events::{Events, Standing, pocket};
+use crate::exercise::events::{Events, Presence, Standing, pocket};
 use crate::exercise::{Exercise, ProbingTask};
 use crate::grade::motion::moves::Moves;
 use crate::grade::motion::series::Series;
@@ -68,6 +68,21 @@ pub struct Evidence {
     has_zones: bool,
     first_tick: Option<u64>,
     last_tick: u64,
+    /// Ticks in gaps of the connection.
+    away: Gone,
+    /// Whether the clock of the session runs in these gaps.
+    clock_runs: bool,
+}
+
+/// Gaps of the connection so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Gone {
+    /// Number of gaps in which the student was away.
+    pub gaps: u64,
+    /// Ticks of the grid in these gaps.
+    pub ticks: u64,
+    /// Whether the last tick was in such a gap.
+    now: bool,
 }
 
 impl Evidence {
@@ -119,7 +134,19 @@ impl Evidence {
             has_zones: !exercise.zones.is_empty(),
             first_tick: None,
             last_tick: 0,
+            away: Gone::default(),
+            clock_runs: false,
         }
+    }
+
+    /// Lets the clock of the session run in gaps of the connection.
+    pub(super) fn run_clock(&mut self) {
+        self.clock_runs = true;
+    }
+
+    /// Gaps of the connection so far.
+    pub fn gone(&self) -> Gone {
+        self.away
     }
 
     /// Takes in a tick. `events` and `shapes` are those after the tick.
@@ -139,25 +166,36 @@ impl Evidence {
             last => output.tick.saturating_sub(last).max(1),
         };
         self.last_tick = output.tick;
+        self.away.now = false;
         let dt = ticks as f64 * tick_s;
-        let at_s = output.tick.saturating_sub(first) as f64 * tick_s;
-        let present = |t: usize| output.tools[t].status & status::ABSENT == 0;
+        let left_out = if self.clock_runs { 0 } else { self.away.ticks };
+        let at_s = output.tick.saturating_sub(first + left_out) as f64 * tick_s;
+        let away = events.away();
+        let present =
+            |t: usize| output.tools[t].status & status::ABSENT == 0 && away.of(t) != Presence::Away;
         let held = |t: &usize| *t < scene.tools.len() && present(*t);
 
         let mut standing = None;
+        // Behind a gap the hand feels less than the tick's force until the ramp ends.
+        let mut unfelt = false;
         for (t, tool) in scene.tools.iter().enumerate() {
             let out = &output.tools[t];
+            if away.of(t) == Presence::Away {
+                continue;
+            }
             let here = held(&t);
             let force = norm(&out.raw_wrench.force);
             let in_pocket = events.standing(t).is_some();
-            let tip = here.then(|| {
-                (
-                    out.graphic.transform(&tool.tip),
-                    force < TOUCH_N && !in_pocket,
-                )
-            });
+            let at = out.graphic.transform(&tool.tip);
+            if here && away.returned(t).is_some() {
+                self.moves[t].returns(at);
+            }
+            let tip = here.then_some((at, force < TOUCH_N && !in_pocket));
             self.moves[t].observe(tip, ticks);
-            if here {
+            let settles = away.of(t) == Presence::Settling;
+            let heavy = |at: &&Standing| at.force > set.force_n[1];
+            unfelt |= settles && events.standing(t).filter(heavy).is_some();
+            if here && !settles {
                 let pressed = if self.mirror_slot == Some(t) {
                     &mut self.mirror
                 } else {
@@ -170,19 +208,23 @@ impl Evidence {
             }
             standing = standing.or(events.standing(t));
         }
-        if let Some(at) = standing {
+        let works = !unfelt && away.of(self.leading) != Presence::Away;
+        if let Some(at) = standing.filter(|_| works) {
             let floor = self.floors.get(&(at.tooth, at.site)).copied();
             let task = &self.task;
             let now = Span {
                 tick: output.tick,
-                to: output.tick as f64 * tick_s,
+                // No time passes in a gap, so a force that stands over the gap goes on.
+                to: (output.tick - self.away.ticks) as f64 * tick_s,
                 dt,
             };
             self.zones.observe(at, now, set.force_n, task, floor);
             self.floor.observe(at, dt, set.force_n);
         }
-        self.stays(standing, dt, set.force_n[0]);
-        self.touches.observe(standing, dt);
+        if works {
+            self.stays(standing, dt, set.force_n[0]);
+            self.touches.observe(standing, dt);
+        }
         let mirror = self.mirror_slot.filter(held);
         let mirror = mirror.map(|t| output.tools[t].graphic.transform(&scene.tools[t].tip));
         let bears = self
@@ -190,6 +232,12 @@ impl Evidence {
             .filter(held)
             .is_some_and(|t| self.on_tongue(t, shapes) >= TOUCH_N);
         let visible = events.is_target_visible();
+        let lead = Some(self.leading).filter(held);
+        let push = lead.map_or(0.0, |t| norm(&output.tools[t].raw_wrench.force));
+        self.series.observe(at_s, standing, push, visible);
+        if away.any() {
+            return;
+        }
         let moment = Moment {
             in_pocket: self
                 .has_zones
@@ -199,9 +247,6 @@ impl Evidence {
             holds: self.steady.observe(mirror, tick_s, set.steady_mm * 1e-3) && bears,
         };
         self.hands.observe(&moment, dt);
-        let lead = Some(self.leading).filter(held);
-        let push = lead.map_or(0.0, |t| norm(&output.tools[t].raw_wrench.force));
-        self.series.observe(at_s, standing, push, visible);
     }
 
     /// Force of the tool in a slot on tongues, newtons. A mirror in the air or on a tooth holds no tongue.
@@ -222,6 +267,22 @@ impl Evidence {
             .for_each(|moves| moves.observe(None, 1));
         self.touches.observe(None, tick_s);
         self.here = None;
+    }
+
+    /// Takes in a tick of a gap of the connection. Nothing counts, and whatever lasted before the gap goes on behind
+    /// it.
+    pub(super) fn is_away(&mut self, tick: u64, tick_s: f64) {
+        let ticks = match self.first_tick {
+            Some(_) => tick.saturating_sub(self.last_tick),
+            None => 0,
+        };
+        self.last_tick = tick;
+        self.away.gaps += u64::from(!self.away.now);
+        self.away.now = true;
+        self.away.ticks += ticks;
+        if self.clock_runs {
+            self.hands.waits(ticks as f64 * tick_s);
+        }
     }
 
     /// Takes in the place of the tip. A zone is felt after [`PROBED_S`] with `least` newtons or more in one visit.

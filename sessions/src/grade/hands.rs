@@ -45,6 +45,8 @@ pub struct Hands {
     span: [f64; 2],
     /// The same two times since the last moment in a pocket, seconds.
     since: [f64; 2],
+    /// Time in gaps of the connection while the clock ran: before the last moment in a pocket, and since then, seconds.
+    waited: [f64; 2],
 }
 
 /// State of both hands in a tick.
@@ -66,6 +68,7 @@ impl Hands {
         let seen = if now.visible { dt } else { 0.0 };
         match now.in_pocket {
             None if now.held => {
+                self.waited[0] += std::mem::take(&mut self.waited[1]);
                 self.span[0] += dt;
                 self.span[1] += seen;
             }
@@ -79,6 +82,7 @@ impl Hands {
                 self.span[0] += self.since[0] + dt;
                 self.span[1] += self.since[1] + seen;
                 self.since = [0.0; 2];
+                self.waited[0] += std::mem::take(&mut self.waited[1]);
             }
             Some(false) if self.span[0] > 0.0 => {
                 self.since[0] += dt;
@@ -88,7 +92,15 @@ impl Hands {
         }
     }
 
-    /// Share of the working time with the target visible, percent.
+    /// Takes in `dt` seconds of a gap of the connection while the clock of the session runs. Only the working time has
+    /// them.
+    pub fn waits(&mut self, dt: f64) {
+        if self.span[0] > 0.0 {
+            self.waited[1] += dt;
+        }
+    }
+
+    /// Share of the working time with the target visible, percent. Gaps of the connection are left out.
     pub fn visible_percent(&self) -> Option<f64> {
         (self.span[0] > 0.0).then(|| 100.0 * self.span[1] / self.span[0])
     }
@@ -100,7 +112,7 @@ impl Hands {
 
     /// Working time, seconds.
     pub fn span_s(&self) -> Option<f64> {
-        (self.span[0] > 0.0).then_some(self.span[0])
+        (self.span[0] > 0.0).then_some(self.span[0] + self.waited[0])
     }
 }
 
@@ -132,6 +144,19 @@ mod tests {
         assert_eq!(hands.span_s(), Some(8.0));
         assert_eq!(hands.visible_percent(), Some(50.0));
         assert_eq!(hands.together_percent(), Some(50.0));
+    }
+
+    #[test]
+    fn a_running_clock_counts_a_gap_as_time_and_not_as_lost_sight() {
+        let mut hands = Hands::default();
+        hands.waits(9.0);
+        hands.observe(&moment(Some(true), true, true), 3.0);
+        hands.waits(5.0);
+        assert_eq!(hands.span_s(), Some(3.0));
+        hands.observe(&moment(Some(true), true, true), 1.0);
+        hands.waits(7.0);
+        assert_eq!(hands.span_s(), Some(9.0));
+        assert_eq!(hands.visible_percent(), Some(100.0));
     }
 
     #[test]

@@ -8,11 +8,19 @@
 //! Modules depend on each other in one direction, from the last line to the first:
 //!
 //! - `tolerances`, [`settings`], `stats`: thresholds and statistics
+//! - [`parts`], [`felt`]: sessions in several recordings; the force that the hand felt
 //! - `zones`, `touches`, [`floor_time`], `hands`, `pressed`, `crown`, `motion`: measures of one tick after another
 //! - [`evidence`], [`watcher`], `patient`, [`sites`]: a whole session
 //! - `measured`, [`definitions`], [`rubric`], `score`, [`report`], `advice`: metrics, weights, the grade as data
 //! - [`run`], `text`: from a recording to its grade, and to text
 //! - [`names`] with its reader `sheet`, [`revision`], [`class`]: grades of a class
+//!
+//! # Gaps of the connection
+//! Nothing counts in a gap, nor on the way back until graphic and haptic tool have met
+//! ([`crate::exercise::events::away`]). Readings, touches and moves that lasted before the gap go on behind it. In the
+//! ramp behind a gap the hand feels less than the force of the tick, so a heavy force does not count there. The time of
+//! gaps is no session time, unless the plan says that the clock runs. Recordings before format 6 mark no gaps, and all
+//! their ticks count as before.
 //!
 //! # Invariants
 //! - No clock, no chance, no order of a hash map, functions by libm: a recording has the same grade on every machine.
@@ -26,11 +34,13 @@ pub mod class;
 mod crown;
 pub mod definitions;
 pub mod evidence;
+pub mod felt;
 pub mod floor_time;
 mod hands;
 mod measured;
 pub(crate) mod motion;
 pub mod names;
+pub mod parts;
 pub(crate) mod patient;
 mod pressed;
 pub mod report;
@@ -50,11 +60,12 @@ mod touches;
 pub mod watcher;
 mod zones;
 
-pub use evidence::Evidence;
+pub use evidence::{Evidence, Gone};
+pub use felt::Felt;
 pub use motion::series::{Point, STEP_S, Series};
 pub use report::{Advice, CriticalError, Grade, MetricGrade, Migrated, RubricUsed, Standard};
 pub use rubric::Rubric;
-pub use run::{GradeError, Graded, Options, finish, grade};
+pub use run::{GradeError, Graded, Options, finish, grade, grade_session};
 pub use settings::Settings;
 pub use sites::{Finding, SiteGrade};
 pub use watcher::Watcher;

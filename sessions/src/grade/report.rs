@@ -4,7 +4,9 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use super::felt::Felt;
 use super::floor_time::FloorTime;
+use super::parts::PartFacts;
 use super::rubric::{Bound, Rubric};
 use super::settings::Settings;
 use super::sites::SiteGrade;
@@ -328,6 +330,44 @@ pub struct Grade {
     pub missing: Vec<String>,
     /// Reason for an early end of the session, in words. A missing part need not be the learner's fault.
     pub ended_early: Option<&'static str>,
+    /// Gaps of the connection; absent without a gap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gaps: Option<Gaps>,
+    /// Force that the hand felt; absent without samples of a device. No metric uses it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub felt: Option<Felt>,
+    /// Recordings of the session; absent for a session in one recording.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartFacts>,
+}
+
+/// Gaps of the connection in a session. They count for no metric.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Gaps {
+    /// Number of gaps in which the student was away.
+    pub count: u64,
+    /// Sum of their lengths, seconds, with the ways back to the hand.
+    pub seconds: f64,
+    /// Whether the clock of the session ran in them.
+    pub clock_ran: bool,
+}
+
+/// Sum of the gaps from which a grade names them, seconds. Chosen: a late packet is no interruption.
+const NAMED_S: f64 = 1.0;
+
+impl Gaps {
+    /// The gaps in words; empty if they are short.
+    fn words(&self) -> String {
+        if self.seconds < NAMED_S {
+            return String::new();
+        }
+        let plural = if self.count == 1 { "" } else { "s" };
+        let clock = if self.clock_ran { "ran" } else { "stood" };
+        format!(
+            "{} gap{plural}, {:.1} s, which count for no metric; the clock {clock}",
+            self.count, self.seconds
+        )
+    }
 }
 
 impl Grade {
@@ -341,6 +381,21 @@ impl Grade {
             (
                 "ended early",
                 self.ended_early.unwrap_or_default().to_owned(),
+            ),
+            (
+                "connection interrupted",
+                self.gaps.map_or(String::new(), |gaps| gaps.words()),
+            ),
+            (
+                "force at the hand differs",
+                self.felt.map_or(String::new(), |felt| felt.reservation()),
+            ),
+            (
+                "continued after a stop of the station",
+                match self.parts.len() {
+                    0 | 1 => String::new(),
+                    n => format!("{n} recordings, between which up to 200 ms may be lost"),
+                },
             ),
             ("missing in the scene", self.missing.join(", ")),
             (

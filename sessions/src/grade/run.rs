@@ -7,9 +7,11 @@ use sulcus_core::tissue::TissueModel;
 
 use super::advice::advice;
 use super::definitions::{Definition, find};
+use super::felt::{Feeling, Felt};
 use super::measured::Measured;
+use super::parts::{PartFacts, unlinked};
 use super::patient::PatientChart;
-use super::report::{CriticalError, Grade, MetricGrade, Migrated, Standard, Thresholds};
+use super::report::{CriticalError, Gaps, Grade, MetricGrade, Migrated, Standard, Thresholds};
 use super::score::{happened, score, total};
 use super::settings::Settings;
 use super::sites::sites;
@@ -25,7 +27,7 @@ use crate::record::message::Message;
 use crate::record::occurrence::Occurrence;
 use crate::record::read::{ReadError, Recording};
 use crate::record::written::WrittenError;
-use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed};
+use crate::replay::{ReplayError, ReplayOptions, ReplayReport, replay_observed, why_not_continued};
 
 /// Version of this program's measures: the beginning of a hash over the sources of tick, events, exercise and grade.
 pub const MEASURES_SOURCE: &str = env!("SULCUS_MEASURES_SOURCE");
@@ -100,31 +102,69 @@ pub fn grade(
     options: &Options,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Graded, GradeError> {
-    let scene = recording.scene()?;
-    let exercise = Exercise::recorded(&recording.header().exercise);
-    let standard = Standard::of(recording.header(), &exercise, options.rubric.as_ref())?;
+    grade_session(recording, &[], options, progress)
+}
+
+/// Replays the recordings of one session and grades the session, as by [`grade`]. `last` is the last recording, and
+/// `before` the recordings before it, in the order of the session. Each recording replays by itself.
+///
+/// # Errors
+/// The errors of [`grade`].
+pub fn grade_session(
+    last: &Recording,
+    before: &[&Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Graded, GradeError> {
+    let scene = last.scene()?;
+    let exercise = Exercise::recorded(&last.header().exercise);
+    let standard = Standard::of(last.header(), &exercise, options.rubric.as_ref())?;
     let mut watcher = watcher(&scene, &exercise, standard.as_ref());
     let how = ReplayOptions {
         trust: options.trust,
         ..ReplayOptions::default()
     };
-    let report = replay_observed(
-        recording,
+    let parts = [before, &[last]].concat();
+    let mut against = unlinked(&parts);
+    let (mut log, mut feeling) = (Log::default(), Feeling::new(scene.tick_s()));
+    let mut done = 0;
+    for part in before {
+        if against.is_some() {
+            break;
+        }
+        let offset = watcher.begin(&scene, part)?;
+        let report = replay_observed(
+            part,
+            &how,
+            &mut |ticks| progress(done + ticks),
+            &mut |scene, _, output, shapes| watcher.observe(scene, output, shapes),
+        )?;
+        done += report.ticks;
+        log.add(part, &scene, (offset, &mut feeling))?;
+        against = why_not_continued(part, &report);
+    }
+    let offset = watcher.begin(&scene, last)?;
+    let mut report = replay_observed(
+        last,
         &how,
-        progress,
+        &mut |ticks| progress(done + ticks),
         &mut |scene, _, output, shapes| watcher.observe(scene, output, shapes),
     )?;
-    Ok(finish(
-        recording,
-        &scene,
-        &exercise,
-        standard.as_ref(),
-        watcher,
-        &report,
-    )?)
+    log.add(last, &scene, (offset, &mut feeling))?;
+    if let Some(against) = against {
+        report.gradable = false;
+        report.reason = Some(against);
+    }
+    let standard = standard.as_ref();
+    let mut graded = finish_with(last, &scene, &exercise, standard, watcher, &report, log);
+    graded.grade.parts = PartFacts::of(&parts);
+    if let Some(first) = before.first() {
+        graded.grade.started_unix_ns = first.header().started_unix_ns;
+    }
+    Ok(graded)
 }
 
-/// Grade of a session from the `watcher` of its replay.
+/// Grade of a session in one recording, from the `watcher` of its replay.
 ///
 /// # Errors
 /// A file that changed after it was opened.
@@ -133,9 +173,29 @@ pub fn finish(
     scene: &Scene,
     exercise: &Exercise,
     standard: Option<&Standard>,
-    mut watcher: Watcher,
+    watcher: Watcher,
     report: &ReplayReport,
 ) -> Result<Graded, ReadError> {
+    let log = Log::read(recording, scene)?;
+    let mut report = report.clone();
+    if let Some(against) = unlinked(&[recording]) {
+        report.gradable = false;
+        report.reason.get_or_insert(against);
+    }
+    Ok(finish_with(
+        recording, scene, exercise, standard, watcher, &report, log,
+    ))
+}
+
+fn finish_with(
+    recording: &Recording,
+    scene: &Scene,
+    exercise: &Exercise,
+    standard: Option<&Standard>,
+    mut watcher: Watcher,
+    report: &ReplayReport,
+    log: Log,
+) -> Graded {
     let header = recording.header();
     let mut teeth: Vec<u8> = scene
         .objects
@@ -175,6 +235,9 @@ pub fn finish(
             advice: Vec::new(),
             missing: watcher.events.missing().to_vec(),
             ended_early: None,
+            gaps: gaps(recording, scene, &watcher),
+            felt: log.felt,
+            parts: Vec::new(),
         },
         series: Series::default(),
         teeth,
@@ -197,28 +260,27 @@ pub fn finish(
         graded.grade.gradable = false;
         let none = format!("exercise `{}` has no rubric", header.exercise_name);
         graded.grade.reason.get_or_insert(none);
-        return Ok(graded);
+        return graded;
     };
     if !report.gradable {
-        return Ok(graded);
+        return graded;
     }
     if let Err(error) = standard.rubric.fits(exercise) {
         graded.grade.gradable = false;
         graded.grade.reason = Some(error.to_string());
-        return Ok(graded);
+        return graded;
     }
     if let Some(coupling) = too_stiff(scene).first() {
         graded.grade.gradable = false;
         graded.grade.reason = Some(coupling.to_string());
-        return Ok(graded);
+        return graded;
     }
     let set = &standard.rubric.settings;
     if let Some(reason) = nothing_there(exercise, &graded) {
         graded.grade.gradable = false;
         graded.grade.reason = Some(reason);
-        return Ok(graded);
+        return graded;
     }
-    let log = Log::read(recording, scene)?;
     graded.grade.ended_early = log.ended_early;
     let heard = log.calls;
     let calls: Vec<Call> = heard.iter().map(|(_, call)| *call).collect();
@@ -250,7 +312,18 @@ pub fn finish(
     grade.sites = sites;
     graded.seconds = watcher.evidence.series.0.len() as f64 * crate::grade::motion::series::STEP_S;
     graded.series = watcher.evidence.series;
-    Ok(graded)
+    graded
+}
+
+/// Gaps of the connection that the watcher has seen; `None` without a gap.
+fn gaps(recording: &Recording, scene: &Scene, watcher: &Watcher) -> Option<Gaps> {
+    let gone = watcher.evidence.gone();
+    let plan = recording.header().plan.as_ref();
+    (gone.gaps > 0).then(|| Gaps {
+        count: gone.gaps,
+        seconds: rounded(gone.ticks as f64 * scene.tick_s(), 2),
+        clock_ran: plan.is_some_and(|plan| plan.clock_runs_in_gaps),
+    })
 }
 
 /// Reason against a grade if the scene lacks all teeth with zones, or the target.
@@ -370,35 +443,57 @@ fn digits(metric: &Definition) -> u32 {
     }
 }
 
-/// Parts of a recording's log for the grade.
+/// Parts of a session's rows and log for the grade.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
     /// Valid calls, each with the number of the last tick before it.
     pub calls: Vec<(u64, Call)>,
     /// Reason for an early end of the session, in words.
     pub ended_early: Option<&'static str>,
+    /// Force that the hand felt; `None` without samples of a device.
+    pub felt: Option<Felt>,
 }
 
 impl Log {
-    /// Reads the log.
+    /// Reads the log of a session in one recording.
     ///
     /// # Errors
     /// A file that changed after it was opened.
     pub fn read(recording: &Recording, scene: &Scene) -> Result<Self, ReadError> {
-        let (mut log, mut tick) = (Self::default(), 0);
+        let mut log = Self::default();
+        let mut feeling = Feeling::new(scene.tick_s());
+        log.add(recording, scene, (0, &mut feeling))?;
+        Ok(log)
+    }
+
+    /// Adds a recording. Its ticks are counted from `offset` on.
+    fn add(
+        &mut self,
+        recording: &Recording,
+        scene: &Scene,
+        (offset, feeling): (u64, &mut Feeling),
+    ) -> Result<(), ReadError> {
+        let mut tick = offset;
+        feeling.begin();
+        // The end of a recording that another one continues is no end of the session.
+        self.ended_early = None;
         for message in recording.messages() {
             match message? {
-                Message::Row(row) => tick = row.tick,
+                Message::Row(row) => {
+                    tick = row.tick.saturating_add(offset);
+                    feeling.row(&row);
+                }
                 Message::Event(event) => {
-                    log.ended_early = ended::early(&event.text).or(log.ended_early);
+                    self.ended_early = ended::early(&event.text).or(self.ended_early);
                     let said = Occurrence::parse(&event.text);
                     let said = said.filter(|said| said.kind == READING_CALLED);
                     let call = said.and_then(|said| Call::read(&said.data, scene).ok());
-                    log.calls.extend(call.map(|call| (tick, call)));
+                    self.calls.extend(call.map(|call| (tick, call)));
                 }
                 _ => {}
             }
         }
-        Ok(log)
+        self.felt = feeling.felt();
+        Ok(())
     }
 }

@@ -1,13 +1,17 @@
-//! Watcher of a replay: events and evidence of every tick, without what happens in a pause.
+//! Watcher of a replay: events and evidence of every tick, without what happens in a pause or in a gap of the
+//! connection.
 
-use sulcus_core::output::status;
-use sulcus_core::{Scene, TickOutput, Workspace};
+use sulcus_core::output::{ForceZone, status};
+use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Workspace};
 
 use super::evidence::{BLEEDING, Evidence, WITHDRAWN};
 use super::settings::Settings;
 use crate::exercise::Exercise;
-use crate::exercise::events::Events;
-use crate::record::occurrence::Occurrence;
+use crate::exercise::events::{Events, Presence};
+use crate::record::attach::Absence;
+use crate::record::format::GAPS_SINCE;
+use crate::record::occurrence::{FORCE_ZONE, Occurrence};
+use crate::record::read::{ReadError, Recording};
 
 /// Watcher of a replay. The replay calls it in every tick.
 #[derive(Clone, Debug)]
@@ -21,6 +25,16 @@ pub struct Watcher {
     paused: Option<u64>,
     /// Number of the last such tick.
     last_pause: Option<u64>,
+    /// Gaps of the connection in the present recording, by its own ticks.
+    absences: Vec<Absence>,
+    /// Zone of force of each tool in its last tick that the hand felt.
+    felt: [ForceZone; MAX_TOOLS],
+    /// Whether a tool is behind a gap, and the hand does not feel its force yet.
+    unfelt: [bool; MAX_TOOLS],
+    /// Difference between the ticks of the session and those of the present recording.
+    offset: u64,
+    /// Number of the last tick of the session.
+    last: u64,
 }
 
 impl Watcher {
@@ -32,11 +46,47 @@ impl Watcher {
             settings,
             paused: None,
             last_pause: None,
+            absences: Vec::new(),
+            felt: [ForceZone::Light; MAX_TOOLS],
+            unfelt: [false; MAX_TOOLS],
+            offset: 0,
+            last: 0,
         }
+    }
+
+    /// Prepares for the ticks of a recording: its gaps, and a clock that runs in them if the plan says so. A second
+    /// recording continues the session of the first one. Returns the number to add to the ticks of the recording.
+    ///
+    /// # Errors
+    /// The file has changed since it was opened.
+    pub fn begin(&mut self, scene: &Scene, recording: &Recording) -> Result<u64, ReadError> {
+        if recording.format() < GAPS_SINCE {
+            self.events.ignore_gaps();
+        } else {
+            self.absences = Absence::all(recording)?;
+        }
+        let plan = recording.header().plan.as_ref();
+        if plan.is_some_and(|plan| plan.clock_runs_in_gaps) {
+            self.evidence.run_clock();
+        }
+        if self.last > 0 {
+            self.events.cut();
+            // Whole seconds keep the ticks at which sight is evaluated.
+            let second = scene.params.ticks_in(1.0).max(1);
+            self.offset = self.last.div_ceil(second).saturating_mul(second);
+        }
+        Ok(self.offset)
     }
 
     /// Takes in a tick. `shapes` is the workspace after the tick.
     pub fn observe(&mut self, scene: &Scene, output: &TickOutput, shapes: &Workspace) {
+        let away = self.absences.iter().any(|gap| gap.contains(output.tick));
+        self.events.set_detached(away);
+        let output = &TickOutput {
+            tick: output.tick.saturating_add(self.offset),
+            ..*output
+        };
+        self.last = output.tick;
         let was = self.paused;
         let held = output
             .tools
@@ -49,7 +99,14 @@ impl Watcher {
         for said in self.events.observe(scene, output, shapes) {
             // Bleeding that appears in a pause, or after it, comes from before the pause.
             let counts = said.kind == BLEEDING || self.paused.is_none();
+            // Behind a gap the force of the ramp is judged at its end.
+            let tool = said.data["tool"]
+                .as_u64()
+                .and_then(|tool| usize::try_from(tool).ok());
+            let unfelt = said.kind == FORCE_ZONE
+                && tool.is_some_and(|tool| self.unfelt.get(tool) == Some(&true));
             if counts
+                && !unfelt
                 && !self
                     .last_pause
                     .is_some_and(|tick| began_by(&said, tick, scene))
@@ -61,13 +118,41 @@ impl Watcher {
             self.evidence.pauses(output.tick, scene.tick_s());
             return;
         }
+        if self.events.away().is_whole() {
+            self.unfelt = std::array::from_fn(|t| self.unfelt[t] || self.is_unfelt(t));
+            self.evidence.is_away(output.tick, scene.tick_s());
+            return;
+        }
         if was.is_some() {
             // A force that lasts over the end of the pause is felt from now on.
             let zones = output.tools.iter().filter_map(|tool| tool.pocket);
             zones.for_each(|reading| self.evidence.enters(reading.zone));
         }
+        self.feels(output);
         self.evidence
             .observe(scene, output, &self.events, shapes, &self.settings);
+    }
+
+    /// Whether the hand does not feel the force of a tool in this tick: in a gap, and in the ramp behind it.
+    fn is_unfelt(&self, tool: usize) -> bool {
+        self.events.away().of(tool) != Presence::Here
+    }
+
+    /// Takes in the zones of force that the hands feel. A zone that was entered in a gap or in its ramp, and lasts,
+    /// counts from its first felt tick, if it is heavier than the zone before the gap.
+    fn feels(&mut self, output: &TickOutput) {
+        for (t, tool) in output.tools.iter().enumerate() {
+            let unfelt = self.is_unfelt(t);
+            let ended = std::mem::replace(&mut self.unfelt[t], unfelt) && !unfelt;
+            if unfelt {
+                continue;
+            }
+            let zone = tool.pocket.map_or(ForceZone::Light, |pocket| pocket.zone);
+            if ended && zone > self.felt[t] {
+                self.evidence.enters(zone);
+            }
+            self.felt[t] = zone;
+        }
     }
 }
 

@@ -5,7 +5,8 @@
 //! former version to `FORMER`, with the difference and one of three treatments:
 //!
 //! - Read as the present version: the tick has the same bits. In version 4 only the encoding of the exact messages
-//!   differs, and each channel names its encoding (`Layout`).
+//!   differs, and each channel names its encoding (`Layout`). Version 5 has no samples of devices and fewer fields in
+//!   the header. A grade treats gaps of the connection in recordings from version 6 on ([`GAPS_SINCE`]).
 //! - Migrated: the present tick runs the inputs, from the first snapshot to the end. A grade may rest on the replay as
 //!   long as the replay stays close ([`crate::replay::CLOSE`]), and says so. Later snapshots are only compared.
 //!   Otherwise an older version number in a header could bring a state into a grade that no hand has caused.
@@ -18,6 +19,9 @@
 use serde::Serialize;
 
 use crate::record::header::FORMAT_VERSION;
+
+/// First version whose gaps of the connection a grade leaves out. The numbers of older recordings stay as they were.
+pub const GAPS_SINCE: u32 = 6;
 
 /// A former version.
 struct Version {
@@ -48,7 +52,7 @@ pub(crate) enum Layout {
 }
 
 /// All versions before the present one.
-const FORMER: [Version; 4] = [
+const FORMER: [Version; 5] = [
     Version {
         number: "1",
         what: "rows have no level of detail, and states have no tissue; written on 21 November 2026 by 0.1.0, before release",
@@ -67,6 +71,11 @@ const FORMER: [Version; 4] = [
     Version {
         number: "4",
         what: "exact messages are not wrapped in protobuf, so other programs do not decode them",
+        read: Read::AsPresent,
+    },
+    Version {
+        number: "5",
+        what: "what the hand felt is not recorded, and gaps of the connection are not graded apart",
         read: Read::AsPresent,
     },
 ];
@@ -143,7 +152,7 @@ mod tests {
     fn every_former_version_is_known_and_others_are_told_apart() {
         let own: u32 = FORMAT_VERSION.parse().expect("a number");
         assert_eq!(reads(FORMAT_VERSION), Ok(None));
-        assert_eq!(reads("4"), Ok(None));
+        assert_eq!((reads("4"), reads("5")), (Ok(None), Ok(None)));
         for former in 1..own {
             let found = former.to_string();
             match reads(&found) {

@@ -2,25 +2,37 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::record::device::{DeviceFacts, Limits};
 use crate::record::key::PublicKey;
 use crate::record::mode::Mode;
+use crate::record::plan::PlanFacts;
+use crate::record::predecessor::Predecessor;
 
 /// Version of the recording's layout and of the meaning of its numbers ([`crate::record::format`]). Another version is
 /// migrated or refused.
-pub const FORMAT_VERSION: &str = "5";
+pub const FORMAT_VERSION: &str = "6";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
 /// Key of the hash of the tick's sources; absent in recordings from before 24 November 2026.
 const TICK_SOURCE: &str = "tick_source";
 /// Key of the mode; absent in recordings from before 24 November 2026.
 const MODE: &str = "mode";
+/// Keys of the fields since format 6, each absent without a value. The values are JSON.
+const DEVICES: &str = "devices";
+const LIMITS: &str = "limits";
+const PLAN: &str = "plan";
+const ATTACH_EPOCH: &str = "attach_epoch";
+const PREDECESSOR: &str = "predecessor";
 /// Name of the compiled scene's attachment.
 pub(crate) const SCENE: &str = "scene.bin";
 /// Attachments besides the scene: all text.
 pub(crate) const TEXTS: [&str; 3] = ["exercise", "patient", "rubric"];
 
 /// Constant data of a session.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SessionHeader {
     /// Compiled scene, bytes of [`sulcus_core::Scene::to_bytes`].
     pub scene: Vec<u8>,
@@ -51,6 +63,16 @@ pub struct SessionHeader {
     pub target: String,
     /// Start of the session, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
+    /// Devices, by slot; empty if no client described one, and before format 6.
+    pub devices: Vec<DeviceFacts>,
+    /// Limits of the wrench that the station sends; `None` before format 6.
+    pub limits: Option<Limits>,
+    /// Facts of the station's plan; `None` without a plan, and before format 6.
+    pub plan: Option<PlanFacts>,
+    /// Session epoch of the client's first attachment; `None` for a session without a connection, and before format 6.
+    pub attach_epoch: Option<u32>,
+    /// Recording that this one continues; `None` for the beginning of a session.
+    pub predecessor: Option<Predecessor>,
 }
 
 impl SessionHeader {
@@ -76,7 +98,28 @@ impl SessionHeader {
             tick_source: env!("SULCUS_TICK_SOURCE").to_owned(),
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             started_unix_ns: 0,
+            devices: Vec::new(),
+            limits: None,
+            plan: None,
+            attach_epoch: None,
+            predecessor: None,
         }
+    }
+
+    /// Checks the values of the fields since format 6: field, value found, value expected.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        self.devices.iter().try_for_each(DeviceFacts::check)?;
+        let twice = |k: usize| {
+            let tool = self.devices[k].tool;
+            self.devices[..k].iter().any(|other| other.tool == tool)
+        };
+        if let Some(k) = (0..self.devices.len()).find(|k| twice(*k)) {
+            let tool = self.devices[k].tool;
+            return Err(format!("device tool {tool} occurs twice, expected once"));
+        }
+        self.limits.as_ref().map_or(Ok(()), Limits::check)?;
+        self.plan.as_ref().map_or(Ok(()), PlanFacts::check)?;
+        self.predecessor.as_ref().map_or(Ok(()), Predecessor::check)
     }
 
     /// Name and bytes of each attachment.
@@ -125,6 +168,16 @@ impl SessionHeader {
             self.mode
                 .map(|mode| (MODE.to_owned(), mode.name().to_owned())),
         );
+        let devices = (!self.devices.is_empty()).then_some(&self.devices);
+        for (key, value) in [
+            (DEVICES, written(devices)),
+            (LIMITS, written(self.limits.as_ref())),
+            (PLAN, written(self.plan.as_ref())),
+            (ATTACH_EPOCH, written(self.attach_epoch.as_ref())),
+            (PREDECESSOR, written(self.predecessor.as_ref())),
+        ] {
+            pairs.extend(value.map(|value| (key.to_owned(), value)));
+        }
         pairs
     }
 
@@ -161,9 +214,33 @@ impl SessionHeader {
             tick_source: pairs.get(TICK_SOURCE).cloned().unwrap_or_default(),
             target: text("target")?,
             started_unix_ns: number("started_unix_ns")?,
+            devices: read(pairs, DEVICES)?.unwrap_or_default(),
+            limits: read(pairs, LIMITS)?,
+            plan: read(pairs, PLAN)?,
+            attach_epoch: read(pairs, ATTACH_EPOCH)?,
+            predecessor: read(pairs, PREDECESSOR)?,
         };
+        header.check()?;
         Ok((header, signer))
     }
+}
+
+/// Value of a key as JSON; `None` without a value.
+fn written<T: Serialize + ?Sized>(value: Option<&T>) -> Option<String> {
+    // Checked numbers and texts always serialise.
+    value.and_then(|value| serde_json::to_string(value).ok())
+}
+
+/// Value of a key; `None` without the key.
+///
+/// # Errors
+/// The value is invalid: the key.
+fn read<T: DeserializeOwned>(
+    pairs: &BTreeMap<String, String>,
+    key: &str,
+) -> Result<Option<T>, String> {
+    let value = pairs.get(key).map(|text| serde_json::from_str(text));
+    value.transpose().map_err(|_| key.to_owned())
 }
 
 /// Metadata key of an attachment's blake3.
@@ -187,12 +264,93 @@ pub(crate) fn digest(pairs: &BTreeMap<String, String>) -> [u8; 32] {
 mod tests {
     use super::*;
     use crate::record::key::StationKey;
+    use crate::record::plan::PlanChange;
+
+    /// Header with every field since format 6.
+    fn full() -> SessionHeader {
+        let device = |tool| DeviceFacts {
+            tool,
+            name: "stylus".into(),
+            period_ns: 1_000_000,
+            workspace_scale: 0.5,
+            max_force_n: 3.3,
+            max_torque_nm: 0.0,
+            force_dof: 3,
+        };
+        SessionHeader {
+            devices: vec![device(0), device(1)],
+            limits: Some(Limits {
+                max_force_n: 3.0,
+                max_torque_nm: 0.1,
+                max_force_step_n: 0.3,
+                max_torque_step_nm: 0.01,
+            }),
+            plan: Some(PlanFacts {
+                name: "exam A".into(),
+                revision: "3".into(),
+                resume_within_s: 30.0,
+                clock_runs_in_gaps: false,
+                changed: Some(PlanChange {
+                    unix_ns: 7,
+                    by: "t04".into(),
+                }),
+            }),
+            attach_epoch: Some(4),
+            predecessor: Some(Predecessor {
+                file: "first.mcap".into(),
+                blake3: [9; 32],
+            }),
+            ..SessionHeader::new(vec![1, 2, 3])
+        }
+    }
+
+    #[test]
+    fn the_fields_survive_the_metadata_and_a_bad_value_is_named() {
+        let signer = StationKey::from_seed([1; 32]).public();
+        let header = full();
+        let pairs = header.to_metadata(&signer);
+        let files = header.attachments();
+        let files = files.map(|(name, bytes)| (name.to_owned(), bytes.to_vec()));
+        let files = BTreeMap::from(files);
+        let read = |pairs: &BTreeMap<String, String>| SessionHeader::from_metadata(pairs, &files);
+        assert_eq!(read(&pairs), Ok((header, signer)));
+        for (key, value) in [
+            (DEVICES, "[{}]"),
+            (LIMITS, r#"{"max_force_n":1}"#),
+            (PLAN, "7"),
+            (ATTACH_EPOCH, "-1"),
+            (PREDECESSOR, r#"{"file":"x","blake3":"00"}"#),
+        ] {
+            let mut bad = pairs.clone();
+            bad.insert(key.to_owned(), value.to_owned());
+            assert_eq!(read(&bad), Err(key.to_owned()));
+        }
+        let refused = |change: fn(&mut SessionHeader)| {
+            let mut header = full();
+            change(&mut header);
+            header.check().expect_err("a bad value")
+        };
+        let said = refused(|header| header.devices[1].tool = 0);
+        assert_eq!(said, "device tool 0 occurs twice, expected once");
+        let said = refused(|header| header.devices[0].workspace_scale = f64::NAN);
+        assert!(said.contains("workspace_scale is NaN"), "{said}");
+        let said = refused(|header| header.devices[0].force_dof = 7);
+        assert!(said.contains("force_dof is 7"), "{said}");
+        let said = refused(|header| {
+            header.limits.as_mut().expect("limits").max_force_n = f64::INFINITY;
+        });
+        assert!(said.contains("max_force_n is inf"), "{said}");
+        let said = refused(|header| {
+            header.plan.as_mut().expect("a plan").resume_within_s = -1.0;
+        });
+        assert!(said.contains("resume_within_s is -1"), "{said}");
+    }
 
     #[test]
     fn the_digest_covers_every_field() {
         let signer = StationKey::from_seed([1; 32]).public();
-        let plain = SessionHeader::new(vec![1, 2, 3]);
-        let mut changed = vec![plain.clone(); 15];
+        let plain = full();
+        let mut changed = vec![plain.clone(); 20];
         changed[0].scene.push(4);
         for (header, field) in changed[1..].iter_mut().zip(0..) {
             match field {
@@ -209,6 +367,11 @@ mod tests {
                 10 => header.tick_source.push('x'),
                 11 => header.mode = Some(Mode::Exam),
                 12 => header.mode = None,
+                13 => header.devices[0].period_ns += 1,
+                14 => header.limits = None,
+                15 => header.plan = None,
+                16 => header.attach_epoch = Some(5),
+                17 => header.predecessor = None,
                 _ => header.started_unix_ns += 1,
             }
         }
@@ -222,6 +385,6 @@ mod tests {
         ));
         digests.sort_unstable();
         digests.dedup();
-        assert_eq!(digests.len(), 17);
+        assert_eq!(digests.len(), 22);
     }
 }

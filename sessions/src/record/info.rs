@@ -6,9 +6,13 @@ use std::path::Path;
 use serde::Serialize;
 use sulcus_program::PathText;
 
+use crate::record::attach::Absence;
 use crate::record::bytes::hex;
+use crate::record::device::{DeviceFacts, Limits};
 use crate::record::format::Migration;
 use crate::record::mode::Mode;
+use crate::record::plan::PlanFacts;
+use crate::record::predecessor::Predecessor;
 use crate::record::read::{Ending, ReadError, Recording};
 use crate::record::signature::Signature;
 use crate::record::sizes::{Sizes, sizes};
@@ -67,6 +71,24 @@ pub struct Info {
     pub target: String,
     /// Migration of a recording of a former version of the format.
     pub migration: Option<Migration>,
+    /// Version of the recording format.
+    pub format: u32,
+    /// BLAKE3 of all bytes of the file, hexadecimal.
+    pub blake3: String,
+    /// Recording that this one continues; null for the beginning of a session.
+    pub predecessor: Option<Predecessor>,
+    /// Devices, by slot.
+    pub devices: Vec<DeviceFacts>,
+    /// Limits of the wrench that the station sent; null if unknown.
+    pub limits: Option<Limits>,
+    /// Facts of the station's plan; null without a plan.
+    pub plan: Option<PlanFacts>,
+    /// Session epoch of the client's first attachment; null without a connection.
+    pub attach_epoch: Option<u32>,
+    /// Number of samples of devices.
+    pub device_samples: u64,
+    /// Gaps of the connection.
+    pub absences: Vec<Absence>,
     /// Start of the session, nanoseconds since the Unix epoch.
     pub started_unix_ns: u64,
     /// Ending of the file.
@@ -122,6 +144,15 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         build: header.build.clone(),
         target: header.target.clone(),
         migration: recording.migration(),
+        format: recording.format(),
+        blake3: hex(&recording.blake3()),
+        predecessor: header.predecessor.clone(),
+        devices: header.devices.clone(),
+        limits: header.limits,
+        plan: header.plan.clone(),
+        attach_epoch: header.attach_epoch,
+        device_samples: facts.device_samples,
+        absences: Absence::all(recording)?,
         started_unix_ns: header.started_unix_ns,
         ending: recording.ending().clone(),
         end: facts.end,
@@ -139,6 +170,38 @@ impl Info {
             || matches!(self.signature, Signature::Invalid { .. })
             || self.viewers == Viewers::Changed
             || self.damaged_views > 0
+    }
+}
+
+impl Info {
+    /// Lines about devices, limits, plan, gaps and predecessor.
+    fn of_the_connection(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for device in &self.devices {
+            writeln!(f, "  device     {device}")?;
+        }
+        if self.device_samples > 0 {
+            writeln!(
+                f,
+                "  samples    {} poses with the displayed wrench",
+                self.device_samples
+            )?;
+        }
+        if let Some(limits) = &self.limits {
+            writeln!(f, "  limits     {limits}")?;
+        }
+        if let Some(plan) = &self.plan {
+            writeln!(f, "  plan       {plan}")?;
+        }
+        for Absence { from, to } in &self.absences {
+            match to {
+                Some(to) => writeln!(f, "  gap        ticks {from} to {}", to.saturating_sub(1))?,
+                None => writeln!(f, "  gap        from tick {from} to the end")?,
+            }
+        }
+        if let Some(before) = &self.predecessor {
+            writeln!(f, "  continues  {before}")?;
+        }
+        Ok(())
     }
 }
 
@@ -203,6 +266,7 @@ impl fmt::Display for Info {
         if let Some(migration) = &self.migration {
             writeln!(f, "  migrated   {migration}")?;
         }
+        self.of_the_connection(f)?;
         writeln!(f, "  ending     {}", self.ending)?;
         if let Some(end) = &self.end {
             writeln!(

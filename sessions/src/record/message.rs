@@ -120,14 +120,19 @@ pub(crate) const MAX_TICK: u64 = 1 << 58;
 impl Message {
     /// Decodes a message of this layout; `None` for invalid bytes.
     pub(crate) fn decode(topic: Topic, layout: Layout, bytes: &[u8]) -> Option<Self> {
+        if topic == Topic::Ticks {
+            let row = match layout {
+                Layout::Protobuf => envelope::open_row(bytes),
+                Layout::Bare => Row::from_bytes(bytes),
+            };
+            return row.filter(|row| row.tick <= MAX_TICK).map(Self::Row);
+        }
         let bytes = match layout {
             Layout::Protobuf => envelope::open(bytes)?,
             Layout::Bare => bytes,
         };
         match topic {
-            Topic::Ticks => Row::from_bytes(bytes)
-                .filter(|row| row.tick <= MAX_TICK)
-                .map(Self::Row),
+            Topic::Ticks => None,
             Topic::Snapshots => {
                 let mut cut = Cut(bytes);
                 let tick = cut.u64().filter(|tick| *tick <= MAX_TICK)?;
@@ -144,7 +149,11 @@ impl Message {
     /// Part of the message that the chain covers: kind, tick and bytes; `None` for a signed statement.
     pub(crate) fn chained(&self) -> Option<(Link, Option<u64>, Vec<u8>)> {
         match self {
-            Self::Row(row) => Some((Link::Row, Some(row.tick), row.to_bytes().to_vec())),
+            Self::Row(row) => {
+                let mut bytes = Vec::with_capacity(Row::BYTES);
+                row.chained(&mut bytes);
+                Some((Link::Row, Some(row.tick), bytes))
+            }
             Self::Snapshot { tick, state } => {
                 let bytes = [&tick.to_le_bytes(), state.as_slice()].concat();
                 Some((Link::Snapshot, Some(*tick), bytes))

@@ -4,9 +4,10 @@
 //! tick. It also contains the output of every tick (wrench, status, chained state hash) and snapshots every ten
 //! seconds. The station signs a chain of hashes over all of these.
 //!
-//! # Layout of a recording (format version 5)
+//! # Layout of a recording (format version 6)
 //! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions, station, opaque
-//!   learner id, mode, blake3 of every attachment, public key of the signer
+//!   learner id, mode, blake3 of every attachment, public key of the signer; as JSON, each if it is known: `devices`,
+//!   `limits`, `plan`, `attach_epoch`, `predecessor` ([`crate::SessionHeader`])
 //! - the exact channels, on which a replay and a grade rest
 //! - channels for viewers ([`channels`]), in chunks of their own, with one hash over all of them in the signed log
 //! - metadata `sulcus.recovered` in a recovered file ([`crate::recover()`]): ending of the damaged file, missing part,
@@ -18,16 +19,20 @@
 //!
 //! # Channels
 //! Every message is protobuf, and its schema with comments is in the file. Python's `mcap-protobuf-support`, Foxglove
-//! and Rerun decode all messages. The four exact messages have one field, number 1, of bytes:
+//! and Rerun decode all messages. The four exact messages have a field, number 1, of bytes:
 //!
 //! | topic | message | bytes in it |
 //! |---|---|---|
-//! | `/exact/ticks` | `sulcus.v1.ExactRow`, field `row` | [`crate::Row`]: 150 bytes, little-endian |
+//! | `/exact/ticks` | `sulcus.v1.ExactRow`, field `row`; field `samples` | [`crate::Row`]: 150 bytes, little-endian; [`sample::DeviceSample`] |
 //! | `/exact/snapshots` | `sulcus.v1.ExactState`, field `state` | tick (u64, little-endian), then [`sulcus_core::State`] |
 //! | `/exact/chain` | `sulcus.v1.ExactStatement`, field `statement` | [`crate::SignedStatement`]: 265 bytes, little-endian |
 //! | `/events` | `sulcus.v1.ExactEvent`, field `event` | [`crate::Event`] as JSON |
 //!
-//! Chain and signatures cover these inner bytes, because the protobuf message around them has many valid encodings.
+//! A row has a sample for each pose that its tick was the first to use: number, device time and age of the pose, and
+//! the wrench that the hand felt. The samples are fields of protobuf, so that other programs plot them.
+//!
+//! Chain and signatures cover these inner bytes, because the protobuf message around them has many valid encodings. The
+//! values of the samples are covered as bytes behind those of their row.
 //! `proto/sulcus/v1/exact_*.proto` describes the layout of the inner bytes field by field. In Python:
 //!
 //! ```text
@@ -37,17 +42,31 @@
 //!         tick, time_unix_ns = struct.unpack_from("<QQ", decoded.row)
 //! ```
 //!
-//! Up to version 4 the messages of these four channels were the inner bytes alone, in encodings `sulcus-row`,
-//! `sulcus-state`, `sulcus-chain` and `json`. Both encodings are read, because each channel names its encoding.
+//! # Gaps of the connection
+//! The session goes on while a student is gone. Two lines of the log mark the gap ([`crate::Occurrence`]): `detached`
+//! at the first tick without the student, with a `reason`; `attached` at the first tick with the student, with `epoch`
+//! and `gap_ticks`. A change of a level (`paused`, `resumed`, `force_limit`) names its side: `by` is `station`,
+//! `student` or the opaque id of an instructor's token.
+//!
+//! # Sessions in several files
+//! After a crash of the station's program the session goes on in a second file. The signed header of the second file
+//! names the first one and its BLAKE3 hash ([`predecessor`]). Each file replays by itself; the grade takes all of them.
+//!
+//! # Former versions
+//! Up to version 5 rows have no samples, and the JSON fields of the header are absent. Up to version 4 the messages of
+//! these four channels were the inner bytes alone, in encodings `sulcus-row`, `sulcus-state`, `sulcus-chain` and
+//! `json`. Both encodings are read, because each channel names its encoding.
 //!
 //! # Invariants
 //! - The file on disk is a clean prefix at any moment, because chunks are appended whole.
 //! - No bytes make reading panic or take memory beyond a bound.
 //! - The recorder never runs in the tick's thread. The owner of the queue between them counts dropped rows.
 
+pub mod attach;
 pub(crate) mod bytes;
 pub(crate) mod chain;
 pub mod channels;
+pub mod device;
 pub mod ended;
 pub(crate) mod envelope;
 pub mod format;
@@ -55,16 +74,21 @@ pub mod gap;
 pub mod header;
 pub mod info;
 pub mod key;
+pub mod levels;
 pub mod message;
 pub mod mode;
 pub mod naming;
 pub(crate) mod note;
 pub mod occurrence;
+pub mod plan;
+pub mod predecessor;
 pub mod program;
 pub mod read;
 pub mod recorder;
 pub mod recover;
 pub mod row;
+pub mod sample;
+pub(crate) mod sane;
 pub(crate) mod scan;
 pub(crate) mod schema;
 pub mod signature;
@@ -73,6 +97,7 @@ pub mod statement;
 pub(crate) mod storage;
 pub mod times;
 pub(crate) mod unpack;
+pub mod utc;
 pub mod verify;
 pub mod viewers;
 pub(crate) mod walk;

@@ -40,13 +40,13 @@ impl Occurrence {
         }
     }
 
-    /// Importance. Faults of a learner are warnings.
+    /// Importance. Faults of a learner and gaps of the connection are warnings.
     pub fn level(&self) -> Level {
         let light = self.kind == FORCE_ZONE && self.data["zone"] == zone_name(ForceZone::Light);
         let wrong = match self.kind.as_str() {
             FORCE_ZONE => !light,
             "angle" => self.data["right"] == false,
-            "withdrawn" => true,
+            "withdrawn" | "detached" => true,
             "bleeding" => self.data["cause"] == "trauma",
             _ => false,
         };

@@ -27,6 +27,8 @@ pub use error::ReadError;
 pub struct Facts {
     /// Number of rows.
     pub rows: u64,
+    /// Number of samples of devices in the rows.
+    pub device_samples: u64,
     /// Number of snapshots.
     pub snapshots: u64,
     /// Number of lines in the log, without the hash over the channels for viewers.
@@ -68,6 +70,7 @@ pub struct Recording {
     pub(crate) header: SessionHeader,
     pub(crate) header_digest: [u8; 32],
     pub(crate) migration: Option<Migration>,
+    pub(crate) format: u32,
     pub(crate) signer: PublicKey,
     /// First bytes of the header's attachments and metadata.
     pub(crate) placed: Vec<usize>,
@@ -101,6 +104,16 @@ impl Recording {
     /// Migration of a recording of a former version of the format.
     pub fn migration(&self) -> Option<Migration> {
         self.migration
+    }
+
+    /// Version of the format in the header.
+    pub fn format(&self) -> u32 {
+        self.format
+    }
+
+    /// BLAKE3 of all bytes of the file.
+    pub fn blake3(&self) -> [u8; 32] {
+        *blake3::hash(&self.bytes).as_bytes()
     }
 
     /// Compiled scene, validated.

@@ -101,6 +101,7 @@ impl Recorder {
         header: &SessionHeader,
         key: StationKey,
     ) -> Result<Self, RecordError> {
+        header.check().map_err(RecordError::Header)?;
         let stopped = |error: mcap::McapError| RecordError::Stopped {
             rows: 0,
             what: reason(&error),
@@ -143,9 +144,11 @@ impl Recorder {
             self.lost_rows += 1;
             return Ok(());
         }
-        let bytes = row.to_bytes();
+        let mut bytes = std::mem::take(&mut self.sealed);
+        row.chained(&mut bytes);
         self.chain.add(Link::Row, Some(row.tick), &bytes);
-        self.put(Topic::Ticks, row.time_unix_ns, &bytes)?;
+        envelope::seal_row(row, &mut bytes);
+        self.put_sealed(Topic::Ticks, row.time_unix_ns, bytes)?;
         self.on_time(row.time_unix_ns)
     }
 
@@ -301,10 +304,20 @@ impl Recorder {
     }
 
     fn put(&mut self, topic: Topic, time_unix_ns: u64, bytes: &[u8]) -> Result<(), RecordError> {
-        self.last_time = time_unix_ns;
-        let header = output::header(self.ids[topic as usize], self.chain.rows(), time_unix_ns);
         let mut sealed = std::mem::take(&mut self.sealed);
         envelope::seal(bytes, &mut sealed);
+        self.put_sealed(topic, time_unix_ns, sealed)
+    }
+
+    /// Writes a whole protobuf message, and keeps its memory for the next one.
+    fn put_sealed(
+        &mut self,
+        topic: Topic,
+        time_unix_ns: u64,
+        sealed: Vec<u8>,
+    ) -> Result<(), RecordError> {
+        self.last_time = time_unix_ns;
+        let header = output::header(self.ids[topic as usize], self.chain.rows(), time_unix_ns);
         let written = self.write(|writer| writer.write_to_known_channel(&header, &sealed));
         self.sealed = sealed;
         written

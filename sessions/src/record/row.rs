@@ -3,6 +3,7 @@
 use sulcus_core::{MAX_TOOLS, TickInput, TickOutput};
 
 use crate::record::bytes::Cut;
+use crate::record::sample::DeviceSamples;
 
 /// One recorded tick: enough to run the tick again and to notice any difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Row {
     pub wrench: [[f32; 6]; MAX_TOOLS],
     /// Per tool, bits of [`sulcus_core::output::status`].
     pub status: [u16; MAX_TOOLS],
+    /// Per tool, the device's sample of the pose that this tick was the first to use. No part of [`Row::to_bytes`].
+    pub device: DeviceSamples,
 }
 
 /// Length of a tool's part: six f32 and a u16.
@@ -42,6 +45,23 @@ impl Row {
             hash: output.hash,
             wrench,
             status: output.tools.map(|tool| tool.status),
+            device: [None; MAX_TOOLS],
+        }
+    }
+
+    /// The same row with the device's samples of the poses that the tick used.
+    pub fn with_device(self, device: DeviceSamples) -> Self {
+        Self { device, ..self }
+    }
+
+    /// Writes the bytes that chain and signatures cover into `out`, whose former content is dropped: those of the row,
+    /// then those of each sample.
+    pub(crate) fn chained(&self, out: &mut Vec<u8>) {
+        out.clear();
+        out.extend_from_slice(&self.to_bytes());
+        for (tool, sample) in (0..).zip(&self.device) {
+            let bytes = sample.map(|sample| sample.to_bytes(tool));
+            out.extend(bytes.into_iter().flatten());
         }
     }
 
@@ -75,6 +95,7 @@ impl Row {
             hash: 0,
             wrench: [[0.0; 6]; MAX_TOOLS],
             status: [0; MAX_TOOLS],
+            device: [None; MAX_TOOLS],
         };
         for (wrench, status) in row.wrench.iter_mut().zip(&mut row.status) {
             for x in wrench {

@@ -13,6 +13,7 @@ mod state;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::record::header::SessionHeader;
 use crate::record::read::{Bytes, ReadError, Recording};
 use crate::record::viewers::Viewers;
 use crate::record::walk::Walk;
@@ -47,7 +48,21 @@ impl Recording {
         scan(Arc::clone(&self.bytes), Depth::Salvage)
     }
 
+    /// Header of a recording, without a look at its messages.
+    ///
+    /// # Errors
+    /// The file is no recording, or its header is damaged.
+    pub fn header_of(path: &Path) -> Result<SessionHeader, ReadError> {
+        let bytes = Self::bytes_of(path)?;
+        let walk = Walk::new(&bytes).ok_or(ReadError::NotMcap)?;
+        Ok(Head::read(walk)?.check()?.header)
+    }
+
     fn map(path: &Path, depth: Depth) -> Result<Self, ReadError> {
+        scan(Arc::new(Self::bytes_of(path)?), depth)
+    }
+
+    fn bytes_of(path: &Path) -> Result<Bytes, ReadError> {
         let failed = |source| ReadError::Io {
             path: path.to_owned(),
             source,
@@ -64,7 +79,7 @@ impl Recording {
         // overwrites the file causes damage that is found, because no result of one read is trusted in the next. A
         // program that shortens the file could end this process, as with any mapped file.
         let map = unsafe { memmap2::Mmap::map(&file) }.map_err(failed)?;
-        scan(Arc::new(Bytes::Mapped(map)), depth)
+        Ok(Bytes::Mapped(map))
     }
 
     /// Recording from bytes in memory, as by [`Recording::open`].
@@ -105,6 +120,7 @@ fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadError> {
         header: checked.header,
         header_digest: checked.digest,
         migration: checked.migration,
+        format: checked.format,
         signer: checked.signer,
         placed,
         pieces,

@@ -7,11 +7,12 @@ use crate::record::message::Level;
 use crate::record::occurrence::Occurrence;
 use crate::record::recorder::{Finished, RecordError, Recorder};
 use crate::record::row::Row;
+use crate::record::sample::OnlyNew;
 use crate::record::statement::SessionEnd;
 
 /// A tick for the recording.
 pub struct RecordedTick<'a> {
-    /// Exact row.
+    /// Exact row. Its samples may repeat a pose that an earlier tick has used; a repeated one is not written.
     pub row: &'a Row,
     /// Output of the tick.
     pub output: &'a TickOutput,
@@ -25,6 +26,7 @@ pub struct RecordedTick<'a> {
 pub struct SessionWriter {
     recorder: Recorder,
     views: Views,
+    only_new: OnlyNew,
 }
 
 impl SessionWriter {
@@ -45,7 +47,11 @@ impl SessionWriter {
             recorder.event(started_unix_ns, Level::Info, text)?;
         }
         let views = Views::open(scene, &mut recorder, started_unix_ns)?;
-        Ok(Self { recorder, views })
+        Ok(Self {
+            recorder,
+            views,
+            only_new: OnlyNew::default(),
+        })
     }
 
     /// Copier of tissue shapes, for the thread that ticks.
@@ -75,7 +81,8 @@ impl SessionWriter {
         occurrences: impl IntoIterator<Item = Occurrence>,
     ) -> Result<(), RecordError> {
         let row = tick.row;
-        self.recorder.push(row)?;
+        self.recorder
+            .push(&row.with_device(self.only_new.of(&row.device)))?;
         for occurrence in occurrences {
             let level = occurrence.level();
             self.event(row.time_unix_ns, level, &occurrence.to_string())?;

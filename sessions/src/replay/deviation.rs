@@ -110,6 +110,7 @@ mod tests {
             hash: 0,
             wrench: [[force, 0.0, 0.0, 0.0, force, 0.0], [0.0; 6]],
             status: [0; MAX_TOOLS],
+            device: [None; MAX_TOOLS],
         }
     }
 

@@ -38,6 +38,25 @@ pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<St
     })
 }
 
+/// Reason against a grade on a recording that another one continues, as text; `None` if the session may be graded. The
+/// signature of the other recording covers this one, which needs no end.
+pub fn why_not_continued(recording: &Recording, report: &ReplayReport) -> Option<String> {
+    match recording.ending() {
+        Ending::CutOff { .. } => {}
+        _ => return report.reason.clone(),
+    }
+    if let Some(tick) = report.first_divergent_tick
+        && !report.is_close()
+    {
+        return Some(differs(report, tick));
+    }
+    match &report.signature {
+        Signature::Invalid { reason, .. } => Some(reason.clone()),
+        _ if !report.chain_ok => Some("the chain of hashes is broken".to_owned()),
+        _ => None,
+    }
+}
+
 /// Text for a missing end or a missing part of the session.
 fn no_end(recording: &Recording, ending: &Ending) -> String {
     match ending {

@@ -24,6 +24,7 @@ use crate::record::verify::Verifier;
 pub use close::{CLOSE, Close};
 pub use deviation::Deviation;
 pub use error::ReplayError;
+pub use gradable::why_not_continued;
 pub use report::{Difference, Divergence, ReplayOptions, ReplayReport};
 pub use span::{Part, Span};
 pub use stretch::Stretch;

@@ -5,6 +5,7 @@ mod cli;
 mod cli_replay;
 mod common;
 mod corpus;
+mod devices;
 mod events;
 mod exercise;
 mod gaps;

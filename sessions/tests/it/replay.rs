@@ -309,3 +309,39 @@ fn the_judge_agrees_with_the_tick() {
         "{audit:?}"
     );
 }
+
+/// A row counts at most 65,535 skipped ticks. A longer suspension is in several rows, and no tick of the grid is lost.
+#[test]
+fn a_suspension_of_three_minutes_loses_no_tick_of_the_grid() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("session.mcap");
+    let mut session = Session::begin(&path, key());
+    session.run(100);
+    let (mut left, mut skipped) = (180_000_u64, Vec::new());
+    while left > 0 {
+        let now = u16::try_from(left).unwrap_or(u16::MAX);
+        left -= u64::from(now);
+        // The tick itself is a point of the grid, too.
+        left = left.saturating_sub(1);
+        let mut input = input(100);
+        input.skipped = now;
+        input.tools[0].stale = true;
+        let row = session.tick(&input);
+        session.recorder.push(&row).unwrap();
+        skipped.push(now);
+    }
+    session.run(100);
+    let last = session.state.tick;
+    session.finish();
+    assert_eq!(skipped, [65_535, 65_535, 48_928]);
+    let counted: u64 = skipped.iter().map(|n| u64::from(*n) + 1).sum();
+    assert_eq!(last, 200 + counted);
+    let recording = Recording::open(&path).unwrap();
+    assert_eq!(recording.facts().ticks, Some((1, last)));
+    let report = replay(&recording, &ReplayOptions::default(), &mut |_| {}).unwrap();
+    assert!(report.identical && report.gradable, "{report:?}");
+    assert_eq!(report.ticks, 203);
+    // Skipped ticks are no damage.
+    let salvaged = Recording::salvage(&path).unwrap();
+    assert!(salvaged.gaps().is_empty(), "{:?}", salvaged.gaps());
+}

@@ -105,8 +105,8 @@ fn another_encoding_of_the_outer_message_changes_nothing() {
     let bytes = session();
     let plain = |inner: &[u8]| sealed(inner);
     let unknown_before = |inner: &[u8]| [&[0x98, 0x06, 0x2a][..], &sealed(inner)].concat();
-    let unknown_behind = |inner: &[u8]| [&sealed(inner)[..], &[0x12, 2, 7, 7]].concat();
-    let group = |inner: &[u8]| [&[0x1b, 0x08, 1, 0x1c][..], &sealed(inner)].concat();
+    let unknown_behind = |inner: &[u8]| [&sealed(inner)[..], &[0x1a, 2, 7, 7]].concat();
+    let group = |inner: &[u8]| [&[0x23, 0x08, 1, 0x24][..], &sealed(inner)].concat();
     let long_length = |inner: &[u8]| {
         let n = inner.len();
         let length = [n & 127 | 128, n >> 7 & 127 | 128, n >> 14 & 127 | 128, 0];

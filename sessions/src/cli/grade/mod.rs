@@ -4,6 +4,7 @@ mod args;
 mod class;
 mod say;
 mod session;
+mod sessions;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,11 +29,12 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     let asked = Asked::of(args)?;
     let names = args.names.as_deref().map(Names::open).transpose()?;
     let files = recordings(&args.files);
-    if args.self_score.is_some() && files.len() > 1 {
-        bail!("--self-score takes one recording, found {}", files.len());
+    let found = sessions::sessions(&files);
+    if args.self_score.is_some() && found.len() > 1 {
+        bail!("--self-score takes one recording, found {}", found.len());
     }
-    if args.revise.is_some() && files.len() > 1 {
-        bail!("--revise takes one recording, found {}", files.len());
+    if args.revise.is_some() && found.len() > 1 {
+        bail!("--revise takes one recording, found {}", found.len());
     }
     if let Some(table) = &args.csv {
         let others = [&args.names, &args.rubric, &args.signer]
@@ -45,8 +47,9 @@ pub(super) fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     }
     let (mut code, mut objects, mut all) = (0u8, Vec::new(), Vec::new());
     let mut unread: Vec<(String, String)> = Vec::new();
-    for path in &files {
-        match one(path, args, &asked) {
+    for session in &found {
+        let path = session.last.as_path();
+        match one(session, args, &asked) {
             Ok(one) => {
                 code = code.max(u8::from(one.graded.grade.score.is_none()));
                 if !args.json {

@@ -8,12 +8,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sulcus_program::{PathText, tell};
 
 use super::args::{GradeArgs, file_name, points};
+use super::sessions::SessionFiles;
 use crate::cli::inputs::open;
 use crate::cli::print::at;
 use crate::grade::class::Shown;
 use crate::grade::report::Source;
 use crate::grade::revision::{Revision, RevisionError, Sidecar};
-use crate::grade::{Graded, Options, Rubric, grade};
+use crate::grade::{Graded, Options, Rubric, grade_session};
 use crate::record::key::PublicKey;
 use crate::record::mode::Mode;
 use crate::record::read::Recording;
@@ -95,12 +96,19 @@ fn shown(recording: &Recording, args: &GradeArgs) -> anyhow::Result<Shown> {
     Ok(Shown { mode, recorded })
 }
 
-/// Grades one recording.
+/// Grades one session.
 ///
 /// # Errors
 /// The recording cannot be graded with these options, or the file beside it belongs to another grade.
-pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
+pub(super) fn one(session: &SessionFiles, args: &GradeArgs, asked: &Asked) -> anyhow::Result<One> {
+    let path = session.last.as_path();
     let recording = open(path)?;
+    let before: Vec<Recording> = session
+        .before
+        .iter()
+        .map(|path| open(path))
+        .collect::<Result<_, _>>()?;
+    let before: Vec<&Recording> = before.iter().collect();
     let named = |error: anyhow::Error| at(path, &*error);
     let shown = shown(&recording, args).map_err(named)?;
     let options = asked.options(shown.mode).map_err(named)?;
@@ -127,12 +135,15 @@ pub(super) fn one(path: &Path, args: &GradeArgs, asked: &Asked) -> anyhow::Resul
     let checked = revision.as_ref().map_or(Ok(()), Revision::check);
     checked.map_err(|error| at(path, &error))?;
     // The bar draws nothing if standard error is no terminal.
-    let bar =
-        ProgressBar::with_draw_target(Some(recording.facts().rows), ProgressDrawTarget::stderr());
+    let rows = |of: &&Recording| of.facts().rows;
+    let rows = recording.facts().rows + before.iter().map(rows).sum::<u64>();
+    let bar = ProgressBar::with_draw_target(Some(rows), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} ticks, {eta} left") {
         bar.set_style(style);
     }
-    let graded = grade(&recording, &options, &mut |ticks| bar.set_position(ticks));
+    let graded = grade_session(&recording, &before, &options, &mut |ticks| {
+        bar.set_position(ticks)
+    });
     bar.finish_and_clear();
     let graded = graded.map_err(|error| at(path, &error))?;
     let used = graded.grade.rubric.as_ref();

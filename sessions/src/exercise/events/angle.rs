@@ -112,6 +112,11 @@ impl Watch {
         Some(right)
     }
 
+    /// Leaves out a gap of `ticks` ticks.
+    pub fn shifts(&mut self, ticks: u64) {
+        self.since = self.since.map(|since| since.saturating_add(ticks));
+    }
+
     /// Takes a tick in which the probe does not bear on the floor.
     pub fn rests(&mut self) {
         self.since = None;

@@ -1,6 +1,9 @@
 //! Kinds of events.
 
+use crate::record::attach::ATTACHMENTS;
 use crate::record::occurrence::FORCE_ZONE;
+
+pub use crate::record::levels::{FORCE_LIMIT, LEVELS, PAUSED, RESUMED};
 
 /// Kind: the tip of a probe comes into a zone.
 pub(super) const SITE_REACHED: &str = "site_reached";
@@ -32,16 +35,6 @@ pub const KINDS: [&str; 9] = [
     TARGET_HIDDEN,
 ];
 
-/// Kinds of the events of a pause or a force limit. Data: `by`, the side, `station` or `student`; `force_limit_n`, the
-/// limit of that side, newtons, 0 for no limit.
-pub const LEVELS: [&str; 3] = [PAUSED, RESUMED, FORCE_LIMIT];
-/// Kind: one side pauses.
-pub const PAUSED: &str = "paused";
-/// Kind: one side ends its pause.
-pub const RESUMED: &str = "resumed";
-/// Kind: one side sets its force limit.
-pub const FORCE_LIMIT: &str = "force_limit";
-
 /// Kind: a client sent more events than were recorded.
 pub const LOST: &str = "client_events_lost";
 
@@ -53,5 +46,6 @@ pub fn may_a_client_say(kind: &str) -> bool {
         && kind.bytes().all(word)
         && !KINDS.contains(&kind)
         && !LEVELS.contains(&kind)
+        && !ATTACHMENTS.contains(&kind)
         && kind != LOST
 }

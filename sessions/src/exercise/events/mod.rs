@@ -11,13 +11,18 @@
 //! | `bleeding` | the tip has left a site that bleeds, or a trauma | tool, tooth, site, cause |
 //! | `force_zone` | a hand enters another zone of force ([`Occurrence::force_zone`]) | |
 //! | `target_visible`, `target_hidden` | rays from the target to the eye | tooth, free, free_past_mirror, of |
-//! | `paused`, `resumed`, `force_limit` | station or student changes its level ([`LEVELS`]) | by, force_limit_n |
+//! | `paused`, `resumed`, `force_limit` | station, student or instructor changes a level ([`LEVELS`]) | by, force_limit_n |
+//! | `detached`, `attached` | the student is gone, or back ([`crate::record::attach`]) | reason; epoch, gap_ticks |
 //! | `reading_called` | a client sends a call ([`call`]) | tooth, site, depth_mm, and if called recession_mm, bleeding, furcation |
 //!
 //! Forces are in newtons, depths along the tooth's axis below the gingival margin in millimetres, angles in degrees.
 //! No function reads a clock. Time is the number of the tick, so skipped ticks count.
+//!
+//! In a gap of the connection ([`away`]) the state of a probe stands still. A visit goes on behind the gap if the tip
+//! is still in its pocket. A hand that has moved meanwhile has not withdrawn the probe.
 
 pub mod angle;
+pub mod away;
 mod bleeding;
 pub mod call;
 mod kinds;
@@ -35,6 +40,7 @@ use sulcus_core::{MAX_TOOLS, Scene, TickOutput, Vec3, Workspace};
 use crate::exercise::Exercise;
 use crate::record::occurrence::Occurrence;
 
+pub use away::{Away, Presence};
 pub use kinds::{BLEEDING, FORCE_LIMIT, KINDS, LEVELS, LOST, PAUSED, RESUMED, may_a_client_say};
 pub use sight::Look;
 pub use standing::Standing;
@@ -59,6 +65,7 @@ pub struct Events {
     centres: Vec<Vec3>,
     missing: Vec<String>,
     tally: Tally,
+    away: Away,
     said: Vec<Occurrence>,
 }
 
@@ -90,8 +97,29 @@ impl Events {
             sight,
             missing,
             tally: Tally::default(),
+            away: Away::default(),
             said: Vec::new(),
         }
+    }
+
+    /// Sets whether the student is detached in the next ticks. Events `detached` and `attached` name the first ticks.
+    pub fn set_detached(&mut self, detached: bool) {
+        self.away.set_detached(detached);
+    }
+
+    /// Ignores gaps of the connection, as for a recording that marks none.
+    pub fn ignore_gaps(&mut self) {
+        self.away.ignore();
+    }
+
+    /// Begins a gap of every held tool, at the end of a recording that another one continues.
+    pub fn cut(&mut self) {
+        self.away.cut();
+    }
+
+    /// Gaps of the connection, as of the last tick.
+    pub fn away(&self) -> &Away {
+        &self.away
     }
 
     /// Parts of the exercise that the scene lacks, as text.
@@ -109,8 +137,12 @@ impl Events {
         &self.tally
     }
 
-    /// Place of a tool's tip in the last tick; `None` outside of all pockets, and for a tool that is no probe.
+    /// Place of a tool's tip in the last tick; `None` outside of all pockets, in a gap of the connection, and for a
+    /// tool that is no probe.
     pub fn standing(&self, tool: usize) -> Option<&Standing> {
+        if self.away.of(tool) == Presence::Away {
+            return None;
+        }
         self.probes.get(tool)?.standing()
     }
 
@@ -154,13 +186,21 @@ impl Events {
 
     fn advance(&mut self, scene: &Scene, output: &TickOutput, look: Option<&[Vec3]>) {
         let first = self.said.len();
+        self.away.observe(scene, output);
         for (t, (tool, out)) in scene.tools.iter().zip(&output.tools).enumerate() {
+            if self.away.of(t) == Presence::Away {
+                continue;
+            }
+            if let Some(ticks) = self.away.returned(t) {
+                self.probes[t].returns(ticks);
+            }
             // A mirror touches the gingiva, but measures nothing.
             let there = out.status & status::ABSENT == 0 && !tool.bands.is_empty();
             let seen = there.then(|| Seen {
                 tip: out.graphic.transform(&tool.tip),
                 out_of_tip: out.graphic.orientation * tool.tip_axis,
                 reading: out.pocket.as_ref(),
+                felt: self.away.of(t) == Presence::Here,
             });
             let before = self.said.len();
             self.probes[t].observe(
@@ -183,6 +223,8 @@ impl Events {
                     .push(Occurrence::force_zone(output.tick, t, &reading));
             }
         }
+        // Without a mirror in the hand the tongue lies where nobody has put it.
+        let look = look.filter(|_| !self.away.any() && !self.away.is_whole());
         if let (Some(sight), Some(centres)) = (&mut self.sight, look) {
             let view = sight.evaluate(scene, output, centres, &self.look);
             self.tally.seen(&view, sight.is_visible());

@@ -6,7 +6,7 @@
 //! shallow sulcus.
 
 use serde_json::json;
-use sulcus_core::math::fmax;
+use sulcus_core::math::{fmax, fmin};
 use sulcus_core::output::{ForceZone, PocketReading};
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
 use sulcus_core::{Scene, Vec3};
@@ -43,6 +43,8 @@ pub struct Seen<'a> {
     pub out_of_tip: Vec3,
     /// Reading of the pocket.
     pub reading: Option<&'a PocketReading>,
+    /// Whether the hand feels the force, and no ramp behind a gap of the connection reduces it.
+    pub felt: bool,
 }
 
 /// Visit to a zone.
@@ -95,6 +97,8 @@ pub struct Probe {
     /// Visit that ended in this tick.
     ended: Option<Visit>,
     standing: Option<Standing>,
+    /// Whether a gap of the connection has ended before the next tick.
+    returned: bool,
 }
 
 /// Place of a tip in a pocket.
@@ -124,6 +128,20 @@ impl Probe {
         self.standing.as_ref()
     }
 
+    /// Takes the end of a gap of `ticks` ticks. No time has passed in the gap.
+    pub fn returns(&mut self, ticks: u64) {
+        let later = |tick: &mut u64| *tick = tick.saturating_add(ticks);
+        if let Some(visit) = &mut self.visit {
+            later(&mut visit.since);
+            later(&mut visit.last);
+            visit.above.iter_mut().for_each(later);
+            visit.watch.shifts(ticks);
+        }
+        let sides = self.walks.iter_mut().flat_map(|walk| &mut walk.sides);
+        sides.filter_map(|side| side.out.as_mut()).for_each(later);
+        self.returned = true;
+    }
+
     /// Processes a tick of tool `t`. `seen` is `None` if no hand holds the tool.
     pub fn observe(
         &mut self,
@@ -137,7 +155,27 @@ impl Probe {
         self.ended = None;
         self.standing = None;
         let spot = seen.and_then(|seen| self.locate(tick, seen, pockets, scene));
-        let Some((spot, seen)) = spot.zip(seen) else {
+        if std::mem::take(&mut self.returned)
+            && let Some(visit) = &self.visit
+            && spot.as_ref().is_none_or(|spot| spot.pocket != visit.pocket)
+        {
+            self.leave((tick, tool), pockets, scene, true, said);
+            // Nobody saw how the tip came out, so no walk has been broken off.
+            self.walks.fill(Walk::default());
+        }
+        self.enter((tick, tool), spot.zip(seen), (pockets, scene), task, said);
+    }
+
+    /// Processes a tick with the tip at a spot; `None` outside of all pockets.
+    fn enter(
+        &mut self,
+        (tick, tool): (u64, usize),
+        at: Option<(Spot<'_>, &Seen<'_>)>,
+        (pockets, scene): (&[Pocket], &Scene),
+        task: &ProbingTask,
+        said: &mut Vec<Occurrence>,
+    ) {
+        let Some((spot, seen)) = at else {
             self.leave((tick, tool), pockets, scene, true, said);
             return;
         };
@@ -194,10 +232,13 @@ impl Probe {
         };
         let force = spot.reading.map_or(0.0, |reading| reading.floor_force);
         let [from, to] = task.force_n;
-        if force > visit.max_force {
-            visit.max_force = force;
+        // A force above the band that the hand does not feel injures nobody.
+        let of_hand = if seen.felt { force } else { fmin(force, to) };
+        if of_hand > visit.max_force {
+            visit.max_force = of_hand;
         }
         if let Some(reading) = spot.reading
+            && seen.felt
             && reading.zone > visit.heaviest
         {
             visit.heaviest = reading.zone;

@@ -21,6 +21,9 @@ pub const STOP: f64 = 4e-3;
 pub const RESTS: f64 = 0.1;
 /// Longest gap of skipped ticks over which the tip is interpolated, seconds.
 const GAP: f64 = 0.1;
+/// Largest motion of a tip in a gap of the connection after which a move goes on, metres. Chosen: a hand that holds
+/// still trembles less.
+pub const MOVED: f64 = 1e-3;
 /// Shortest way of a move, metres.
 pub const LEAST_WAY: f64 = 5e-3;
 /// Shortest time of a move, seconds.
@@ -97,6 +100,20 @@ impl Moves {
         self.step(tip);
     }
 
+    /// Takes the end of a gap of the connection, with the present place of the tip. A tip that is where it was goes on.
+    /// Of a tip that has moved, neither the way in the gap nor the move that the gap has cut counts.
+    pub fn returns(&mut self, tip: Vec3) {
+        if self
+            .tip
+            .is_some_and(|before| norm(&(tip - before)) <= MOVED)
+        {
+            return;
+        }
+        self.drop_move();
+        self.filter.reset();
+        (self.tip, self.last, self.kept) = (None, None, None);
+    }
+
     fn step(&mut self, tip: Option<(Vec3, bool)>) {
         let Some((tip, free)) = tip else {
             self.end();
@@ -157,6 +174,11 @@ impl Moves {
             self.found
                 .extend(sparc(&self.speeds[..moved], 1.0 / period, CUT_OFF_HZ));
         }
+        self.drop_move();
+    }
+
+    /// Forgets the present move.
+    fn drop_move(&mut self) {
         self.speeds.clear();
         (self.way, self.slow, self.moving) = (0.0, 0.0, false);
     }
@@ -266,6 +288,33 @@ mod tests {
         moves.observe(Some((Vec3::zeros(), true)), 1);
         moves.observe(Some((Vec3::new(1.0, 0.0, 0.0), true)), 500);
         assert!(moves.ways().0 < 1e-12, "{:?}", moves.ways());
+    }
+
+    #[test]
+    fn a_gap_of_the_connection_is_no_way_and_cuts_a_move_only_if_the_hand_moved() {
+        let run = |jump: f64| {
+            let mut moves = Moves::new(1e-3);
+            let mut shift = 0.0;
+            for k in 0..1400u32 {
+                if k == 500 {
+                    shift = jump;
+                    moves.returns(Vec3::new(0.02 + shift, 0.0, 0.0));
+                }
+                let s = (f64::from(k) / 1e3).min(1.0);
+                let x = 0.04 * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+                moves.observe(Some((Vec3::new(x + shift, 0.0, 0.0), true)), 1);
+            }
+            (moves.smoothness(), moves.ways().0)
+        };
+        let mut whole = Moves::new(1e-3);
+        reach(&mut whole, 0.0, 1.0, 0.0);
+        let (still, way) = run(0.0);
+        assert_eq!(still, whole.smoothness());
+        assert!((way - 0.04).abs() < 1e-4, "{way}");
+        // The half of a move behind the gap counts as it was made.
+        let (moved, way) = run(0.3);
+        assert_eq!(moved.expect("a move").1, 1);
+        assert!((way - 0.04).abs() < 1e-3, "{way}");
     }
 
     #[test]

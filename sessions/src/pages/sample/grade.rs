@@ -79,6 +79,9 @@ pub fn grade(text: &str, kind: Kind, attempt: usize) -> Grade {
         }],
         missing: vec![text.into()],
         ended_early: (attempt == 1).then_some("the connection was lost"),
+        gaps: None,
+        felt: None,
+        parts: Vec::new(),
     }
 }
 

@@ -35,7 +35,7 @@ mod clouds;
 pub(crate) mod foxglove_types;
 mod moved;
 mod names;
-mod own_types;
+pub(crate) mod own_types;
 mod shapes;
 mod tool;
 pub(crate) mod topics;

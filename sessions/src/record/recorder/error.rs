@@ -10,6 +10,9 @@ pub enum RecordError {
     /// The file exists. A recording is never overwritten.
     #[error("`{}` exists already: a recording is never overwritten, name another file", .0.shown())]
     Exists(PathBuf),
+    /// A field of the header is invalid: field, value found, value expected.
+    #[error("recording's header: {0}")]
+    Header(String),
     /// The file could not be made.
     #[error("cannot make recording `{}`: {source}{}", path.shown(), disk::advice(source))]
     Create {

@@ -38,6 +38,8 @@ pub(super) struct Checked {
     pub signer: PublicKey,
     pub digest: [u8; 32],
     pub migration: Option<Migration>,
+    /// Version of the format.
+    pub format: u32,
 }
 
 impl Head {
@@ -184,6 +186,8 @@ impl Head {
             header,
             signer,
             migration,
+            // A version that is read is a number.
+            format: found.parse().unwrap_or_default(),
         })
     }
 }

@@ -66,6 +66,7 @@ impl State {
                 }
                 self.tick = row.tick;
                 facts.rows += 1;
+                facts.device_samples += row.device.iter().flatten().count() as u64;
                 facts.ticks = Some((facts.ticks.map_or(row.tick, |t| t.0), row.tick));
                 let time = row.time_unix_ns;
                 facts.times_unix_ns = Some((facts.times_unix_ns.map_or(time, |t| t.0), time));

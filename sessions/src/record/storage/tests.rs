@@ -42,6 +42,7 @@ fn row(tick: u64) -> Row {
         hash: tick.wrapping_mul(0x9e37_79b9_7f4a_7c15),
         wrench: [[tick as f32; 6]; 2],
         status: [0; 2],
+        device: [None; 2],
     }
 }
 

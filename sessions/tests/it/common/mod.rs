@@ -252,7 +252,11 @@ pub fn inner(outer: &[u8]) -> Vec<u8> {
 /// The protobuf message around exact bytes.
 pub fn sealed(inner: &[u8]) -> Vec<u8> {
     let row = inner.to_vec();
-    ExactRow { row }.encode_to_vec()
+    let message = ExactRow {
+        row,
+        ..ExactRow::default()
+    };
+    message.encode_to_vec()
 }
 
 /// What an editor may change in a recording, before it is written anew with correct CRCs.
@@ -357,13 +361,19 @@ fn rewritten_by_record(
                     continue;
                 };
                 let (topic, is_sealed) = &topics[&header.channel_id];
-                let mut bytes = if *is_sealed {
-                    inner(&data)
+                let (mut bytes, samples) = if *is_sealed {
+                    let message = ExactRow::decode(&data[..]).unwrap();
+                    (message.row, message.samples)
                 } else {
-                    data.into_owned()
+                    (data.into_owned(), Vec::new())
                 };
                 if (edit.message)(topic, &mut bytes) {
-                    let bytes = if *is_sealed { sealed(&bytes) } else { bytes };
+                    let bytes = if *is_sealed {
+                        let row = bytes;
+                        ExactRow { row, samples }.encode_to_vec()
+                    } else {
+                        bytes
+                    };
                     writer
                         .write_to_known_channel(&MessageHeader { ..header }, &bytes)
                         .unwrap();

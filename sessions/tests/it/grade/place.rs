@@ -26,6 +26,23 @@ pub fn record_with(
     dropped_rows: u64,
     change: impl Fn(&mut SessionHeader, &mut Vec<String>),
 ) {
+    let recorder = begun(path, 0..ticks, ticks, key, change);
+    let end = SessionEnd {
+        ticks,
+        dropped_rows,
+        ..SessionEnd::default()
+    };
+    recorder.finish(end).unwrap();
+}
+
+/// A part of a session of `whole` ticks, without an end: the hand performs `part` of them.
+pub fn begun(
+    path: &Path,
+    part: std::ops::Range<u64>,
+    whole: u64,
+    key: StationKey,
+    change: impl Fn(&mut SessionHeader, &mut Vec<String>),
+) -> Recorder {
     let mut scene = crate::common::scene();
     scene.tools[0].bands = vec![Band {
         from: 0.0,
@@ -33,7 +50,7 @@ pub fn record_with(
         dark: true,
     }];
     let mut exercise = Exercise::built_in().remove(0);
-    exercise.duration_s = ticks as f64 * 1e-3;
+    exercise.duration_s = whole as f64 * 1e-3;
     let mut log = Vec::new();
     let mut header = SessionHeader {
         exercise_name: "crown".into(),
@@ -50,7 +67,7 @@ pub fn record_with(
     let mut recorder = Recorder::create(path, &header, key).unwrap();
     let (mut state, mut shapes) = (State::new(&scene), Workspace::new(&scene));
     recorder.snapshot(BEGAN, 0, &state.to_bytes()).unwrap();
-    for k in 0..ticks {
+    for k in part {
         let input = input(k);
         let output = tick(&scene, &mut state, &mut shapes, &input, &mut NoProbe);
         let now = BEGAN + (k + 1) * 1_000_000;
@@ -59,12 +76,7 @@ pub fn record_with(
     for line in log {
         recorder.event(BEGAN, Level::Info, &line).unwrap();
     }
-    let end = SessionEnd {
-        ticks,
-        dropped_rows,
-        ..SessionEnd::default()
-    };
-    recorder.finish(end).unwrap();
+    recorder
 }
 
 /// An instructor's word.
