@@ -15,7 +15,6 @@ use sulcus_proto::control::{DeviceInfo, Event};
 use sulcus_proto::station::StationEvent;
 use sulcus_program::PathText;
 use sulcus_sessions::exercise::events::{LOST, Look};
-use sulcus_sessions::record::attach::{ATTACHMENTS, DETACHED};
 use sulcus_sessions::record::plan::{PlanChange, PlanFacts};
 use sulcus_sessions::record::predecessor::Predecessor;
 use tokio::sync::broadcast;
@@ -28,7 +27,8 @@ use sulcus_sessions::{
 use crate::outlets::feed::{FeedPublisher, SessionFeed};
 use crate::outlets::status::{Live, StatusOutlet};
 use crate::session::changes::Changes;
-use crate::session::handoff::{Flags, Provoked};
+use crate::session::gaps::Gaps;
+use crate::session::handoff::{Attachment, Flags, Provoked};
 use crate::session::levels::InForce;
 use crate::station::config::SessionPlan;
 
@@ -45,9 +45,8 @@ pub(crate) const EVENTS: usize = 256;
     reason = "nearly all are ticks, and a box would be allocated in the tick's thread"
 )]
 pub(crate) enum Entry {
-    /// Row of a tick, its output, its CPU time in nanoseconds, and the levels of both sides. The recorder's thread
-    /// finds the events and makes the viewers' messages.
-    Tick(Row, TickOutput, u32, InForce),
+    /// A tick. The recorder's thread finds the events and makes the viewers' messages.
+    Tick(Ticked),
     /// Number of a tick, and the sphere centres after it that events need, world axes, metres: see [`Look`].
     Look(u64, Vec<Vec3>),
     /// Shapes for viewers after the next tick in the queue.
@@ -58,6 +57,20 @@ pub(crate) enum Entry {
         tick: u64,
         bytes: Vec<u8>,
     },
+}
+
+/// A tick on its way to the recorder.
+pub(crate) struct Ticked {
+    /// Exact row.
+    pub row: Row,
+    /// Output.
+    pub output: TickOutput,
+    /// CPU time, nanoseconds.
+    pub cpu_ns: u32,
+    /// Levels of both sides.
+    pub in_force: InForce,
+    /// Whether the student is gone.
+    pub gone: bool,
 }
 
 /// Message from the network to the recorder.
@@ -319,6 +332,7 @@ pub(crate) fn spawn(
     returned: Returned,
     network: Receiver<FromNetwork>,
     flags: Arc<Flags>,
+    attachment: Arc<Attachment>,
     bell: Bell,
 ) -> std::io::Result<JoinHandle<Report>> {
     let Open(writer, file_name, narrator, listeners) = open;
@@ -329,6 +343,8 @@ pub(crate) fn spawn(
         look: None,
         shapes: None,
         changes: Changes::default(),
+        gaps: Gaps::default(),
+        attachment,
         entries,
         returned,
         network,
@@ -366,6 +382,9 @@ struct Thread {
     shapes: Option<Box<Shapes>>,
     /// Changes of pause and force limit.
     changes: Changes,
+    /// Gaps of the connection.
+    gaps: Gaps,
+    attachment: Arc<Attachment>,
     entries: Consumer<Entry>,
     returned: Returned,
     network: Receiver<FromNetwork>,
@@ -393,10 +412,6 @@ impl Thread {
                 }
                 Ok(FromNetwork::Occurrence(occurrence)) => {
                     self.listeners.event(&occurrence);
-                    if ATTACHMENTS.contains(&occurrence.kind.as_str()) {
-                        let gone = occurrence.kind == DETACHED;
-                        self.narrator.events.set_detached(gone);
-                    }
                     let text = occurrence.to_string();
                     let result = self.writer.event(unix_ns(), occurrence.level(), &text);
                     self.check(result);
@@ -447,9 +462,7 @@ impl Thread {
     fn drain(&mut self) {
         while let Ok(entry) = self.entries.pop() {
             let result = match entry {
-                Entry::Tick(row, output, cpu_ns, in_force) => {
-                    self.tick(&row, &output, cpu_ns, in_force)
-                }
+                Entry::Tick(ticked) => self.tick(&ticked),
                 Entry::Look(tick, centres) => {
                     self.look = Some((tick, centres));
                     Ok(())
@@ -474,22 +487,27 @@ impl Thread {
     }
 
     /// Writes a tick's row, its events and its messages for viewers.
-    fn tick(
-        &mut self,
-        row: &Row,
-        output: &TickOutput,
-        cpu_ns: u32,
-        in_force: InForce,
-    ) -> Result<(), RecordError> {
+    fn tick(&mut self, ticked: &Ticked) -> Result<(), RecordError> {
+        let Ticked {
+            row,
+            output,
+            cpu_ns,
+            in_force,
+            gone,
+        } = ticked;
+        let gap = self.gaps.take(row.tick, *gone, &self.attachment);
+        if gap.is_some() {
+            self.narrator.events.set_detached(*gone);
+        }
         let look = self.look.take();
         let centres = look.as_ref().filter(|(tick, _)| *tick == output.tick);
         let centres = centres.map(|(_, centres)| centres.as_slice());
         let Narrator { scene, events } = &mut self.narrator;
-        let changed = self.changes.take(row.tick, in_force);
+        let changed = self.changes.take(row.tick, *in_force);
         let found: Vec<Occurrence> = events.take(scene, output, centres).collect();
         // Before the disk, which may be slow.
-        self.listeners.status.tick(row, output, events, cpu_ns);
-        for occurrence in changed.iter().chain(&found) {
+        self.listeners.status.tick(row, output, events, *cpu_ns);
+        for occurrence in gap.iter().chain(&changed).chain(&found) {
             self.listeners.event(occurrence);
         }
         let shapes = self.shapes.take();
@@ -501,12 +519,12 @@ impl Thread {
         let recorded = RecordedTick {
             row,
             output,
-            cpu_ns,
+            cpu_ns: *cpu_ns,
             shapes: shapes.as_deref(),
         };
         let written = self
             .writer
-            .tick(scene, &recorded, changed.into_iter().chain(found));
+            .tick(scene, &recorded, gap.into_iter().chain(changed).chain(found));
         if let Some((_, centres)) = look {
             let _ = self.returned.looks.push(centres);
         }
@@ -570,7 +588,13 @@ mod tests {
         };
         for tick in [1, 2, 2] {
             entries
-                .push(Entry::Tick(row(tick), output(tick), 0, InForce::default()))
+                .push(Entry::Tick(Ticked {
+                    row: row(tick),
+                    output: output(tick),
+                    cpu_ns: 0,
+                    in_force: InForce::default(),
+                    gone: false,
+                }))
                 .expect("room");
         }
         let scene = Arc::new(Scene {
@@ -608,6 +632,7 @@ mod tests {
             },
             network_out,
             flags.clone(),
+            Arc::default(),
             bell,
         )
         .expect("thread");

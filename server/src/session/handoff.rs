@@ -4,10 +4,11 @@
 //! entry, and dropped rows are counted. Atomic words hold buttons, and in [`crate::session::levels`] pause and force
 //! limit. One eventfd wakes the network.
 
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, AtomicU64, Ordering};
 
 use sulcus_core::{MAX_TOOLS, Params};
 use sulcus_proto::{PoseDatagram, WrenchDatagram};
+use sulcus_sessions::Detached;
 
 /// Smallest number of slots in the recorder's queue.
 const LEAST_ROWS: usize = 4096;
@@ -75,6 +76,29 @@ pub(crate) struct Progress {
     pub commands: AtomicU64,
     /// First tick that obeyed that number of commands.
     pub since: AtomicU64,
+}
+
+/// Attachment of the student, from the station to the recorder.
+#[derive(Debug, Default)]
+pub(crate) struct Attachment {
+    /// Epoch of the newest connection.
+    pub epoch: AtomicU32,
+    /// Reason of the newest gap: index in [`Detached::ALL`].
+    pub reason: AtomicU8,
+}
+
+impl Attachment {
+    /// Sets the reason of a gap that begins.
+    pub fn gone(&self, reason: Detached) {
+        let index = Detached::ALL.iter().position(|one| *one == reason);
+        self.reason.store(index.unwrap_or(0) as u8, Ordering::Release);
+    }
+
+    /// Reason of the newest gap.
+    pub fn reason(&self) -> Detached {
+        let index = usize::from(self.reason.load(Ordering::Acquire));
+        Detached::ALL.get(index).copied().unwrap_or(Detached::Station)
+    }
 }
 
 /// Fault that a test provokes in a thread or a task of a station.

@@ -18,6 +18,7 @@ pub(crate) struct Inputs {
     /// Time between two ticks, nanoseconds.
     tick_ns: u64,
     pose: Option<PoseIn>,
+    gone: bool,
     /// Age of the pose at the last tick, microseconds.
     age_us: u32,
     /// Pause and force limit for the next tick.
@@ -35,6 +36,7 @@ impl Inputs {
             tools,
             tick_ns,
             pose: None,
+            gone: false,
             age_us: 0,
             in_force: InForce::default(),
             detail: 0,
@@ -44,7 +46,13 @@ impl Inputs {
 
     /// Takes a newer pose. `None`: the student is gone, and all tools are absent.
     pub fn pose(&mut self, pose: Option<PoseIn>) {
+        self.gone = pose.is_none();
         self.pose = pose;
+    }
+
+    /// Whether the student is gone.
+    pub fn gone(&self) -> bool {
+        self.gone
     }
 
     /// Newest pose; `None` before the first one.
@@ -182,8 +190,9 @@ mod tests {
     fn a_student_who_is_gone_holds_no_tool() {
         let mut inputs = Inputs::new(1, TICK_NS);
         inputs.pose(Some(pose(0, [true, false])));
-        assert!(inputs.take(0, 0).tools[0].present);
+        assert!(inputs.take(0, 0).tools[0].present && !inputs.gone());
         inputs.pose(None);
+        assert!(inputs.gone());
         assert_eq!(inputs.take(0, 0), TickInput::IDLE);
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod changes;
 pub mod detail;
+pub(crate) mod gaps;
 pub(crate) mod handoff;
 pub(crate) mod inputs;
 pub(crate) mod levels;

@@ -10,14 +10,14 @@ use sulcus_core::{State, Vec3};
 use sulcus_link::Bell;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Event};
-use sulcus_sessions::{Occurrence, Shapes};
+use sulcus_sessions::{Detached, Occurrence, Shapes};
 use triple_buffer::triple_buffer;
 
 use crate::net::datagrams::Datagrams;
 use crate::outlets::recording;
 use crate::outlets::recording::{EVENTS, FromNetwork, Opening, Report, Returned};
 use crate::session::handoff::{
-    Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
+    Attachment, Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
 };
 use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;
@@ -81,6 +81,7 @@ pub(crate) struct Ports {
     bell: Bell,
     flags: Arc<Flags>,
     progress: Arc<Progress>,
+    attachment: Arc<Attachment>,
 }
 
 impl Ports {
@@ -105,6 +106,18 @@ impl Ports {
     /// Progress of the simulation.
     pub fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    /// Takes all tools away: the student is gone. The recording holds the reason.
+    pub fn let_go(&self, reason: Detached) {
+        self.attachment.gone(reason);
+        self.datagrams().let_go();
+    }
+
+    /// Begins the epoch of a new connection, or of the end of a pause.
+    pub fn begin_epoch(&self, epoch: u32) {
+        self.attachment.epoch.store(epoch, Ordering::Release);
+        self.datagrams().begin_epoch(epoch);
     }
 
     /// Newest tick.
@@ -168,6 +181,7 @@ impl Running {
             let bell = Bell::new()?;
             let flags = Arc::new(Flags::default());
             let progress = Arc::<Progress>::default();
+            let attachment = Arc::<Attachment>::default();
             let (poses, poses_out) = triple_buffer(&None);
             let (wrenches_in, wrenches) = triple_buffer(&WrenchOut::default());
             let pressed = Arc::<Pressed>::default();
@@ -194,6 +208,7 @@ impl Running {
                 },
                 from_network,
                 flags.clone(),
+                attachment.clone(),
                 bell.clone(),
             )?;
             let simulation = Simulation {
@@ -227,6 +242,7 @@ impl Running {
                     bell,
                     flags,
                     progress,
+                    attachment,
                 }),
                 simulation,
                 recorder,

@@ -16,7 +16,7 @@ use sulcus_sessions::{Row, Sampler, Shapes};
 use triple_buffer::{Input, Output};
 
 use crate::capacity::pin_to;
-use crate::outlets::recording::Entry;
+use crate::outlets::recording::{Entry, Ticked};
 use crate::session::detail::{Chooser, Detail};
 use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, WrenchOut};
 use crate::session::inputs::Inputs;
@@ -256,7 +256,13 @@ impl Ticker {
         }
         let row = Row::new(unix_ns, input, output).with_device(self.inputs.samples(input));
         let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
-        let entry = Entry::Tick(row, *output, cpu_ns, self.inputs.in_force);
+        let entry = Entry::Tick(Ticked {
+            row,
+            output: *output,
+            cpu_ns,
+            in_force: self.inputs.in_force,
+            gone: self.inputs.gone(),
+        });
         if self.link.entries.push(entry).is_err() {
             self.metrics.rows_dropped += 1;
         }

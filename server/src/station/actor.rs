@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{EndReason, Goodbye, Refused, RefusedReason};
 use sulcus_proto::station::{Phase, StationStatus};
-use sulcus_sessions::{Detached, Occurrence};
+use sulcus_sessions::Detached;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
@@ -547,7 +547,7 @@ impl Station {
         let State::Running(session) = &mut self.state else {
             return;
         };
-        session.running.ports().datagrams().begin_epoch(epoch);
+        session.running.ports().begin_epoch(epoch);
         if let Some(present) = &mut session.present {
             present.epoch = epoch;
             let _ = present.to_student.try_send(ToStudent::Epoch(epoch));
@@ -593,7 +593,7 @@ impl Session {
     /// Student returned under a new epoch, after a gap or in place of an older connection.
     fn attached(&mut self, epoch: u32, replaced: bool, now: Instant) {
         let ports = self.running.ports();
-        ports.datagrams().begin_epoch(epoch);
+        ports.begin_epoch(epoch);
         self.clock.attach(now);
         let tick = ports.tick();
         let ticks = if replaced {
@@ -603,17 +603,14 @@ impl Session {
         };
         self.gap_ticks += ticks;
         self.heard.1 = now;
-        ports.occurrence(Occurrence::attached(tick + 1, epoch, ticks));
     }
 
     /// Student gone: the tools are let go, the session waits.
     fn detached(&mut self, reason: Detached, now: Instant) {
         let ports = self.running.ports();
-        ports.datagrams().let_go();
+        ports.let_go(reason);
         self.clock.detach(now);
         self.gap_tick = ports.tick();
-        // The tick that is under way may still have the pose.
-        ports.occurrence(Occurrence::detached(self.gap_tick + 1, reason));
     }
 
     /// Writes the state of the session into a status.

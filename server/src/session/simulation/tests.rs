@@ -179,7 +179,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
     let (mut tick, mut snapshots) = (0, 0);
     while let Ok(entry) = bench.entries.pop() {
         match entry {
-            Entry::Tick(row, output, ..) => {
+            Entry::Tick(Ticked { row, output, .. }) => {
                 tick += 1 + u64::from(row.input.skipped);
                 assert_eq!((row.tick, row.hash), (tick, output.hash));
                 assert_eq!(output.tick, tick);
