@@ -87,8 +87,7 @@ fn foxgloves_reader_decodes_every_message_and_info_counts_as_many() {
         per_minute("exact_mb_per_minute"),
         per_minute("view_mb_per_minute"),
     );
-    // Two hands: 7.3 MB of rows, and 2 MB of what the hands felt.
-    assert!(exact <= 11.0, "{exact} MB of exact rows a minute");
+    assert!(exact <= 9.0, "{exact} MB of exact rows a minute");
     assert!(view <= 30.0, "{view} MB for viewers a minute");
     assert!(per_minute("gb_per_station_hour") < 3.0);
 }
