@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crate::common::raw::Raw;
@@ -270,6 +271,45 @@ fn a_token_opens_its_own_role_at_its_own_station_only() {
     let mut nowhere = config_of(&server, Role::Student, "student");
     nowhere.station = "z".into();
     assert!(matches!(Link::connect(nowhere), Err(LinkError::Refused(_))));
+}
+
+/// Tokens of which one is revoked after a while.
+struct Later(AtomicBool);
+
+impl Tokens for Later {
+    fn find(&self, secret: &str) -> Result<Grant, Denied> {
+        tokens().find(secret)
+    }
+
+    fn still(&self, id: &str) -> Result<(), Denied> {
+        match self.0.load(Ordering::Relaxed) {
+            true => Err(Denied::Revoked {
+                id: id.into(),
+                on: "2026-11-26".into(),
+            }),
+            false => Ok(()),
+        }
+    }
+}
+
+#[test]
+fn a_revoked_token_ends_open_connections_too() {
+    let later = Arc::new(Later(AtomicBool::new(false)));
+    let kept = later.clone();
+    let server = Station::with(|config| {
+        config.stations[0].name = "a".into();
+        config.tokens = kept;
+    });
+    let mut instructor = watcher(&server, Role::Instructor);
+    let mut link = Link::connect(config_of(&server, Role::Student, "student")).unwrap();
+    link.start();
+    press(&mut link, |link, _| force_up(link) > 0.4);
+    later.0.store(true, Ordering::Relaxed);
+    press_on(&mut link, |link| !link.is_open());
+    let error = link.finish().err().unwrap();
+    assert!(error.to_string().contains("revoked on 2026-11-26"), "{error}");
+    let error = instructor.instruct("a", Instruction::Pause).err().unwrap();
+    assert!(error.to_string().contains("revoked on 2026-11-26"), "{error}");
 }
 
 /// A token that is over, with its sentence.

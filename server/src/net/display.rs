@@ -32,10 +32,11 @@ pub(super) async fn serve(
     door: Door,
     net: Arc<Net>,
 ) {
+    let id = grant.id;
     let welcome = ServerMessage::Welcome(Welcome {
         program: env!("CARGO_PKG_VERSION").to_owned(),
         role: Role::Display,
-        id: grant.id,
+        id: id.clone(),
         stations: vec![door.name.to_string()],
     });
     if !control::write(&mut send, &welcome).await {
@@ -68,6 +69,7 @@ pub(super) async fn serve(
             Ok(_) => "the role display may not send datagrams".to_owned(),
             Err(_) => return,
         },
+        why = net.shared.revoked(&id) => why,
         _ = stage.changed() => {
             tokio::time::sleep(LAST).await;
             return connection.close(CLOSE_OK, b"server stopped");

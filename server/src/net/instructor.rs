@@ -72,6 +72,9 @@ pub(super) async fn serve(
     if !control::write(&mut this.send, &welcome).await {
         return this.connection.close(CLOSE_REFUSED, b"welcome not taken");
     }
+    let id = this.grant.id.clone();
+    let revoked = net.shared.revoked(&id);
+    tokio::pin!(revoked);
     let mut stage = net.shared.stage.clone();
     let mut status = tokio::time::interval(STATUS);
     status.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -89,6 +92,7 @@ pub(super) async fn serve(
                 Ok(_) => Err(format!("the role {role} may not send datagrams")),
                 Err(_) => return,
             },
+            why = &mut revoked => Err(why),
             _ = stage.changed() => Err("the server is ending".to_owned()),
         };
         if let Err(why) = going {

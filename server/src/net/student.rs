@@ -74,6 +74,7 @@ pub(super) async fn serve(
     door: Door,
     net: Arc<Net>,
 ) {
+    let token = student.grant.id.clone();
     let student = Box::new(student);
     let attach = door.ask(|reply| ToStation::Attach { student, reply }).await;
     let attached = match attach {
@@ -118,7 +119,10 @@ pub(super) async fn serve(
         door,
         epoch,
     };
-    let left = student.live().await;
+    let left = tokio::select! {
+        left = student.live() => left,
+        why = net.shared.revoked(&token) => Left::Dropped(why),
+    };
     leaving.epoch = student.epoch;
     let StudentConnection {
         connection,

@@ -1,4 +1,4 @@
-//! Tokens of clients, as the network asks for them.
+//! Tokens of clients, as the network asks for them: at the hello, and once a second of each open connection.
 
 use sulcus_proto::Role;
 
@@ -11,11 +11,24 @@ pub trait Tokens: Send + Sync {
     /// # Errors
     /// No token has the secret, or the token is no longer valid.
     fn find(&self, secret: &str) -> Result<Grant, Denied>;
+
+    /// Whether the token `id` of an open connection is still valid. The default never ends a connection.
+    ///
+    /// # Errors
+    /// The token has expired or was revoked.
+    fn still(&self, id: &str) -> Result<(), Denied> {
+        let _ = id;
+        Ok(())
+    }
 }
 
 impl Tokens for crate::state::Tokens {
     fn find(&self, secret: &str) -> Result<Grant, Denied> {
         self.grant(secret, crate::state::date::now_s())
+    }
+
+    fn still(&self, id: &str) -> Result<(), Denied> {
+        crate::state::Tokens::still(self, id, crate::state::date::now_s())
     }
 }
 

@@ -15,6 +15,9 @@ use crate::state::{Denied, Grant, Place};
 /// Interval between two queries of the free space on the disk.
 const DISK: Duration = Duration::from_secs(5);
 
+/// Interval between two looks at the token of an open connection.
+const TOKEN: Duration = Duration::from_secs(1);
+
 /// Shared data of a server.
 pub(crate) struct Shared {
     pub config: ServerConfig,
@@ -61,6 +64,20 @@ impl Shared {
             return Ok(self.first.1.clone());
         }
         self.config.tokens.find(secret)
+    }
+
+    /// Waits until the token `id` is no longer valid, and returns the sentence about it.
+    pub async fn revoked(&self, id: &str) -> String {
+        let mut look = tokio::time::interval(TOKEN);
+        loop {
+            look.tick().await;
+            if id == self.first.1.id {
+                std::future::pending::<()>().await;
+            }
+            if let Err(denied) = self.config.tokens.still(id) {
+                return denied.to_string();
+            }
+        }
     }
 
     /// Core for a session at a station, by the measured cost of its ticks. `None`: the cost is unknown, and the session
