@@ -169,6 +169,24 @@ impl Fuzz {
         observer.measures()
     }
 
+    /// Returns the scene, and the inputs of `ticks` ticks of a walk.
+    pub fn inputs(&self, seed: u64, ticks: u64) -> (Scene, Vec<TickInput>) {
+        let scene = (self.scene)();
+        let homes = (self.homes)(&scene);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut walks = [Walk::default(); MAX_TOOLS];
+        let inputs = (0..ticks).map(|_| {
+            let mut input = TickInput::IDLE;
+            for (t, home) in homes.iter().enumerate() {
+                let tip = scene.tools[t].tip;
+                input.tools[t] = walks[t].step(&mut rng, home, &tip, self.step);
+            }
+            input
+        });
+        let inputs = inputs.collect();
+        (scene, inputs)
+    }
+
     /// A walk as a script of `ticks` milliseconds, without invalid numbers, which a script cannot give.
     pub fn script(&self, scene: &Scene, seed: u64, ticks: u64) -> Box<dyn Script + Send> {
         let homes = (self.homes)(scene);

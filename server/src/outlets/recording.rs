@@ -393,6 +393,7 @@ mod tests {
             tick,
             hash: 0,
             tools: [idle; sulcus_core::MAX_TOOLS],
+            work: 0,
         }
     }
 

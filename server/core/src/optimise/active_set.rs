@@ -53,6 +53,19 @@ pub struct ActiveSet {
     block: Vec<usize>,
     /// Largest number of active rows.
     capacity: usize,
+    /// Products and rows of the last solve, by kind.
+    pub(crate) effort: Effort,
+}
+
+/// Counts of one solve, the same on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Effort {
+    /// Entries of the factor that were computed, changed or used.
+    pub entries: u64,
+    /// Rows whose slack or gap was computed.
+    pub slacks: u64,
+    /// Products of the tissue's compliance with a load.
+    pub products: u64,
 }
 
 /// State of a row in a solve.
@@ -97,6 +110,7 @@ impl ActiveSet {
             slack: Vec::with_capacity(capacity),
             block: Vec::with_capacity(capacity),
             capacity,
+            effort: Effort::default(),
         }
     }
 
@@ -104,6 +118,7 @@ impl ActiveSet {
     /// definite.
     fn append(&mut self, problem: &Problem<'_>, p: usize) -> bool {
         let n = self.active.len();
+        self.effort.entries += (n * n / 2 + 8 * n) as u64;
         let mut pivot = problem.gram(p, p);
         for k in 0..n {
             let mut entry = problem.gram(p, self.active[k]);
@@ -127,6 +142,7 @@ impl ActiveSet {
     /// Removes the `k`-th active row from the factor by Givens rotations.
     fn remove(&mut self, k: usize) {
         let (n, stride) = (self.active.len(), self.capacity);
+        self.effort.entries += (2 * (n - k) * (n - k)) as u64;
         self.state[self.active[k]] = RowState::Free;
         self.active.remove(k);
         for row in k + 1..n {
@@ -160,6 +176,7 @@ impl ActiveSet {
     /// Solves `H_PP s = work` in place, with the dual matrix `H` over the active set `P`.
     fn substitute(&mut self) {
         let (n, stride) = (self.active.len(), self.capacity);
+        self.effort.entries += (n * n + 8 * n) as u64;
         for i in 0..n {
             let row = &self.factor[i * stride..][..=i];
             self.work[i] = (self.work[i] - dot(&row[..i], &self.work[..i])) / row[i];
@@ -179,6 +196,10 @@ impl ActiveSet {
     /// which matters for nearly parallel rows.
     fn refine(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         let y = problem.primal(&solution.lambda);
+        self.effort.slacks += self.active.len() as u64;
+        if problem.tissue.is_some() {
+            self.effort.products += (problem.rows.len() * self.active.len()) as u64;
+        }
         for (k, &i) in self.active.iter().enumerate() {
             self.work[k] = -problem.slack(i, &solution.lambda, &y);
         }
@@ -196,6 +217,10 @@ impl ActiveSet {
         tolerance: f64,
     ) -> Option<usize> {
         let m = problem.rows.len();
+        self.effort.slacks += m as u64;
+        if problem.tissue.is_some() {
+            self.effort.products += (m * self.active.len()) as u64;
+        }
         let mut worst = (None, -tolerance);
         let mut look = |i: usize, w: f64| {
             if w < worst.1 {
@@ -244,6 +269,10 @@ impl ActiveSet {
 impl ContactSolver for ActiveSet {
     fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
         let m = problem.rows.len();
+        self.effort = Effort {
+            slacks: 2 * m as u64,
+            ..Effort::default()
+        };
         solution.lambda.clear();
         solution.lambda.resize(m, 0.0);
         solution.y.fill(0.0);
@@ -295,7 +324,7 @@ impl ContactSolver for ActiveSet {
             }
             if problem.tissue.is_none() && self.active.len() == MANY {
                 solution.lambda.fill(0.0);
-                self.rigid.solve(problem, solution);
+                self.effort.slacks += self.rigid.solve(problem, solution);
                 return;
             }
             for k in 0..self.block.len() {

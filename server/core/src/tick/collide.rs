@@ -46,6 +46,7 @@ pub(crate) fn collide(
         zeros,
         substeps,
         levers,
+        counts,
         ..
     } = ws;
     let contacts = &mut substeps[substep_of(group)].contacts;
@@ -77,6 +78,7 @@ pub(crate) fn collide(
                     }
                 };
                 if found.is_err() {
+                    counts.contacts += limit as u64;
                     cut = true;
                     let most = d.at(longest);
                     let blended = || (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
@@ -90,6 +92,7 @@ pub(crate) fn collide(
             }
         }
         contacts.sort();
+        counts.contacts += contacts.as_slice().len() as u64;
         // At the smallest distance a full list has dropped the largest gaps.
         let full = overflow == Overflow::KeepSmallestGaps && contacts.as_slice().len() == limit;
         return (Fits { d, share }, cut || full);

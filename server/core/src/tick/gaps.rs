@@ -42,6 +42,7 @@ pub(crate) fn true_gaps(
             *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
         }
     }
+    ws.counts.gaps += contacts.len() as u64;
     let (blender, cores) = (&mut ws.blender, &ws.cores);
     // The nearest group goes first: its gap lets most of the others be skipped.
     let nearest = groups.nearest();
@@ -78,6 +79,7 @@ pub(crate) fn true_gaps(
             outcomes[t].min_gap = gap;
         }
     }
+    ws.counts.add_blending(blender.take_effort());
     outcomes
         .iter()
         .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))

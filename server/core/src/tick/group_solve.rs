@@ -6,26 +6,27 @@
 //! the tool passes through no object between two substeps, at any speed. This is the continuous collision detection
 //! that the paper left open.
 
-use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
+use crate::contact::{Contact, Distance, Overflow, SMALLEST_PREDICTION};
 use crate::math::{Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
+use crate::optimise::active_set::Effort;
 use crate::optimise::{
     ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
 };
 use crate::output::status;
 use crate::rows::metric::Metric;
 use crate::rows::{bend, group_contacts, keep_smallest_gaps, write_rows};
-use crate::state::State;
+use crate::state::{Arrival, State};
 use crate::tick::collide::{Fits, collide};
 use crate::tick::gaps::true_gaps;
 use crate::tick::haptic::{renormalised, twist};
 use crate::tick::posed::{posed, substep_of};
-use crate::tick::request::{TickRequest, TissueConflict, ToolGoal, ToolOutcome, hands};
+use crate::tick::request::{TickRequest, TissueConflict, ToolOutcome, hands};
 use crate::tick::settle::Settle;
 use crate::tick::stage::{Stage, StageProbe};
 use crate::tick::substep::Substep;
 use crate::tick::tissue_rows::{aim_tissues, fill_tissue};
 use crate::tick::workspace::Workspace;
-use crate::{MAX_TOOLS, Scene};
+use crate::{MAX_TOOLS, Params, Scene};
 
 /// Factor by which the minimum prediction distance grows from substep to substep of a tick.
 const WIDENING: f64 = 6.0;
@@ -36,6 +37,12 @@ const WIDEST: f64 = 5e-5;
 /// tool, and the prediction distance must cover both motions. Measured with the mirror on the tongue: at 1, three of
 /// four ticks took a second substep. At 4, the additional rows cost as much as the saved substeps.
 const YIELDS: f64 = 2.5;
+/// Motion of the working point, metres, and turn, radians, beyond which contact prediction builds new lists of
+/// neighbours: three quarters of their reach.
+const FAR: (f64, f64) = (3.75e-5, 4.5e-3);
+/// Share of the coupling's stiffness that holds an arriving tool in place while it overlaps tissue. Chosen: at 0.5 N/mm
+/// the tool gives way by 4 mm before the hand feels 0.02 N.
+const HELD_WEAKLY: f64 = 0.01;
 
 /// Run of the substeps of one group of tools in a tick: prediction distance, counters and outcomes so far.
 pub(crate) struct GroupSolve<'a> {
@@ -63,6 +70,10 @@ pub(crate) struct GroupSolve<'a> {
     converged: bool,
     outcomes: [ToolOutcome; MAX_TOOLS],
     settle: Settle,
+    /// Whether the tool in each slot gives way to tissue in the present substep; see [`gives_way`].
+    gives_way: [bool; MAX_TOOLS],
+    /// Counted work of the last substep, operations.
+    spent: u64,
 }
 
 impl<'a> GroupSolve<'a> {
@@ -86,6 +97,8 @@ impl<'a> GroupSolve<'a> {
             converged: false,
             outcomes: [ToolOutcome::FREE; MAX_TOOLS],
             settle: Settle::new(request, state, ws, group),
+            gives_way: [false; MAX_TOOLS],
+            spent: 0,
         };
         solve.d = solve.first_distance(request);
         solve
@@ -191,6 +204,8 @@ impl<'a> GroupSolve<'a> {
     ) -> Result<(), TissueConflict> {
         let (scene, index) = (request.scene, self.index);
         self.substeps += 1;
+        let begun = ws.counts.work();
+        ws.counts.passes += self.group.len() as u64;
         probe.begin(Stage::Collide);
         if let Some(fits) = self.fits {
             self.d.base = fmin(self.d.base, 2.0 * fits.d.base);
@@ -222,6 +237,7 @@ impl<'a> GroupSolve<'a> {
             }
             self.d = self.d.shorter(self.longest);
         }
+        ws.counts.add_blending(ws.blender.take_effort());
         if cut {
             self.status |= status::CONTACTS_FULL;
             self.fits = Some(Fits { d: self.d, ..found });
@@ -240,9 +256,13 @@ impl<'a> GroupSolve<'a> {
                 let hands = hands(scene, state, request.held, request.detail);
                 let moved = yielding.evaluate(state, slot, &hands);
                 ws.broad.object_moved(yielding.object, moved);
+                ws.counts.tissue += yielding.effort().step;
                 ws.awake.push(slot);
             }
         }
+        let contacts = ws.substeps[index].contacts.as_slice();
+        self.gives_way = gives_way(scene, state, self.group, contacts, &ws.slots);
+        self.spent = ws.counts.work() - begun;
         Ok(())
     }
 
@@ -258,7 +278,8 @@ impl<'a> GroupSolve<'a> {
         let (scene, index) = (request.scene, self.index);
         let params = &scene.params;
         probe.begin(Stage::Optimise);
-        let target = optimise(scene, state, ws, self.group, request.goals);
+        let begun = ws.counts.work();
+        let target = optimise(request, state, ws, self.group, &self.gives_way);
         let Some(Answer {
             steps: step,
             settled,
@@ -270,8 +291,9 @@ impl<'a> GroupSolve<'a> {
             return false;
         };
         let tissues = ws.yielding.as_mut_slice();
-        let (sites, loads) = (&mut ws.sites, &mut ws.site_loads);
-        let tissue_motion = aim_tissues(&ws.substeps[index], tissues, sites, loads);
+        let scratch = (&mut ws.sites, &mut ws.site_loads);
+        let tissue_motion =
+            aim_tissues(&ws.substeps[index], tissues, scratch, &mut ws.counts);
         let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
         for &t in self.group {
             let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
@@ -303,6 +325,10 @@ impl<'a> GroupSolve<'a> {
         let small = motion <= params.converged_step || free;
         if share == 1.0 && small && settled && deepest >= -params.converged_gap {
             self.converged = true;
+            if self.gives_way.contains(&true) {
+                // The tissue is out of the tool's way. The next tick turns to the hand.
+                self.status |= status::SETTLING;
+            }
             return false;
         }
         if settling && deepest >= -params.converged_gap {
@@ -313,7 +339,16 @@ impl<'a> GroupSolve<'a> {
         // A tick with many substeps must not be limited by a short prediction distance in each.
         self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
         self.d = self.distance(request, moved * (1.0 - share), turned * (1.0 - share));
-        self.substeps < params.max_substeps
+        if gone.base > FAR.0 || gone.turn > FAR.1 {
+            ws.counts.moved += self.group.len() as u64;
+        }
+        self.spent += ws.counts.work() - begun;
+        self.substeps < params.max_substeps && self.fits(params, ws)
+    }
+
+    /// Whether another substep, with the work of the last one, fits into the bound on the work of the tick.
+    fn fits(&self, params: &Params, ws: &Workspace) -> bool {
+        params.max_work == 0 || ws.counts.work() + self.spent <= u64::from(params.max_work)
     }
 
     /// Writes the outcomes of the group's tools to `all`.
@@ -364,20 +399,51 @@ fn claim_tissue(ws: &mut Workspace, slot: usize, index: usize) -> Result<(), Tis
 /// Step of each tool, by slot: translation of the working point (metres) and rotation vector (radians), world axes.
 type Steps = [(Vec3, Vec3); MAX_TOOLS];
 
-/// Builds and solves the problem of this substep and returns the steps of the group's tools. Returns `None` when the
-/// solution is unusable.
-fn optimise(
+/// Returns, by slot, which of the group's tools give way to tissue in this substep.
+///
+/// Tissue relaxes into an absent tool. After its entry such a tool would be pressed out of the tissue against its
+/// coupling, which the hand would feel as a blow. The tool is therefore held only weakly ([`HELD_WEAKLY`]) as long as it
+/// overlaps the tissue.
+fn gives_way(
     scene: &Scene,
+    state: &State,
+    group: &[usize],
+    contacts: &[Contact],
+    slots: &[Option<usize>],
+) -> [bool; MAX_TOOLS] {
+    let mut found = [false; MAX_TOOLS];
+    let arrives = |t: &usize| state.tools[*t].arrival == Arrival::Travelling;
+    if group.iter().any(|t| arrives(t)) {
+        for contact in contacts {
+            let t = usize::from(contact.tool);
+            found[t] |= contact.gap < -scene.params.converged_gap
+                && slots[usize::from(contact.object)].is_some()
+                && arrives(&t);
+        }
+    }
+    found
+}
+
+/// Builds and solves the problem of this substep and returns the steps of the group's tools. Returns `None` when the
+/// solution is unusable. `gives_way` is that of [`gives_way`].
+fn optimise(
+    request: &TickRequest<'_>,
     state: &State,
     ws: &mut Workspace,
     group: &[usize],
-    goals: &[ToolGoal; MAX_TOOLS],
+    gives_way: &[bool; MAX_TOOLS],
 ) -> Option<Answer> {
+    let (scene, goals) = (request.scene, request.goals);
     let index = substep_of(group);
     let mut free_step = [0.0; UNKNOWNS];
     let mut metrics = [Metric::UNIT; MAX_TOOLS];
     for &t in group {
         let (tool, now) = (&scene.tools[t], &state.tools[t]);
+        if gives_way[t] {
+            // No goal: the tool stays where it is, as far as the tissue allows.
+            metrics[t] = Metric::weak(tool, HELD_WEAKLY);
+            continue;
+        }
         let v = goals[t].haptic.transform(&tool.working_point)
             - now.graphic.transform(&tool.working_point);
         let (w, _) = twist(
@@ -405,7 +471,8 @@ fn optimise(
         });
     }
     let substep = &mut ws.substeps[index];
-    let tissue = fill_tissue(substep, &mut ws.yielding, &ws.slots, &mut ws.sites);
+    let noted = (&mut ws.sites, &mut ws.counts);
+    let tissue = fill_tissue(substep, &mut ws.yielding, &ws.slots, noted);
     if tissue {
         ws.substeps[index].find_bearing();
     }
@@ -427,6 +494,11 @@ fn optimise(
         SolverKind::ActiveSet => ws.active_set.solve(&problem, solution),
         SolverKind::Clarabel => Clarabel.solve(&problem, solution),
     }
+    let effort = match scene.params.solver {
+        SolverKind::ActiveSet => ws.active_set.effort,
+        SolverKind::Clarabel => Effort::default(),
+    };
+    ws.counts.add_solve(problem.rows.len(), effort);
     let solved = solution.status == SolveStatus::Solved;
     let y = solution.y;
     ws.substeps[index].share_out();

@@ -59,6 +59,11 @@ fn scene(objects: Vec<Object>) -> Scene {
     }
 }
 
+/// Returns the scene of the rod and a rigid ball.
+pub(crate) fn scene_of_a_ball() -> Scene {
+    scene(vec![ball(0.01, TissueModel::Rigid)])
+}
+
 fn at(position: Vec3, orientation: Quat) -> TickInput {
     let mut input = TickInput::IDLE;
     input.tools[0] = ToolInput {

@@ -13,6 +13,7 @@ use crate::tick::substep::Substep;
 use crate::tick::yielding::Yielding;
 use crate::tissue::{Site, SiteLoad, TissueModel};
 use crate::tree::Sphere;
+use crate::work::Counts;
 
 /// Scratch and caches of a tick, allocated when the scene loads. A cache saves work and never affects a result: a fresh
 /// workspace gives the same bits.
@@ -56,6 +57,8 @@ pub struct Workspace {
     /// Largest distance of a sphere's centre from the working point, per tool, metres.
     pub(crate) levers: [f64; MAX_TOOLS],
     pub(crate) bytes: Vec<u8>,
+    /// Counts of the present or last tick.
+    pub(crate) counts: Counts,
 }
 
 impl Workspace {
@@ -117,6 +120,7 @@ impl Workspace {
             yielding,
             levers: std::array::from_fn(lever),
             bytes: Vec::with_capacity(TickInput::BYTES + State::most_bytes(scene)),
+            counts: Counts::default(),
         }
     }
 
@@ -171,6 +175,11 @@ impl Workspace {
     /// created.
     pub fn work(&self) -> Work {
         self.predictor.work()
+    }
+
+    /// Returns the counts of the last tick, of which [`crate::TickOutput::work`] is the weighted sum.
+    pub fn counts(&self) -> Counts {
+        self.counts
     }
 
     /// Returns the configuration of object `k` at the end of the last tick; empty for a rigid object. The tissue model
