@@ -4,12 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Parser;
+use sulcus_cases::bounded::Comparison;
 use sulcus_cases::statistics::percentile;
 use sulcus_cases::timing::cpu_ns;
 use sulcus_cases::{Case, TABLE, find, fuzz, run_on};
 use sulcus_core::output::status;
 use sulcus_core::work::Counts;
-use sulcus_core::{NoProbe, Scene, State, TickInput, Workspace, tick};
+use sulcus_core::{NoProbe, Params, Scene, State, TickInput, Workspace, tick};
 
 /// Number of runs of which the fastest time of each tick counts.
 const RUNS: usize = 3;
@@ -23,6 +24,9 @@ struct Arguments {
     /// Bound on the work of a tick, operations; 0 for none. The scene's own without this option
     #[arg(long, value_name = "OPERATIONS")]
     max_work: Option<u32>,
+    /// Print exhausted tool-ticks instead: without a bound as in scenes up to version 7, and with the bound
+    #[arg(long)]
+    exhausted: bool,
     /// File to which each tick's time (nanoseconds) and counts are written, separated by commas
     #[arg(long, value_name = "FILE")]
     ticks: Option<PathBuf>,
@@ -85,12 +89,63 @@ fn line(name: &str, ticks: &[Measured]) -> String {
     )
 }
 
+/// Prints the exhausted tool-ticks of each case without and with a bound, and the largest work with it.
+fn print_exhausted(cases: &[&'static Case], max_work: Option<u32>) {
+    println!(
+        "{:24} {:>8} {:>8} {:>8} {:>8} {:>6} {:>6} {:>8} {:>8}  broken bounds",
+        "case", "ticks", "without", "with", "kop max", "forks", "beyond", "force %", "mm"
+    );
+    let chosen = |name: &str| cases.is_empty() || cases.iter().any(|case| case.name == name);
+    for case in TABLE.iter().filter(|case| chosen(case.name)) {
+        let former = run_on(case, |scene| without_bound(&mut scene.params), |_| {});
+        let mut most = 0;
+        let mut comparison = Comparison::default();
+        let bounded = run_on(
+            case,
+            |scene| {
+                if let Some(max_work) = max_work {
+                    scene.params.max_work = max_work;
+                }
+            },
+            |seen| {
+                most = most.max(seen.output.work);
+                comparison.observe(seen);
+            },
+        );
+        let deviation = comparison.found;
+        println!(
+            "{:24} {:8} {:8} {:8} {:8.1} {:6} {:6} {:8.2} {:8.4}  {:?} {:?}",
+            case.name,
+            former.measures.ticks,
+            former.measures.exhausted,
+            bounded.measures.exhausted,
+            f64::from(most) * 1e-3,
+            deviation.forks,
+            deviation.beyond,
+            deviation.force * 100.0,
+            deviation.place * 1e3,
+            former.broken,
+            bounded.broken,
+        );
+    }
+}
+
+/// Sets the parameters of a scene up to version 7.
+fn without_bound(params: &mut Params) {
+    (params.max_work, params.max_arrival_step, params.ramp_up_ms) = (0, 0.0, 100);
+}
+
 fn main() -> std::io::Result<()> {
     let Arguments {
         cases,
         max_work,
+        exhausted,
         ticks,
     } = Arguments::parse();
+    if exhausted {
+        print_exhausted(&cases, max_work);
+        return Ok(());
+    }
     let mut file = match &ticks {
         Some(path) => Some(std::io::BufWriter::new(std::fs::File::create(path)?)),
         None => None,

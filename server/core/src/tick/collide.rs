@@ -17,8 +17,8 @@ pub(crate) struct Fits {
     pub share: f64,
 }
 
-/// Lists the contacts of the tools `group` (slots) at the present poses and shapes, within `d` or within the distance
-/// that fits into the list. Returns the distance and the share used, and whether either was cut or a contact was
+/// Lists the contacts of the tools `group` (slots) at the present poses and shapes, at most `limit` of them, within `d`
+/// or within the distance that fits into the list. Returns the distance and the share used, and whether either was cut or a contact was
 /// dropped.
 ///
 /// On overflow `d` shrinks by a factor of 0.7, which costs only more substeps. With blended surfaces, once `d` is
@@ -31,11 +31,10 @@ pub(crate) fn collide(
     scene: &Scene,
     state: &State,
     ws: &mut Workspace,
-    group: &[usize],
+    (group, limit): (&[usize], usize),
     // Blended surfaces list spheres from farther away; the share scales this additional reach.
     (mut d, mut share): (Distance, f64),
 ) -> (Fits, bool) {
-    let limit = scene.most_contacts() * group.len();
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     let mut cut = share < 1.0;
     let Workspace {

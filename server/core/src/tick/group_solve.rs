@@ -26,6 +26,7 @@ use crate::tick::stage::{Stage, StageProbe};
 use crate::tick::substep::Substep;
 use crate::tick::tissue_rows::{aim_tissues, fill_tissue};
 use crate::tick::workspace::Workspace;
+use crate::work::{most_contacts, solve_estimate};
 use crate::{MAX_TOOLS, Params, Scene};
 
 /// Factor by which the minimum prediction distance grows from substep to substep of a tick.
@@ -72,8 +73,12 @@ pub(crate) struct GroupSolve<'a> {
     settle: Settle,
     /// Whether the tool in each slot gives way to tissue in the present substep; see [`gives_way`].
     gives_way: [bool; MAX_TOOLS],
-    /// Counted work of the last substep, operations.
-    spent: u64,
+    /// Counted work of the last substep up to its rows, operations.
+    listed: u64,
+    /// Counted work of the last substep from its rows on, operations.
+    solved: u64,
+    /// Whether the limit on the change of force has shortened the step of the last substep.
+    settled_last: bool,
 }
 
 impl<'a> GroupSolve<'a> {
@@ -98,7 +103,9 @@ impl<'a> GroupSolve<'a> {
             outcomes: [ToolOutcome::FREE; MAX_TOOLS],
             settle: Settle::new(request, state, ws, group),
             gives_way: [false; MAX_TOOLS],
-            spent: 0,
+            listed: 0,
+            solved: 0,
+            settled_last: false,
         };
         solve.d = solve.first_distance(request);
         solve
@@ -191,7 +198,8 @@ impl<'a> GroupSolve<'a> {
         Ok(())
     }
 
-    /// Lists the contacts of the next substep, writes their rows, and claims every tissue among them.
+    /// Lists the contacts of the next substep, writes their rows, and claims every tissue among them. Returns whether
+    /// the substep takes place: false if its rows are more than the bound on the work of the tick allows.
     ///
     /// # Errors
     /// Another group has claimed such a tissue.
@@ -201,8 +209,13 @@ impl<'a> GroupSolve<'a> {
         state: &State,
         ws: &mut Workspace,
         probe: &mut P,
-    ) -> Result<(), TissueConflict> {
+    ) -> Result<bool, TissueConflict> {
         let (scene, index) = (request.scene, self.index);
+        let first = self.substeps == 0;
+        let bounded = scene.params.max_work > 0;
+        if bounded && !first {
+            std::mem::swap(&mut ws.substeps[index].contacts, &mut ws.solved);
+        }
         self.substeps += 1;
         let begun = ws.counts.work();
         ws.counts.passes += self.group.len() as u64;
@@ -212,7 +225,8 @@ impl<'a> GroupSolve<'a> {
             self.d.turn = fmin(self.d.turn, 2.0 * fits.d.turn);
         }
         let share = self.fits.map_or(1.0, |fits| fits.share);
-        let (found, mut cut) = collide(scene, state, ws, self.group, (self.d, share));
+        let limit = self.most_contacts(request);
+        let (found, mut cut) = collide(scene, state, ws, (self.group, limit), (self.d, share));
         self.d = found.d;
         group_contacts(scene, &mut ws.substeps[index], &ws.cores);
         // Rows without room shorten the prediction distance, as a full contact list does. The contact list stays valid.
@@ -262,8 +276,15 @@ impl<'a> GroupSolve<'a> {
         }
         let contacts = ws.substeps[index].contacts.as_slice();
         self.gives_way = gives_way(scene, state, self.group, contacts, &ws.slots);
-        self.spent = ws.counts.work() - begun;
-        Ok(())
+        self.listed = ws.counts.work() - begun;
+        let rows = ws.substeps[index].contact_rows.len();
+        if bounded && !first && !self.solve_fits(&scene.params, ws, rows) {
+            // The loads of the tick are those of the contacts that were solved.
+            std::mem::swap(&mut ws.substeps[index].contacts, &mut ws.solved);
+            self.substeps -= 1;
+            return Ok(false);
+        }
+        Ok(true)
     }
 
     /// Solves the substep and moves tools, tissue and loads. Returns whether another substep is due: false after
@@ -340,15 +361,30 @@ impl<'a> GroupSolve<'a> {
         self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
         self.d = self.distance(request, moved * (1.0 - share), turned * (1.0 - share));
         if gone.base > FAR.0 || gone.turn > FAR.1 {
-            ws.counts.moved += self.group.len() as u64;
+            ws.counts.moved += self.group.iter().map(|&t| ws.spheres[t]).sum::<u64>();
         }
-        self.spent += ws.counts.work() - begun;
-        self.substeps < params.max_substeps && self.fits(params, ws)
+        self.solved = ws.counts.work() - begun;
+        // At the limit of the change of force another substep has no room to move.
+        let stands = std::mem::replace(&mut self.settled_last, settling) && settling;
+        let next = ws.counts.work() + self.listed + self.solved;
+        let goes_on = params.max_work == 0 || (!stands && next <= u64::from(params.max_work));
+        self.substeps < params.max_substeps && goes_on
     }
 
-    /// Whether another substep, with the work of the last one, fits into the bound on the work of the tick.
-    fn fits(&self, params: &Params, ws: &Workspace) -> bool {
-        params.max_work == 0 || ws.counts.work() + self.spent <= u64::from(params.max_work)
+    /// Returns the largest number of contacts of a substep. The tools present share the number that fits into the bound
+    /// on the work of the tick.
+    fn most_contacts(&self, request: &TickRequest<'_>) -> usize {
+        let params = &request.scene.params;
+        let present = request.held.iter().flatten().count().max(1);
+        let of_tool = request.scene.most_contacts();
+        of_tool.min(most_contacts(params.max_work) / present) * self.group.len()
+    }
+
+    /// Whether the solve of a substep with `rows` rows fits into the bound on the work of the tick.
+    fn solve_fits(&self, params: &Params, ws: &Workspace, rows: usize) -> bool {
+        let contacts = ws.substeps[self.index].contacts.as_slice().len();
+        let estimate = solve_estimate(contacts, rows, !ws.substeps[self.index].tissues.is_empty());
+        ws.counts.work() + estimate <= u64::from(params.max_work)
     }
 
     /// Writes the outcomes of the group's tools to `all`.

@@ -74,10 +74,8 @@ fn solve<P: StageProbe>(
             let Some(group_solve) = group_solve.as_mut().filter(|_| *goes_on) else {
                 continue;
             };
-            *goes_on = group_solve.solve_and_step(request, state, ws, probe);
-            if *goes_on {
-                group_solve.predict_contacts(request, state, ws, probe)?;
-            }
+            *goes_on = group_solve.solve_and_step(request, state, ws, probe)
+                && group_solve.predict_contacts(request, state, ws, probe)?;
         }
     }
     let mut outcomes = [ToolOutcome::FREE; MAX_TOOLS];

@@ -59,6 +59,10 @@ pub struct Workspace {
     pub(crate) bytes: Vec<u8>,
     /// Counts of the present or last tick.
     pub(crate) counts: Counts,
+    /// Number of spheres in contact of each tool.
+    pub(crate) spheres: [u64; MAX_TOOLS],
+    /// Contacts of the last solved substep, while the next substep lists its own.
+    pub(crate) solved: ContactList,
 }
 
 impl Workspace {
@@ -104,10 +108,10 @@ impl Workspace {
                 vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
             ),
             together: false,
-            active_set: if yielding.is_empty() {
-                ActiveSet::rigid_only(rows)
-            } else {
-                ActiveSet::with_capacity(dense)
+            active_set: match (yielding.is_empty(), scene.params.max_work) {
+                (true, _) => ActiveSet::rigid_only(rows),
+                (false, 0) => ActiveSet::with_capacity(dense),
+                (false, _) => ActiveSet::with_capacity(dense).entering_few(),
             },
             gaps: Vec::with_capacity(rows),
             sites: Vec::with_capacity(rows),
@@ -121,6 +125,11 @@ impl Workspace {
             levers: std::array::from_fn(lever),
             bytes: Vec::with_capacity(TickInput::BYTES + State::most_bytes(scene)),
             counts: Counts::default(),
+            spheres: std::array::from_fn(|t| {
+                let tool = scene.tools.get(t);
+                tool.map_or(0, |tool| tool.tree.shape_at(tool.level).count() as u64)
+            }),
+            solved: ContactList::with_capacity(rows),
         }
     }
 
