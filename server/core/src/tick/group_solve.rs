@@ -359,6 +359,7 @@ impl<'a> GroupSolve<'a> {
         }
         // A tick with many substeps must not be limited by a short prediction distance in each.
         self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
+        let listed_within = self.d.at(self.longest);
         self.d = self.distance(request, moved * (1.0 - share), turned * (1.0 - share));
         if gone.base > FAR.0 || gone.turn > FAR.1 {
             ws.counts.moved += self.group.iter().map(|&t| ws.spheres[t]).sum::<u64>();
@@ -366,8 +367,14 @@ impl<'a> GroupSolve<'a> {
         self.solved = ws.counts.work() - begun;
         // At the limit of the change of force another substep has no room to move.
         let stands = std::mem::replace(&mut self.settled_last, settling) && settling;
-        let next = ws.counts.work() + self.listed + self.solved;
-        let goes_on = params.max_work == 0 || (!stands && next <= u64::from(params.max_work));
+        // A list within a much shorter distance has fewer contacts. Its rows tell what their solution takes.
+        let next = if self.d.at(self.longest) <= 0.5 * listed_within {
+            self.listed / 2
+        } else {
+            self.listed + self.solved
+        };
+        let fits = ws.counts.work() + next <= u64::from(params.max_work);
+        let goes_on = params.max_work == 0 || (fits && !stands);
         self.substeps < params.max_substeps && goes_on
     }
 
