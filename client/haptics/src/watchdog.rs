@@ -37,9 +37,9 @@ impl Watchdog {
 
     /// Records the arrival of a wrench at `at_ns`. Earlier times than the latest arrival are ignored.
     pub fn heard(&mut self, at_ns: u64) {
-        self.anew |= self.heard_ns.is_none_or(|last| {
-            Duration::from_nanos(at_ns.saturating_sub(last)) > LONG_GAP
-        });
+        self.anew |= self
+            .heard_ns
+            .is_none_or(|last| Duration::from_nanos(at_ns.saturating_sub(last)) > LONG_GAP);
         self.heard_ns = self.heard_ns.max(Some(at_ns));
     }
 

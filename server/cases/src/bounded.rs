@@ -1,7 +1,7 @@
 //! Comparison of ticks with a bound on their work to ticks without, from the same states on the same inputs.
 //!
-//! At each exhausted tick of a bounded run both ways begin: from the state before that tick, with the input of the tick,
-//! and then with the hand held still. After [`TICKS`] further ticks forces and places are compared.
+//! At each exhausted tick of a bounded run both ways begin: from the state before that tick, with the input of the
+//! tick, and then with the hand held still. After [`TICKS`] further ticks forces and places are compared.
 
 use sulcus_core::math::norm;
 use sulcus_core::output::status;

@@ -1,5 +1,5 @@
-//! Every hard case of the table holds, with the tick's solver and with the judge in the tick. The bound on the work of a
-//! tick holds, too, and costs no more exhausted ticks than the table `exhausted.txt` has.
+//! Every hard case of the table holds, with the tick's solver and with the judge in the tick. The bound on the work of
+//! a tick holds, too, and costs no more exhausted ticks than the table `exhausted.txt` has.
 
 use sulcus_cases::bounded::{Comparison, Deviation};
 use sulcus_cases::comparison::as_printed;
@@ -25,7 +25,12 @@ pub fn hold<'a>(cases: impl IntoIterator<Item = &'a Case>, solver: SolverKind) {
         );
         let m = &report.measures;
         if own {
-            broken.extend(beyond_table(case.name, m.exhausted, work, &comparison.found));
+            broken.extend(beyond_table(
+                case.name,
+                m.exhausted,
+                work,
+                &comparison.found,
+            ));
         }
         println!(
             "{:18} residual {:.3} um (exhausted {:.3}), jump {:.3} mm, force step {:.3} N (slow {:.4}, settling {}), buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}, torque step {:.3} N mm, imbalance {:.1e}, flips {}, indentation {:.2} mm, rebound {:.4}, unrest {:.3} um, drift {:.3} um, work in {:.2} mJ",
@@ -63,9 +68,9 @@ pub fn hold<'a>(cases: impl IntoIterator<Item = &'a Case>, solver: SolverKind) {
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
-/// Lines of `exhausted.txt`: name of a case, number of exhausted tool-ticks of the tick without a bound on its work, the
-/// number allowed with the bound, and the number of forks of [`Comparison`] that may differ by more than 10 % of the force
-/// or 0.1 mm.
+/// Lines of `exhausted.txt`: name of a case, number of exhausted tool-ticks of the tick without a bound on its work,
+/// the number allowed with the bound, and the number of forks of [`Comparison`] that may differ by more than 10 % of
+/// the force or 0.1 mm.
 fn allowed(name: &str) -> [u64; 3] {
     let lines = include_str!("exhausted.txt").lines();
     let mut lines = lines.filter(|line| !line.starts_with('#'));
@@ -79,16 +84,20 @@ fn allowed(name: &str) -> [u64; 3] {
 /// Largest work of a tick, operations: the bound, and the part of the last pass that was estimated.
 const MOST_WORK: u32 = 550_000;
 
-/// What is beyond the table in words.
+/// Findings beyond the table, in words.
 fn beyond_table(name: &str, exhausted: u64, work: u32, found: &Deviation) -> Vec<String> {
     println!("{name:24} work {work}, exhausted {exhausted}, {found:?}");
     let [_, most, differ] = allowed(name);
     let mut said = Vec::new();
     if exhausted > most {
-        said.push(format!("{name}: {exhausted} exhausted tool-ticks, at most {most}"));
+        said.push(format!(
+            "{name}: {exhausted} exhausted tool-ticks, at most {most}"
+        ));
     }
     if work > MOST_WORK {
-        said.push(format!("{name}: {work} operations in a tick, at most {MOST_WORK}"));
+        said.push(format!(
+            "{name}: {work} operations in a tick, at most {MOST_WORK}"
+        ));
     }
     if found.beyond > differ {
         said.push(format!("{name}: {found:?}, at most {differ} beyond"));

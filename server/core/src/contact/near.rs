@@ -39,8 +39,7 @@ pub(super) fn any_within(
         }
         *tests -= 1;
         let between = posed.centre_of(tool, t) - object_node.centre;
-        let reach =
-            reach_of(tool_node, tool_is_shape) + reach_of(object_node, object_is_shape) + d;
+        let reach = reach_of(tool_node, tool_is_shape) + reach_of(object_node, object_is_shape) + d;
         // NaN is not beyond the distance.
         if between.dot(&between) >= reach * reach {
             continue;

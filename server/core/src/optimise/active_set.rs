@@ -30,9 +30,9 @@ const MANY: usize = 32;
 const BLOCK: f64 = 0.5;
 /// Number of rows that enter in one block with [`ActiveSet::entering_few`].
 ///
-/// Without the limit a leap into tissue lets 200 rows enter at once, most of which leave again one by one. Measured with
-/// the limit: the 99.9th percentile of a tick falls from 1.5 to 0.2 ms at leaps into a tongue, and from 3.2 to 1.9 ms at
-/// random leaps in a pocket.
+/// Without the limit a leap into tissue lets 200 rows enter at once, most of which leave again one by one. Measured
+/// with the limit: the 99.9th percentile of a tick falls from 1.5 to 0.2 ms at leaps into a tongue, and from 3.2 to
+/// 1.9 ms at random leaps in a pocket.
 const FEW: usize = 16;
 /// Number of rows up to which the warm start enters as one block with [`ActiveSet::entering_few`].
 const FEW_WARM: usize = 64;

@@ -14,8 +14,8 @@ use crate::{MAX_TOOLS, Scene};
 /// stopped by objects on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// Graphic and haptic tool have met: in a tick at its place of rest, the graphic tool was near the haptic tool. Also
-    /// the value of a tool that is absent, and in scenes without [`crate::Params::max_arrival_step`].
+    /// Graphic and haptic tool have met: in a tick at its place of rest, the graphic tool was near the haptic tool.
+    /// Also the value of a tool that is absent, and in scenes without [`crate::Params::max_arrival_step`].
     Met,
     /// Place of rest reached, away from the hand, as behind a wall.
     Apart,
@@ -342,8 +342,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads whether a tool has entered, and its arrival. `arrives` tells whether a tick of the scene gives values other
-    /// than [`Arrival::Met`].
+    /// Reads whether a tool has entered, and its arrival. `arrives` tells whether a tick of the scene gives values
+    /// other than [`Arrival::Met`].
     fn entry(&mut self, arrives: bool) -> Result<(bool, Arrival), StateError> {
         let offset = self.at;
         match self.take()? {

@@ -18,8 +18,8 @@ pub(crate) struct Fits {
 }
 
 /// Lists the contacts of the tools `group` (slots) at the present poses and shapes, at most `limit` of them, within `d`
-/// or within the distance that fits into the list. Returns the distance and the share used, and whether either was cut or a contact was
-/// dropped.
+/// or within the distance that fits into the list. Returns the distance and the share used, and whether either was cut
+/// or a contact was dropped.
 ///
 /// On overflow `d` shrinks by a factor of 0.7, which costs only more substeps. With blended surfaces, once `d` is
 /// within twice `Params::predict_min`, the share of their reach is halved instead. Blended surfaces then consist of

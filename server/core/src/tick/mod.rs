@@ -27,6 +27,7 @@ mod posed;
 pub(crate) mod request;
 mod settle;
 pub mod stage;
+mod step;
 pub(crate) mod substep;
 mod tissue_rows;
 pub(crate) mod workspace;

@@ -40,8 +40,8 @@ pub(crate) struct Row {
     pub(crate) exhausted_ticks: u64,
     pub(crate) settling_ticks: u64,
     pub(crate) contact_ticks: u64,
-    /// What continuous collision costs: passes of a tick in contact (its motion is cut so that none goes past what the pass looked at), both
-    /// tools', mean and most.
+    /// What continuous collision costs: passes of a tick in contact (its motion is cut so that none goes past what the
+    /// pass looked at), both tools', mean and most.
     pub(crate) passes_mean: f64,
     pub(crate) passes_max: u32,
     /// `holds`, `broken`, or `shown` for what is not asked to hold.
@@ -89,8 +89,9 @@ const QUICK: [&str; 13] = [
     "organ-10-k2",
     "soft-next-to-hard",
 ];
-/// Cases that run as printed, too: those with tissue as the paper has it (but a minute of rest), and three of contact among rigid things
-/// alone, where the tool's own step is what is printed. Where nothing of it is printed there is nothing to compare.
+/// Cases that run as printed, too: those with tissue as the paper has it (but a minute of rest), and three of contact
+/// among rigid things alone, where the tool's own step is what is printed. Where nothing of it is printed there is
+/// nothing to compare.
 const PAPERS: [&str; 26] = [
     "sharp-edge",
     "peg-in-hole",

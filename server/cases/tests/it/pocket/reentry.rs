@@ -1,5 +1,5 @@
-//! A probe whose hand is lost in the middle of a reading, and comes back: nothing is felt as a blow, and nothing is thrown
-//! out of the pocket.
+//! A probe whose hand is lost in the middle of a reading, and comes back: nothing is felt as a blow, and nothing is
+//! thrown out of the pocket.
 
 use sulcus_cases::{Measures, Observer};
 use sulcus_core::math::{exp_rotation, log_rotation, norm};
@@ -17,7 +17,7 @@ const AFTER: u64 = 500;
 /// Durations of the absence, ticks.
 const GAPS: [u64; 3] = [1000, 5000, 20_000];
 
-/// What happened from the return on.
+/// Course of a run from the return on.
 struct Returned {
     /// Graphic tip before the absence, world axes, metres.
     stood: Vec3,
@@ -36,13 +36,9 @@ struct Returned {
     measures: Measures,
 }
 
-/// Interrupts a reading at the site for `gap` ticks. The hand returns to where `hand` puts it, given its pose before, the
-/// tick since the return, the direction away from the tooth and the one up along the probe.
-fn interrupted(
-    site: usize,
-    gap: u64,
-    hand: impl Fn(&Pose, u64, &Vec3, &Vec3) -> Pose,
-) -> Returned {
+/// Interrupts a reading at the site for `gap` ticks. The hand returns to where `hand` puts it, given its pose before,
+/// the tick since the return, the direction away from the tooth and the one up along the probe.
+fn interrupted(site: usize, gap: u64, hand: impl Fn(&Pose, u64, &Vec3, &Vec3) -> Pose) -> Returned {
     let scene = scene_with(&[]);
     let (degrees, depth) = SITES[site];
     let way = way(&scene, degrees, depth);
@@ -128,7 +124,11 @@ fn holds(what: &str, found: &Returned) {
     );
     assert!(found.step <= STEP_N + 1e-9, "{what}: {} N", found.step);
     assert!(m.residual <= 1e-6, "{what}: residual {:e} m", m.residual);
-    assert_eq!((m.faults, m.solver_failed, m.not_finite), (0, 0, 0), "{what}");
+    assert_eq!(
+        (m.faults, m.solver_failed, m.not_finite),
+        (0, 0, 0),
+        "{what}"
+    );
 }
 
 #[test]
@@ -162,7 +162,10 @@ fn three_millimetres_off_the_probe_follows_the_hand() {
             ("to the tooth", (-3e-3, 0.0)),
         ] {
             let found = interrupted(0, gap, |before, _, outward, up| {
-                Pose::new(before.position + outward * off.0 + up * off.1, before.orientation)
+                Pose::new(
+                    before.position + outward * off.0 + up * off.1,
+                    before.orientation,
+                )
             });
             let what = format!("3 mm {name}, {gap} ms");
             holds(&what, &found);
@@ -182,7 +185,11 @@ fn outside_of_the_mouth_the_probe_comes_to_the_hand() {
         holds(&what, &found);
         assert!(found.met.is_some(), "{what}");
         let apart = found.last.graphic.position - found.last.haptic.position;
-        assert!(norm(&apart) < 1e-6, "{what}: {:e} m from the hand", norm(&apart));
+        assert!(
+            norm(&apart) < 1e-6,
+            "{what}: {:e} m from the hand",
+            norm(&apart)
+        );
     }
 }
 
@@ -206,7 +213,10 @@ fn a_hand_that_returns_in_motion_adds_its_own_motion_alone() {
     let found = interrupted(0, 1000, |before, k, outward, up| {
         let t = k as f64 * 1e-3;
         let at = before.position + up * (2e-3 * (1.0 - t)) + outward * (1e-3 * libm::sin(9.0 * t));
-        Pose::new(at, exp_rotation(&(outward * (0.05 * t))) * before.orientation)
+        Pose::new(
+            at,
+            exp_rotation(&(outward * (0.05 * t))) * before.orientation,
+        )
     });
     holds("in motion", &found);
     assert!(norm(&(found.last.graphic.transform(&Vec3::zeros()) - found.stood)) > 0.0);
