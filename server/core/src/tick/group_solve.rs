@@ -266,7 +266,13 @@ impl<'a> GroupSolve<'a> {
             }
         }
         let contacts = ws.substeps[index].contacts.as_slice();
-        self.gives_way = gives_way(scene, state, self.group, contacts, &ws.slots);
+        // Once out of the tissue, the tool turns to the hand for the rest of the tick.
+        let overlaps = first || self.gives_way.contains(&true);
+        self.gives_way = if overlaps {
+            gives_way(state, self.group, contacts, &ws.slots)
+        } else {
+            [false; MAX_TOOLS]
+        };
         self.listed = ws.counts.work() - begun;
         let rows = ws.substeps[index].contact_rows.len();
         if bounded && !first && !self.solve_fits(&scene.params, ws, rows) {

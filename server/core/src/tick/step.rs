@@ -20,6 +20,9 @@ use crate::{MAX_TOOLS, Scene};
 /// Share of the coupling's stiffness that holds an arriving tool in place while it overlaps tissue. Chosen: at 0.5 N/mm
 /// the tool gives way by 4 mm before the hand feels 0.02 N.
 const HELD_WEAKLY: f64 = 0.01;
+/// Depth in tissue, metres, from which an arriving tool gives way. Chosen: far above the depth that a tick leaves, and
+/// out of the tissue within a tick or two.
+const OVERLAP: f64 = 1e-5;
 
 /// Step of each tool, by slot: translation of the working point (metres) and rotation vector (radians), world axes.
 pub(crate) type Steps = [(Vec3, Vec3); MAX_TOOLS];
@@ -30,7 +33,6 @@ pub(crate) type Steps = [(Vec3, Vec3); MAX_TOOLS];
 /// coupling, which the hand would feel as a blow. The tool is therefore held only weakly ([`HELD_WEAKLY`]) as long as
 /// it overlaps the tissue.
 pub(crate) fn gives_way(
-    scene: &Scene,
     state: &State,
     group: &[usize],
     contacts: &[Contact],
@@ -41,7 +43,7 @@ pub(crate) fn gives_way(
     if group.iter().any(|t| arrives(t)) {
         for contact in contacts {
             let t = usize::from(contact.tool);
-            found[t] |= contact.gap < -scene.params.converged_gap
+            found[t] |= contact.gap < -OVERLAP
                 && slots[usize::from(contact.object)].is_some()
                 && arrives(&t);
         }
