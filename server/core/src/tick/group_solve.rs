@@ -17,7 +17,7 @@ use crate::tick::posed::posed;
 use crate::tick::request::{TickRequest, TissueConflict, ToolOutcome, hands};
 use crate::tick::settle::Settle;
 use crate::tick::stage::{Stage, StageProbe};
-use crate::tick::step::{Answer, apply, gives_way, optimise};
+use crate::tick::step::{Answer, apply, gives_way, keep_deepest, optimise};
 use crate::tick::tissue_rows::aim_tissues;
 use crate::tick::workspace::Workspace;
 use crate::work::{most_contacts, solve_estimate};
@@ -219,6 +219,14 @@ impl<'a> GroupSolve<'a> {
         let limit = self.most_contacts(request);
         let (found, mut cut) = collide(scene, state, ws, (self.group, limit), (self.d, share));
         self.d = found.d;
+        // Once out of the tissue, the tool turns to the hand for the rest of the tick.
+        let overlaps = first || self.gives_way.contains(&true);
+        let contacts = ws.substeps[index].contacts.as_slice();
+        self.gives_way = if overlaps {
+            gives_way(state, self.group, contacts, &ws.slots)
+        } else {
+            [false; MAX_TOOLS]
+        };
         group_contacts(scene, &mut ws.substeps[index], &ws.cores);
         // Rows without room shorten the prediction distance, as a full contact list does. The contact list stays valid.
         let mut narrowed = false;
@@ -227,6 +235,10 @@ impl<'a> GroupSolve<'a> {
             let blending = (ws.cores.as_slice(), &mut ws.blender);
             let substep = &mut ws.substeps[index];
             let room = write_rows(scene, substep, blending, (self.d, narrowed));
+            if self.gives_way.contains(&true) {
+                // More pairs overlap than a problem has rows.
+                keep_deepest(substep, &ws.slots);
+            }
             if room < 1.0 {
                 cut = true;
                 self.d = self.d.shortened(room, self.longest);
@@ -265,14 +277,6 @@ impl<'a> GroupSolve<'a> {
                 ws.awake.push(slot);
             }
         }
-        let contacts = ws.substeps[index].contacts.as_slice();
-        // Once out of the tissue, the tool turns to the hand for the rest of the tick.
-        let overlaps = first || self.gives_way.contains(&true);
-        self.gives_way = if overlaps {
-            gives_way(state, self.group, contacts, &ws.slots)
-        } else {
-            [false; MAX_TOOLS]
-        };
         self.listed = ws.counts.work() - begun;
         let rows = ws.substeps[index].contact_rows.len();
         if bounded && !first && !self.solve_fits(&scene.params, ws, rows) {

@@ -51,6 +51,25 @@ pub(crate) fn gives_way(
     found
 }
 
+/// Drops the rows of all pairs of tissue spheres but the deepest of each sphere. `slots` tells which objects yield.
+pub(crate) fn keep_deepest(substep: &mut Substep, slots: &[Option<usize>]) {
+    let contacts = substep.contacts.as_slice();
+    // Rows of one sphere of tissue are adjacent.
+    substep.contact_rows.dedup_by(|row, kept| {
+        let (one, other) = (
+            &contacts[row.contact as usize],
+            &contacts[kept.contact as usize],
+        );
+        let same = (one.object, one.object_sphere, one.tool)
+            == (other.object, other.object_sphere, other.tool)
+            && slots[usize::from(one.object)].is_some();
+        if same && row.gap < kept.gap {
+            *kept = *row;
+        }
+        same
+    });
+}
+
 /// Builds and solves the problem of this substep and returns the steps of the group's tools. Returns `None` when the
 /// solution is unusable. `gives_way` is that of [`gives_way`].
 pub(crate) fn optimise(
