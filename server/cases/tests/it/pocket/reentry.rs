@@ -12,8 +12,10 @@ use super::run::{Feeler, Run, SITES, go_in, scene_with, way};
 const READING_N: f64 = 0.22;
 /// Largest change of the raw force in a millisecond beyond the hand's own motion, newtons.
 const STEP_N: f64 = 0.02;
-/// Observed time after the return, ticks.
+/// Time after the return in which steps of the force count, ticks.
 const AFTER: u64 = 500;
+/// Observed time after the return, ticks. From 50 mm away a probe comes loose from the teeth within it.
+const OBSERVED: u64 = 2000;
 /// Durations of the absence, ticks.
 const GAPS: [u64; 3] = [1000, 5000, 20_000];
 
@@ -71,7 +73,7 @@ fn interrupted(site: usize, gap: u64, hand: impl Fn(&Pose, u64, &Vec3, &Vec3) ->
         zones: Vec::new(),
         measures: Measures::default(),
     };
-    for k in 0..AFTER {
+    for k in 0..OBSERVED {
         let pose = hand(&before.haptic, k, &way.outward, &way.up);
         let input = Run::input(&pose);
         let torque = |run: &Run| run.last.map_or(Vec3::zeros(), |out| run.torque(&out));
@@ -88,8 +90,10 @@ fn interrupted(site: usize, gap: u64, hand: impl Fn(&Pose, u64, &Vec3, &Vec3) ->
             norm(&moved) + reach * norm(&log_rotation(&turned))
         };
         let change = norm(&(out.raw_wrench.force - last.raw_wrench.force));
-        found.step = found.step.max(change - tool.stiffness_n_per_m * own);
-        found.torque_step = found.torque_step.max(norm(&(torque(&run) - torque_before)));
+        if k < AFTER {
+            found.step = found.step.max(change - tool.stiffness_n_per_m * own);
+            found.torque_step = found.torque_step.max(norm(&(torque(&run) - torque_before)));
+        }
         let tip = out.graphic.transform(&tool.tip);
         found.farthest = found.farthest.max(norm(&(tip - stood)));
         let met = out.status & status::NOT_MET == 0;
@@ -138,8 +142,8 @@ fn at_the_same_place_the_reading_goes_on() {
             let found = interrupted(site, gap, |before, _, _, _| *before);
             let what = format!("same place, site {site}, {gap} ms");
             holds(&what, &found);
-            // Out of the floor by its indentation, and back: not out of the pocket.
-            assert!(found.farthest < 1e-3, "{what}: {:e} m", found.farthest);
+            // Out of the relaxed floor, and back: not out of the pocket, which is 3 mm deep.
+            assert!(found.farthest < 1.5e-3, "{what}: {:e} m", found.farthest);
             let (before, after) = (found.before.pocket, found.last.pocket);
             let (before, after) = (before.expect("a reading"), after.expect("a reading"));
             assert!((before.depth - after.depth).abs() < 1e-4, "{what}");
