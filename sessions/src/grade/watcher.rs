@@ -94,6 +94,7 @@ mod tests {
         let mut watcher = Watcher::new(&scene, exercise, SET);
         let shapes = Workspace::new(&scene);
         let mut output = TickOutput {
+            work: 0,
             tick: 0,
             hash: 0,
             tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
@@ -132,6 +133,7 @@ mod tests {
         let mut watcher = Watcher::new(&scene, &exercise, SET);
         let shapes = Workspace::new(&scene);
         let mut output = TickOutput {
+            work: 0,
             tick: 0,
             hash: 0,
             tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],

@@ -53,7 +53,7 @@ fn a_pose_is_free_exactly_beyond_the_distance() {
         most * ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
     };
     for _ in 0..200 {
-        let off = Vec3::new(random(4e-3), random(4e-3), random(4e-3));
+        let off = Vec3::new(random(1e-3), random(1e-3), random(1e-3));
         let turn = Vec3::new(random(0.5), random(0.5), random(0.5));
         let distance = random(5e-4) + 5.1e-4;
         let turned: Quat = exp_rotation(&turn) * held.orientation;
@@ -84,7 +84,9 @@ fn it_changes_no_tick() {
         let input = input(k);
         tick(&scene, &mut one, &mut ws, &input, &mut NoProbe);
         let out = tick(&scene, &mut other, &mut asked, &input, &mut NoProbe);
-        let pose = out.tools[0].haptic;
+        // In every third tick a millimetre higher, where nothing is near.
+        let mut pose = out.tools[0].haptic;
+        pose.position.z += if k % 3 == 0 { 1e-3 } else { 0.0 };
         let before = other.clone();
         let free = is_free(&scene, &other, &mut asked, 0, &pose, FREE_DISTANCE);
         found[usize::from(free)] += 1;
