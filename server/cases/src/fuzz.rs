@@ -53,12 +53,12 @@ const fn outrun(tools: u64, share: f64, deepest: f64) -> Outrun {
 }
 
 const RIGID: Outrun = outrun(1, 0.06, 1e-5);
-const GINGIVA: Outrun = outrun(1, 0.09, 4e-5);
+const GINGIVA: Outrun = outrun(1, 0.2, 4e-5);
 const SKELETON: Outrun = outrun(1, 0.06, 1e-5);
-const ORGAN: Outrun = outrun(1, 0.09, 3e-3);
+const ORGAN: Outrun = outrun(1, 0.2, 3e-3);
 /// Two tools share one problem, so each waits for the other.
-const TWO_PROBES: Outrun = outrun(2, 0.12, 4e-5);
-const TWO_MIRRORS: Outrun = outrun(2, 0.3, 3e-3);
+const TWO_PROBES: Outrun = outrun(2, 0.25, 4e-5);
+const TWO_MIRRORS: Outrun = outrun(2, 0.4, 3e-3);
 
 /// One probe in the narrow pocket.
 pub const POCKET: Fuzz = Fuzz {
@@ -167,6 +167,24 @@ impl Fuzz {
             observer.observe(&scene, &input, &output, &ws);
         }
         observer.measures()
+    }
+
+    /// Returns the scene, and the inputs of `ticks` ticks of a walk.
+    pub fn inputs(&self, seed: u64, ticks: u64) -> (Scene, Vec<TickInput>) {
+        let scene = (self.scene)();
+        let homes = (self.homes)(&scene);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut walks = [Walk::default(); MAX_TOOLS];
+        let inputs = (0..ticks).map(|_| {
+            let mut input = TickInput::IDLE;
+            for (t, home) in homes.iter().enumerate() {
+                let tip = scene.tools[t].tip;
+                input.tools[t] = walks[t].step(&mut rng, home, &tip, self.step);
+            }
+            input
+        });
+        let inputs = inputs.collect();
+        (scene, inputs)
     }
 
     /// A walk as a script of `ticks` milliseconds, without invalid numbers, which a script cannot give.

@@ -4,6 +4,7 @@
 //! measures judge a case, a demo run and a recording.
 
 mod bearing;
+pub mod bounded;
 pub mod chart;
 pub mod comparison;
 pub mod fuzz;

@@ -87,6 +87,7 @@
 //! No friction, no gravity, no collision between tools.
 
 pub mod blend;
+pub mod clearance;
 pub mod contact;
 pub mod exactly;
 pub mod input;
@@ -95,10 +96,12 @@ pub mod optimise;
 pub mod output;
 mod rows;
 pub mod scene;
+mod self_test;
 pub mod state;
 pub mod tick;
 pub mod tissue;
 pub mod tree;
+pub mod work;
 
 pub use exactly::exactly;
 pub use input::{RawPose, TickInput, ToolInput};
@@ -107,6 +110,7 @@ pub use output::{TickOutput, ToolOutput};
 pub use scene::params::Params;
 pub use scene::skin::DisplaySkin;
 pub use scene::{DisplayMesh, Object, Scene, SceneError, Tool};
+pub use self_test::self_test;
 pub use state::State;
 pub use tick::stage::{NoProbe, Stage, StageProbe};
 pub use tick::tick;

@@ -16,7 +16,8 @@ pub mod status {
     /// The change of the wrench for the hand was limited in this tick (`Params::max_force_step`,
     /// `Params::max_torque_step`).
     pub const SLEW_LIMITED: u16 = 1 << 4;
-    /// The tick reached `Params::max_substeps` before convergence: the rest of the motion follows in the next tick.
+    /// The tick reached `Params::max_substeps` or `Params::max_work` before convergence: the rest of the motion follows
+    /// in the next tick.
     pub const EXHAUSTED: u16 = 1 << 5;
     /// The solver gave no usable solution in the last substep. The graphic pose stayed as before that substep, and the
     /// force ramps to zero.
@@ -41,6 +42,12 @@ pub mod status {
     /// The change of the raw force was limited in this tick (`Params::max_settle_step`). The graphic tool is on its
     /// way, without penetration, and continues in the next tick.
     pub const SETTLING: u16 = 1 << 13;
+    /// Haptic tool clear of all objects: no contact within half a millimetre. The tick never sets this bit. A server
+    /// sets the bit on the wire by [`crate::clearance::is_free`].
+    pub const FREE: u16 = 1 << 14;
+    /// Graphic and haptic tool have not met since the tool entered: the force is no act of the hand yet, and no event
+    /// counts. See [`crate::state::Arrival`]. Never set in scenes up to version 7.
+    pub const NOT_MET: u16 = 1 << 15;
 }
 
 /// Zone of the force of a tool on the floor of a pocket. A zone starts at its threshold.
@@ -144,4 +151,6 @@ pub struct TickOutput {
     pub hash: u64,
     /// Output per tool slot.
     pub tools: [ToolOutput; MAX_TOOLS],
+    /// Counted work of the tick, operations; see [`crate::work`]. The same on every machine and for every workspace.
+    pub work: u32,
 }

@@ -58,6 +58,11 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
         clean(&hello.device.name),
         clean(&hello.program)
     );
+    if hello.self_test != 0 && hello.self_test != net.self_test {
+        tracing::warn!(
+            "{from}: the tick of this client gives other bits than that of the server; it cannot tick at the hand"
+        );
+    }
     match door {
         Some(door) if hello.role == Role::Display => {
             super::display::serve(connection, send, reader(recv), grant, door, net).await;

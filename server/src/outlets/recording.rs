@@ -561,6 +561,7 @@ mod tests {
             tick,
             hash: 0,
             tools: [idle; sulcus_core::MAX_TOOLS],
+            work: 0,
         }
     }
 

@@ -133,6 +133,7 @@ mod tests {
                 tick: 0,
                 hash: 0,
                 tools: [tool(bits, converged), tool(status::ABSENT, true)],
+                work: 0,
             };
             metrics.tick(times, &output);
             metrics.exhausted

@@ -6,9 +6,12 @@ use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 
 use rtrb::{Consumer, Producer, PushError};
-use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
+use sulcus_core::clearance::{FREE_DISTANCE, is_free};
+use sulcus_core::output::status;
+use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_link::Bell;
 use sulcus_proto::WrenchDatagram;
+use sulcus_proto::status::FREE;
 use sulcus_proto::datagram::{Echo, ToolWrench, WireLevels, WirePose, WireWrench};
 use sulcus_sessions::exercise::events::Look;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
@@ -24,6 +27,9 @@ use crate::session::levels::{InForce, Levels};
 use crate::session::metrics::{Metrics, TickTimes};
 use crate::session::realtime;
 use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
+
+/// Interval between two looks at the clearance of the haptic tools, seconds.
+const CLEARANCE_S: f64 = 0.016;
 
 /// Data that the simulation thread owns.
 pub(crate) struct Simulation {
@@ -139,6 +145,9 @@ struct Ticker {
     next_snapshot: u64,
     /// Commands of the station's side that this tick obeys.
     commands: u64,
+    /// Whether each haptic tool is free of contacts, at the last look.
+    free: [bool; MAX_TOOLS],
+    next_clearance: u64,
     metrics: Metrics,
 }
 
@@ -158,6 +167,8 @@ impl Ticker {
             },
             next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
             commands: 0,
+            free: [false; MAX_TOOLS],
+            next_clearance: 0,
             scene,
             link,
             metrics,
@@ -194,7 +205,7 @@ impl Ticker {
         let (in_force, newest) = (self.inputs.in_force, self.inputs.newest());
         self.link
             .wrenches
-            .write(wrench_out(&output, in_force, newest, tools));
+            .write(wrench_out(&output, self.free, in_force, newest, tools));
         self.link.bell.ring();
         let progress = &self.link.progress;
         progress.tick.store(output.tick, Ordering::Relaxed);
@@ -209,6 +220,10 @@ impl Ticker {
             self.next_snapshot = output.tick + self.scene.params.ticks_in(SNAPSHOT_EVERY_S);
             self.snapshot(unix_ns);
         }
+        if output.tick >= self.next_clearance {
+            self.next_clearance = output.tick + self.scene.params.ticks_in(CLEARANCE_S).max(1);
+            self.look_for_clearance(&output);
+        }
         self.chooser.took(cpu_ns);
         self.metrics.skipped += u64::from(skipped);
         self.metrics.late += u64::from(wall_end > self.grid.next_ns);
@@ -218,6 +233,16 @@ impl Ticker {
             wall_ns: wall_end.saturating_sub(wall),
         };
         self.metrics.tick(times, &output);
+    }
+
+    /// Looks whether each haptic tool is free of contacts. Devices arm only with a free tool.
+    fn look_for_clearance(&mut self, output: &TickOutput) {
+        for (slot, (free, tool)) in self.free.iter_mut().zip(&output.tools).enumerate() {
+            let held = tool.status & status::ABSENT == 0;
+            let (scene, state, workspace) = (&self.scene, &self.state, &mut self.workspace);
+            *free = held
+                && is_free(scene, state, workspace, slot, &tool.haptic, FREE_DISTANCE);
+        }
     }
 
     fn collect(&mut self) {
@@ -297,6 +322,7 @@ fn grid_points_missed(grid_ns: u64, now_ns: u64, tick_ns: u64) -> u16 {
 /// limits. Without a pose the echoes are invalid. The network sets the hold times when it sends the wrench.
 fn wrench_out(
     output: &TickOutput,
+    free: [bool; MAX_TOOLS],
     in_force: InForce,
     pose: Option<&PoseIn>,
     tools: usize,
@@ -329,7 +355,7 @@ fn wrench_out(
                 position: [p.x as f32, p.y as f32, p.z as f32],
                 orientation: [q.w as f32, q.i as f32, q.j as f32, q.k as f32],
             },
-            status: tool.status,
+            status: tool.status | if free[k] { FREE } else { 0 },
             echo: echo.unwrap_or_default(),
         };
     }

@@ -1,7 +1,7 @@
 //! Start, control and end of a server from another thread.
 
 use std::net::{SocketAddr, UdpSocket};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
 use sulcus_proto::control::Command;
@@ -18,6 +18,9 @@ use crate::session::levels::Taken;
 use crate::station::door::{Door, ToStation};
 use crate::station::shared::Shared;
 use crate::{ServerConfig, ServerError};
+
+/// Hash of the tick self-test, computed once in a process.
+static SELF_TEST: OnceLock<u64> = OnceLock::new();
 
 /// A server of stations.
 pub struct Server;
@@ -76,7 +79,7 @@ impl Server {
         let net = Arc::new(Net {
             shared: Arc::new(Shared::new(config, stage_out)),
             doors: doors.clone(),
-            self_test: 0,
+            self_test: *SELF_TEST.get_or_init(sulcus_core::self_test),
         });
         // One thread: more threads would only add wake-ups.
         let runtime = tokio::runtime::Builder::new_current_thread()

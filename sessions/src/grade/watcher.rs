@@ -179,6 +179,7 @@ mod tests {
         let mut watcher = Watcher::new(&scene, exercise, SET);
         let shapes = Workspace::new(&scene);
         let mut output = TickOutput {
+            work: 0,
             tick: 0,
             hash: 0,
             tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],
@@ -217,6 +218,7 @@ mod tests {
         let mut watcher = Watcher::new(&scene, &exercise, SET);
         let shapes = Workspace::new(&scene);
         let mut output = TickOutput {
+            work: 0,
             tick: 0,
             hash: 0,
             tools: [ToolOutput::absent(Pose::identity()); MAX_TOOLS],

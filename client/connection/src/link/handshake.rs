@@ -1,5 +1,7 @@
 //! Handshake: from a connection to the server's hello, or to an error of one sentence.
 
+use std::sync::OnceLock;
+
 use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello, capability};
 use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
@@ -18,6 +20,12 @@ pub(super) struct Welcome {
     pub hello: ServerHello,
 }
 
+/// Hash of the tick self-test, computed once in a process.
+fn self_test() -> u64 {
+    static HASH: OnceLock<u64> = OnceLock::new();
+    *HASH.get_or_init(sulcus_core::self_test)
+}
+
 /// First message of a client.
 pub(crate) fn client_hello(config: &LinkConfig) -> ClientMessage {
     ClientMessage::Hello(ClientHello {
@@ -30,7 +38,7 @@ pub(crate) fn client_hello(config: &LinkConfig) -> ClientMessage {
         exercise: config.exercise.clone(),
         epoch: config.follows,
         capabilities: capability::SHOWS_MESSAGES,
-        self_test: 0,
+        self_test: self_test(),
     })
 }
 

@@ -1,5 +1,7 @@
-//! Every hard case of the table holds, with the tick's solver and with the judge in the tick.
+//! Every hard case of the table holds, with the tick's solver and with the judge in the tick. The bound on the work of
+//! a tick holds, too, and costs no more exhausted ticks than the table `exhausted.txt` has.
 
+use sulcus_cases::bounded::{Comparison, Deviation};
 use sulcus_cases::comparison::as_printed;
 use sulcus_cases::{Case, TABLE, find, run, run_on};
 use sulcus_core::optimise::SolverKind;
@@ -9,8 +11,27 @@ use sulcus_core::{Scene, Sphere, SphereTree, Vec3};
 pub fn hold<'a>(cases: impl IntoIterator<Item = &'a Case>, solver: SolverKind) {
     let mut broken = Vec::new();
     for case in cases {
-        let report = run(case, |params| params.solver = solver);
+        let (mut comparison, mut work) = (Comparison::default(), 0);
+        let own = solver == SolverKind::ActiveSet;
+        let report = run_on(
+            case,
+            |scene| scene.params.solver = solver,
+            |seen| {
+                work = work.max(seen.output.work);
+                if own {
+                    comparison.observe(seen);
+                }
+            },
+        );
         let m = &report.measures;
+        if own {
+            broken.extend(beyond_table(
+                case.name,
+                m.exhausted,
+                work,
+                &comparison.found,
+            ));
+        }
         println!(
             "{:18} residual {:.3} um (exhausted {:.3}), jump {:.3} mm, force step {:.3} N (slow {:.4}, settling {}), buzz {:.4} N, coupling {:.3} %, exhausted {} (+{} arriving), raw {:.2} N, energy {:.3} mJ, margin {:.3} mm, contact {}, torque step {:.3} N mm, imbalance {:.1e}, flips {}, indentation {:.2} mm, rebound {:.4}, unrest {:.3} um, drift {:.3} um, work in {:.2} mJ",
             case.name,
@@ -45,6 +66,43 @@ pub fn hold<'a>(cases: impl IntoIterator<Item = &'a Case>, solver: SolverKind) {
         );
     }
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// Lines of `exhausted.txt`: name of a case, number of exhausted tool-ticks of the tick without a bound on its work,
+/// the number allowed with the bound, and the number of forks of [`Comparison`] that may differ by more than 10 % of
+/// the force or 0.1 mm.
+fn allowed(name: &str) -> [u64; 3] {
+    let lines = include_str!("exhausted.txt").lines();
+    let mut lines = lines.filter(|line| !line.starts_with('#'));
+    let line = lines.find(|line| line.split_whitespace().next() == Some(name));
+    let line = line.unwrap_or_else(|| panic!("`{name}` is in exhausted.txt"));
+    let numbers = line.split_whitespace().skip(1);
+    let numbers: Vec<u64> = numbers.map(|n| n.parse().expect("a number")).collect();
+    numbers.try_into().expect("three numbers")
+}
+
+/// Largest work of a tick, operations: the bound, and the part of the last pass that was estimated.
+const MOST_WORK: u32 = 550_000;
+
+/// Findings beyond the table, in words.
+fn beyond_table(name: &str, exhausted: u64, work: u32, found: &Deviation) -> Vec<String> {
+    println!("{name:24} work {work}, exhausted {exhausted}, {found:?}");
+    let [_, most, differ] = allowed(name);
+    let mut said = Vec::new();
+    if exhausted > most {
+        said.push(format!(
+            "{name}: {exhausted} exhausted tool-ticks, at most {most}"
+        ));
+    }
+    if work > MOST_WORK {
+        said.push(format!(
+            "{name}: {work} operations in a tick, at most {MOST_WORK}"
+        ));
+    }
+    if found.beyond > differ {
+        said.push(format!("{name}: {found:?}, at most {differ} beyond"));
+    }
+    said
 }
 
 /// Cases of many seconds that differ from another one in a width, a depth or a speed. They are a long proof.

@@ -232,6 +232,17 @@ pub(crate) struct Blender {
     reach: (f64, f64),
     /// Largest weight of a pair beyond that reach, `exp(-reach)`; 1 before the first use.
     unfelt: f64,
+    /// Counts since the last [`Blender::take_effort`].
+    effort: Effort,
+}
+
+/// Counts of evaluations of blended gaps, the same on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Effort {
+    /// Pairs that were weighed.
+    pub weighed: u64,
+    /// Compatibilities that were evaluated.
+    pub shared: u64,
 }
 
 /// Soft minimum of core gaps, metres: `smallest - blend ln(sum)`. `sum` adds up the compatibilities times
@@ -253,7 +264,13 @@ impl Blender {
                 .collect(),
             reach: (f64::NAN, 0.0),
             unfelt: 1.0,
+            effort: Effort::default(),
         }
+    }
+
+    /// Returns the counts since the last call.
+    pub fn take_effort(&mut self) -> Effort {
+        std::mem::take(&mut self.effort)
     }
 
     /// Removes all pairs, for the next tool sphere and object.
@@ -270,6 +287,7 @@ impl Blender {
     /// whose core gap is both out of [`reach`] and over `kept`. Returns the smallest core gap, metres; `None` without
     /// pairs. `kept` and the blend length `blend` are in metres.
     fn weigh(&mut self, blend: f64, kept: f64) -> Option<f64> {
+        self.effort.weighed += self.pairs.len() as u64;
         let nearest = (0..self.pairs.len()).reduce(|best, k| {
             let (a, b) = (&self.pairs[k], &self.pairs[best]);
             if a.gap < b.gap { k } else { best }
@@ -318,6 +336,7 @@ impl Blender {
             return limit;
         };
         let nearest = self.pairs[0];
+        self.effort.shared += self.pairs.len() as u64;
         self.left_out.clear();
         let mut sum = 0.0;
         for (k, pair) in self.pairs.iter().enumerate() {
@@ -335,6 +354,7 @@ impl Blender {
         if self.left_out.is_empty() {
             return least;
         }
+        let mut shared = 0;
         for seed in &self.pairs[1..] {
             // Upper bound of this seed's sum: the sum of the nearest seed plus the shares that the nearest seed leaves
             // out.
@@ -343,10 +363,13 @@ impl Blender {
                 let now = self.shared(seed, k, blend);
                 more + fmax(0.0, now - left_out.share) * self.pairs[k].weight
             });
+            shared += self.left_out.len();
             if soft_minimum(smallest, blend, more) < least {
+                shared += self.pairs.len();
                 least = fmin(least, self.gap_of(seed, smallest, blend));
             }
         }
+        self.effort.shared += shared as u64;
         least
     }
 
@@ -369,6 +392,7 @@ impl Blender {
             .iter()
             .fold(dropped, |sum, pair| sum + pair.weight);
         let least = soft_minimum(smallest, blend, sum) - ROUNDING;
+        self.effort.shared += self.pairs.len() as u64;
         // No row if even the surface of the nearest seed is beyond the limit, with the margin for other seeds.
         if least >= limit
             || self.gap_of(&self.pairs[0], smallest, blend) >= limit + OTHER_SEEDS * blend
@@ -423,6 +447,7 @@ impl Blender {
                     if more > much || more + left_out.rest <= little {
                         break;
                     }
+                    self.effort.shared += 1;
                     let k = left_out.pair as usize;
                     let now = self.shared(&seed, k, blend);
                     more += fmax(0.0, now - left_out.share) * self.pairs[k].weight;
@@ -435,6 +460,7 @@ impl Blender {
             if beyond <= little {
                 continue;
             }
+            self.effort.shared += n as u64;
             self.shares.clear();
             let mut sum = 0.0;
             for k in 0..n {

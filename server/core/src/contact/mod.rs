@@ -9,6 +9,7 @@
 //! - `broad`: skips objects that a tool cannot reach.
 //! - `neighbours`: cached pairs (family of spheres, tool sphere) for rigid objects. `front` builds the lists in the
 //!   layout of `packs`.
+//! - `near`: whether any pair is within a distance, with a limit on the work. For [`crate::clearance`], not for ticks.
 //! - `soft`: cached pairs of spheres for tissues. `front` builds the lists, or `coarse` for a tissue with large
 //!   spheres.
 //!
@@ -18,6 +19,7 @@ pub(crate) mod broad;
 mod coarse;
 mod dual;
 mod front;
+pub(crate) mod near;
 mod neighbours;
 mod packs;
 mod posed;

@@ -2,6 +2,7 @@
 
 use super::dual::{STACK, traverse};
 use super::front::Search;
+use super::near::{Near, any_within};
 use super::neighbours::{CAPACITY, Neighbours};
 use super::packs::Packs;
 use super::posed::{Lever, Posed, PosedTool, levers};
@@ -111,6 +112,18 @@ impl Predictor {
     /// Starts the queries of one tool at one pose.
     pub fn begin(&mut self, tool: &PosedTool<'_>) {
         self.posed.begin(tool);
+    }
+
+    /// Whether any pair of contact spheres of `tool` and an object has a gap under `d`, metres; see [`any_within`].
+    /// `tool` must be the tool of the last [`Predictor::begin`]. Uses no cache and counts no work.
+    pub(crate) fn any_within(
+        &mut self,
+        tool: &PosedTool<'_>,
+        object: (&[Node], u8),
+        d: f64,
+        tests: &mut u32,
+    ) -> Near {
+        any_within(tool, &mut self.posed, object, d, &mut self.stack, tests)
     }
 
     /// Appends every pair of contact spheres of `tool` and `object` with a gap under `d` to `out`.

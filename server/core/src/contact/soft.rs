@@ -5,7 +5,7 @@
 //! tissue model computes the centres of the listed spheres in every pass. The tree is not refitted for a query.
 
 use super::coarse::{CoarseSearch, TURN};
-use super::neighbours::{CAPACITY, slack};
+use super::neighbours::{CAPACITY as FAMILIES, slack};
 use super::packs::Packs;
 use super::posed::{Posed, PosedTool};
 use super::predictor::Predictor;
@@ -17,6 +17,12 @@ use crate::tree::Node;
 
 /// Motion of working point and tissue together for which a list is valid, metres, times its [`spread`].
 const TRANSLATION: f64 = 2.6e-4;
+/// Largest number of pairs in a list. A mirror that lies in a tongue has 4,000 to 10,000 pairs.
+const CAPACITY: usize = 12_288;
+/// Number of times that [`TRANSLATION`] is halved for a list that does not fit.
+///
+/// Without a list every query traverses both trees, half of the time of a tick with a mirror deep in a tongue.
+const HALVINGS: u32 = 3;
 
 /// Neighbour list of one tool on one tissue, and the range of its validity.
 #[derive(Debug)]
@@ -51,6 +57,8 @@ pub(crate) struct SoftNeighbours {
     turn: f64,
     /// Factor on [`TRANSLATION`]; see [`spread`].
     spread: f64,
+    /// Capacity of `pairs`.
+    most: usize,
     /// Whether all pairs fitted into the list.
     usable: bool,
 }
@@ -63,13 +71,23 @@ impl SoftNeighbours {
         (k, shape_len): (usize, usize),
         (nodes, level): (&[Node], u8),
     ) -> Self {
+        let shape = |nodes: &[Node], level| {
+            let shape = nodes.iter().filter(|node| node.is_shape_at(level));
+            shape.count()
+        };
+        let (own, theirs) = (
+            tool.map_or(0, |tool| shape(tool.tree.nodes(), tool.level)),
+            shape(nodes, level),
+        );
+        let most = CAPACITY.min(own.saturating_mul(theirs));
         Self {
-            pairs: Vec::with_capacity(CAPACITY),
-            spheres: Vec::with_capacity(CAPACITY),
-            centres: vec![Vec3::zeros(); CAPACITY],
+            pairs: Vec::with_capacity(most),
+            spheres: Vec::with_capacity(most.min(theirs)),
+            centres: vec![Vec3::zeros(); most.min(theirs)],
+            most,
             packs: Packs::moving(nodes),
             coarse: tool.and_then(|tool| CoarseSearch::new(tool, (nodes, level))),
-            masks: Vec::with_capacity(CAPACITY),
+            masks: Vec::with_capacity(FAMILIES.min(own)),
             rotation: Mat3::identity(),
             working_point: Vec3::zeros(),
             shape: vec![0.0; shape_len],
@@ -137,16 +155,23 @@ impl SoftNeighbours {
             Some(shape) => self.shape.copy_from_slice(shape),
             None => self.shape.fill(0.0),
         }
-        (self.reach, self.turn) = (d.base + self.spread * TRANSLATION, d.turn + TURN);
-        self.pairs.clear();
-        self.spheres.clear();
         predictor.work.lists += 1;
-        match self.coarse.take() {
-            Some(mut search) => {
-                self.list_coarse(&mut search, predictor, tool, (nodes, level), d);
-                self.coarse = Some(search);
+        let mut skin = self.spread * TRANSLATION;
+        for _ in 0..=HALVINGS {
+            (self.reach, self.turn) = (d.base + skin, d.turn + TURN);
+            self.pairs.clear();
+            self.spheres.clear();
+            match self.coarse.take() {
+                Some(mut search) => {
+                    self.list_coarse(&mut search, predictor, tool, (nodes, level), d);
+                    self.coarse = Some(search);
+                }
+                None => self.list_fine(predictor, tool, (nodes, level)),
             }
-            None => self.list_fine(predictor, tool, (nodes, level)),
+            if self.usable {
+                break;
+            }
+            skin *= 0.5;
         }
     }
 
@@ -165,6 +190,7 @@ impl SoftNeighbours {
             spheres,
             usable,
             reach,
+            most,
             ..
         } = self;
         let reach = (*reach, d.turn);
@@ -175,7 +201,7 @@ impl SoftNeighbours {
             }
             let (first, place) = (pairs.len(), spheres.len() as u32);
             let found = |t: u32| {
-                let room = pairs.len() < CAPACITY;
+                let room = pairs.len() < *most;
                 if room {
                     pairs.push((place, t));
                 }
@@ -213,7 +239,7 @@ impl SoftNeighbours {
         let slack = slack(self.reach, self.turn);
         let levers = &levers[usize::from(tool.slot)];
         let packs = (&self.packs, level);
-        let (usable, tested) = search.run(tool, posed, packs, levers, slack, CAPACITY);
+        let (usable, tested) = search.run(tool, posed, packs, levers, slack, FAMILIES);
         work.tested += tested;
         self.usable = usable;
         let mut rest = search.keys();
@@ -235,7 +261,7 @@ impl SoftNeighbours {
             let mut any = self.masks.iter().fold(0, |any, mask| any | mask);
             // Object spheres outermost, so that the pairs come sorted.
             while any != 0 {
-                if self.pairs.len() == CAPACITY {
+                if self.pairs.len() == self.most {
                     self.usable = false;
                     return;
                 }
@@ -245,7 +271,7 @@ impl SoftNeighbours {
                 self.spheres.push(family.first + lane);
                 for (mask, key) in self.masks.iter().zip(now) {
                     if mask & 1 << lane != 0 {
-                        if self.pairs.len() == CAPACITY {
+                        if self.pairs.len() == self.most {
                             self.usable = false;
                             return;
                         }

@@ -27,6 +27,8 @@ pub(super) struct RigidScratch {
     gaps: Vec<f64>,
     /// Rate `a_i step` of each gap along the whole step, metres; 0 for the rows of the other tool.
     rates: Vec<f64>,
+    /// Number of rows visited in the present solve.
+    visited: u64,
 }
 
 /// Relative rounding error of a gap: a few units in the last place of its summands.
@@ -44,22 +46,25 @@ impl RigidScratch {
         Self {
             gaps: Vec::with_capacity(capacity),
             rates: Vec::with_capacity(capacity),
+            visited: 0,
         }
     }
 
     /// Solves the problem of each tool. `solution.lambda` must hold one zero per row on entry. The status is
-    /// [`SolveStatus::Solved`] only if all tools are solved.
-    pub fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution) {
+    /// [`SolveStatus::Solved`] only if all tools are solved. Returns the number of rows visited.
+    pub fn solve(&mut self, problem: &Problem<'_>, solution: &mut Solution) -> u64 {
+        self.visited = 0;
         solution.status = SolveStatus::Solved;
         for tool in 0..crate::MAX_TOOLS {
             if problem.rows.iter().any(|row| usize::from(row.tool) == tool) {
                 solution.status = self.solve_tool(problem, tool, solution);
                 if solution.status != SolveStatus::Solved {
-                    return;
+                    return self.visited;
                 }
             }
         }
         solution.y = problem.primal(&solution.lambda);
+        self.visited
     }
 
     /// Solves the problem of the tool slot `tool` by Newton's method and writes the tool's multipliers. Returns the
@@ -112,6 +117,8 @@ impl RigidScratch {
             rounding: 0.0,
             changed: false,
         };
+        // A row in violation takes about three times as long, and most rows are.
+        self.visited += 3 * problem.rows.len() as u64;
         self.gaps.resize(problem.rows.len(), 0.0);
         for (row, kept) in problem.rows.iter().zip(&mut self.gaps) {
             if usize::from(row.tool) != tool {
@@ -149,13 +156,14 @@ impl RigidScratch {
     /// refines them. `g_i` is a small difference of large numbers. The solution of `(A A' + eps I) delta = residual`
     /// restores the lost digits (Woodbury, six by six). `factor` is that of [`factorise`].
     fn multipliers(
-        &self,
+        &mut self,
         problem: &Problem<'_>,
         tool: usize,
         factor: &[Six; 6],
         solution: &mut Solution,
     ) {
         let eps = problem.contact_compliance;
+        self.visited += 4 * u64::from(REFINEMENTS) * problem.rows.len() as u64;
         let active = |i: usize| usize::from(problem.rows[i].tool) == tool && self.gaps[i] < 0.0;
         for i in 0..problem.rows.len() {
             if active(i) {
@@ -217,6 +225,7 @@ impl RigidScratch {
         };
         let (mut low, mut high, mut t) = (0.0, 1.0, 1.0);
         for _ in 0..LINE_SEARCH_STEPS {
+            self.visited += problem.rows.len() as u64;
             let (slope, curvature) = along(t);
             if slope <= 0.0 {
                 if t >= 1.0 {

@@ -57,6 +57,20 @@ impl Metric {
         }
     }
 
+    /// Returns the metric of a coupling with the share `share` of the stiffnesses of `tool`, above 0.
+    pub fn weak(tool: &Tool, share: f64) -> Self {
+        let stiffness = (
+            share * tool.stiffness_n_per_m,
+            share * tool.stiffness_nm_per_rad,
+        );
+        Self {
+            stiffness,
+            roots: (stiffness.0.sqrt(), stiffness.1.sqrt()),
+            bent: None,
+            force: 0.0,
+        }
+    }
+
     /// Adds the stiffness `hollow` of a hollow surface at the point `arm` from the working point. `hollow` (N/m) is
     /// symmetric and positive semi-definite. `arm` is in metres. Both are in world axes.
     pub fn add(&mut self, hollow: &Mat3, arm: &Vec3) {

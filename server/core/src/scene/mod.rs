@@ -3,6 +3,7 @@
 //! A compiled scene is a byte string: built and hashed offline, validated once on load, part of every recording.
 
 pub mod displayable;
+mod former;
 pub mod params;
 pub mod skin;
 pub mod tool;
@@ -19,7 +20,7 @@ use crate::tissue::{TissueError, TissueModel};
 use crate::tree::SphereTree;
 
 /// Version of the compiled scene's byte layout.
-pub const SCENE_VERSION: u16 = 7;
+pub const SCENE_VERSION: u16 = 8;
 /// First bytes of a compiled scene.
 const MAGIC: [u8; 8] = *b"SULCSCN\0";
 /// Largest number of rows of a problem with a yielding object, for both tools together.
@@ -198,10 +199,11 @@ impl Scene {
         Ok(bytes)
     }
 
-    /// Reads compiled bytes and validates the scene. Never panics.
+    /// Reads compiled bytes and validates the scene. Never panics. A scene of version 7 is read with the behaviour that
+    /// it had.
     ///
     /// # Errors
-    /// The bytes are no compiled scene of this version, are damaged, or contain an invalid scene.
+    /// The bytes are no compiled scene of a version that is read, are damaged, or contain an invalid scene.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SceneError> {
         let Some((head, body)) = bytes.split_at_checked(18) else {
             return Err(SceneError::Format(format!(
@@ -213,7 +215,7 @@ impl Scene {
             return Err(SceneError::Format("it does not begin with SULCSCN".into()));
         }
         let version = u16::from_le_bytes([head[8], head[9]]);
-        if version != SCENE_VERSION {
+        if version != SCENE_VERSION && version != former::VERSION {
             return Err(SceneError::Version { found: version });
         }
         let expected = u64::from_le_bytes([
@@ -223,15 +225,10 @@ impl Scene {
         if found != expected {
             return Err(SceneError::Checksum { found, expected });
         }
-        let config = bincode::config::standard().with_limit::<MAX_SCENE_BYTES>();
-        let (scene, used): (Scene, usize) = bincode::serde::decode_from_slice(body, config)
-            .map_err(|error| SceneError::Format(error.to_string()))?;
-        if used != body.len() {
-            return Err(SceneError::Format(format!(
-                "{} trailing bytes",
-                body.len() - used
-            )));
-        }
+        let scene = match version {
+            SCENE_VERSION => decoded::<Scene>(body)?,
+            _ => decoded::<former::Scene>(body)?.into(),
+        };
         scene.validate()?;
         Ok(scene)
     }
@@ -376,6 +373,20 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Returns the value that takes up all of `body`.
+fn decoded<T: serde::de::DeserializeOwned>(body: &[u8]) -> Result<T, SceneError> {
+    let config = bincode::config::standard().with_limit::<MAX_SCENE_BYTES>();
+    let (value, used): (T, usize) = bincode::serde::decode_from_slice(body, config)
+        .map_err(|error| SceneError::Format(error.to_string()))?;
+    if used != body.len() {
+        return Err(SceneError::Format(format!(
+            "{} trailing bytes",
+            body.len() - used
+        )));
+    }
+    Ok(value)
 }
 
 /// Checks the vertex indices of the triangles and the number of vertex colours. `part` is the tool or object for the

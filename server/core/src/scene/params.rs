@@ -76,11 +76,24 @@ pub struct Params {
     /// loose settles at 20 N/s, which is not felt as a click. A value of 50 has practically no effect.
     pub max_settle_step: f64,
     /// Duration of the wrench's linear ramp from zero to full after entry, pause or a stale pose, milliseconds. Default
-    /// 100; 0 counts as 1.
+    /// 500; 0 counts as 1. Scenes up to version 7 have their own value, by default 100.
     pub ramp_up_ms: u16,
     /// Duration of the linear ramp from full to zero on pause, stale pose, absence or solver failure, milliseconds.
     /// Default 20; 0 counts as 1.
     pub ramp_down_ms: u16,
+    /// Largest change of the **raw** force of an arriving tool per millisecond beyond the change by the hand's own
+    /// motion, N. Default 0.02, range 1e-3..50, or 0.
+    ///
+    /// A tool arrives from its entry until it has reached its hand or its place of rest. A touch during the arrival has
+    /// this limit, too, and the tool catches up no faster. With 0 a tool does not arrive, as in scenes up to version 7:
+    /// the first touch has no limit, and [`crate::output::status::NOT_MET`] is never set.
+    pub max_arrival_step: f64,
+    /// Largest counted work of a tick, operations; see [`crate::work`]. Default 500,000, which is half a millisecond of
+    /// the reference machine; range 50,000.., or 0 for no bound, as in scenes up to version 7.
+    ///
+    /// A pass that would exceed the rest is not begun, and the next ticks finish the motion. The first pass of every
+    /// tick always takes place.
+    pub max_work: u32,
 }
 
 impl Default for Params {
@@ -107,11 +120,16 @@ impl Default for Params {
             max_force_step: 0.5,
             max_torque_step: 0.03,
             max_settle_step: 0.02,
-            ramp_up_ms: 100,
+            ramp_up_ms: 500,
             ramp_down_ms: 20,
+            max_arrival_step: 0.02,
+            max_work: 500_000,
         }
     }
 }
+
+/// Smallest bound of [`Params::max_work`], operations. With less the first pass would take most of every tick.
+const LEAST_WORK: u32 = 50_000;
 
 /// Error of a parameter outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -156,7 +174,7 @@ impl Params {
     /// # Errors
     /// A field is out of range: the error has its name, the value found and the range expected.
     pub fn validate(&self) -> Result<(), ParamError> {
-        let checks: [(&'static str, f64, bool, &'static str); 19] = [
+        let checks: [(&'static str, f64, bool, &'static str); 21] = [
             (
                 "rate_hz",
                 f64::from(self.rate_hz),
@@ -270,6 +288,18 @@ impl Params {
                 self.max_settle_step,
                 within(self.max_settle_step, 1e-3, 50.0),
                 "1e-3 to 50 N",
+            ),
+            (
+                "max_arrival_step",
+                self.max_arrival_step,
+                self.max_arrival_step == 0.0 || within(self.max_arrival_step, 1e-3, 50.0),
+                "0, or 1e-3 to 50 N",
+            ),
+            (
+                "max_work",
+                f64::from(self.max_work),
+                self.max_work == 0 || self.max_work >= LEAST_WORK,
+                "0, or at least 50000 operations",
             ),
         ];
         match checks.into_iter().find(|check| !check.2) {

@@ -8,6 +8,21 @@ use crate::math::{Pose, Vec3, Wrench, norm, normalised};
 use crate::scene::params::within;
 use crate::{MAX_TOOLS, Scene};
 
+/// Progress of a tool from its entry to its hand.
+///
+/// An entry leaves the graphic tool where it was, away from the hand. The tool then travels to the hand, and may be
+/// stopped by objects on its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrival {
+    /// Graphic and haptic tool have met: in a tick at its place of rest, the graphic tool was near the haptic tool.
+    /// Also the value of a tool that is absent, and in scenes without [`crate::Params::max_arrival_step`].
+    Met,
+    /// Place of rest reached, away from the hand, as behind a wall.
+    Apart,
+    /// On the way, with [`crate::Params::max_arrival_step`] in force.
+    Travelling,
+}
+
 /// State of one tool between ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
@@ -17,6 +32,8 @@ pub struct ToolState {
     pub graphic: Pose,
     /// Whether the tool was present in the last tick.
     pub entered: bool,
+    /// Progress of the tool from its entry to its hand.
+    pub arrival: Arrival,
     /// Number of consecutive ticks with an invalid pose up to the last tick; 65535 for that number or more.
     pub bad_ticks: u16,
     /// Ramp factor of the wrench sent, 0 to 1.
@@ -94,6 +111,7 @@ impl State {
                 haptic: park,
                 graphic: park,
                 entered: false,
+                arrival: Arrival::Met,
                 bad_ticks: 0,
                 gain: 0.0,
                 sent: Wrench::ZERO,
@@ -125,7 +143,8 @@ impl State {
     /// - per tool slot: poses, ramp, wrenches and axis (f64),
     /// - per tool and object: a byte 0 without load, otherwise a byte 1 and the load (six f64),
     /// - per yielding object: a byte 0 at rest, otherwise a byte 1 and the object's numbers (f64),
-    /// - per tool slot: whether the tool has entered (a byte), and its bad ticks (u16).
+    /// - per tool slot: whether the tool has entered (a byte), and its bad ticks (u16). The byte is 0 for an absent tool,
+    ///   1 for [`Arrival::Met`], 2 for [`Arrival::Apart`], 3 for [`Arrival::Travelling`].
     ///
     /// A zero load or a tissue at rest takes a single byte, and each state has exactly one encoding.
     pub fn to_bytes(&self) -> Vec<u8> {
@@ -166,7 +185,12 @@ impl State {
             }
         }
         for tool in &self.tools {
-            bytes.push(u8::from(tool.entered));
+            bytes.push(match (tool.entered, tool.arrival) {
+                (false, _) => 0,
+                (true, Arrival::Met) => 1,
+                (true, Arrival::Apart) => 2,
+                (true, Arrival::Travelling) => 3,
+            });
             bytes.extend_from_slice(&tool.bad_ticks.to_le_bytes());
         }
     }
@@ -221,7 +245,7 @@ impl State {
             }
         }
         for tool in &mut state.tools {
-            tool.entered = reader.flag()?;
+            (tool.entered, tool.arrival) = reader.entry(scene.params.max_arrival_step > 0.0)?;
             tool.bad_ticks = u16::from_le_bytes(reader.take()?);
         }
         if reader.at != bytes.len() {
@@ -314,6 +338,22 @@ impl Reader<'_> {
             _ => Err(StateError::Value {
                 offset,
                 what: "a flag that is neither 0 nor 1",
+            }),
+        }
+    }
+
+    /// Reads whether a tool has entered, and its arrival. `arrives` tells whether a tick of the scene gives values
+    /// other than [`Arrival::Met`].
+    fn entry(&mut self, arrives: bool) -> Result<(bool, Arrival), StateError> {
+        let offset = self.at;
+        match self.take()? {
+            [0] => Ok((false, Arrival::Met)),
+            [1] => Ok((true, Arrival::Met)),
+            [2] if arrives => Ok((true, Arrival::Apart)),
+            [3] if arrives => Ok((true, Arrival::Travelling)),
+            _ => Err(StateError::Value {
+                offset,
+                what: "an entry that is no tick's of this scene",
             }),
         }
     }

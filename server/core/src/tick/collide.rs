@@ -17,9 +17,9 @@ pub(crate) struct Fits {
     pub share: f64,
 }
 
-/// Lists the contacts of the tools `group` (slots) at the present poses and shapes, within `d` or within the distance
-/// that fits into the list. Returns the distance and the share used, and whether either was cut or a contact was
-/// dropped.
+/// Lists the contacts of the tools `group` (slots) at the present poses and shapes, at most `limit` of them, within `d`
+/// or within the distance that fits into the list. Returns the distance and the share used, and whether either was cut
+/// or a contact was dropped.
 ///
 /// On overflow `d` shrinks by a factor of 0.7, which costs only more substeps. With blended surfaces, once `d` is
 /// within twice `Params::predict_min`, the share of their reach is halved instead. Blended surfaces then consist of
@@ -31,11 +31,10 @@ pub(crate) fn collide(
     scene: &Scene,
     state: &State,
     ws: &mut Workspace,
-    group: &[usize],
+    (group, limit): (&[usize], usize),
     // Blended surfaces list spheres from farther away; the share scales this additional reach.
     (mut d, mut share): (Distance, f64),
 ) -> (Fits, bool) {
-    let limit = scene.most_contacts() * group.len();
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     let mut cut = share < 1.0;
     let Workspace {
@@ -46,6 +45,7 @@ pub(crate) fn collide(
         zeros,
         substeps,
         levers,
+        counts,
         ..
     } = ws;
     let contacts = &mut substeps[substep_of(group)].contacts;
@@ -77,6 +77,7 @@ pub(crate) fn collide(
                     }
                 };
                 if found.is_err() {
+                    counts.contacts += limit as u64;
                     cut = true;
                     let most = d.at(longest);
                     let blended = || (0..scene.objects.len()).any(|k| scene.blend_of(k) > 0.0);
@@ -90,6 +91,7 @@ pub(crate) fn collide(
             }
         }
         contacts.sort();
+        counts.contacts += contacts.as_slice().len() as u64;
         // At the smallest distance a full list has dropped the largest gaps.
         let full = overflow == Overflow::KeepSmallestGaps && contacts.as_slice().len() == limit;
         return (Fits { d, share }, cut || full);

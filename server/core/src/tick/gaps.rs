@@ -36,12 +36,21 @@ pub(crate) fn true_gaps(
         if scene.blend_of(usize::from(contacts[run.start].object)) > 0.0 {
             continue;
         }
+        // Contacts of one sphere are adjacent and share its centre.
+        let mut last = None;
         for contact in &contacts[run] {
+            let object_centre = match last {
+                Some((sphere, centre)) if sphere == contact.object_sphere => centre,
+                _ => centre_of(scene, ws, contact),
+            };
+            last = Some((contact.object_sphere, object_centre));
             let least = &mut outcomes[usize::from(contact.tool)].min_gap;
             let rotation = &rotations[usize::from(contact.tool)];
-            *least = fmin(*least, true_gap(scene, state, ws, (contact, rotation)));
+            let gap = true_gap(scene, state, (contact, rotation), &object_centre);
+            *least = fmin(*least, gap);
         }
     }
+    ws.counts.gaps += contacts.len() as u64;
     let (blender, cores) = (&mut ws.blender, &ws.cores);
     // The nearest group goes first: its gap lets most of the others be skipped.
     let nearest = groups.nearest();
@@ -78,28 +87,35 @@ pub(crate) fn true_gaps(
             outcomes[t].min_gap = gap;
         }
     }
+    ws.counts.add_blending(blender.take_effort());
     outcomes
         .iter()
         .fold(f64::INFINITY, |least, tool| fmin(least, tool.min_gap))
 }
 
-/// Returns the gap of the contact spheres of a pair at the present graphic pose and shape, metres, from the centres,
-/// not from the linearisation. `rotation` is the rotation matrix of the tool's pose.
+/// Returns the centre of the object's sphere of a contact at the present shape, world axes, metres.
+#[inline]
+fn centre_of(scene: &Scene, ws: &Workspace, contact: &Contact) -> Vec3 {
+    let k = usize::from(contact.object);
+    match ws.slots[k] {
+        None => scene.objects[k].tree.nodes()[contact.object_sphere as usize].centre,
+        Some(slot) => ws.yielding[slot].centre(scene, contact.object_sphere),
+    }
+}
+
+/// Returns the gap of the contact spheres of a pair at the present graphic pose, metres, from the centres, not from the
+/// linearisation. `rotation` is the rotation matrix of the tool's pose; `object_centre` is that of [`centre_of`].
 #[inline]
 fn true_gap(
     scene: &Scene,
     state: &State,
-    ws: &Workspace,
     (contact, rotation): (&Contact, &Mat3),
+    object_centre: &Vec3,
 ) -> f64 {
     let (t, k) = (usize::from(contact.tool), usize::from(contact.object));
     let (tool, object) = (&scene.tools[t], &scene.objects[k]);
     let tool_node = &tool.tree.nodes()[contact.tool_sphere as usize];
     let object_node = &object.tree.nodes()[contact.object_sphere as usize];
-    let object_centre = match ws.slots[k] {
-        None => object_node.centre,
-        Some(slot) => ws.yielding[slot].centre(scene, contact.object_sphere),
-    };
     let pose = &state.tools[t].graphic;
     let between = centre(rotation, pose, &tool_node.centre) - object_centre;
     norm(&between) - tool_node.contact_radius - object_node.contact_radius

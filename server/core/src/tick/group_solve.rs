@@ -7,25 +7,21 @@
 //! that the paper left open.
 
 use crate::contact::{Distance, Overflow, SMALLEST_PREDICTION};
-use crate::math::{Vec3, Wrench, exp_rotation, fclamp, fmax, fmin, norm};
-use crate::optimise::{
-    ContactSolver, Problem, ProblemRow, SolveStatus, SolverKind, UNKNOWNS, clarabel::Clarabel,
-};
+use crate::math::{fclamp, fmax, fmin, norm};
 use crate::output::status;
-use crate::rows::metric::Metric;
-use crate::rows::{bend, group_contacts, keep_smallest_gaps, write_rows};
+use crate::rows::{group_contacts, keep_smallest_gaps, write_rows};
 use crate::state::State;
 use crate::tick::collide::{Fits, collide};
 use crate::tick::gaps::true_gaps;
-use crate::tick::haptic::{renormalised, twist};
-use crate::tick::posed::{posed, substep_of};
-use crate::tick::request::{TickRequest, TissueConflict, ToolGoal, ToolOutcome, hands};
+use crate::tick::posed::posed;
+use crate::tick::request::{TickRequest, TissueConflict, ToolOutcome, hands};
 use crate::tick::settle::Settle;
 use crate::tick::stage::{Stage, StageProbe};
-use crate::tick::substep::Substep;
-use crate::tick::tissue_rows::{aim_tissues, fill_tissue};
+use crate::tick::step::{Answer, apply, gives_way, keep_deepest, optimise};
+use crate::tick::tissue_rows::aim_tissues;
 use crate::tick::workspace::Workspace;
-use crate::{MAX_TOOLS, Scene};
+use crate::work::{most_contacts, solve_estimate};
+use crate::{MAX_TOOLS, Params};
 
 /// Factor by which the minimum prediction distance grows from substep to substep of a tick.
 const WIDENING: f64 = 6.0;
@@ -36,6 +32,9 @@ const WIDEST: f64 = 5e-5;
 /// tool, and the prediction distance must cover both motions. Measured with the mirror on the tongue: at 1, three of
 /// four ticks took a second substep. At 4, the additional rows cost as much as the saved substeps.
 const YIELDS: f64 = 2.5;
+/// Motion of the working point, metres, and turn, radians, beyond which contact prediction builds new lists of
+/// neighbours: three quarters of their reach.
+const FAR: (f64, f64) = (3.75e-5, 4.5e-3);
 
 /// Run of the substeps of one group of tools in a tick: prediction distance, counters and outcomes so far.
 pub(crate) struct GroupSolve<'a> {
@@ -63,6 +62,14 @@ pub(crate) struct GroupSolve<'a> {
     converged: bool,
     outcomes: [ToolOutcome; MAX_TOOLS],
     settle: Settle,
+    /// Whether the tool in each slot gives way to tissue in the present substep; see [`gives_way`].
+    gives_way: [bool; MAX_TOOLS],
+    /// Counted work of the last substep up to its rows, operations.
+    listed: u64,
+    /// Counted work of the last substep from its rows on, operations.
+    solved: u64,
+    /// Whether the limit on the change of force has shortened the step of the last substep.
+    settled_last: bool,
 }
 
 impl<'a> GroupSolve<'a> {
@@ -86,6 +93,10 @@ impl<'a> GroupSolve<'a> {
             converged: false,
             outcomes: [ToolOutcome::FREE; MAX_TOOLS],
             settle: Settle::new(request, state, ws, group),
+            gives_way: [false; MAX_TOOLS],
+            listed: 0,
+            solved: 0,
+            settled_last: false,
         };
         solve.d = solve.first_distance(request);
         solve
@@ -178,7 +189,8 @@ impl<'a> GroupSolve<'a> {
         Ok(())
     }
 
-    /// Lists the contacts of the next substep, writes their rows, and claims every tissue among them.
+    /// Lists the contacts of the next substep, writes their rows, and claims every tissue among them. Returns whether
+    /// the substep takes place: false if its rows are more than the bound on the work of the tick allows.
     ///
     /// # Errors
     /// Another group has claimed such a tissue.
@@ -188,17 +200,33 @@ impl<'a> GroupSolve<'a> {
         state: &State,
         ws: &mut Workspace,
         probe: &mut P,
-    ) -> Result<(), TissueConflict> {
+    ) -> Result<bool, TissueConflict> {
         let (scene, index) = (request.scene, self.index);
+        let first = self.substeps == 0;
+        let bounded = scene.params.max_work > 0;
+        if bounded && !first {
+            std::mem::swap(&mut ws.substeps[index].contacts, &mut ws.solved);
+        }
         self.substeps += 1;
+        let begun = ws.counts.work();
+        ws.counts.passes += self.group.len() as u64;
         probe.begin(Stage::Collide);
         if let Some(fits) = self.fits {
             self.d.base = fmin(self.d.base, 2.0 * fits.d.base);
             self.d.turn = fmin(self.d.turn, 2.0 * fits.d.turn);
         }
         let share = self.fits.map_or(1.0, |fits| fits.share);
-        let (found, mut cut) = collide(scene, state, ws, self.group, (self.d, share));
+        let limit = self.most_contacts(request);
+        let (found, mut cut) = collide(scene, state, ws, (self.group, limit), (self.d, share));
         self.d = found.d;
+        // Once out of the tissue, the tool turns to the hand for the rest of the tick.
+        let overlaps = first || self.gives_way.contains(&true);
+        let contacts = ws.substeps[index].contacts.as_slice();
+        self.gives_way = if overlaps {
+            gives_way(state, self.group, contacts, &ws.slots)
+        } else {
+            [false; MAX_TOOLS]
+        };
         group_contacts(scene, &mut ws.substeps[index], &ws.cores);
         // Rows without room shorten the prediction distance, as a full contact list does. The contact list stays valid.
         let mut narrowed = false;
@@ -207,6 +235,10 @@ impl<'a> GroupSolve<'a> {
             let blending = (ws.cores.as_slice(), &mut ws.blender);
             let substep = &mut ws.substeps[index];
             let room = write_rows(scene, substep, blending, (self.d, narrowed));
+            if self.gives_way.contains(&true) {
+                // More pairs overlap than a problem has rows.
+                keep_deepest(substep, &ws.slots);
+            }
             if room < 1.0 {
                 cut = true;
                 self.d = self.d.shortened(room, self.longest);
@@ -222,6 +254,7 @@ impl<'a> GroupSolve<'a> {
             }
             self.d = self.d.shorter(self.longest);
         }
+        ws.counts.add_blending(ws.blender.take_effort());
         if cut {
             self.status |= status::CONTACTS_FULL;
             self.fits = Some(Fits { d: self.d, ..found });
@@ -240,10 +273,19 @@ impl<'a> GroupSolve<'a> {
                 let hands = hands(scene, state, request.held, request.detail);
                 let moved = yielding.evaluate(state, slot, &hands);
                 ws.broad.object_moved(yielding.object, moved);
+                ws.counts.tissue += yielding.effort().step;
                 ws.awake.push(slot);
             }
         }
-        Ok(())
+        self.listed = ws.counts.work() - begun;
+        let rows = ws.substeps[index].contact_rows.len();
+        if bounded && !first && !self.solve_fits(&scene.params, ws, rows) {
+            // The loads of the tick are those of the contacts that were solved.
+            std::mem::swap(&mut ws.substeps[index].contacts, &mut ws.solved);
+            self.substeps -= 1;
+            return Ok(false);
+        }
+        Ok(true)
     }
 
     /// Solves the substep and moves tools, tissue and loads. Returns whether another substep is due: false after
@@ -258,7 +300,8 @@ impl<'a> GroupSolve<'a> {
         let (scene, index) = (request.scene, self.index);
         let params = &scene.params;
         probe.begin(Stage::Optimise);
-        let target = optimise(scene, state, ws, self.group, request.goals);
+        let begun = ws.counts.work();
+        let target = optimise(request, state, ws, self.group, &self.gives_way);
         let Some(Answer {
             steps: step,
             settled,
@@ -270,8 +313,8 @@ impl<'a> GroupSolve<'a> {
             return false;
         };
         let tissues = ws.yielding.as_mut_slice();
-        let (sites, loads) = (&mut ws.sites, &mut ws.site_loads);
-        let tissue_motion = aim_tissues(&ws.substeps[index], tissues, sites, loads);
+        let scratch = (&mut ws.sites, &mut ws.site_loads);
+        let tissue_motion = aim_tissues(&ws.substeps[index], tissues, scratch, &mut ws.counts);
         let (mut motion, mut moved, mut turned, mut share) = (tissue_motion, 0.0, 0.0, 1.0);
         for &t in self.group {
             let (v, w) = (norm(&step[t].0) + tissue_motion, norm(&step[t].1));
@@ -303,6 +346,10 @@ impl<'a> GroupSolve<'a> {
         let small = motion <= params.converged_step || free;
         if share == 1.0 && small && settled && deepest >= -params.converged_gap {
             self.converged = true;
+            if self.gives_way.contains(&true) {
+                // The tissue is out of the tool's way. The next tick turns to the hand.
+                self.status |= status::SETTLING;
+            }
             return false;
         }
         if settling && deepest >= -params.converged_gap {
@@ -312,8 +359,39 @@ impl<'a> GroupSolve<'a> {
         }
         // A tick with many substeps must not be limited by a short prediction distance in each.
         self.floor = fmin(WIDENING * self.floor, fmax(params.predict_min, WIDEST));
+        let listed_within = self.d.at(self.longest);
         self.d = self.distance(request, moved * (1.0 - share), turned * (1.0 - share));
-        self.substeps < params.max_substeps
+        if gone.base > FAR.0 || gone.turn > FAR.1 {
+            ws.counts.moved += self.group.iter().map(|&t| ws.spheres[t]).sum::<u64>();
+        }
+        self.solved = ws.counts.work() - begun;
+        // At the limit of the change of force another substep has no room to move.
+        let stands = std::mem::replace(&mut self.settled_last, settling) && settling;
+        // A list within a much shorter distance has fewer contacts. Its rows tell what their solution takes.
+        let next = if self.d.at(self.longest) <= 0.5 * listed_within {
+            self.listed / 2
+        } else {
+            self.listed + self.solved
+        };
+        let fits = ws.counts.work() + next <= u64::from(params.max_work);
+        let goes_on = params.max_work == 0 || (fits && !stands);
+        self.substeps < params.max_substeps && goes_on
+    }
+
+    /// Returns the largest number of contacts of a substep. The tools present share the number that fits into the bound
+    /// on the work of the tick.
+    fn most_contacts(&self, request: &TickRequest<'_>) -> usize {
+        let params = &request.scene.params;
+        let present = request.held.iter().flatten().count().max(1);
+        let of_tool = request.scene.most_contacts();
+        of_tool.min(most_contacts(params.max_work) / present) * self.group.len()
+    }
+
+    /// Whether the solve of a substep with `rows` rows fits into the bound on the work of the tick.
+    fn solve_fits(&self, params: &Params, ws: &Workspace, rows: usize) -> bool {
+        let contacts = ws.substeps[self.index].contacts.as_slice().len();
+        let estimate = solve_estimate(contacts, rows, !ws.substeps[self.index].tissues.is_empty());
+        ws.counts.work() + estimate <= u64::from(params.max_work)
     }
 
     /// Writes the outcomes of the group's tools to `all`.
@@ -357,156 +435,6 @@ fn claim_tissue(ws: &mut Workspace, slot: usize, index: usize) -> Result<(), Tis
             ws.owners[slot] = Some(index);
             ws.substeps[index].tissues.push(slot);
             Ok(())
-        }
-    }
-}
-
-/// Step of each tool, by slot: translation of the working point (metres) and rotation vector (radians), world axes.
-type Steps = [(Vec3, Vec3); MAX_TOOLS];
-
-/// Builds and solves the problem of this substep and returns the steps of the group's tools. Returns `None` when the
-/// solution is unusable.
-fn optimise(
-    scene: &Scene,
-    state: &State,
-    ws: &mut Workspace,
-    group: &[usize],
-    goals: &[ToolGoal; MAX_TOOLS],
-) -> Option<Answer> {
-    let index = substep_of(group);
-    let mut free_step = [0.0; UNKNOWNS];
-    let mut metrics = [Metric::UNIT; MAX_TOOLS];
-    for &t in group {
-        let (tool, now) = (&scene.tools[t], &state.tools[t]);
-        let v = goals[t].haptic.transform(&tool.working_point)
-            - now.graphic.transform(&tool.working_point);
-        let (w, _) = twist(
-            &goals[t].haptic.orientation,
-            &now.graphic.orientation,
-            &now.twist_axis,
-        );
-        let mut metric = Metric::of(tool);
-        bend(scene, &ws.substeps[index], t, &v, &mut metric);
-        let free = metric.scaled_free_step(&v, &w);
-        free_step[6 * t..6 * t + 6].copy_from_slice(&free);
-        metrics[t] = metric;
-    }
-    let substep = &mut ws.substeps[index];
-    substep.rows.clear();
-    for row in &substep.contact_rows {
-        let contact = &substep.contacts.as_slice()[row.contact as usize];
-        let t = usize::from(contact.tool);
-        let a = metrics[t].scaled_row(&row.normal, &contact.arm.cross(&row.normal));
-        let bias = row.gap + crate::optimise::dot6(&a, &free_step[6 * t..6 * t + 6]);
-        substep.rows.push(ProblemRow {
-            a,
-            tool: contact.tool,
-            bias,
-        });
-    }
-    let substep = &mut ws.substeps[index];
-    let tissue = fill_tissue(substep, &mut ws.yielding, &ws.slots, &mut ws.sites);
-    if tissue {
-        ws.substeps[index].find_bearing();
-    }
-    let Substep {
-        rows,
-        solution,
-        gram,
-        warm_start,
-        ..
-    } = &mut ws.substeps[index];
-    let problem = Problem {
-        rows,
-        tissue: tissue.then(|| &gram[..rows.len() * rows.len()]),
-        contact_compliance: scene.params.contact_compliance,
-        warm_start: if tissue { warm_start } else { &[] },
-        max_iterations: usize::from(scene.params.max_iterations),
-    };
-    match scene.params.solver {
-        SolverKind::ActiveSet => ws.active_set.solve(&problem, solution),
-        SolverKind::Clarabel => Clarabel.solve(&problem, solution),
-    }
-    let solved = solution.status == SolveStatus::Solved;
-    let y = solution.y;
-    ws.substeps[index].share_out();
-    if tissue && solved {
-        ws.substeps[index].note_bearing();
-    }
-    if !solved {
-        return None;
-    }
-    let mut answer = Answer {
-        steps: [(Vec3::zeros(), Vec3::zeros()); MAX_TOOLS],
-        settled: true,
-    };
-    for &t in group {
-        let y: [f64; 6] = std::array::from_fn(|k| free_step[6 * t + k] + y[6 * t + k]);
-        let (v, w) = metrics[t].step(&y);
-        answer.steps[t] = (v, w);
-        answer.settled &= metrics[t].settled(&v, &w);
-    }
-    let finite = answer
-        .steps
-        .iter()
-        .all(|(v, w)| v.iter().chain(w.iter()).all(|x| x.is_finite()));
-    finite.then_some(answer)
-}
-
-/// Usable solution of a substep's problem, as steps of the tools.
-struct Answer {
-    steps: Steps,
-    /// Whether the forces on all tools of the group are those of the coupling. False if the curvature of a blended
-    /// surface, added to the metric of a tool, contributes more force than its tolerance.
-    settled: bool,
-}
-
-/// Moves the group's tools, tissues and loads by the same `share` (0 to 1) of the way to the solution of the substep.
-fn apply(
-    scene: &Scene,
-    state: &mut State,
-    ws: &mut Workspace,
-    group: &[usize],
-    steps: &Steps,
-    share: f64,
-) {
-    for &slot in &ws.substeps[substep_of(group)].tissues {
-        let yielding = &mut ws.yielding[slot];
-        let moved = yielding.advance(share);
-        ws.broad.object_moved(yielding.object, moved);
-    }
-    let objects = scene.objects.len();
-    for &t in group {
-        let (v, w) = steps[t];
-        let tool = &scene.tools[t];
-        let graphic = &mut state.tools[t].graphic;
-        let at = graphic.transform(&tool.working_point) + v * share;
-        graphic.orientation = renormalised(&(exp_rotation(&(w * share)) * graphic.orientation));
-        graphic.position = at - graphic.orientation * tool.working_point;
-
-        // Loads on the objects about the working point first, then about the world's origin.
-        let targets = &mut ws.loads[t * objects..(t + 1) * objects];
-        targets.fill(Wrench::ZERO);
-        for (contact, lambda) in ws.substeps[substep_of(group)].loaded() {
-            if usize::from(contact.tool) == t && lambda > 0.0 {
-                let force = contact.normal * -lambda;
-                let load = &mut targets[usize::from(contact.object)];
-                load.force += force;
-                load.torque += contact.arm.cross(&force);
-            }
-        }
-        for (load, target) in state.loads[t * objects..(t + 1) * objects]
-            .iter_mut()
-            .zip(&*targets)
-        {
-            if *target == Wrench::ZERO && *load == Wrench::ZERO {
-                // Turns -0.0 into 0.0: the bytes of the state omit only plain zeros.
-                *load = Wrench::ZERO;
-                continue;
-            }
-            let target = target.moved(&at);
-            load.force += (target.force - load.force) * share;
-            load.torque += (target.torque - load.torque) * share;
         }
     }
 }

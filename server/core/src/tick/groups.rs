@@ -67,11 +67,19 @@ fn solve<P: StageProbe>(
     for group_solve in solves.iter_mut().flatten() {
         group_solve.predict_contacts(request, state, ws, probe)?;
     }
-    let mut outcomes = [ToolOutcome::FREE; MAX_TOOLS];
-    for mut group_solve in solves.into_iter().flatten() {
-        while group_solve.solve_and_step(request, state, ws, probe) {
-            group_solve.predict_contacts(request, state, ws, probe)?;
+    // Substeps take turns, so that no group uses up the work of the tick alone.
+    let mut goes_on = solves.each_ref().map(Option::is_some);
+    while goes_on.contains(&true) {
+        for (group_solve, goes_on) in solves.iter_mut().zip(&mut goes_on) {
+            let Some(group_solve) = group_solve.as_mut().filter(|_| *goes_on) else {
+                continue;
+            };
+            *goes_on = group_solve.solve_and_step(request, state, ws, probe)
+                && group_solve.predict_contacts(request, state, ws, probe)?;
         }
+    }
+    let mut outcomes = [ToolOutcome::FREE; MAX_TOOLS];
+    for group_solve in solves.into_iter().flatten() {
         group_solve.finish(ws, &mut outcomes);
     }
     Ok(outcomes)

@@ -120,6 +120,7 @@ pub(crate) fn wrench_at_device(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::Arrival;
 
     fn entered(pose: Pose) -> ToolState {
         let zero = Wrench::ZERO;
@@ -127,6 +128,7 @@ mod tests {
             haptic: pose,
             graphic: pose,
             entered: true,
+            arrival: Arrival::Met,
             bad_ticks: 0,
             gain: 1.0,
             sent: zero,

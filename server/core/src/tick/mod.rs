@@ -27,6 +27,7 @@ mod posed;
 pub(crate) mod request;
 mod settle;
 pub mod stage;
+mod step;
 pub(crate) mod substep;
 mod tissue_rows;
 pub(crate) mod workspace;
@@ -37,10 +38,10 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::MAX_TOOLS;
 use crate::input::TickInput;
-use crate::math::{Vec3, Wrench, fclamp, fmax, log_rotation, norm};
+use crate::math::{Pose, Vec3, Wrench, fclamp, fmax, log_rotation, norm};
 use crate::output::{PocketReading, TickOutput, ToolOutput, status};
-use crate::scene::Scene;
-use crate::state::State;
+use crate::scene::{Scene, Tool};
+use crate::state::{Arrival, State, ToolState};
 use crate::tick::groups::advance;
 use crate::tick::haptic::{kept_axis, sanitise, twist, wrench_at_device};
 use crate::tick::request::{Held, TickRequest, ToolGoal, ToolOutcome, hands, held};
@@ -49,9 +50,14 @@ use crate::tick::substep::Substep;
 use crate::tick::workspace::Workspace;
 use crate::tick::wrench::{Conditions, limited};
 use crate::tissue::SiteLoad;
+use crate::work::Counts;
 
 /// Time without a valid pose after which a tool is stale, seconds. Equal to the server's timeout for missing poses.
 const BAD_STALE_S: f64 = 0.05;
+/// Largest distance of the working points, metres, and largest twist, radians, at which graphic and haptic tool meet.
+///
+/// Chosen: at the shipped coupling of 0.5 N/mm the force is then at most 0.5 N, the threshold of trauma.
+const MEETING: (f64, f64) = (1e-3, 0.2);
 
 /// Runs one tick and advances `state` by it. The work is bounded, no input panics, and nothing is allocated with
 /// [`crate::optimise::SolverKind::ActiveSet`].
@@ -68,6 +74,10 @@ pub fn tick<P: StageProbe>(
     let ticks = 1 + u64::from(input.skipped);
     state.tick = state.tick.saturating_add(ticks);
     ws.substeps.iter_mut().for_each(Substep::clear);
+    ws.counts = Counts {
+        ticks: 1,
+        ..Counts::default()
+    };
 
     let tools = scene.tools.len();
     let mut bits = [0u16; MAX_TOOLS];
@@ -99,6 +109,9 @@ pub fn tick<P: StageProbe>(
         };
         present[n_present] = t;
         n_present += 1;
+        if !last.entered && scene.params.max_arrival_step > 0.0 {
+            state.tools[t].arrival = Arrival::Travelling;
+        }
     }
 
     let held = held(&present[..n_present], &goals);
@@ -132,6 +145,7 @@ pub fn tick<P: StageProbe>(
         tick: state.tick,
         hash: state.hash,
         tools: outputs,
+        work: u32::try_from(ws.counts.work()).unwrap_or(u32::MAX),
     }
 }
 
@@ -147,6 +161,7 @@ fn begin_tissues(scene: &Scene, state: &State, ws: &mut Workspace, held: &Held, 
         let moved = yielding.begin(state, slot, &hands);
         ws.broad.object_moved(yielding.object, moved);
         if yielding.is_evaluated() {
+            ws.counts.tissue += yielding.effort().step;
             ws.awake.push(slot);
         }
     }
@@ -261,6 +276,24 @@ fn applied(
     })
 }
 
+/// Returns the progress of a present tool to its hand after a tick with the result `outcome`.
+fn arrived(kept: &ToolState, tool: &Tool, outcome: &ToolOutcome) -> Arrival {
+    let rests = outcome.converged && outcome.status & status::SETTLING == 0;
+    if kept.arrival == Arrival::Met || !rests {
+        return kept.arrival;
+    }
+    let at = |pose: &Pose| pose.transform(&tool.working_point);
+    let apart = norm(&(at(&kept.graphic) - at(&kept.haptic)));
+    let turned = norm(&log_rotation(
+        &(kept.haptic.orientation * kept.graphic.orientation.inverse()),
+    ));
+    if apart <= MEETING.0 && turned <= MEETING.1 {
+        Arrival::Met
+    } else {
+        Arrival::Apart
+    }
+}
+
 /// Computes the wrench of tool `t` after ramp, clamp and slew, stores the tool's values in the state and returns its
 /// output. `bits` are the status bits found so far.
 fn finish_tool(
@@ -299,9 +332,14 @@ fn finish_tool(
             &kept.twist_axis,
         );
         kept.haptic = goal.haptic;
+        kept.arrival = arrived(kept, tool, outcome);
+        if kept.arrival != Arrival::Met {
+            bits |= status::NOT_MET;
+        }
     } else {
         // An absent tool loads no object; its last wrench ramps to zero.
         loads.fill(Wrench::ZERO);
+        kept.arrival = Arrival::Met;
     }
     kept.bad_ticks = if bits & status::BAD_INPUT != 0 {
         kept.bad_ticks.saturating_add(1)

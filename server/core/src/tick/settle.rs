@@ -9,11 +9,15 @@
 //! of the last substep's step that keeps the limit. The motion continues in the next tick. On linear rows every place
 //! between two places without penetration is free of penetration.
 //!
+//! A tool that arrives from its entry has the limit from its first touch on: [`Params::max_arrival_step`] instead of
+//! [`Params::max_settle_step`], and no faster catching up. Before its entry a tool bears no load.
+//!
 //! [`Params::max_settle_step`]: crate::Params::max_settle_step
+//! [`Params::max_arrival_step`]: crate::Params::max_arrival_step
 
 use crate::MAX_TOOLS;
 use crate::math::{Pose, Vec3, fclamp, fmax, fmin, norm};
-use crate::state::State;
+use crate::state::{Arrival, State};
 use crate::tick::request::TickRequest;
 use crate::tick::workspace::Workspace;
 
@@ -27,14 +31,29 @@ pub(crate) struct Settle {
     /// Largest change of the contact force on each tool in this tick, by slot, newtons. Infinite for a tool without
     /// contact force in the last tick.
     most: [f64; MAX_TOOLS],
+    /// Contact force on each tool at the end of the last tick, by slot, newtons.
+    before: [Vec3; MAX_TOOLS],
     objects: usize,
 }
 
 impl Settle {
     pub fn new(request: &TickRequest<'_>, state: &State, ws: &Workspace, group: &[usize]) -> Self {
         let mut most = [f64::INFINITY; MAX_TOOLS];
+        let mut before = state.tools.map(|kept| kept.raw.force);
         for &t in group {
             let (tool, kept) = (&request.scene.tools[t], &state.tools[t]);
+            let (goal, params) = (&request.goals[t], &request.scene.params);
+            let moved = tool.stiffness_n_per_m * (goal.moved + goal.turned * ws.levers[t]);
+            if kept.arrival == Arrival::Travelling {
+                let step = params.tick_ms() * params.max_arrival_step;
+                // The motion of the hand during its absence is none of its own.
+                (most[t], before[t]) = if kept.entered {
+                    (moved + step, before[t])
+                } else {
+                    (step, Vec3::zeros())
+                };
+                continue;
+            }
             // The first touch has no limit.
             if !kept.entered || kept.raw.force == Vec3::zeros() {
                 continue;
@@ -42,14 +61,12 @@ impl Settle {
             let at = |pose: &Pose| pose.transform(&tool.working_point);
             let spring = (at(&kept.graphic) - at(&kept.haptic)) * tool.stiffness_n_per_m;
             let behind = norm(&(spring - kept.raw.force));
-            let goal = &request.goals[t];
-            let hand = goal.moved + goal.turned * ws.levers[t];
-            let params = &request.scene.params;
             let more = params.tick_ms() * fmax(params.max_settle_step, CATCH_UP * behind);
-            most[t] = tool.stiffness_n_per_m * hand + more;
+            most[t] = moved + more;
         }
         Self {
             most,
+            before,
             objects: request.scene.objects.len(),
         }
     }
@@ -73,7 +90,7 @@ impl Settle {
             let target = ours.fold(Vec3::zeros(), |sum, (contact, lambda)| {
                 sum - contact.normal * fmax(lambda, 0.0)
             });
-            let (gone, step) = (now + state.tools[t].raw.force, target - now);
+            let (gone, step) = (now + self.before[t], target - now);
             if norm(&(gone + step)) <= most {
                 continue;
             }

@@ -6,15 +6,16 @@ use crate::rows::runs;
 use crate::tick::substep::Substep;
 use crate::tick::yielding::Yielding;
 use crate::tissue::{Gram, Site};
+use crate::work::Counts;
 
 /// Fills in the tissue's part of the problem: the compliance, and the displacement from the free shape in the biases.
-/// `slots` has the index in `tissues` of each object of the scene; `sites` is scratch. Returns false when no touched
-/// object yields.
+/// `slots` has the index in `tissues` of each object of the scene; `sites` is scratch; `counts` gets the work. Returns
+/// false when no touched object yields.
 pub(crate) fn fill_tissue(
     substep: &mut Substep,
     tissues: &mut [Yielding],
     slots: &[Option<usize>],
-    sites: &mut Vec<Site>,
+    (sites, counts): (&mut Vec<Site>, &mut Counts),
 ) -> bool {
     let Substep {
         contacts,
@@ -45,6 +46,7 @@ pub(crate) fn fill_tissue(
                 .iter()
                 .map(|row| about(row).site()),
         );
+        counts.tissue += yielding.effort().pair * (run.len() * run.len()) as u64;
         yielding
             .model
             .add_gram(sites, &mut Gram::new(gram, m, run.start));
@@ -71,13 +73,13 @@ pub(crate) fn fill_tissue(
     true
 }
 
-/// Computes the configurations of the substep's tissues under the multipliers. `sites` and `loads` are scratch. Returns
-/// the largest motion of a sphere to its target, metres.
+/// Computes the configurations of the substep's tissues under the multipliers. `sites` and `loads` are scratch;
+/// `counts` gets the work. Returns the largest motion of a sphere to its target, metres.
 pub(crate) fn aim_tissues(
     substep: &Substep,
     tissues: &mut [Yielding],
-    sites: &mut Vec<Site>,
-    loads: &mut Vec<f64>,
+    (sites, loads): (&mut Vec<Site>, &mut Vec<f64>),
+    counts: &mut Counts,
 ) -> f64 {
     let mut motion = 0.0;
     for &slot in &substep.tissues {
@@ -93,6 +95,8 @@ pub(crate) fn aim_tissues(
             sites.push(contact.site());
             loads.push(*load);
         }
+        let (effort, loaded) = (yielding.effort(), loads.iter().filter(|load| **load > 0.0));
+        counts.tissue += effort.apply + effort.load * loaded.count() as u64;
         motion = fmax(motion, yielding.aim(sites, loads));
     }
     motion

@@ -13,6 +13,7 @@ use crate::tick::substep::Substep;
 use crate::tick::yielding::Yielding;
 use crate::tissue::{Site, SiteLoad, TissueModel};
 use crate::tree::Sphere;
+use crate::work::Counts;
 
 /// Scratch and caches of a tick, allocated when the scene loads. A cache saves work and never affects a result: a fresh
 /// workspace gives the same bits.
@@ -56,6 +57,12 @@ pub struct Workspace {
     /// Largest distance of a sphere's centre from the working point, per tool, metres.
     pub(crate) levers: [f64; MAX_TOOLS],
     pub(crate) bytes: Vec<u8>,
+    /// Counts of the present or last tick.
+    pub(crate) counts: Counts,
+    /// Number of spheres in contact of each tool.
+    pub(crate) spheres: [u64; MAX_TOOLS],
+    /// Contacts of the last solved substep, while the next substep lists its own.
+    pub(crate) solved: ContactList,
 }
 
 impl Workspace {
@@ -101,10 +108,10 @@ impl Workspace {
                 vec![Wrench::ZERO; scene.tools.len() * scene.objects.len()],
             ),
             together: false,
-            active_set: if yielding.is_empty() {
-                ActiveSet::rigid_only(rows)
-            } else {
-                ActiveSet::with_capacity(dense)
+            active_set: match (yielding.is_empty(), scene.params.max_work) {
+                (true, _) => ActiveSet::rigid_only(rows),
+                (false, 0) => ActiveSet::with_capacity(dense),
+                (false, _) => ActiveSet::with_capacity(dense).entering_few(),
             },
             gaps: Vec::with_capacity(rows),
             sites: Vec::with_capacity(rows),
@@ -117,6 +124,12 @@ impl Workspace {
             yielding,
             levers: std::array::from_fn(lever),
             bytes: Vec::with_capacity(TickInput::BYTES + State::most_bytes(scene)),
+            counts: Counts::default(),
+            spheres: std::array::from_fn(|t| {
+                let tool = scene.tools.get(t);
+                tool.map_or(0, |tool| tool.tree.shape_at(tool.level).count() as u64)
+            }),
+            solved: ContactList::with_capacity(rows),
         }
     }
 
@@ -171,6 +184,11 @@ impl Workspace {
     /// created.
     pub fn work(&self) -> Work {
         self.predictor.work()
+    }
+
+    /// Returns the counts of the last tick, of which [`crate::TickOutput::work`] is the weighted sum.
+    pub fn counts(&self) -> Counts {
+        self.counts
     }
 
     /// Returns the configuration of object `k` at the end of the last tick; empty for a rigid object. The tissue model

@@ -4,7 +4,7 @@ use crate::contact::soft::SoftNeighbours;
 use crate::contact::{ContactList, ContactsFull, Distance, PosedTool, Predictor};
 use crate::math::Vec3;
 use crate::state::State;
-use crate::tissue::{Hands, Site, Tissue, refit};
+use crate::tissue::{Effort, Hands, Site, Tissue, refit};
 use crate::tree::Node;
 use crate::{MAX_TOOLS, Scene};
 
@@ -113,6 +113,11 @@ impl Yielding {
         self.model.motion(&self.target, &self.shape)
     }
 
+    /// Returns the declared work of the model.
+    pub fn effort(&self) -> Effort {
+        self.model.effort()
+    }
+
     /// Whether the model was evaluated in this tick.
     pub fn is_evaluated(&self) -> bool {
         self.evaluated
@@ -137,6 +142,15 @@ impl Yielding {
     /// Invalidates the cached neighbours of all tools.
     pub fn forget(&mut self) {
         self.near.iter_mut().for_each(SoftNeighbours::forget);
+    }
+
+    /// Returns the nodes at the present shape, world axes, metres. Computes them if no query has done so.
+    pub fn fitted_nodes<'a>(&'a mut self, scene: &'a Scene) -> &'a [Node] {
+        if self.still {
+            return scene.objects[self.object].tree.nodes();
+        }
+        self.refit();
+        &self.nodes
     }
 
     /// Updates the nodes to the present shape.

@@ -103,6 +103,19 @@ pub struct SiteLoad {
     pub force: Vec3,
 }
 
+/// Work that a tissue model declares, operations of [`crate::work`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Work of a tick: [`Tissue::free_step`], [`Tissue::commit`], and the motions and bytes of the state.
+    pub step: u64,
+    /// Work of [`Tissue::add_gram`] for a pair of rows.
+    pub pair: u64,
+    /// Work of [`Tissue::apply`] without loads, with the motion of all spheres.
+    pub apply: u64,
+    /// Work of [`Tissue::apply`] for each loaded site.
+    pub load: u64,
+}
+
 /// Tissue model prepared for one object. `state` is the part that outlives a tick. `shape` is a configuration, the
 /// displacements from rest. Their lengths are constant for a scene. Methods with `&mut self` may keep scratch and
 /// tables, but no cached value may affect a result.
@@ -139,6 +152,16 @@ pub trait Tissue: Debug + Send {
         hands: &Hands<'_>,
         state: &mut [f64],
     );
+    /// Returns the work of the model. A default for models whose work is that of their numbers.
+    fn effort(&self) -> Effort {
+        let numbers = self.shape_len() as u64;
+        Effort {
+            step: 8 * numbers,
+            pair: 4,
+            apply: 4 * numbers,
+            load: numbers,
+        }
+    }
     /// Returns whether the hands can make [`Tissue::free_step`] leave the rest while the state is zero.
     fn goes_by_hands(&self) -> bool {
         false

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use sulcus_cases::comparison::as_printed;
+use sulcus_cases::statistics::percentile;
 use sulcus_cases::{Case, CaseReport, TABLE, run_on};
 use sulcus_core::optimise::SolverKind;
 use sulcus_core::tissue::TissueModel;
@@ -25,6 +26,7 @@ pub(crate) struct Row {
     pub(crate) level: u8,
     #[serde(flatten)]
     pub(crate) times: Times,
+    pub(crate) work: Work,
     pub(crate) residual_um: f64,
     pub(crate) exhausted_residual_um: f64,
     pub(crate) graphic_jump_um: f64,
@@ -38,8 +40,8 @@ pub(crate) struct Row {
     pub(crate) exhausted_ticks: u64,
     pub(crate) settling_ticks: u64,
     pub(crate) contact_ticks: u64,
-    /// What continuous collision costs: passes of a tick in contact (its motion is cut so that none goes past what the pass looked at), both
-    /// tools', mean and most.
+    /// What continuous collision costs: passes of a tick in contact (its motion is cut so that none goes past what the
+    /// pass looked at), both tools', mean and most.
     pub(crate) passes_mean: f64,
     pub(crate) passes_max: u32,
     /// `holds`, `broken`, or `shown` for what is not asked to hold.
@@ -48,6 +50,27 @@ pub(crate) struct Row {
     pub(crate) broken: Vec<String>,
     /// Which bound is nearest, and how much of it is used, percent.
     pub(crate) nearest: (String, f64),
+}
+
+/// Percentiles of the counted work of a tick in contact, operations. The same on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub(crate) struct Work {
+    pub(crate) p50: u32,
+    pub(crate) p999: u32,
+    pub(crate) max: u32,
+}
+
+impl Work {
+    /// Percentiles of `ticks`, in any order; all zero without ticks.
+    fn of(mut ticks: Vec<u32>) -> Self {
+        ticks.sort_unstable();
+        let at = |share| percentile(&ticks, share).unwrap_or(0);
+        Self {
+            p50: at(0.5),
+            p999: at(0.999),
+            max: at(1.0),
+        }
+    }
 }
 
 /// Cases of a quick report.
@@ -66,8 +89,9 @@ const QUICK: [&str; 13] = [
     "organ-10-k2",
     "soft-next-to-hard",
 ];
-/// Cases that run as printed, too: those with tissue as the paper has it (but a minute of rest), and three of contact among rigid things
-/// alone, where the tool's own step is what is printed. Where nothing of it is printed there is nothing to compare.
+/// Cases that run as printed, too: those with tissue as the paper has it (but a minute of rest), and three of contact
+/// among rigid things alone, where the tool's own step is what is printed. Where nothing of it is printed there is
+/// nothing to compare.
 const PAPERS: [&str; 26] = [
     "sharp-edge",
     "peg-in-hole",
@@ -172,12 +196,14 @@ struct Ran {
     touching: Vec<bool>,
     /// Passes of both tools over those ticks, and the most of one.
     passes: (u64, u32),
+    /// Counted work of each of those ticks, operations.
+    work: Vec<u32>,
     report: CaseReport,
 }
 
 fn ran(case: &Case, printed: bool, solver: SolverKind) -> Ran {
     let (mut inputs, mut scene, mut touching) = (Vec::new(), None, Vec::new());
-    let mut passes = (0, 0);
+    let (mut passes, mut work) = ((0, 0), Vec::new());
     let report = run_on(
         case,
         |scene| {
@@ -195,6 +221,7 @@ fn ran(case: &Case, printed: bool, solver: SolverKind) -> Ran {
                 let of = |tool: &ToolOutput| u32::from(tool.substeps);
                 let now: u32 = seen.output.tools.iter().map(of).sum();
                 passes = (passes.0 + u64::from(now), passes.1.max(now));
+                work.push(seen.output.work);
             }
         },
     );
@@ -203,6 +230,7 @@ fn ran(case: &Case, printed: bool, solver: SolverKind) -> Ran {
         inputs,
         touching,
         passes,
+        work,
         report,
     }
 }
@@ -213,6 +241,7 @@ fn timed(case: &Case, printed: bool, solver: SolverKind, ran: Ran, quick: bool) 
         inputs,
         touching,
         passes,
+        work,
         report,
     } = ran;
     let bearing = touching.iter().filter(|bears| **bears).count();
@@ -256,6 +285,7 @@ fn timed(case: &Case, printed: bool, solver: SolverKind, ran: Ran, quick: bool) 
             .max()
             .unwrap_or(0),
         times,
+        work: Work::of(work),
         residual_um: m.residual * 1e6,
         exhausted_residual_um: m.exhausted_residual * 1e6,
         graphic_jump_um: m.jump * 1e6,

@@ -175,6 +175,7 @@ pub fn output(tick: u64, at: Option<At>, object: u16) -> TickOutput {
         tick,
         hash: 0,
         tools,
+        work: 0,
     }
 }
 

@@ -3,5 +3,6 @@
 pub mod calm;
 mod limits;
 mod reading;
+mod reentry;
 mod release;
 pub mod run;

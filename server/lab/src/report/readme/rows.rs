@@ -86,6 +86,9 @@ pub(super) fn slowest(report: &Report) -> Table {
             p50,
             p99,
             p999,
+            number(f64::from(row.work.p50) * 1e-3),
+            number(f64::from(row.work.p999) * 1e-3),
+            number(f64::from(row.work.max) * 1e-3),
             number(row.residual_um),
             number(row.exhausted_residual_um),
             number(row.passes_mean),
@@ -95,7 +98,7 @@ pub(super) fn slowest(report: &Report) -> Table {
     });
     Table {
         caption: format!(
-            "Case: the {SLOWEST} hard cases with the longest tick at p99.9, coupled method, own solver; reference: the bounds of each case; quantities: CPU time of a tick in contact, overlap of converged and of exhausted ticks, mean number of passes, and the bound that is used most."
+            "Case: the {SLOWEST} hard cases with the longest tick at p99.9, coupled method, own solver; reference: the bounds of each case; quantities: CPU time and counted operations of a tick in contact, overlap of converged and of exhausted ticks, mean number of passes, and the bound that is used most."
         ),
         command: COMMAND.to_owned(),
         columns: vec![
@@ -103,6 +106,9 @@ pub(super) fn slowest(report: &Report) -> Table {
             "tick p50, us",
             "tick p99, us",
             "tick p99.9, us",
+            "operations p50, thousands",
+            "operations p99.9, thousands",
+            "operations max, thousands",
             "residual, um",
             "residual of exhausted ticks, um",
             "passes",
