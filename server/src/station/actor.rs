@@ -64,7 +64,7 @@ pub(super) struct Session {
 pub(super) enum State {
     Free,
     Ready {
-        student: Student,
+        student: Box<Student>,
         present: Present,
         since: Instant,
     },
@@ -282,7 +282,7 @@ impl Station {
             }
             other => {
                 let state = State::Ready {
-                    student,
+                    student: Box::new(student),
                     present,
                     since: now,
                 };
@@ -318,7 +318,7 @@ impl Station {
             }
             State::Ready {
                 student, present, ..
-            } => (student, Some(present)),
+            } => (&**student, Some(present)),
             State::Running(session) => (&session.student, session.present.as_ref()),
         };
         match (present, &self.state) {
@@ -410,7 +410,7 @@ impl Station {
         let now = Instant::now();
         self.state = State::Running(Box::new(Session {
             running,
-            student,
+            student: *student,
             clock: SessionClock::begin(now, plan.clock_in_gap),
             plan,
             present: Some(present),
