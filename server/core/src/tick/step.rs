@@ -40,7 +40,7 @@ pub(crate) fn gives_way(
 ) -> [bool; MAX_TOOLS] {
     let mut found = [false; MAX_TOOLS];
     let arrives = |t: &usize| state.tools[*t].arrival == Arrival::Travelling;
-    if group.iter().any(|t| arrives(t)) {
+    if group.iter().any(&arrives) {
         for contact in contacts {
             let t = usize::from(contact.tool);
             found[t] |= contact.gap < -OVERLAP

@@ -142,8 +142,8 @@ fn at_the_same_place_the_reading_goes_on() {
             let found = interrupted(site, gap, |before, _, _, _| *before);
             let what = format!("same place, site {site}, {gap} ms");
             holds(&what, &found);
-            // Out of the relaxed floor, and back: not out of the pocket, which is 3 mm deep.
-            assert!(found.farthest < 1.5e-3, "{what}: {:e} m", found.farthest);
+            // Out of the relaxed floor, and back: not out of the pocket of 3 or 4 mm.
+            assert!(found.farthest < 2e-3, "{what}: {:e} m", found.farthest);
             let (before, after) = (found.before.pocket, found.last.pocket);
             let (before, after) = (before.expect("a reading"), after.expect("a reading"));
             assert!((before.depth - after.depth).abs() < 1e-4, "{what}");
